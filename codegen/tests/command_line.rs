@@ -120,6 +120,67 @@ fn a_new_crate_has_the_robot_of_a_urdf() {
     }
 }
 
+const HINGES: &str = r#"<mujoco><worldbody><body name="upper" pos="0 0 1">
+  <joint name="shoulder" axis="0 1 0" damping="0.1"/><geom type="capsule" fromto="0 0 0 0 0 -.5" size=".05"/>
+  <body name="lower" pos="0 0 -.5"><joint name="el&quot;bow" axis="0 1 0"/><geom size=".05"/></body></body></worldbody>
+  <include file="parts/motors.xml"/></mujoco>"#;
+const MOTORS: &str =
+    r#"<mujocoinclude><actuator><motor joint="shoulder" gear="50"/></actuator></mujocoinclude>"#;
+
+/// The files lie in their places in the new crate, which has the robot and stays so with its hints made true.
+#[test]
+fn a_new_crate_has_the_robot_of_an_mjcf() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("parts")).unwrap();
+    fs::write(folder.path().join("arm.xml"), HINGES).unwrap();
+    fs::write(folder.path().join("parts/motors.xml"), MOTORS).unwrap();
+    for (name, option) in [("one", "--mjcf"), ("other", "--urdf")] {
+        let made = gelenk(folder.path(), &["new", name, option, "arm.xml"]);
+        assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+        let home = folder.path().join(name);
+        assert_eq!(fs::read_to_string(home.join("robot.xml")).unwrap(), HINGES);
+        assert_eq!(fs::read_to_string(home.join("parts/motors.xml")).unwrap(), MOTORS);
+        let text = fs::read_to_string(home.join("robot.toml")).unwrap();
+        assert!(text.contains("\nextends = \"robot.xml\"\n") && !text.contains("drive"), "{text}");
+        let done = ["[[joints]]", "name = ", "friction = "]
+            .iter()
+            .fold(text.clone(), |text, key| text.replace(&format!("\n# {key}"), &format!("\n{key}")));
+        assert_eq!(done.matches("\nfriction = ").count(), 2);
+        for (description, viscous) in [(text, "v[0] * 0.1"), (done, "v[0] * 0.4")] {
+            fs::write(home.join("robot.toml"), description).unwrap();
+            let generated = gelenk(&home, &["generate", "robot.toml", "--functions", "friction_torques"]);
+            assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+            let module = fs::read_to_string(home.join("robot.rs")).unwrap();
+            assert!(module.contains(viscous), "{module}");
+        }
+    }
+}
+
+/// What nothing moves is no robot for a simulation, and a file elsewhere has no place in the crate.
+#[test]
+fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    let still = HINGES.replace(r#"<include file="parts/motors.xml"/>"#, "");
+    let free = still.replace(r#"<joint name="shoulder" axis="0 1 0" damping="0.1"/>"#, "<freejoint/>");
+    let outside = HINGES.replace("parts/", "../");
+    fs::create_dir(folder.path().join("robots")).unwrap();
+    fs::write(folder.path().join("motors.xml"), MOTORS).unwrap();
+    for (text, message) in [
+        (still, "has no motor at `shoulder`, `el\"bow`; the program of a new crate moves one joint at least"),
+        (
+            free,
+            "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot whose base floats",
+        ),
+        (outside, "which cannot lie at the same place in the new crate"),
+    ] {
+        fs::write(folder.path().join("robots/arm.xml"), text).unwrap();
+        let refused = gelenk(folder.path(), &["new", "arm", "--mjcf", "robots/arm.xml"]);
+        assert_eq!(refused.status.code(), Some(2), "{}", shown(&refused));
+        assert!(shown(&refused).contains(message), "{}", shown(&refused));
+        assert!(!folder.path().join("arm").exists());
+    }
+}
+
 /// With a free base the description says so, and its hints make propellers of the links at the ends.
 #[test]
 fn a_new_crate_has_a_robot_that_floats() {
@@ -171,9 +232,11 @@ fn a_new_crate_is_not_made_of_a_file_that_is_no_urdf() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("broken.urdf"), "<robot name=\"r\"><link/></robot>").unwrap();
     fs::write(folder.path().join("arm.toml"), include_str!("../src/cli/template/robot.toml")).unwrap();
-    for (file, code, message) in
-        [("none.urdf", 1, "none.urdf"), ("broken.urdf", 1, "name"), ("arm.toml", 2, "arm.toml is no URDF")]
-    {
+    for (file, code, message) in [
+        ("none.urdf", 1, "none.urdf"),
+        ("broken.urdf", 1, "name"),
+        ("arm.toml", 2, "arm.toml is neither URDF nor MJCF"),
+    ] {
         let refused = gelenk(folder.path(), &["new", "arm", "--urdf", file]);
         assert_eq!(refused.status.code(), Some(code), "{}", shown(&refused));
         assert!(shown(&refused).contains(message), "{}", shown(&refused));

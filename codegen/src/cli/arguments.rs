@@ -62,10 +62,11 @@ const NEW_EXAMPLES: &str = "\
 Examples:
   gelenk new my_arm                              on this program's own checkout
   gelenk new my_arm --urdf arm.urdf              the robot of a URDF, which is copied
+  gelenk new my_arm --mjcf arm.xml               the robot of an MJCF, and what it includes
   gelenk new my_arm --git https://example.org/gelenk.git
   gelenk new my_arm --c                          a project in C; --python: in Python
 
-Exit codes: 0 success, 1 the folder exists or cannot be made, or the URDF is at fault, 2 wrong command line.";
+Exit codes: 0 success, 1 the folder exists or cannot be made, or the file is at fault, 2 wrong command line.";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
@@ -194,8 +195,8 @@ pub(super) struct New {
     /// Make a project in Python instead: a simulation over NumPy arrays
     #[arg(long)]
     pub(super) python: bool,
-    /// Describe the robot of this URDF [default: an arm of two joints]
-    #[arg(long, value_name = "FILE")]
+    /// Describe the robot of this URDF or MJCF [default: an arm of two joints]
+    #[arg(long, visible_alias = "mjcf", value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,
     /// Let the base move freely: a floating joint carries it [default: as described; without --urdf a
     /// quadrotor rather than an arm]

@@ -39,9 +39,9 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     let robot = robot(arguments.urdf.as_deref(), arguments.base == Some(BaseName::Floating), feet)?;
     let (project, package) = project(arguments, &robot)?;
     let description = ("robot.toml", robot.description.as_bytes());
-    let urdf = robot.urdf.as_deref().map(|urdf| ("robot.urdf", urdf));
+    let copies = robot.copies.iter().map(|(place, content)| (place.as_str(), content.as_slice()));
     let texts = project.files.iter().map(|(name, text)| (*name, text.as_bytes()));
-    let files: Vec<(&str, &[u8])> = [description].into_iter().chain(urdf).chain(texts).collect();
+    let files: Vec<(&str, &[u8])> = [description].into_iter().chain(copies).chain(texts).collect();
     make(folder)?;
     if let Err(error) = write(folder, &files) {
         // Half a project helps nobody; whether it could be removed changes nothing about the message.

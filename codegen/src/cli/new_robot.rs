@@ -1,6 +1,6 @@
-//! The robot of a new crate: the example, or one that a URDF describes.
+//! The robot of a new crate: the example, or one that a URDF or an MJCF describes.
 
-use std::path::Path;
+use std::path::{Component, Path};
 
 use super::failure::Failure;
 use super::new_feet::{self, Foot};
@@ -12,14 +12,14 @@ const BUILD: &str = include_str!("template/build.rs");
 /// With dry friction a plant's model is none for controllers.
 const BUILD_BOTH: &str = include_str!("template/build_both.rs");
 
-/// The description of a new crate, and the URDF that it names.
+/// The description of a new crate, and the files that it names.
 pub(super) struct Robot {
     /// Text of `robot.toml`.
     pub(super) description: String,
     /// Text of `build.rs`.
     pub(super) build: &'static str,
-    /// Content of `robot.urdf`.
-    pub(super) urdf: Option<Vec<u8>>,
+    /// The files that the description extends: their places in the project, and what they hold.
+    pub(super) copies: Vec<(String, Vec<u8>)>,
     /// Its base moves freely.
     pub(super) floats: bool,
     /// What it stands on.
@@ -35,51 +35,139 @@ pub(super) enum Feet<'a> {
     Of(&'a [String]),
 }
 
-/// The robot of the URDF, or an example.
+/// The robot of the URDF or MJCF, or an example.
 ///
-/// - `floats`: the base moves freely, whatever the URDF says
-pub(super) fn robot(urdf: Option<&Path>, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
+/// - `floats`: the base moves freely, whatever the file says
+pub(super) fn robot(xml: Option<&Path>, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
     let example = match floats {
         true => include_str!("template/robot_floating.toml"),
         false => include_str!("template/robot.toml"),
     };
-    match urdf {
-        None => Ok(Robot { description: example.to_owned(), build: BUILD, urdf: None, floats, feet: vec![] }),
-        Some(path) => from_urdf(path, floats, feet),
+    match xml {
+        None => {
+            Ok(Robot { description: example.to_owned(), build: BUILD, copies: vec![], floats, feet: vec![] })
+        }
+        Some(path) => from_xml(path, floats, feet),
     }
 }
 
-/// The URDF must be one that can be generated: half a crate helps nobody.
-fn from_urdf(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
+/// The file must be one that can be generated: half a crate helps nobody.
+fn from_xml(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
     let wrong = |why| Failure::Descriptions(vec![why]);
     let mut files = DescriptionFiles::of(path);
     let options = ReadOptions { floating_base: floats, ..ReadOptions::default() };
     let loaded = files.load(&options).map_err(wrong)?;
     require_base(path, &loaded.model)?;
-    if files.is_mjcf().map_err(wrong)? {
-        return Err(Failure::Usage(format!(
-            "{} is an MJCF, whose joints need not have motors; the program of a new crate moves each joint\n  = help: \
-             make the crate without --urdf, and write `extends = \"FILE.xml\"` and the joints' drives into its robot.toml",
-            path.display()
-        )));
-    }
-    if !files.is_xml().map_err(wrong)? {
-        return Err(Failure::Usage(format!(
-            "{} is no URDF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
-            path.display()
-        )));
-    }
+    let kind = match (files.is_xml().map_err(wrong)?, files.is_mjcf().map_err(wrong)?) {
+        (_, true) => Kind::Mjcf,
+        (true, false) => Kind::Urdf,
+        (false, false) => {
+            return Err(Failure::Usage(format!(
+                "{} is neither URDF nor MJCF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
+                path.display()
+            )));
+        }
+    };
+    kind.require_motors(path, &loaded.model)?;
     let feet = feet.of(&loaded.model)?;
+    let copies = kind.copies(path, &files)?;
     Ok(Robot {
         build: match loaded.model.moving_joints().iter().any(|moving| moving.joint.jumps()) {
             true => BUILD_BOTH,
             false => BUILD,
         },
-        description: description(path, &loaded.model, floats, &feet),
-        urdf: Some(files.content().map_err(wrong)?.to_vec()),
+        description: description((path, kind), &loaded.model, floats, &feet),
+        copies,
         floats: !loaded.model.quaternion_joints.is_empty(),
         feet,
     })
+}
+
+/// What a file describes the robot in.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Urdf,
+    Mjcf,
+}
+
+impl Kind {
+    /// The name of the copy in the project.
+    const fn file(self) -> &'static str {
+        match self {
+            Self::Urdf => "robot.urdf",
+            Self::Mjcf => "robot.xml",
+        }
+    }
+
+    /// What the description may say more of than the file.
+    const fn of_drives(self) -> &'static str {
+        match self {
+            Self::Urdf => {
+                "\n# A URDF says nothing of drives, and seldom of friction. Inputs are joint torques until there are drives. Put in your robot's\n\
+                 # numbers and remove the signs # in front of them.\n"
+            }
+            Self::Mjcf => {
+                "\n# Inputs are those of the file's motors, whose gears and armatures are taken over. Friction that stands here takes the place\n\
+                 # of the file's damping and friction loss: put in your robot's numbers and remove the signs # in front of them.\n"
+            }
+        }
+    }
+
+    /// Every joint of a URDF is an input. Those of an MJCF are none without an actuator: a robot that nothing moves, or one on
+    /// legs that cannot hold themselves, is none that the programs of new crates control.
+    fn require_motors(self, path: &Path, model: &Model) -> Result<(), Failure> {
+        let driven = |coordinate: usize| {
+            model.drives.iter().any(|drive| drive.acts_on.iter().any(|of| of.coordinate == coordinate))
+        };
+        let without: Vec<&str> = described_joints(model)
+            .filter(|(_, link)| {
+                model.coordinates.iter().position(|of| of == link).is_some_and(|c| !driven(c))
+            })
+            .map(|(joint, _)| joint.name.as_str())
+            .collect();
+        let floats = !model.quaternion_joints.is_empty();
+        let enough =
+            if floats { without.is_empty() } else { without.len() < described_joints(model).count() };
+        if self == Self::Urdf || enough || without.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::Usage(format!(
+            "{} has no motor at {}; the program of a new crate moves {}\n  = help: add `<motor joint=\"{}\"/>` to its <actuator>",
+            path.display(),
+            without.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+            if floats { "each joint of a robot whose base floats" } else { "one joint at least" },
+            without[0],
+        )))
+    }
+
+    /// The file and those that it includes, in their places beside it.
+    fn copies(self, path: &Path, files: &DescriptionFiles) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let copy = |(file, bytes): (&Path, &[u8])| {
+            if file == path {
+                return Ok((self.file().to_owned(), bytes.to_vec()));
+            }
+            let place = file
+                .strip_prefix(folder)
+                .ok()
+                .filter(|place| is_inside(place) && *place != Path::new(self.file()));
+            match place.and_then(Path::to_str) {
+                Some(place) => Ok((place.to_owned(), bytes.to_vec())),
+                None => Err(Failure::Usage(format!(
+                    "{} includes {}, which cannot lie at the same place in the new crate\n  = help: include files that lie beside it, \
+                     by a relative path and under another name than {}",
+                    path.display(),
+                    file.display(),
+                    self.file()
+                ))),
+            }
+        };
+        files.contents().map(copy).collect()
+    }
+}
+
+fn is_inside(place: &Path) -> bool {
+    place.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
 impl Feet<'_> {
@@ -112,14 +200,19 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
     )))
 }
 
-fn description(path: &Path, model: &Model, floats: bool, feet: &[Foot]) -> String {
+fn description((path, kind): (&Path, Kind), model: &Model, floats: bool, feet: &[Foot]) -> String {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
-        "# The robot of robot.urdf, which is a copy of {}.\n\
+        "# The robot of {0}, which is a copy of {1}.\n\
          # Every key is described in models/README.md of gelenk. `gelenk report robot.toml` draws the robot and checks it.\n\
          name = \"robot\"\n\
-         urdf = \"robot.urdf\"\n",
-        file.replace(char::is_control, " ")
+         {2} = \"{0}\"\n",
+        kind.file(),
+        file.replace(char::is_control, " "),
+        match kind {
+            Kind::Urdf => "urdf",
+            Kind::Mjcf => "extends",
+        }
     );
     if floats {
         text.push_str("# The base moves freely.\nbase = { type = \"floating\" }\n");
@@ -129,12 +222,9 @@ fn description(path: &Path, model: &Model, floats: bool, feet: &[Foot]) -> Strin
             "# Joints with <mimic> move with the joints that they follow. With `ignore_mimic = true` each is a coordinate of its own.\n",
         );
     }
-    text.push_str(
-        "\n# A URDF says nothing of drives, and seldom of friction. Inputs are joint torques until there are drives. Put in your robot's\n\
-         # numbers and remove the signs # in front of them.\n",
-    );
+    text.push_str(kind.of_drives());
     for (joint, _) in described_joints(model) {
-        text.push_str(&entry(&joint.name));
+        text.push_str(&entry(&joint.name, kind));
     }
     if !feet.is_empty() {
         text.push_str(&new_feet::description(feet));
@@ -170,12 +260,15 @@ fn propellers(model: &Model) -> String {
 }
 
 /// A joint's entry, as a comment.
-fn entry(joint: &str) -> String {
+fn entry(joint: &str, kind: Kind) -> String {
+    let drive = match kind {
+        Kind::Urdf => {
+            "# drive = { gear_ratio = 100, rotor_inertia = 2e-5, torque = { nominal = 0.4, peak = 0.8 } }\n"
+        }
+        Kind::Mjcf => "",
+    };
     format!(
-        "\n# [[joints]]\n\
-         # name = {}\n\
-         # friction = {{ viscous = 0.4, coulomb = 0.2 }}\n\
-         # drive = {{ gear_ratio = 100, rotor_inertia = 2e-5, torque = {{ nominal = 0.4, peak = 0.8 }} }}\n",
+        "\n# [[joints]]\n# name = {}\n# friction = {{ viscous = 0.4, coulomb = 0.2 }}\n{drive}",
         toml_text(joint)
     )
 }

@@ -26,13 +26,9 @@ impl DescriptionFiles {
         Self { files: Vec::new(), description: path.to_owned() }
     }
 
-    /// The content of the description itself.
-    ///
-    /// # Errors
-    /// `file-unreadable`
-    pub fn content(&mut self) -> Result<&[u8], Diagnostics> {
-        let path = self.description.clone();
-        self.bytes(&path)
+    /// The files that were read, with their content: the description, and what it extends or includes.
+    pub fn contents(&self) -> impl Iterator<Item = (&Path, &[u8])> {
+        self.files.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
     }
 
     /// Tells whether the description is XML, by its name, else by its content.
@@ -186,7 +182,10 @@ mod tests {
         assert_eq!(files.load(&ReadOptions::default()).unwrap(), loaded);
         let frictionless = ReadOptions { no_friction: true, ..ReadOptions::default() };
         assert_eq!(files.load(&frictionless).unwrap().files, loaded.files);
-        assert_eq!(files.content().unwrap(), b"extends = \"base.toml\"\n");
+        assert_eq!(
+            files.contents().next().unwrap(),
+            (first.as_path(), b"extends = \"base.toml\"\n".as_slice())
+        );
         assert!(read(&first, &ReadOptions::default()).is_err());
     }
 }
