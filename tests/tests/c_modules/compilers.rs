@@ -21,6 +21,11 @@ pub fn c_compilers() -> Vec<Compiler> {
     compilers.filter(Compiler::is_there).collect()
 }
 
+/// Those of C, whose programs are run, and the others, which only look for warnings.
+pub fn c_and_others() -> (Vec<Compiler>, Vec<Compiler>) {
+    c_compilers().into_iter().partition(|compiler| compiler.words.iter().any(|word| word == "-std=c99"))
+}
+
 impl Compiler {
     fn new(command: &str) -> Self {
         Self { words: command.split_whitespace().map(str::to_owned).collect() }

@@ -20,7 +20,7 @@ mod lanes;
 
 use std::path::{Path, PathBuf};
 
-use compilers::{Compiler, c_compilers};
+use compilers::{Compiler, c_and_others, c_compilers};
 use drivers::Requests;
 use fastrand::Rng;
 use gelenk_codegen::emit::{self, Companion, EmitOptions, Language, Scalar, SourceFile};
@@ -157,11 +157,10 @@ const LOOPS: [&str; 4] =
 const DISCRETE_TIME: [&str; 5] = ["forward_dynamics", "linearize", "discretize", "step", "step_derivatives"];
 
 /// All functions as straight-line code with free parameters, then loops over a chain and over trees whose joints follow
-/// others; the first three with discrete time. The first compiler runs them, the others look for warnings.
+/// others; the first three with discrete time. Those compiled as C run, those compiled as C++ are looked at for warnings.
 #[test]
 fn some_robots_compute_the_same_bits_in_every_variant() {
-    let mut compilers = c_compilers();
-    let others = compilers.split_off(compilers.len().min(1));
+    let (compilers, others) = c_and_others();
     for (name, functions, form) in [
         ("powercube_parameters.toml", &[][..], Form::Cheapest),
         ("geared_arm.toml", &[], Form::Arrays),
@@ -209,8 +208,7 @@ joints = [
 /// Their texts hold no fused operations.
 #[test]
 fn robots_with_quaternions_compute_the_same_bits() {
-    let mut compilers = c_compilers();
-    let others = compilers.split_off(compilers.len().min(1));
+    let (compilers, others) = c_and_others();
     let folder = tempfile::tempdir().expect("a folder");
     for (description, scalar) in
         [(model("satellite.toml"), Scalar::F64), (floating_in(folder.path()), Scalar::F32)]
@@ -250,8 +248,7 @@ frames = [{ name = "tip", link = "finger", origin = { xyz = [0, 0, 0.2] } }]
 /// Functions that take the driven coordinates.
 #[test]
 fn robots_with_driven_joints_compute_the_same_bits() {
-    let mut compilers = c_compilers();
-    let others = compilers.split_off(compilers.len().min(1));
+    let (compilers, others) = c_and_others();
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("driven.toml");
     std::fs::write(&path, DRIVEN).expect("a description");
