@@ -155,14 +155,44 @@ where
     D: Discretizable<N, M, NY> + PhaseSpace<NX> + Copy,
     T: Trajectory<N, NY> + Clone,
 {
-    let Case { name, model, motion, options, substeps } = case;
-    let period = options.period;
+    let Case { name, model, motion, options, .. } = case;
     let (mut log, writer) = log_to::<N, M, NY>(std::io::sink(), model, 100_000)?;
     let mut ltv = LtvMpc::<D, _, N, M, NX, 0, NY>::new(*model, motion.clone(), options.clone())?;
     let linear = drive(case, &mut log, &mut ltv)?;
     let mut nmpc = Nmpc::<D, _, N, M, NX, 0, NY>::new(*model, motion.clone(), options.clone())?;
     let nonlinear = drive(case, &mut log, &mut nmpc)?;
+    let besides = stages(case, &mut log)?;
+    drop(log);
+    writer.finish()?;
+    let medians = print_linear(name, &linear, &besides);
+    println!(
+        "{:<10} NMPC    {:>6.1} us, bounded {:>6.1} us",
+        "",
+        median(nonlinear.all),
+        median(nonlinear.bounded)
+    );
+    Ok(medians)
+}
 
+/// What a step of the linear controller takes beside its QP (µs).
+struct Stages {
+    observing: f64,
+    /// The horizon: reference, feed-forward and discretization of each period.
+    looking: f64,
+    logging: f64,
+}
+
+/// Measures each of them alone.
+fn stages<D, T, const N: usize, const M: usize, const NY: usize>(
+    case: &Case<D, T, N, M>,
+    log: &mut LogSink<N, M, NY>,
+) -> Result<Stages, Box<dyn Error>>
+where
+    D: Discretizable<N, M, NY> + Copy,
+    T: Trajectory<N, NY>,
+{
+    let Case { model, motion, options, substeps, .. } = case;
+    let period = options.period;
     let sample = motion.sample(0.5 * motion.duration());
     let feed_forward = FeedForward::new(*model)?;
     let inputs = feed_forward.at(&sample).inputs;
@@ -184,9 +214,11 @@ where
         }
     });
     let logging = time_alone(|_| log.push(log_record(0.0, &sample.positions, &inputs)));
-    drop(log);
-    writer.finish()?;
+    Ok(Stages { observing, looking, logging })
+}
 
+/// Prints the linear controller's steps; their medians, of all, and of those with active bounds.
+fn print_linear(name: &str, linear: &Loop, Stages { observing, looking, logging }: &Stages) -> [f64; 2] {
     let (all, whole) = (median(linear.all.clone()), median(linear.bounded.clone()));
     let besides = observing + looking + logging;
     let share = |stage: f64| format!("{stage:.1} ({:.0} %)", 100.0 * stage / whole);
@@ -196,10 +228,10 @@ where
         "{name:<10} LTV-MPC {all:>6.1} us, bounded {whole:>6.1} us in {} of {} periods: observer {}, horizon {}, QP {}, log {}",
         linear.bounded.len(),
         linear.all.len(),
-        share(observing),
-        share(looking),
+        share(*observing),
+        share(*looking),
         share(whole - besides),
-        share(logging),
+        share(*logging),
     );
     println!(
         "{:<10} iterations {sum}, median of bounded periods {}, most {}, {:.2} us per iteration",
@@ -208,13 +240,7 @@ where
         linear.iterations.iter().copied().fold(0.0, f64::max),
         in_qp / sum
     );
-    println!(
-        "{:<10} NMPC    {:>6.1} us, bounded {:>6.1} us",
-        "",
-        median(nonlinear.all),
-        median(nonlinear.bounded)
-    );
-    Ok([all, whole])
+    [all, whole]
 }
 
 /// Limits of the inputs' magnitudes, and as much noise of the disturbance as they call for.

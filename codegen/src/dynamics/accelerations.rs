@@ -4,7 +4,7 @@ use super::equations::Equations;
 use super::load_friction;
 use super::matrix::{FREE, Matrix, dot, subtract, sum};
 use super::recursion::factorization::Factorization;
-use super::recursion::newton_euler::MotionInput;
+use super::recursion::motion::MotionInput;
 use crate::graph::{Cost, Edge, Scalar};
 use crate::spatial::Force;
 

@@ -7,7 +7,6 @@ use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
 use super::node::{Edge, Node};
-use super::scalar::Scalar;
 use crate::formula::Function;
 
 /// A growing set of nodes. Equal nodes exist once; operands stand before their users.
@@ -36,28 +35,6 @@ impl Graph {
     /// The node that an edge refers to.
     pub fn node(&self, edge: Edge) -> Node {
         self.nodes.borrow()[edge.index()]
-    }
-
-    /// A finite constant.
-    pub fn constant(&self, value: f64) -> Scalar<'_> {
-        debug_assert!(value.is_finite(), "constants of the graph are finite");
-        let edge = self.intern(Node::Constant(value.abs().to_bits()));
-        self.scalar(edge.negate_if(value < 0.0))
-    }
-
-    /// Entry `index` of input array `array`.
-    pub fn input(&self, array: usize, index: usize) -> Scalar<'_> {
-        self.scalar(self.intern(Node::Input(array as u32, index as u32)))
-    }
-
-    /// Free parameter `index`.
-    pub fn parameter(&self, index: usize) -> Scalar<'_> {
-        self.scalar(self.intern(Node::Parameter(index as u32)))
-    }
-
-    /// A scalar of this graph from its edge.
-    pub fn scalar(&self, edge: Edge) -> Scalar<'_> {
-        Scalar::new(self, edge)
     }
 
     /// The value of an edge to a constant.
@@ -101,7 +78,7 @@ impl Graph {
         (0..nodes.len()).filter(|&index| needed[index]).map(Edge::plus).collect()
     }
 
-    fn intern(&self, node: Node) -> Edge {
+    pub(super) fn intern(&self, node: Node) -> Edge {
         Edge::plus(self.nodes.borrow_mut().insert_full(node).0)
     }
 

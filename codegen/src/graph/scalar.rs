@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::build::Graph;
-use super::node::Edge;
+use super::node::{Edge, Node};
 use crate::formula::Function;
 
 /// A signed reference to a node together with its graph.
@@ -12,6 +12,30 @@ use crate::formula::Function;
 pub struct Scalar<'g> {
     graph: &'g Graph,
     edge: Edge,
+}
+
+impl Graph {
+    /// A finite constant.
+    pub fn constant(&self, value: f64) -> Scalar<'_> {
+        debug_assert!(value.is_finite(), "constants of the graph are finite");
+        let edge = self.intern(Node::Constant(value.abs().to_bits()));
+        self.scalar(edge.negate_if(value < 0.0))
+    }
+
+    /// Entry `index` of input array `array`.
+    pub fn input(&self, array: usize, index: usize) -> Scalar<'_> {
+        self.scalar(self.intern(Node::Input(array as u32, index as u32)))
+    }
+
+    /// Free parameter `index`.
+    pub fn parameter(&self, index: usize) -> Scalar<'_> {
+        self.scalar(self.intern(Node::Parameter(index as u32)))
+    }
+
+    /// A scalar of this graph from its edge.
+    pub fn scalar(&self, edge: Edge) -> Scalar<'_> {
+        Scalar::new(self, edge)
+    }
 }
 
 impl<'g> Scalar<'g> {

@@ -1,11 +1,11 @@
 //! The door for build scripts.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
+use super::cargo::{command, warn, watch};
+use super::modules::{BuildError, Robot, write};
 use super::out_dir::OutDir;
-use super::write::{Planned, Replaces, WriteError};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::Diagnostics;
 use crate::emit::{Language, Scalar};
 use crate::pipeline::{self, GenerateOptions, Generated};
 use gelenk_files::is_same_file;
@@ -36,42 +36,6 @@ pub struct Builder {
     control_model: Option<f64>,
     hides_notes: bool,
 }
-
-/// Why a build script could not generate.
-#[derive(Debug)]
-pub enum BuildError {
-    /// No description was given.
-    NothingToDo,
-    /// Neither `OUT_DIR` nor [`Builder::output_folder`] says where to write.
-    NoFolder,
-    /// Descriptions at fault.
-    Descriptions(Vec<Diagnostics>),
-    /// A file that could not be written.
-    Write(WriteError),
-    /// Two descriptions with one name.
-    SameName(String),
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NothingToDo => f.write_str("no description was given: call `description(\"robot.toml\")`"),
-            Self::NoFolder => {
-                f.write_str("OUT_DIR is not set: call this from build.rs, or `output_folder` before")
-            }
-            Self::Descriptions(all) => {
-                let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
-                f.write_str(&texts.join("\n\n"))
-            }
-            Self::Write(error) => error.fmt(f),
-            Self::SameName(name) => {
-                write!(f, "two descriptions name their robot `{name}`: rename one")
-            }
-        }
-    }
-}
-
-impl std::error::Error for BuildError {}
 
 impl Builder {
     /// Without descriptions yet.
@@ -278,12 +242,6 @@ impl Builder {
     }
 }
 
-/// A module and the description that it was generated from.
-pub(super) struct Robot {
-    pub(super) description: PathBuf,
-    pub(super) generated: Generated,
-}
-
 fn refuse_same_names(robots: &[Robot]) -> Result<(), BuildError> {
     let names = robots.iter().map(|robot| robot.generated.source.name.as_str());
     let mut names: Vec<&str> = names.collect();
@@ -292,50 +250,6 @@ fn refuse_same_names(robots: &[Robot]) -> Result<(), BuildError> {
         Some(pair) => Err(BuildError::SameName(pair[0].to_owned())),
         None => Ok(()),
     }
-}
-
-/// Writes the modules, all or, where one may not be written, none.
-pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
-    let read = robots.iter().flat_map(|robot| robot.generated.files.clone());
-    let read: Vec<PathBuf> = read.collect();
-    let files = robots.iter().flat_map(|robot| {
-        let source = &robot.generated.source;
-        let files = source.files().into_iter();
-        files.map(|(ending, text)| (folder.join(format!("{}{ending}", source.name)), text))
-    });
-    let planned = files.map(|(path, text)| Planned::new(&path, text, Replaces::Module, &read));
-    let planned = planned.collect::<Result<Vec<_>, _>>().map_err(BuildError::Write)?;
-    let paths = planned.iter().map(|file| {
-        file.write()?;
-        Ok(file.path().to_owned())
-    });
-    paths.collect::<Result<_, _>>().map_err(BuildError::Write)
-}
-
-/// The command in the header of generated files: the package whose build script this is.
-pub(super) fn command() -> String {
-    match std::env::var("CARGO_PKG_NAME") {
-        Ok(package) => format!("cargo build -p {package}"),
-        Err(_) => "cargo build".to_owned(),
-    }
-}
-
-pub(super) fn watch(file: &Path) {
-    println!("cargo::rerun-if-changed={}", one_line(&file.display().to_string()));
-}
-
-/// Cargo's protocol has one line per message.
-pub(super) fn warn(note: &Diagnostic) {
-    let place = note
-        .location
-        .as_ref()
-        .map(|at| format!("{}:{}:{}: ", at.file, at.line, at.column))
-        .unwrap_or_default();
-    println!("cargo::warning={}", one_line(&format!("{place}{}", note.message)));
-}
-
-fn one_line(text: &str) -> String {
-    text.replace(['\n', '\r'], " ")
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! Stage 6: source files reach the disk, whole or not at all.
 
 mod builder;
+mod cargo;
 mod crate_root;
+mod modules;
 mod out_dir;
 mod write;
 
-pub use builder::{BuildError, Builder, build};
+pub use builder::{Builder, build};
 pub use crate_root::{documented, is_generated, left_over, root_text};
+pub use modules::BuildError;
 pub use write::{Outcome, Planned, Replaces, WriteError, check};

@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::builder::{self, BuildError, Robot};
+use super::cargo;
 use super::crate_root::{begins_with, left_over};
+use super::modules::{self, BuildError, Robot};
 use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::{Diagnostics, Severity};
 use crate::emit::{FIRST_LINE, documentation};
@@ -36,7 +37,7 @@ impl OutDir {
             }
             written.push((name.clone(), robot.description.clone()));
         }
-        let paths = builder::write(&self.folder, robots)?;
+        let paths = modules::write(&self.folder, robots)?;
         let names: Vec<String> = written.iter().map(|(name, _)| name.clone()).collect();
         self.remove_others(&names)?;
         self.put(LIST, &list(&written))?;
@@ -80,7 +81,7 @@ impl OutDir {
         let (mere, grave): (Vec<_>, Vec<_>) =
             notes.entries().iter().partition(|note| note.severity == Severity::Note);
         // What is more than a note is for Cargo to repeat.
-        grave.into_iter().for_each(builder::warn);
+        grave.into_iter().for_each(cargo::warn);
         if mere.is_empty() {
             // What cannot be removed is at worst taken for shown, later, if the same notes come back.
             let _ = fs::remove_file(&path);
@@ -88,10 +89,10 @@ impl OutDir {
         }
         let text: String = mere.iter().map(|note| format!("{note}\n")).collect();
         if !super::check(&path, &text) {
-            mere.into_iter().for_each(builder::warn);
+            mere.into_iter().for_each(cargo::warn);
         }
         self.put(&file, &text)?;
-        builder::watch(&path);
+        cargo::watch(&path);
         Ok(())
     }
 }
@@ -120,7 +121,7 @@ fn list(modules: &[(String, PathBuf)]) -> String {
 /// What the files of this build script begin with, and no others: what a build script has made by the program
 /// stays.
 fn header() -> String {
-    format!("{FIRST_LINE}\n//\n//     {}\n", builder::command())
+    format!("{FIRST_LINE}\n//\n//     {}\n", cargo::command())
 }
 
 #[cfg(test)]

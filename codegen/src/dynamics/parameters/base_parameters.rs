@@ -11,7 +11,7 @@
 //! them, and what differs is no number: i² J of a rotor is another one for every gear ratio i.
 
 use crate::dynamics::parameters::regressor::inertial_regressor;
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 use crate::graph::Graph;
 use crate::kinematics::{Mechanism, Number};
 use crate::layout::Extent;

@@ -14,7 +14,8 @@
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::matrix::Matrix;
-use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput, motions, spread_of};
+use crate::dynamics::recursion::motion::{BodyMotion, MotionInput, spread_of};
+use crate::dynamics::recursion::newton_euler::motions;
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::formula::Formula;
 use crate::graph::{Graph, Scalar};

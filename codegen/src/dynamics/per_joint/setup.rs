@@ -60,58 +60,78 @@ pub(super) fn set_up<'g>(
     let zero = equations.graph.constant(0.0);
     let Joints { mechanism, loops } = joints;
     let poses = BasePoses::new((*mechanism).clone(), &arguments.y);
-    let mut rows = |name: &str, count: usize, fill: &dyn Fn(usize) -> Vec<Scalar<'g>>| {
-        let mut rows = vec![vec![zero; loops.list.len()]; count];
-        for (joint, &place) in loops.places.iter().enumerate() {
-            for (row, entry) in rows.iter_mut().zip(fill(joint)) {
-                row[place] = entry;
-            }
-        }
-        builder.set_up(name, rows)
-    };
+    let mut rows = Rows { builder, loops, zero };
+    let falling = (-mechanism.gravity).0.to_vec();
     let forces = JointForces::new(equations, arguments);
     let diagonal = rotor_inertia(joints);
     let momenta = rotor_momenta(joints, &poses);
-    let coordinate = |joint: usize| loops.list[joint].follows.coordinate;
-    let at_own = |joint: usize, entries: &dyn Fn(usize) -> Vec<Scalar<'g>>| match loops.is_own(joint) {
-        true => entries(coordinate(joint)),
-        false => vec![],
-    };
     Setup {
-        screws: rows("screws", 6, &|joint| joints.screw(&poses, joint).entries().to_vec()),
-        axes: rows("axes", 9, &|joint| joints.pose(&poses, joint).axes.map(|axis| axis.0).concat()),
-        origins: rows("origins", 3, &|joint| joints.pose(&poses, joint).origin.0.to_vec()),
-        moments: rows("moments", 10, &|joint| entries_of(&joints.moments(joint))),
-        rates: rows("rates", 1, &|joint| vec![arguments.v[coordinate(joint)]]),
-        gravity: rows("gravity", 3, &|joint| match loops.tree.parents[loops.places[joint]] {
+        screws: rows.fill("screws", 6, |joint| joints.screw(&poses, joint).entries().to_vec()),
+        axes: rows.fill("axes", 9, |joint| joints.pose(&poses, joint).axes.map(|axis| axis.0).concat()),
+        origins: rows.fill("origins", 3, |joint| joints.pose(&poses, joint).origin.0.to_vec()),
+        moments: rows.fill("moments", 10, |joint| entries_of(&joints.moments(joint))),
+        rates: rows.fill("rates", 1, |joint| vec![arguments.v[loops.coordinate(joint)]]),
+        gravity: rows.fill("gravity", 3, |joint| match loops.tree.parents[loops.places[joint]] {
             Some(_) => vec![zero; 3],
-            None => (-mechanism.gravity).0.to_vec(),
+            None => falling.clone(),
         }),
         base_acceleration: mechanism.has_quaternions().then(|| {
-            rows("base_acceleration", 3, &|joint| match joints.is_on_base(joint) {
-                true => (-mechanism.gravity).0.to_vec(),
+            rows.fill("base_acceleration", 3, |joint| match joints.is_on_base(joint) {
+                true => falling.clone(),
                 false => vec![zero; 3],
             })
         }),
-        rotors: rows("rotor_inertia", 1, &|joint| at_own(joint, &|coordinate| vec![diagonal[coordinate]])),
+        rotors: rows.fill_own("rotor_inertia", 1, |coordinate| vec![diagonal[coordinate]]),
         last: match &last {
-            Last::Accelerations(last) => rows("accelerations", 1, &|joint| vec![last[coordinate(joint)]]),
+            Last::Accelerations(last) => {
+                rows.fill("accelerations", 1, |joint| vec![last[loops.coordinate(joint)]])
+            }
             Last::DrivingForces(last) => {
-                rows("driving_forces", 1, &|joint| at_own(joint, &|coordinate| vec![last[coordinate]]))
+                rows.fill_own("driving_forces", 1, |coordinate| vec![last[coordinate]])
             }
         },
-        joint_forces: rows("joint_forces", 3, &|joint| {
-            at_own(joint, &|coordinate| forces.own(coordinate).to_vec())
-        }),
-        coupled_forces: forces.coupled().map(|[by_coordinates, by_velocities]| CoupledForces {
-            by_coordinates: rows("coupled_stiffness", by_coordinates.len(), &|joint| {
-                at_own(joint, &|column| by_coordinates.iter().map(|row| row[column]).collect())
-            }),
-            by_velocities: rows("coupled_damping", by_velocities.len(), &|joint| {
-                at_own(joint, &|column| by_velocities.iter().map(|row| row[column]).collect())
-            }),
-        }),
-        momenta: momenta.map(|momenta| rows("rotor_momenta", 3, &|joint| momenta[joint].0.to_vec())),
+        joint_forces: rows.fill_own("joint_forces", 3, |coordinate| forces.own(coordinate).to_vec()),
+        coupled_forces: rows.coupled_forces(&forces),
+        momenta: momenta.map(|momenta| rows.fill("rotor_momenta", 3, |joint| momenta[joint].0.to_vec())),
+    }
+}
+
+/// Arrays with an entry for each joint of the loops.
+struct Rows<'a, 'g> {
+    builder: &'a mut ArrayBuilder,
+    loops: &'a LoopJoints<Scalar<'g>>,
+    zero: Scalar<'g>,
+}
+
+impl<'g> Rows<'_, 'g> {
+    /// An array by the entries of each joint; rows that a joint has no entries for are 0.
+    fn fill(&mut self, name: &str, count: usize, entries: impl Fn(usize) -> Vec<Scalar<'g>>) -> ArrayId {
+        let mut rows = vec![vec![self.zero; self.loops.list.len()]; count];
+        for (joint, &place) in self.loops.places.iter().enumerate() {
+            for (row, entry) in rows.iter_mut().zip(entries(joint)) {
+                row[place] = entry;
+            }
+        }
+        self.builder.set_up(name, rows)
+    }
+
+    /// The same by the entries of each coordinate, at the joint that is its own.
+    fn fill_own(&mut self, name: &str, count: usize, entries: impl Fn(usize) -> Vec<Scalar<'g>>) -> ArrayId {
+        let loops = self.loops;
+        self.fill(name, count, |joint| match loops.is_own(joint) {
+            true => entries(loops.coordinate(joint)),
+            false => vec![],
+        })
+    }
+
+    fn coupled_forces(&mut self, forces: &JointForces<'_, 'g>) -> Option<CoupledForces> {
+        let mut matrix = |name: &str, matrix: &Matrix<'g>| {
+            self.fill_own(name, matrix.len(), |column| matrix.iter().map(|row| row[column]).collect())
+        };
+        forces.coupled().map(|[by_coordinates, by_velocities]| CoupledForces {
+            by_coordinates: matrix("coupled_stiffness", &by_coordinates),
+            by_velocities: matrix("coupled_damping", &by_velocities),
+        })
     }
 }
 

@@ -105,9 +105,14 @@ impl<S: Numbers> LoopJoints<S> {
         chains
     }
 
+    /// The coordinate that a joint follows.
+    pub(super) fn coordinate(&self, joint: usize) -> usize {
+        self.list[joint].follows.coordinate
+    }
+
     /// Whether a joint is that of its coordinate itself.
     pub(super) fn is_own(&self, joint: usize) -> bool {
-        self.places[joint] == self.list[joint].follows.coordinate
+        self.places[joint] == self.coordinate(joint)
     }
 }
 

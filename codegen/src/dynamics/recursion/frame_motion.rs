@@ -3,7 +3,8 @@
 use nalgebra::Matrix3;
 
 use crate::dynamics::formulation::Formulation;
-use crate::dynamics::recursion::newton_euler::{MotionInput, frame_acceleration};
+use crate::dynamics::recursion::motion::MotionInput;
+use crate::dynamics::recursion::newton_euler::frame_acceleration;
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};

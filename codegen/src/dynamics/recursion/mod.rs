@@ -6,6 +6,7 @@ pub mod derivatives;
 pub mod factorization;
 pub mod frame_motion;
 mod mirrored;
+pub mod motion;
 pub mod newton_euler;
 pub mod placement;
 pub mod quaternion;

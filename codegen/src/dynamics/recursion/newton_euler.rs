@@ -12,38 +12,13 @@
 
 use crate::dynamics::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::dynamics::recursion::mirrored::{Branches, mirrored};
+use crate::dynamics::recursion::motion::{BodyMotion, MotionInput, spread_of};
 use crate::dynamics::recursion::placement::{Placement, place};
-use crate::dynamics::recursion::quaternion::{ChainMotion, Passage};
+use crate::dynamics::recursion::quaternion::Passage;
 use crate::dynamics::recursion::rotor::Gyrostat;
 use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
-
-/// BodyMotion of a body in its working frame.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::dynamics) struct BodyMotion<'g> {
-    /// Angular velocity ω.
-    pub omega: Vector3<Scalar<'g>>,
-    /// Components of the angular acceleration ω̇ that were needed for U.
-    angular: [Option<Scalar<'g>>; 3],
-    /// U = ω̇× + ω× ω×.
-    pub spread: Matrix3<'g>,
-    /// Acceleration of the origin, minus gravity.
-    pub acceleration: Vector3<Scalar<'g>>,
-    /// What it comes from, for bodies of joints with quaternions.
-    pub chain: Option<ChainMotion<'g>>,
-}
-
-/// The motion that the inverse dynamics are evaluated for.
-#[derive(Debug, Clone, Copy)]
-pub struct MotionInput<'a, 'g> {
-    /// Coordinates.
-    pub y: &'a [Scalar<'g>],
-    /// Velocities.
-    pub v: &'a [Scalar<'g>],
-    /// Accelerations.
-    pub a: &'a [Scalar<'g>],
-}
 
 /// The inverse dynamics with what they were made from.
 pub(super) struct InverseDynamicsParts<'g> {
@@ -156,43 +131,6 @@ pub(in crate::dynamics) fn motions<'g>(
     motions
 }
 
-impl<'g> BodyMotion<'g> {
-    fn at_rest(acceleration: Vector3<Scalar<'g>>) -> Self {
-        let zero = acceleration[0].constant(0.0);
-        Self {
-            omega: Vector3::zero(zero),
-            angular: [Some(zero); 3],
-            spread: Matrix3::zero(zero),
-            acceleration,
-            chain: None,
-        }
-    }
-
-    /// That of a joint with a quaternion.
-    pub(super) fn of_chain(
-        omega: Vector3<Scalar<'g>>,
-        angular: Vector3<Scalar<'g>>,
-        acceleration: Vector3<Scalar<'g>>,
-        chain: ChainMotion<'g>,
-    ) -> Self {
-        let (spread, angular) = (spread_of(omega, angular), angular.0.map(Some));
-        Self { omega, angular, spread, acceleration, chain: Some(chain) }
-    }
-
-    fn named(self, body: &Body<Scalar<'g>>) -> Self {
-        self.omega.named(&format!("omega_{}", body.label()));
-        self.acceleration.named(&format!("acceleration_{}", body.label()));
-        self
-    }
-
-    /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
-    pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
-        let (u, w) = (&self.spread, self.omega);
-        let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];
-        Vector3([0, 1, 2].map(|k| self.angular[k].unwrap_or(from_spread[k])))
-    }
-}
-
 /// One revolute joint on the way outwards.
 struct RevoluteStep<'a, 'g> {
     mechanism: &'a Mechanism<Scalar<'g>>,
@@ -294,21 +232,6 @@ fn extend<'g>(
 
 fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
     Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
-}
-
-/// `U = ω̇× + ω× ω×`
-pub(in crate::dynamics) fn spread_of<'g>(
-    omega: Vector3<Scalar<'g>>,
-    angular: Vector3<Scalar<'g>>,
-) -> Matrix3<'g> {
-    let (w, e) = (omega, angular);
-    let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
-    let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
-    Matrix3([
-        [-(yy + zz), xy - e[2], xz + e[1]],
-        [xy + e[2], -(xx + zz), yz - e[0]],
-        [xz - e[1], yz + e[0], -(xx + yy)],
-    ])
 }
 
 /// U from ω, from U z, and from the angular acceleration about z.

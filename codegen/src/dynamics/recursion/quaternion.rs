@@ -16,28 +16,11 @@
 //!
 //! and for a sliding one by `δa = (ω + ω_c) × e` and `δa = U_c e`, with β and U as elsewhere.
 
-use super::newton_euler::{BodyMotion, MotionInput, spread_of};
+use super::motion::{BodyMotion, ChainMotion, MotionInput, spread_of};
 use super::placement::Placement;
 use crate::graph::Scalar;
 use crate::kinematics::{ChainPlace, Mechanism};
-use crate::spatial::{Force, Matrix3, Motion, Vector3};
-
-/// The motion of the last body of a chain, with what it comes from.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::dynamics) struct ChainMotion<'g> {
-    /// Angular velocity ω_c that the joint's parent gives.
-    carried_omega: Vector3<Scalar<'g>>,
-    /// ω̇_c
-    carried_angular: Vector3<Scalar<'g>>,
-    /// U_c
-    carried_spread: Matrix3<'g>,
-    /// a_c, minus gravity.
-    carried_acceleration: Vector3<Scalar<'g>>,
-    /// l
-    linear: Vector3<Scalar<'g>>,
-    /// ν
-    turning: Vector3<Scalar<'g>>,
-}
+use crate::spatial::{Force, Motion, Vector3};
 
 /// The velocities of a chain's joint: l and ν in the frame of its last body.
 pub(super) fn own_motion<'g>(

@@ -3,7 +3,7 @@
 use super::driven;
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, FrameQuantity, IN_SPACE, ROTATION, matrix, vector};
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 use crate::functions::function::FrameKind;
 
 pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[

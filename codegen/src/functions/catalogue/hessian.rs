@@ -12,7 +12,7 @@ use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::matrix::dot;
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 use crate::graph::{Cost, Edge, Scalar, differentiate};
 
 /// Its row of the catalogue.

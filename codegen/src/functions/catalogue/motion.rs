@@ -9,7 +9,7 @@ use super::{driven, frame_inputs, load_friction, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::per_joint;
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 use crate::functions::module_constants;
 
 /// The equations of motion and what follows from them.

@@ -4,7 +4,7 @@ use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, matrix};
 use super::{driven, frame_inputs, quaternions};
 use crate::dynamics::arguments::Arguments;
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 use crate::layout::Dimension;
 
 /// Its row of the catalogue.

@@ -7,7 +7,7 @@ use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::forces;
 use crate::dynamics::parameters::regressor;
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 use crate::functions::module_constants;
 
 /// Their rows of the catalogue.

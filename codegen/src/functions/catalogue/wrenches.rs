@@ -4,7 +4,7 @@ use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities, 
 use super::quantity::{Estimate, Quantity, SQUARE, VECTOR, matrix, vector};
 use super::quaternions;
 use crate::dynamics::arguments::Arguments;
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 
 const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u + wrench_forces(y, w)";
 

@@ -1,8 +1,8 @@
 //! Figures and tables of the comparison of methods (claim 8).
 
 use super::angle::GRAVITY_ERROR;
+use super::cases::{Beside, Case, FASTEST, OFFSET, Recorded, SLOW, USEFUL, slower, worst};
 use super::law::{Method, curve, deviation};
-use super::methods::{Beside, Case, FASTEST, OFFSET, Recorded, SLOW, USEFUL, slower, worst};
 use crate::study::{Outcome, Study};
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Section, Table, text};
 use std::time::Instant;

@@ -1,6 +1,7 @@
 //! Experiments in which friction is identified: claims 5 to 9.
 
 mod angle;
+mod cases;
 mod data;
 mod joints;
 mod law;

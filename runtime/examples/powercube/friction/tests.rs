@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use super::angle::{self, GRAVITY_ERROR, NARROW, arm_samples};
+use super::cases::{self, Beside, Recorded};
 use super::data::{MEASURED, REPEAT, beta_alone, gamma_alone, opposed, periodic};
-use super::methods::{self, Beside, Recorded};
-use super::{joints, library, velocity};
+use super::{joints, library, methods, velocity};
 use crate::arm::Friction;
 use crate::study::{Part, Study};
 use gelenk_report::{Claim, Verdict};
@@ -137,7 +137,7 @@ fn methods_side_by_side() {
 
 #[test]
 fn without_selection_a_wrong_gravity_spoils_the_law() {
-    let cases = methods::joints(0.16, REPEAT).unwrap();
+    let cases = cases::joints(0.16, REPEAT).unwrap();
     is_flipped(methods::both_claim(&cases));
 }
 
@@ -156,20 +156,20 @@ fn with_stribeck_friction_regression_is_better_on_c() {
 
 #[test]
 fn three_seconds_are_too_short() {
-    is_flipped(methods::short_claim(&methods::joints(0.0, REPEAT).unwrap(), 3.0));
+    is_flipped(methods::short_claim(&cases::joints(0.0, REPEAT).unwrap(), 3.0));
 }
 
 #[test]
 fn slow_data_or_a_wrong_gravity_do_not_carry_on() {
-    let right = methods::joints(0.0, REPEAT).unwrap();
+    let right = cases::joints(0.0, REPEAT).unwrap();
     is_flipped(methods::outside_claim(&right, 0.05));
-    let wrong = methods::joints(GRAVITY_ERROR, REPEAT).unwrap();
-    is_flipped(methods::outside_claim(&wrong, methods::SLOW));
+    let wrong = cases::joints(GRAVITY_ERROR, REPEAT).unwrap();
+    is_flipped(methods::outside_claim(&wrong, cases::SLOW));
 }
 
 #[test]
 fn slow_speeds_save_thresholding() {
-    let [_, all, _] = methods::joints(GRAVITY_ERROR, REPEAT).unwrap();
+    let [_, all, _] = cases::joints(GRAVITY_ERROR, REPEAT).unwrap();
     is_flipped(methods::breaks_claim(&all, std::slice::from_ref(&all)));
 }
 

@@ -7,6 +7,8 @@
 //! The method is a primal-dual interior-point method over the 4 × 4 pseudo-inertias; it needs ten to thirty
 //! factorizations of a matrix as large as H. It always returns the global minimum, up to a gap that it states.
 
+pub use super::problem::ConsistentProblem;
+
 use super::interior_point::{Cone, Point};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia, margin, pseudo_inertia};
 use super::scaled::Scaled;
@@ -19,24 +21,6 @@ pub const MARGIN: f64 = 1e-6;
 /// Gap and residual of a solution, relative to what the objective gains from zero to its free minimum; larger
 /// ones are an error.
 pub const TOLERANCE: f64 = 1e-8;
-
-/// `minimize ½ xᵀ H x − gᵀ x` over bodies that can exist.
-///
-/// H has to be positive semidefinite. Where it vanishes (directions that neither data nor a regularization
-/// determine) every value within the cones is a minimum: [`ConsistentSolution::open`] counts the directions.
-/// Bodies are then near one of a size that H suggests, entries behind them that H does not contain are zero.
-/// Add [`super::regularized::towards`] to decide them with knowledge of the robot.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ConsistentProblem {
-    /// H, `n × n`, symmetric.
-    pub hessian: DMatrix<f64>,
-    /// g, n entries.
-    pub linear: DVector<f64>,
-    /// Number of bodies: the first `10 · bodies` entries of x are their parameters.
-    pub bodies: usize,
-    /// Further entries which are not negative, e.g. rotor inertias and viscous friction.
-    pub nonnegative: Vec<usize>,
-}
 
 /// The minimum, with the numbers that show it.
 #[derive(Debug, Clone, PartialEq)]

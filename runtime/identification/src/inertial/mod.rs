@@ -12,6 +12,7 @@
 pub mod consistent;
 mod interior_point;
 pub mod payload;
+mod problem;
 mod pseudo_inertia;
 pub mod regularized;
 mod scaled;

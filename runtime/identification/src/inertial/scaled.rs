@@ -5,8 +5,8 @@
 //! scaled together, and so is the objective, by what it gains without cones. Without this a problem with
 //! 100 kg and 10⁻⁶ kg m² loses its smaller digits, and the iteration starts far from its end.
 
-use super::consistent::ConsistentProblem;
 use super::interior_point::{BLOCK, PLACES};
+use super::problem::ConsistentProblem;
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use crate::error::{IdentificationError, Result};
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};

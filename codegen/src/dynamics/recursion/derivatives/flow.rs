@@ -2,7 +2,7 @@
 
 use super::column::Disturbed;
 use crate::dynamics::recursion::composite::Composite;
-use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput};
+use crate::dynamics::recursion::motion::{BodyMotion, MotionInput};
 use crate::dynamics::recursion::placement::Placement;
 use crate::dynamics::recursion::quaternion::{Passage, own_motion};
 use crate::graph::Scalar;

@@ -2,7 +2,7 @@
 
 use super::{PairFrame, inverse_dynamics_derivatives};
 use crate::dynamics::formulation::Formulation;
-use crate::dynamics::recursion::newton_euler::MotionInput;
+use crate::dynamics::recursion::motion::MotionInput;
 use crate::graph::{Graph, Scalar, differentiate};
 use crate::kinematics::Mechanism;
 use crate::testing::{GENERAL, chain};

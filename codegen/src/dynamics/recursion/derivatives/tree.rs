@@ -5,7 +5,7 @@ use super::column::{Column, Disturbance, Disturbed};
 use super::flow::{Flow, Lever, shift_flow, twice_across};
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::composite::{before_joint, composites};
-use crate::dynamics::recursion::newton_euler::{BodyMotion, MotionInput};
+use crate::dynamics::recursion::motion::{BodyMotion, MotionInput};
 use crate::dynamics::recursion::placement::Placement;
 use crate::dynamics::recursion::quaternion::{ChainDisturbance, unit_motion};
 use crate::dynamics::recursion::rotor::Gyrostat;

@@ -1,0 +1,100 @@
+//! How bodies move, and what motion the equations are evaluated for.
+
+use crate::graph::Scalar;
+use crate::kinematics::Body;
+use crate::spatial::{Matrix3, Vector3};
+
+/// The motion of a body in its working frame.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::dynamics) struct BodyMotion<'g> {
+    /// Angular velocity ω.
+    pub omega: Vector3<Scalar<'g>>,
+    /// Components of the angular acceleration ω̇ that were needed for U.
+    pub(super) angular: [Option<Scalar<'g>>; 3],
+    /// U = ω̇× + ω× ω×.
+    pub spread: Matrix3<'g>,
+    /// Acceleration of the origin, minus gravity.
+    pub acceleration: Vector3<Scalar<'g>>,
+    /// What it comes from, for bodies of joints with quaternions.
+    pub chain: Option<ChainMotion<'g>>,
+}
+
+/// The motion that the inverse dynamics are evaluated for.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionInput<'a, 'g> {
+    /// Coordinates.
+    pub y: &'a [Scalar<'g>],
+    /// Velocities.
+    pub v: &'a [Scalar<'g>],
+    /// Accelerations.
+    pub a: &'a [Scalar<'g>],
+}
+
+/// The motion of the last body of a chain, with what it comes from.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::dynamics) struct ChainMotion<'g> {
+    /// Angular velocity ω_c that the joint's parent gives.
+    pub(super) carried_omega: Vector3<Scalar<'g>>,
+    /// ω̇_c
+    pub(super) carried_angular: Vector3<Scalar<'g>>,
+    /// U_c
+    pub(super) carried_spread: Matrix3<'g>,
+    /// a_c, minus gravity.
+    pub(super) carried_acceleration: Vector3<Scalar<'g>>,
+    /// l
+    pub(super) linear: Vector3<Scalar<'g>>,
+    /// ν
+    pub(super) turning: Vector3<Scalar<'g>>,
+}
+
+impl<'g> BodyMotion<'g> {
+    pub(super) fn at_rest(acceleration: Vector3<Scalar<'g>>) -> Self {
+        let zero = acceleration[0].constant(0.0);
+        Self {
+            omega: Vector3::zero(zero),
+            angular: [Some(zero); 3],
+            spread: Matrix3::zero(zero),
+            acceleration,
+            chain: None,
+        }
+    }
+
+    /// That of a joint with a quaternion.
+    pub(super) fn of_chain(
+        omega: Vector3<Scalar<'g>>,
+        angular: Vector3<Scalar<'g>>,
+        acceleration: Vector3<Scalar<'g>>,
+        chain: ChainMotion<'g>,
+    ) -> Self {
+        let (spread, angular) = (spread_of(omega, angular), angular.0.map(Some));
+        Self { omega, angular, spread, acceleration, chain: Some(chain) }
+    }
+
+    pub(super) fn named(self, body: &Body<Scalar<'g>>) -> Self {
+        self.omega.named(&format!("omega_{}", body.label()));
+        self.acceleration.named(&format!("acceleration_{}", body.label()));
+        self
+    }
+
+    /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
+    pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
+        let (u, w) = (&self.spread, self.omega);
+        let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];
+        Vector3([0, 1, 2].map(|k| self.angular[k].unwrap_or(from_spread[k])))
+    }
+}
+
+/// `U = ω̇× + ω× ω×`
+pub(in crate::dynamics) fn spread_of<'g>(
+    omega: Vector3<Scalar<'g>>,
+    angular: Vector3<Scalar<'g>>,
+) -> Matrix3<'g> {
+    let (w, e) = (omega, angular);
+    let (xx, yy, zz) = (w[0].squared(), w[1].squared(), w[2].squared());
+    let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+    Matrix3([
+        [-(yy + zz), xy - e[2], xz + e[1]],
+        [xy + e[2], -(xx + zz), yz - e[0]],
+        [xz - e[1], yz + e[0], -(xx + yy)],
+    ])
+}

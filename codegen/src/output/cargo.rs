@@ -1,0 +1,31 @@
+//! What a build script asks of Cargo, and says to it.
+
+use std::path::Path;
+
+use crate::diagnostic::Diagnostic;
+
+/// The command in the header of generated files: the package whose build script this is.
+pub(super) fn command() -> String {
+    match std::env::var("CARGO_PKG_NAME") {
+        Ok(package) => format!("cargo build -p {package}"),
+        Err(_) => "cargo build".to_owned(),
+    }
+}
+
+pub(super) fn watch(file: &Path) {
+    println!("cargo::rerun-if-changed={}", one_line(&file.display().to_string()));
+}
+
+/// Cargo's protocol has one line per message.
+pub(super) fn warn(note: &Diagnostic) {
+    let place = note
+        .location
+        .as_ref()
+        .map(|at| format!("{}:{}:{}: ", at.file, at.line, at.column))
+        .unwrap_or_default();
+    println!("cargo::warning={}", one_line(&format!("{place}{}", note.message)));
+}
+
+fn one_line(text: &str) -> String {
+    text.replace(['\n', '\r'], " ")
+}

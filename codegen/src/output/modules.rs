@@ -1,0 +1,68 @@
+//! The modules of a build script.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::write::{Planned, Replaces, WriteError};
+use crate::diagnostic::Diagnostics;
+use crate::pipeline::Generated;
+
+/// Why a build script could not generate.
+#[derive(Debug)]
+pub enum BuildError {
+    /// No description was given.
+    NothingToDo,
+    /// Neither `OUT_DIR` nor [`Builder::output_folder`](super::Builder::output_folder) says where to write.
+    NoFolder,
+    /// Descriptions at fault.
+    Descriptions(Vec<Diagnostics>),
+    /// A file that could not be written.
+    Write(WriteError),
+    /// Two descriptions with one name.
+    SameName(String),
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NothingToDo => f.write_str("no description was given: call `description(\"robot.toml\")`"),
+            Self::NoFolder => {
+                f.write_str("OUT_DIR is not set: call this from build.rs, or `output_folder` before")
+            }
+            Self::Descriptions(all) => {
+                let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
+                f.write_str(&texts.join("\n\n"))
+            }
+            Self::Write(error) => error.fmt(f),
+            Self::SameName(name) => {
+                write!(f, "two descriptions name their robot `{name}`: rename one")
+            }
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
+
+/// A module and the description that it was generated from.
+pub(super) struct Robot {
+    pub(super) description: PathBuf,
+    pub(super) generated: Generated,
+}
+
+/// Writes the modules, all or, where one may not be written, none.
+pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
+    let read = robots.iter().flat_map(|robot| robot.generated.files.clone());
+    let read: Vec<PathBuf> = read.collect();
+    let files = robots.iter().flat_map(|robot| {
+        let source = &robot.generated.source;
+        let files = source.files().into_iter();
+        files.map(|(ending, text)| (folder.join(format!("{}{ending}", source.name)), text))
+    });
+    let planned = files.map(|(path, text)| Planned::new(&path, text, Replaces::Module, &read));
+    let planned = planned.collect::<Result<Vec<_>, _>>().map_err(BuildError::Write)?;
+    let paths = planned.iter().map(|file| {
+        file.write()?;
+        Ok(file.path().to_owned())
+    });
+    paths.collect::<Result<_, _>>().map_err(BuildError::Write)
+}
