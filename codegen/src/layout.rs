@@ -23,6 +23,23 @@ pub enum Dimension {
     Fixed,
 }
 
+impl Dimension {
+    /// The constant of a module that has the length, where it follows from the robot. Coordinates and velocities are as
+    /// many without quaternions.
+    #[must_use]
+    pub const fn length(self) -> Option<&'static str> {
+        match self {
+            Self::Coordinates | Self::Velocities => Some("N"),
+            Self::Positions => Some("NY"),
+            Self::Joints => Some("JOINTS"),
+            Self::Inputs => Some("M"),
+            Self::Wrenches => Some("WRENCHES"),
+            Self::Driven => Some("DRIVEN"),
+            Self::Parameters | Self::Fixed => None,
+        }
+    }
+}
+
 /// A length: how many entries, and what they stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::emit::interface::{Argument, Callable, Interface, Written};
 use crate::functions::function::{Constant, ConstantValue};
-use crate::layout::{Dimension, Extent};
+use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::Module;
 
@@ -76,16 +76,7 @@ fn shape(extents: &[Extent]) -> Vec<usize> {
 
 /// The names of lengths that follow from the robot, null for others.
 fn dimensions(extents: &[Extent]) -> Vec<Option<&'static str>> {
-    let name = |extent: &Extent| match extent.dimension {
-        Dimension::Coordinates | Dimension::Velocities => Some("N"),
-        Dimension::Positions => Some("NY"),
-        Dimension::Joints => Some("JOINTS"),
-        Dimension::Inputs => Some("M"),
-        Dimension::Wrenches => Some("WRENCHES"),
-        Dimension::Driven => Some("DRIVEN"),
-        Dimension::Parameters | Dimension::Fixed => None,
-    };
-    extents.iter().map(name).collect()
+    extents.iter().map(|extent| extent.dimension.length()).collect()
 }
 
 fn constant(constant: &Constant) -> Value {

@@ -3,7 +3,7 @@
 use super::text::code;
 use crate::functions::function::{Constant, Function};
 use crate::functions::position_functions::PositionFunction;
-use crate::layout::{Dimension, Extent};
+use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::{ComposedFunction, Module};
 
@@ -28,22 +28,9 @@ pub(super) struct Labels {
     pub(super) results: Vec<String>,
 }
 
-/// A length by name, where it follows from the robot. Coordinates and velocities are as many without quaternions.
-pub(super) fn length_name(extent: Extent) -> Option<&'static str> {
-    match extent.dimension {
-        Dimension::Coordinates | Dimension::Velocities => Some("N"),
-        Dimension::Positions => Some("NY"),
-        Dimension::Joints => Some("JOINTS"),
-        Dimension::Inputs => Some("M"),
-        Dimension::Wrenches => Some("WRENCHES"),
-        Dimension::Driven => Some("DRIVEN"),
-        Dimension::Parameters | Dimension::Fixed => None,
-    }
-}
-
 /// A length in documentation.
 fn length_text(extent: Extent) -> String {
-    length_name(extent).map_or_else(|| extent.len.to_string(), str::to_owned)
+    extent.dimension.length().map_or_else(|| extent.len.to_string(), str::to_owned)
 }
 
 /// The shape of an argument in documentation: `N`, or `WRENCHES × 6` where its entries come in rows.

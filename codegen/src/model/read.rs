@@ -47,8 +47,7 @@ pub fn from_toml(
     options: &ReadOptions,
     load: &mut Load<'_>,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
-    let mut reader = Reader::default();
-    reader.angles.snap = options.snap_angles;
+    let mut reader = Reader::new(options);
     let mut chain =
         Chain { load, files: Path::new(name).file_name().map(PathBuf::from).into_iter().collect() };
     let robot = read_toml(&mut reader, text, name, options, &mut chain);
@@ -60,8 +59,7 @@ pub fn from_toml(
 /// # Errors
 /// All problems of the description.
 pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model, Diagnostics), Diagnostics> {
-    let mut reader = Reader::default();
-    reader.angles.snap = options.snap_angles;
+    let mut reader = Reader::new(options);
     let robot = read_urdf(&mut reader, text, name, options);
     finish(reader, robot, options)
 }
@@ -78,8 +76,7 @@ pub fn from_mjcf(
     options: &ReadOptions,
     load: &mut Load<'_>,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
-    let mut reader = Reader::default();
-    reader.angles.snap = options.snap_angles;
+    let mut reader = Reader::new(options);
     let file = Path::new(name).file_name().map(PathBuf::from).unwrap_or_default();
     let robot = read_mjcf(&mut reader, (text, name), &file, options, load);
     finish(reader, robot, options)

@@ -6,6 +6,7 @@ use super::angles::Angles;
 use super::description::Name;
 use super::name::{has_meaning, identifier, is_keyword};
 use super::pose::{IDENTITY, norm};
+use super::read_options::ReadOptions;
 use super::table::{Item, Table, example};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::{Allowed, Formula, LARGEST_NUMBER, parse, too_large};
@@ -31,6 +32,13 @@ pub(super) struct Reader {
 const UNIT: f64 = 1e-6;
 
 impl Reader {
+    /// Has read nothing so far.
+    pub fn new(options: &ReadOptions) -> Self {
+        let mut reader = Self::default();
+        reader.angles.snap = options.snap_angles;
+        reader
+    }
+
     /// A number or a formula without parameters, finite.
     pub fn number(&mut self, item: Item<'_>) -> Option<At<f64>> {
         let formula = self.scalar(item, Allowed::Constants)?;

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::literal::string;
 use super::{comment, layout};
-use crate::emit::documentation::{Block, length_name, of_constant};
+use crate::emit::documentation::{Block, of_constant};
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
@@ -126,7 +126,7 @@ fn row(entries: &[String]) -> String {
 }
 
 fn lengths(context: &Context<'_>, extents: &[Extent]) -> String {
-    let length = |extent: &Extent| match length_name(*extent) {
+    let length = |extent: &Extent| match extent.dimension.length() {
         Some(name) => format!("[{}]", context.constant(name)),
         None => format!("[{}]", extent.len),
     };

@@ -5,7 +5,6 @@ use quote::quote;
 
 use super::body::{Body, tuple};
 use super::doc_comment::DocComment;
-use crate::emit::documentation::length_name;
 use crate::layout::Extent;
 use crate::program::{Output, Shape};
 
@@ -77,7 +76,7 @@ pub(super) fn nested(
 
 /// A length by name where it follows from the robot, else as a number.
 pub(super) fn length(extent: Extent) -> TokenStream {
-    match length_name(extent) {
+    match extent.dimension.length() {
         Some(name) => {
             let name = super::names::identifier(name);
             quote!(#name)

@@ -37,11 +37,13 @@ pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
 
 /// [`quantities()`] with the rows that a model needs beside them or in their place.
 fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
-    let by_position = rows_if(forces::friction_depends_on_position(model), FRICTION_BY_POSITION);
+    let depends_on_position = forces::friction_depends_on_position(model);
+    let friction = rows_if(depends_on_position, FRICTION_BY_POSITION);
+    let of_friction = rows_if(depends_on_position, &regressors::FRICTION_BY_POSITION);
     let at_frames = rows_if(model.inputs_depend_on_position(), INPUT_MATRIX_BY_POSITION);
     let on_tangent = rows_if(!model.quaternion_joints.is_empty(), LINEARIZE_ON_TANGENT);
     let quantities = quantities().map(move |quantity| {
-        let mut rows = by_position.iter().chain(at_frames).chain(on_tangent);
+        let mut rows = friction.iter().chain(of_friction).chain(at_frames).chain(on_tangent);
         rows.find(|row| row.name == quantity.name).unwrap_or(quantity)
     });
     let of_the_load = rows_if(has_load_friction(model), load_friction::QUANTITIES);

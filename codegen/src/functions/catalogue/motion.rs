@@ -4,7 +4,6 @@ use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities};
 use super::quantity::{
     BY_INPUTS, Estimate, Loops, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
 };
-use super::regressors;
 use super::{driven, frame_inputs, load_friction, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
@@ -58,17 +57,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         build: |equations, arguments| vec![vector(equations.spring_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
-    Quantity {
-        name: "friction_torques",
-        summary: "Joint friction `τ(ẏ)`.",
-        equation: "q = gravity_forces + spring_forces − friction_torques",
-        arguments: &[Velocities],
-        results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
-        notes: &[],
-        otherwise: &[load_friction::APART],
-        build: friction_torques,
-        ..Quantity::PLAIN
-    },
+    FRICTION_TORQUES,
     Quantity {
         name: "applied_forces",
         summary: "Applied forces `q(y, ẏ)`.",
@@ -284,6 +273,19 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
 ];
 
+/// Friction that depends on the velocities alone.
+const FRICTION_TORQUES: Quantity = Quantity {
+    name: "friction_torques",
+    summary: "Joint friction `τ(ẏ)`.",
+    equation: "q = gravity_forces + spring_forces − friction_torques",
+    arguments: &[Velocities],
+    results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
+    notes: &[],
+    otherwise: &[load_friction::APART],
+    build: friction_torques,
+    ..Quantity::PLAIN
+};
+
 /// The linearization where the positions are one for each velocity.
 const LINEARIZE: Quantity = Quantity {
     name: "linearize",
@@ -360,22 +362,13 @@ pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// Rows that replace those of the same name where a friction law depends on the position.
-pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[
-    Quantity {
-        name: "friction_torques",
-        summary: "Joint friction `τ(y, ẏ)`.",
-        equation: "q = gravity_forces + spring_forces − friction_torques",
-        arguments: &[Coordinates, Velocities],
-        results: &[("τ", VECTOR, "positive where friction brakes a positive velocity, at the joint")],
-        notes: &[],
-        otherwise: &[load_friction::APART],
-        build: friction_torques,
-        ..Quantity::PLAIN
-    },
-    regressors::FRICTION_PARAMETERS_BY_POSITION,
-    regressors::FRICTION_REGRESSOR_BY_POSITION,
-];
+/// The row that replaces that of the same name where a friction law depends on the position.
+pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[Quantity {
+    summary: "Joint friction `τ(y, ẏ)`.",
+    arguments: &[Coordinates, Velocities],
+    results: &[("τ", VECTOR, "positive where friction brakes a positive velocity, at the joint")],
+    ..FRICTION_TORQUES
+}];
 
 fn friction_torques<'g>(equations: &Equations<'_, 'g>, arguments: &Arguments<'g>) -> Vec<Value<'g>> {
     vec![vector(equations.friction_torques(&arguments.y, &arguments.v))]

@@ -2,7 +2,7 @@
 
 use super::load_friction;
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
-use super::quantity::{Estimate, PARAMETERS, Quantity, QuantityResult, REGRESSOR, Value, matrix, vector};
+use super::quantity::{Estimate, PARAMETERS, Quantity, REGRESSOR, Value, matrix, vector};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::forces;
@@ -66,38 +66,16 @@ pub const QUANTITIES: &[Quantity] = &[
         straight_size: Some(Estimate::Regressor),
         ..Quantity::PLAIN
     },
-    Quantity {
-        name: "friction_parameters",
-        summary: "Friction parameters as described: the coefficients of `friction_regressor`.",
-        equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
-        arguments: &[],
-        results: FRICTION_PARAMETERS,
-        notes: &[],
-        otherwise: &[load_friction::APART],
-        build: friction_parameters,
-        constants: |model, _, _| vec![module_constants::friction_names(model)],
-        ..Quantity::PLAIN
-    },
-    Quantity {
-        name: "friction_regressor",
-        summary: "Regressor of the friction parameters.",
-        equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
-        arguments: &[Velocities],
-        results: FRICTION_REGRESSOR,
-        notes: FRICTION_NOTES,
-        otherwise: &[load_friction::APART],
-        build: friction_regressor,
-        ..Quantity::PLAIN
-    },
+    FRICTION_PARAMETERS,
+    FRICTION_REGRESSOR,
 ];
 
-/// `friction_parameters` of a robot whose friction depends on the position.
-pub const FRICTION_PARAMETERS_BY_POSITION: Quantity = Quantity {
+const FRICTION_PARAMETERS: Quantity = Quantity {
     name: "friction_parameters",
     summary: "Friction parameters as described: the coefficients of `friction_regressor`.",
-    equation: "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters",
+    equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
     arguments: &[],
-    results: FRICTION_PARAMETERS,
+    results: &[("φ", PARAMETERS, "in the order of `FRICTION_PARAMETER_NAMES`")],
     notes: &[],
     otherwise: &[load_friction::APART],
     build: friction_parameters,
@@ -105,27 +83,26 @@ pub const FRICTION_PARAMETERS_BY_POSITION: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// `friction_regressor` of a robot whose friction depends on the position.
-pub const FRICTION_REGRESSOR_BY_POSITION: Quantity = Quantity {
+const FRICTION_REGRESSOR: Quantity = Quantity {
     name: "friction_regressor",
     summary: "Regressor of the friction parameters.",
-    equation: "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters",
-    arguments: &[Coordinates, Velocities],
-    results: FRICTION_REGRESSOR,
-    notes: FRICTION_NOTES,
+    equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
+    arguments: &[Velocities],
+    results: &[("R", REGRESSOR, "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`")],
+    notes: &[
+        "What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.",
+    ],
     otherwise: &[load_friction::APART],
     build: friction_regressor,
     ..Quantity::PLAIN
 };
 
-const FRICTION_PARAMETERS: &[QuantityResult] =
-    &[("φ", PARAMETERS, "in the order of `FRICTION_PARAMETER_NAMES`")];
+const BY_POSITION: &str = "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters";
 
-const FRICTION_REGRESSOR: &[QuantityResult] =
-    &[("R", REGRESSOR, "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`")];
-
-const FRICTION_NOTES: &[&str] = &[
-    "What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.",
+/// The rows of robots whose friction depends on the position.
+pub const FRICTION_BY_POSITION: [Quantity; 2] = [
+    Quantity { equation: BY_POSITION, ..FRICTION_PARAMETERS },
+    Quantity { equation: BY_POSITION, arguments: &[Coordinates, Velocities], ..FRICTION_REGRESSOR },
 ];
 
 fn friction_parameters<'g>(equations: &Equations<'_, 'g>, _: &Arguments<'g>) -> Vec<Value<'g>> {
