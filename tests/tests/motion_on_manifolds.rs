@@ -69,6 +69,20 @@ fn quaternions_keep_their_length() {
     }
 }
 
+/// A quadrotor that spins freely in all axes for three hours.
+#[test]
+fn a_million_steps_keep_the_length_too() {
+    let (mut y, mut v, _) = upside_down();
+    for _ in 0..1_000_000 {
+        (y, v) = quadrotor::step(&y, &v, &[0.0; quadrotor::M], 0.01);
+        // It would fall until its speed has no digits left.
+        (v[0], v[1], v[2]) = (0.0, 0.0, 0.0);
+    }
+    let length: f64 = y[3..7].iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!((length - 1.0).abs() <= 1e-15, "{length}");
+    assert!(v[3..].iter().map(|x| x.abs()).fold(f64::MAX, f64::min) > 1e-6, "it still turns: {v:?}");
+}
+
 /// Linear momentum in the axes of the world: nothing outside acts on the satellite. M's first three rows are that of the
 /// hull's axes.
 #[test]
