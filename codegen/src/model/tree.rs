@@ -231,10 +231,28 @@ impl<'d> Graph<'d> {
         let joint = members.iter().filter_map(|link| self.carried_by[*link]).max();
         let span =
             joint.and_then(|joint| robot.joints.get(joint)).map_or(Span::default(), |joint| joint.name.span);
+        if let [link] = members {
+            report_carried_by_itself(&self.names[*link].value, span, report);
+            return;
+        }
         let message = format!("the links {}{dots} form a cycle", names.join(" → "));
         report.error(span, "cycle", message);
         report.help("each link is carried by one joint, and following the parents must lead to the base");
     }
+}
+
+/// The first joint of a chain that is called as the fixed base is by default, or a joint whose keys say so.
+fn report_carried_by_itself(link: &str, span: Span, report: &mut Report) {
+    report.error(
+        span,
+        "cycle",
+        format!("link `{link}` would be carried by itself: this joint has it as parent and as child"),
+    );
+    report.help(&format!(
+        "without `child` a joint moves a link of its own name, and without `parent` the first joint stands on the link `base`: \
+         rename the joint, or call the robot's base otherwise, e.g. `base = \"{}\"`",
+        if link == "world" { "ground" } else { "world" }
+    ));
 }
 
 fn report_two_joints(second: &JointDescription, first: &JointDescription, report: &mut Report) {
