@@ -109,7 +109,19 @@ fn compare(fused: bool, flags: &[&str]) {
     }
     let calls: String = robots.iter().flat_map(requests).collect();
     std::fs::write(folder.path().join("flat.rs"), include_str!("../src/flat.rs")).expect("a file");
-    let main = format!(
+    let main = main_text(&modules, &table);
+    std::fs::write(folder.path().join("requests.txt"), calls).expect("a file");
+    for level in ["0", "3"] {
+        let level = format!("opt-level={level}");
+        let arguments = [&["-C", level.as_str(), "-A", "warnings"], flags].concat();
+        rustc(folder.path(), "main", &main, &arguments).unwrap_or_else(|message| panic!("{message}"));
+        run(&folder.path().join("main"));
+    }
+}
+
+/// A program that compares each function's results with the requests beside it, bit by bit.
+fn main_text(modules: &str, table: &str) -> String {
+    format!(
         "mod flat;\nmod robots {{\n{modules}}}\nuse flat::*;\nconst ROBOTS: &[Robot] = &[\n{table}];\n\
          fn check(robot: &str, function: &str, x: &[Vec<f64>], p: &[f64], expected: &[u64]) {{\n\
          let robot_calls = ROBOTS.iter().find(|(name, _)| *name == robot).unwrap().1;\n\
@@ -124,14 +136,7 @@ fn compare(fused: bool, flags: &[&str]) {
          let numbers = |text: &str| -> Vec<f64> {{ bits(text).into_iter().map(f64::from_bits).collect() }};\n\
          let x: Vec<Vec<f64>> = words[4..].iter().map(|text| numbers(text)).collect();\n\
          check(words[0], words[1], &x, &numbers(words[2]), &bits(words[3]));\n}}\n}}\n"
-    );
-    std::fs::write(folder.path().join("requests.txt"), calls).expect("a file");
-    for level in ["0", "3"] {
-        let level = format!("opt-level={level}");
-        let arguments = [&["-C", level.as_str(), "-A", "warnings"], flags].concat();
-        rustc(folder.path(), "main", &main, &arguments).unwrap_or_else(|message| panic!("{message}"));
-        run(&folder.path().join("main"));
-    }
+    )
 }
 
 fn run(program: &Path) {

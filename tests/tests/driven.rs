@@ -371,6 +371,17 @@ fn numbers(value: &Value) -> Vec<f64> {
     }
 }
 
+/// The functions that are compared with Pinocchio.
+const COMPARED: [&str; 7] = [
+    "mass_matrix",
+    "inverse_dynamics",
+    "driving_forces",
+    "forward_dynamics",
+    "bias_forces",
+    "inverse_dynamics_derivatives",
+    "joint_wrenches",
+];
+
 /// Two joints of `tests/reference/joints.toml` are driven: what Pinocchio computes for the robot of all joints has the
 /// rows of this one, and its accelerations solve them.
 #[test]
@@ -380,16 +391,7 @@ fn driven_joints_agree_with_rows_of_pinocchio() {
     let reference: Value = serde_json::from_str(&text).expect("JSON");
     let model =
         model::read(&folder.join("driven_joints.toml"), &ReadOptions::default()).expect("a robot").model;
-    let names = [
-        "mass_matrix",
-        "inverse_dynamics",
-        "driving_forces",
-        "forward_dynamics",
-        "bias_forces",
-        "inverse_dynamics_derivatives",
-        "joint_wrenches",
-    ];
-    let robot = Robot::of_model(model, &names);
+    let robot = Robot::of_model(model, &COMPARED);
     let all: Vec<&str> =
         reference["joints"].as_array().expect("names").iter().filter_map(Value::as_str).collect();
     let place = |name: &str| all.iter().position(|other| *other == name).expect("a joint of the reference");

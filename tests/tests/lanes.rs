@@ -8,6 +8,7 @@ use std::process::Command;
 
 use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
+use gelenk_codegen::program::Output;
 use gelenk_tests::compiler::{clippy, rustc};
 use gelenk_tests::workspace;
 
@@ -80,6 +81,13 @@ fn compare(name: &str, form: &str, i: usize, found: &[Real], expected: &[Real]) 
 }
 "#;
 
+/// The variable of a result over lanes.
+fn unwritten(index: usize, output: &Output) -> String {
+    let extents = output.shape.extents().into_iter().rev();
+    let ty = extents.fold("Lanes".to_owned(), |entry, extent| format!("[{entry}; {}]", extent.len));
+    format!("            let mut r{index} = <{ty}>::unwritten();\n")
+}
+
 /// One function: its scalar form on each state, and its forms over lanes.
 fn comparison(robot: &Generated, name: &str) -> String {
     let function = robot.module.functions.iter().find(|function| function.name == name);
@@ -93,15 +101,7 @@ fn comparison(robot: &Generated, name: &str) -> String {
         let _ = write!(single, "&one(&x{input}, i), ");
     }
     let outputs = &program.outputs;
-    let results: String = outputs
-        .iter()
-        .enumerate()
-        .map(|(k, output)| {
-            let extents = output.shape.extents().into_iter().rev();
-            let ty = extents.fold("Lanes".to_owned(), |entry, extent| format!("[{entry}; {}]", extent.len));
-            format!("            let mut r{k} = <{ty}>::unwritten();\n")
-        })
-        .collect();
+    let results: String = outputs.iter().enumerate().map(|(k, output)| unwritten(k, output)).collect();
     let list = |prefix: &str, count: usize, before: &str| -> String {
         (0..count).map(|k| format!("{before}{prefix}{k}, ")).collect()
     };

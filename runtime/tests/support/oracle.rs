@@ -48,6 +48,22 @@ struct Builder {
 }
 
 impl Builder {
+    /// The problem, whose first rows are equalities.
+    fn solver(self, equalities: usize, tolerance: f64) -> Sparse {
+        let (variables, rows) = (self.q.len(), self.b.len());
+        let settings = DefaultSettingsBuilder::default()
+            .verbose(false)
+            .presolve_enable(false)
+            .tol_gap_abs(tolerance)
+            .tol_gap_rel(tolerance)
+            .tol_feas(tolerance)
+            .build()
+            .unwrap();
+        let cones = [ZeroConeT(equalities), NonnegativeConeT(rows - equalities)];
+        let (h, g) = (self.h.csc(variables, variables), self.g.csc(rows, variables));
+        Sparse { solver: DefaultSolver::new(&h, &self.q, &g, &self.b, &cones, settings).unwrap() }
+    }
+
     fn upper(&mut self, i: usize, j: usize, v: f64) {
         if i <= j {
             self.h.add(i, j, v);
@@ -143,18 +159,7 @@ pub fn sparse<const NX: usize, const NU: usize, const NR: usize>(
         }
     }
     limit_rows(&mut s, p);
-    let (variables, rows) = (s.q.len(), s.b.len());
-    let settings = DefaultSettingsBuilder::default()
-        .verbose(false)
-        .presolve_enable(false)
-        .tol_gap_abs(tolerance)
-        .tol_gap_rel(tolerance)
-        .tol_feas(tolerance)
-        .build()
-        .unwrap();
-    let cones = [ZeroConeT(equalities), NonnegativeConeT(rows - equalities)];
-    let (h, g) = (s.h.csc(variables, variables), s.g.csc(rows, variables));
-    Sparse { solver: DefaultSolver::new(&h, &s.q, &g, &s.b, &cones, settings).unwrap() }
+    s.solver(equalities, tolerance)
 }
 
 /// The rows of all nodes. What x_0 adds to those of the first stage is a number.

@@ -414,33 +414,7 @@ fn rescale<const NX: usize, const NU: usize, const NR: usize>(r: &mut Random, wi
         }
         p.previous_input[i] *= u[i];
     }
-    for stage in &mut p.stages {
-        for i in 0..NX {
-            for j in 0..NX {
-                stage.state_matrix[i][j] *= x[i] / x[j];
-            }
-            for j in 0..NU {
-                stage.input_matrix[i][j] *= x[i] / u[j];
-            }
-            stage.affine[i] *= x[i];
-            stage.state_gradient[i] *= cost / x[i];
-            stage.state_lower[i] *= x[i];
-            stage.state_upper[i] *= x[i];
-        }
-        for i in 0..NU {
-            stage.input_gradient[i] *= cost / u[i];
-            stage.input_lower[i] *= u[i];
-            stage.input_upper[i] *= u[i];
-        }
-        for row in 0..NR {
-            for i in 0..NX {
-                stage.rows.state_matrix[row][i] /= x[i];
-            }
-            for i in 0..NU {
-                stage.rows.input_matrix[row][i] /= u[i];
-            }
-        }
-    }
+    p.stages.iter_mut().for_each(|stage| rescale_stage(stage, &x, &u, cost));
     for row in &mut p.terminal_rows.state_matrix {
         for i in 0..NX {
             row[i] /= x[i];
@@ -449,5 +423,39 @@ fn rescale<const NX: usize, const NU: usize, const NR: usize>(r: &mut Random, wi
     for penalty in p.row_penalty.iter_mut().flatten() {
         penalty.linear *= cost;
         penalty.quadratic *= cost;
+    }
+}
+
+/// The same for a stage.
+fn rescale_stage<const NX: usize, const NU: usize, const NR: usize>(
+    stage: &mut QpStage<NX, NU, NR>,
+    x: &[f64; NX],
+    u: &[f64; NU],
+    cost: f64,
+) {
+    for i in 0..NX {
+        for j in 0..NX {
+            stage.state_matrix[i][j] *= x[i] / x[j];
+        }
+        for j in 0..NU {
+            stage.input_matrix[i][j] *= x[i] / u[j];
+        }
+        stage.affine[i] *= x[i];
+        stage.state_gradient[i] *= cost / x[i];
+        stage.state_lower[i] *= x[i];
+        stage.state_upper[i] *= x[i];
+    }
+    for i in 0..NU {
+        stage.input_gradient[i] *= cost / u[i];
+        stage.input_lower[i] *= u[i];
+        stage.input_upper[i] *= u[i];
+    }
+    for row in 0..NR {
+        for i in 0..NX {
+            stage.rows.state_matrix[row][i] /= x[i];
+        }
+        for i in 0..NU {
+            stage.rows.input_matrix[row][i] /= u[i];
+        }
     }
 }

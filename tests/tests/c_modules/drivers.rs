@@ -276,6 +276,38 @@ fn main() {{
     )
 }
 
+/// The call of a function with its results printed.
+///
+/// - `count`: of the free parameters, which stand before the arguments
+fn call_in_c(face: &Face, prefix: &str, count: usize) -> String {
+    let (mut at, mut arguments) = (count, vec![]);
+    for input in &face.inputs {
+        match input {
+            Input::Period => arguments.push(format!("x[{at}]")),
+            _ => arguments.push(format!("&x[{at}]")),
+        }
+        at += input.len();
+    }
+    arguments.extend((count > 0 && !face.is_of_positions()).then(|| "&p".to_owned()));
+    let function = format!("{prefix}_{}", face.name);
+    match &face.results {
+        Results::Number => format!("r[0] = {function}({}); print(r, 1);", arguments.join(", ")),
+        Results::InPlace(entries) => format!(
+            "memcpy(r, &x[{count}], {entries} * sizeof *r); r[{entries}] = {function}(r) ? 1 : 0; print(r, {});",
+            entries + 1
+        ),
+        Results::Arrays(results) => {
+            let total = face.results.entries();
+            let mut start = 0;
+            for len in results {
+                arguments.push(format!("&r[{start}]"));
+                start += len;
+            }
+            format!("{function}({}); print(r, {total});", arguments.join(", "))
+        }
+    }
+}
+
 /// The program in C99, also C++. Results hold NaN before a call, so that an entry which is not written shows.
 pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
     let ty = match scalar {
@@ -294,32 +326,7 @@ pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
             (true, 0) => format!("{check}(x);"),
             (true, _) => format!("{check}(&x[{count}], &p);"),
         };
-        let (mut at, mut arguments) = (count, vec![]);
-        for input in &face.inputs {
-            match input {
-                Input::Period => arguments.push(format!("x[{at}]")),
-                _ => arguments.push(format!("&x[{at}]")),
-            }
-            at += input.len();
-        }
-        arguments.extend((count > 0 && !face.is_of_positions()).then(|| "&p".to_owned()));
-        let function = format!("{prefix}_{}", face.name);
-        let call = match &face.results {
-            Results::Number => format!("r[0] = {function}({}); print(r, 1);", arguments.join(", ")),
-            Results::InPlace(entries) => format!(
-                "memcpy(r, &x[{count}], {entries} * sizeof *r); r[{entries}] = {function}(r) ? 1 : 0; print(r, {});",
-                entries + 1
-            ),
-            Results::Arrays(results) => {
-                let total = face.results.entries();
-                let mut start = 0;
-                for len in results {
-                    arguments.push(format!("&r[{start}]"));
-                    start += len;
-                }
-                format!("{function}({}); print(r, {total});", arguments.join(", "))
-            }
-        };
+        let call = call_in_c(face, prefix, count);
         let _ = writeln!(cases, "    case {index}: {call} {checked} break;");
     }
     let largest = faces(module).iter().map(|face| face.results.entries()).max();
@@ -327,6 +334,12 @@ pub fn c(module: &Module, source: &SourceFile, scalar: Scalar) -> String {
         0 => String::new(),
         _ => format!("{prefix}_parameters p;\n        memcpy(&p, x, sizeof p);"),
     };
+    let room = largest.unwrap_or(0).max(1);
+    c_program(ty, &checks, &cases, &parameters, room)
+}
+
+/// The text of the program, with room for the results of a call.
+fn c_program(ty: &str, checks: &str, cases: &str, parameters: &str, room: usize) -> String {
     format!(
         r#"#include "robot.h"
 #include <stdint.h>
@@ -347,7 +360,7 @@ static void print(const {ty} *r, int count)
 int main(void)
 {{
     static char line[1 << 20];
-    static {ty} x[4096], r[{}];
+    static {ty} x[4096], r[{room}];
     while (fgets(line, sizeof line, stdin)) {{
         char *next = line;
         int function = (int)strtoul(next, &next, 10);
@@ -365,8 +378,7 @@ int main(void)
     }}
     return 0;
 }}
-"#,
-        largest.unwrap_or(0).max(1)
+"#
     )
 }
 
