@@ -19,6 +19,7 @@ mod report;
 mod rest;
 mod result;
 mod settings;
+mod shared_fit;
 mod signals;
 mod spectrum;
 #[cfg(test)]
