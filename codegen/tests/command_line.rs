@@ -684,6 +684,17 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
             "{text}"
         );
     }
+    // What was noticed in a log is said also where an error follows.
+    let (header, rows) = log.split_once('\n').unwrap();
+    let first = rows.lines().next().unwrap();
+    fs::write(at("repeated.csv"), format!("{header}\n{first}\n{rows}")).unwrap();
+    let arguments =
+        ["identify", "arm.toml", "repeated.csv", "--validate", "missing.csv", "--output", "x.toml"];
+    let failed = gelenk(folder.path(), &arguments);
+    let said = String::from_utf8(failed.stderr.clone()).unwrap();
+    let place = |words: &str| said.find(words).unwrap_or_else(|| panic!("{words}: {said}"));
+    assert!(place("1 samples have the time of the one before") < place("error: missing.csv"), "{said}");
+    assert_eq!(failed.status.code(), Some(1));
     // Once more over its own output, never over what was read.
     assert!(gelenk(folder.path(), &["identify", "arm.toml", "log.csv"]).status.success());
     for kept in ["arm.toml", "log.csv"] {

@@ -1,9 +1,11 @@
 //! From logs to an identified robot, in one call.
 
 use super::error::{IdentificationError, Result};
-use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate};
-use super::friction::{FrictionData, FrictionIdentification, FrictionMethod, FrictionReport};
-use super::log::{ColumnOptions, FindingKind, Recording, runs};
+use super::estimation::{Estimate, EstimationSettings, JointEstimate, Offsets, estimate};
+use super::friction::{
+    Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
+};
+use super::log::{ColumnOptions, FindingKind, Recording, runs_noting};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
 use super::robot::{JointLimits, Robot, require_no_quaternions};
@@ -116,7 +118,8 @@ pub fn identify(
     let estimation =
         EstimationSettings { filter: Some(preparation.filter.clone()), ..settings.estimation.clone() };
     let found = estimate(robot, &prepared, &estimation, progress);
-    let mut estimate = found.map_err(|error| in_words(error, shafts.as_ref()))?;
+    let found = found.map_err(|error| in_words(error, shafts.as_ref()));
+    let mut estimate = or_noted(found, || notes(&recording, Some(&preparation)), progress)?;
     estimate.warnings.splice(0..0, faults(&preparation));
     progress("choosing the terms of friction");
     let data = source(&recording);
@@ -159,12 +162,35 @@ pub(crate) fn read_and_prepare(
         require_no_quaternions(robot, "gravity is not compensated", help)?;
     }
     progress("reading the logs");
-    let recording = runs(logs, robot, &settings.columns)?;
-    require_sides(&recording, &settings.columns)?;
+    let mut findings = Vec::new();
+    let recording = runs_noting(logs, robot, &settings.columns, &mut findings);
+    let recording = or_noted(recording, || findings.iter().map(ToString::to_string).collect(), progress)?;
+    or_noted(require_sides(&recording, &settings.columns), || notes(&recording, None), progress)?;
     progress("smoothing");
-    let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &settings.preparation)?;
-    require_efforts(&preparation)?;
+    let prepared = prepare_all(&recording.runs, Some(robot), &settings.preparation);
+    let (prepared, preparation) = or_noted(prepared, || notes(&recording, None), progress)?;
+    or_noted(require_efforts(&preparation), || notes(&recording, Some(&preparation)), progress)?;
     Ok((recording, prepared, preparation))
+}
+
+/// What was noticed on the way to an error is said before it: it may be the reason.
+pub(crate) fn or_noted<T>(
+    result: Result<T>,
+    notes: impl FnOnce() -> Vec<String>,
+    progress: &mut dyn FnMut(&str),
+) -> Result<T> {
+    if result.is_err() {
+        notes().iter().for_each(|note| progress(&format!("note: {note}")));
+    }
+    result
+}
+
+/// What was noticed in the logs, and while their signals were prepared.
+fn notes(recording: &Recording, preparation: Option<&PreparationReport>) -> Vec<String> {
+    let findings = recording.findings.iter().map(ToString::to_string);
+    let of_signals =
+        preparation.map(|preparation| preparation.notes.iter().cloned().chain(faults(preparation)));
+    findings.chain(of_signals.into_iter().flatten()).collect()
 }
 
 /// What the estimate and a friction law say of the same residuals, each by its words.
@@ -247,7 +273,11 @@ struct JointSamples<'a> {
     joint: usize,
     name: &'a str,
     unit: &'a str,
+    /// Whether the estimate has one offset for all runs: the law is found beside the same one.
+    one_offset: bool,
     runs: Vec<Range<usize>>,
+    /// The runs that samples are of, whole.
+    whole: Vec<FilteredRun<'a>>,
     positions: Vec<f64>,
     velocities: Vec<f64>,
     accelerations: Vec<f64>,
@@ -255,12 +285,14 @@ struct JointSamples<'a> {
 }
 
 impl<'a> JointSamples<'a> {
-    fn new(joint: usize, prepared: &[PreparedRun], estimate: &'a Estimate) -> Self {
+    fn new(joint: usize, prepared: &'a [PreparedRun], estimate: &'a Estimate) -> Self {
         let mut samples = Self {
             joint,
             name: &estimate.joints[joint].name,
             unit: estimate.joints[joint].unit,
+            one_offset: estimate.offsets == Offsets::Common && prepared.len() > 1,
             runs: Vec::new(),
+            whole: Vec::new(),
             positions: Vec::new(),
             velocities: Vec::new(),
             accelerations: Vec::new(),
@@ -279,10 +311,11 @@ impl<'a> JointSamples<'a> {
     }
 
     /// Adds the samples of a run in which the joint moves and its torque is known.
-    fn extend(&mut self, run: &PreparedRun, torques: &[f64]) {
+    fn extend(&mut self, run: &'a PreparedRun, torques: &[f64]) {
         let start = self.torques.len();
         let known = (0..torques.len()).filter(|i| torques[*i].is_finite() && !run.rests(self.joint, *i));
-        for i in known {
+        let kept: Vec<usize> = known.collect();
+        for &i in &kept {
             self.positions.push(run.positions[self.joint][i]);
             self.velocities.push(run.velocities[self.joint][i]);
             self.accelerations.push(run.accelerations[self.joint][i]);
@@ -290,6 +323,7 @@ impl<'a> JointSamples<'a> {
         }
         if self.torques.len() > start {
             self.runs.push(start..self.torques.len());
+            self.whole.push(FilteredRun { velocities: &run.velocities[self.joint], kept });
         }
     }
 
@@ -301,6 +335,7 @@ impl<'a> JointSamples<'a> {
         preparation: &PreparationReport,
     ) -> JointFriction {
         let preparations = sentences(preparation);
+        let filtered = Filtered { filter: &preparation.filter, runs: self.whole };
         let limits: Option<JointLimits> = robot.limits().get(self.joint).copied();
         let data = FrictionData {
             joint: self.name,
@@ -311,6 +346,8 @@ impl<'a> JointSamples<'a> {
             weights: None,
             folds: None,
             runs: Some(&self.runs),
+            one_offset: self.one_offset,
+            filtered: Some(&filtered),
             positions: Some(&self.positions),
             accelerations: Some(&self.accelerations),
             limits,

@@ -1,9 +1,10 @@
 //! How well an identified robot predicts logs that it was not identified from.
 
 use super::error::Result;
-use super::identify::{Identification, IdentificationSettings};
-use super::log::runs;
-use super::preparation::{PreparationSettings, prepare_all};
+use super::friction::FrictionReport;
+use super::identify::{Identification, IdentificationSettings, or_noted};
+use super::log::runs_noting;
+use super::preparation::{Filter, PreparationSettings, prepare_all};
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
 use std::path::PathBuf;
@@ -23,7 +24,8 @@ pub struct JointValidation {
 }
 
 /// Predicts the efforts of other logs by the identified values: inertial parameters, added inertias, the chosen
-/// friction laws, gains, and the mean offset of each joint. Nothing is fitted again.
+/// friction laws, gains, and the mean offset of each joint. Nothing is fitted again. Friction passes the filter of the
+/// efforts.
 ///
 /// Signals pass the filter of the identification, and efforts lose its delay.
 ///
@@ -34,8 +36,15 @@ pub fn validate(
     found: &Identification,
     logs: &[PathBuf],
     settings: &IdentificationSettings,
+    progress: &mut dyn FnMut(&str),
 ) -> Result<Vec<JointValidation>> {
-    let recording = runs(logs, robot, &settings.columns)?;
+    let mut findings = Vec::new();
+    let recording = runs_noting(logs, robot, &settings.columns, &mut findings);
+    let recording = or_noted(recording, || findings.iter().map(ToString::to_string).collect(), progress)?;
+    recording
+        .findings
+        .iter()
+        .for_each(|finding| progress(&format!("note: in the logs to validate, {finding}")));
     let joint = found.preparation.joints.first();
     let preparation = PreparationSettings {
         bandwidth: joint.map(|joint| joint.bandwidth),
@@ -43,12 +52,13 @@ pub fn validate(
         delay: joint.map(|joint| joint.delay),
         ..settings.preparation.clone()
     };
-    let (prepared, _) = prepare_all(&recording.runs, Some(robot), &preparation)?;
+    let (prepared, report) = prepare_all(&recording.runs, Some(robot), &preparation)?;
     let rows = found.rows(robot);
     let prepared = rows.along(prepared);
     let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;
     let mut sums = vec![[Sums::default(); 2]; model.joints];
     for run in &prepared {
+        model.set_friction(run, &report.filter)?;
         for sample in 0..run.times.len() {
             model.add(run, sample, &mut sums);
         }
@@ -102,6 +112,9 @@ struct Prediction<'a> {
     input_matrix: Vec<f64>,
     regressor: Vec<f64>,
     forces: Vec<f64>,
+    /// Friction of each joint along the run, through the filter of its efforts; none where there is no law, or where it
+    /// needs the load.
+    friction: Vec<Option<Vec<f64>>>,
 }
 
 impl<'a> Prediction<'a> {
@@ -128,9 +141,25 @@ impl<'a> Prediction<'a> {
             input_matrix: robot.input_matrix(),
             regressor: vec![0.0; joints * values.len()],
             forces: vec![0.0; joints],
+            friction: vec![None; joints],
             values,
             changes,
         })
+    }
+
+    /// The report on a joint's law.
+    fn law(&self, joint: usize) -> Option<&'a FrictionReport> {
+        let law = self.found.friction.iter().find(|friction| friction.joint == joint);
+        law.and_then(|law| law.report.as_ref().ok())
+    }
+
+    fn set_friction(&mut self, run: &PreparedRun, filter: &Filter) -> Result<()> {
+        for joint in 0..self.joints {
+            let law = self.law(joint).filter(|report| report.result.load.is_empty());
+            let sharp = law.map(|report| report.result.law.torques(&run.velocities[joint])).transpose()?;
+            self.friction[joint] = sharp.map(|sharp| filter.apply(&sharp));
+        }
+        Ok(())
     }
 
     fn add(&mut self, run: &PreparedRun, sample: usize, sums: &mut [[Sums; 2]]) {
@@ -141,7 +170,7 @@ impl<'a> Prediction<'a> {
         let known = |joint: &usize| self.found.estimate.joints[*joint].measured;
         for joint in (0..sums.len()).filter(known) {
             let measured = self.measured(run, joint, sample);
-            let predicted = self.forces[joint] + self.at_joint(joint, v[joint], a[joint]);
+            let predicted = self.forces[joint] + self.at_joint(joint, sample, [v[joint], a[joint]]);
             if measured.is_finite() && predicted.is_finite() {
                 let counted = usize::from(run.rests(joint, sample));
                 sums[joint][counted..].iter_mut().for_each(|sums| sums.add(measured, predicted));
@@ -170,13 +199,16 @@ impl<'a> Prediction<'a> {
     }
 
     /// Friction, added inertia and offset of a joint.
-    fn at_joint(&self, joint: usize, v: f64, a: f64) -> f64 {
-        let law = self.found.friction.iter().find(|friction| friction.joint == joint);
-        let report = law.and_then(|law| law.report.as_ref().ok());
+    fn at_joint(&self, joint: usize, sample: usize, [v, a]: [f64; 2]) -> f64 {
         let inertia = self.found.estimate.joints[joint].armature.map_or(0.0, |armature| armature.value);
         let load = self.loads[joint] + inertia * a;
-        let friction = report.and_then(|report| report.result.torque(v, load).ok());
-        friction.unwrap_or(0.0) + inertia * a + self.offsets[joint]
+        let friction = match (&self.friction[joint], self.law(joint)) {
+            (Some(friction), _) => friction[sample],
+            // A law that cannot be evaluated makes the prediction NaN, which is not counted.
+            (None, Some(report)) => report.result.torque(v, load).unwrap_or(f64::NAN),
+            (None, None) => 0.0,
+        };
+        friction + inertia * a + self.offsets[joint]
     }
 
     fn measured(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {

@@ -37,7 +37,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let found = identify(&robot, &arguments.logs, &settings, &mut say)?;
     let validation = match arguments.validate.as_slice() {
         [] => Vec::new(),
-        logs => validate(&robot, &found, logs, &settings)?,
+        logs => or_noted(validate(&robot, &found, logs, &settings, &mut say), &found)?,
     };
     finish(arguments, format, (&loaded, &robot), &found, &validation, &command(arguments), &output)
 }
@@ -61,10 +61,12 @@ pub(super) fn finish(
     ];
     let remarks: Vec<String> = remarks.into_iter().flatten().collect();
     remarks.iter().for_each(|words| say(words));
-    describe(arguments, (&loaded.model, robot), found, (command, remarks), output)?;
+    or_noted(describe(arguments, (&loaded.model, robot), found, (command, remarks), output), found)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
-        Some(folder) => report::written(&page::page(name, robot, found, command), folder, "--report")?,
+        Some(folder) => {
+            or_noted(report::written(&page::page(name, robot, found, command), folder, "--report"), found)?
+        }
         None => Vec::new(),
     };
     match format {
@@ -337,18 +339,30 @@ fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
     Ok(path.display().to_string())
 }
 
+/// Notes and warnings, as they are printed.
+fn noticed(found: &Identification) -> Vec<String> {
+    let findings = found.recording.findings.iter().map(ToString::to_string);
+    let notes = findings.chain(found.preparation.notes.iter().chain(&found.estimate.choices).cloned());
+    let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
+    notes.map(|note| format!("note: {note}")).chain(warnings).collect()
+}
+
+/// Says notes and warnings before an error that would lose them.
+fn or_noted<T, E>(result: Result<T, E>, found: &Identification) -> Result<T, E> {
+    if result.is_err() {
+        noticed(found).iter().for_each(|line| say(line));
+    }
+    result
+}
+
 fn as_text(
     found: &Identification,
     validation: &[JointValidation],
     output: &Path,
     files: &[PathBuf],
 ) -> String {
-    let recording = &found.recording;
     let mut text = String::new();
-    recording.findings.iter().for_each(|finding| text.push_str(&format!("note: {finding}\n")));
-    found.preparation.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
-    found.estimate.choices.iter().for_each(|choice| text.push_str(&format!("note: {choice}\n")));
-    page::warnings(found).iter().for_each(|warning| text.push_str(&format!("warning: {warning}\n")));
+    noticed(found).iter().for_each(|line| text.push_str(&format!("{line}\n")));
     text.push('\n');
     let rest = page::has_rest(found);
     let with_rest = |words: &'static str| rest.then(|| words.to_owned());

@@ -20,6 +20,15 @@ const NOTICEABLE: f64 = 0.05;
 /// Samples below which friction that drives a joint is no sign of a wrong sign: ten periods of the usual filter.
 const FEWEST_SAMPLES: usize = 100;
 
+/// What is said where the rigid body fits better with the other sign.
+const OTHER_SIGN: &str = "the data are explained better with the other sign of its effort. Check the signs of effort and \
+                          position.";
+
+/// What is said where friction has the wrong sign and the rigid body does not tell.
+const DRIVING: &str = "its friction comes out as driving it. With the other sign of its effort friction would brake, but the \
+                       motion would not be explained better: check sign, unit and assignment of its columns, and whether the \
+                       robot's controller compensates friction itself.";
+
 /// Weight of the description with which nothing changes its bodies.
 const AS_DESCRIBED: f64 = 1e12;
 
@@ -56,13 +65,16 @@ pub(super) fn signs(chosen: &Chosen, own: &HeldOut, prior: &Prior) -> Result<Vec
     let r_squared = chosen.centred_r_squared(&own.rss);
     let mut doubts = vec![None; layout.joints];
     for joint in layout.rubbing() {
-        if drives(chosen, joint) || (r_squared[joint] < POOR && has_other_sign(prior, chosen, own, joint)?) {
-            doubts[joint] = Some(
-                "the data are explained better with the other sign of its effort, with which friction brakes. \
-                 Check the signs of effort and position."
-                    .into(),
-            );
+        let drives = drives(chosen, joint);
+        if !drives && r_squared[joint] >= POOR {
+            continue;
         }
+        let doubt = match (has_other_sign(prior, chosen, own, joint)?, drives) {
+            (true, _) => Some(OTHER_SIGN),
+            (false, true) => Some(DRIVING),
+            (false, false) => None,
+        };
+        doubts[joint] = doubt.map(str::to_owned);
     }
     Ok(doubts)
 }

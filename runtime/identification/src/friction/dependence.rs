@@ -2,7 +2,7 @@
 
 use super::super::moments::{Moments, Samples};
 use super::super::offset::centre;
-use super::design::{fold_ranges, runs};
+use super::design::{fold_ranges, offset_ranges};
 use super::held_out::by_folds;
 use super::selection::Selection;
 use super::task::FrictionData;
@@ -61,7 +61,7 @@ fn explained_share(
     residuals: &[f64],
     mut columns: Vec<Vec<f64>>,
 ) -> Option<f64> {
-    columns.iter_mut().for_each(|column| centre(column, &runs(data), data.weights));
+    columns.iter_mut().for_each(|column| centre(column, &offset_ranges(data), data.weights));
     let names: Vec<String> = (0..columns.len()).map(|i| format!("f{i}")).collect();
     let slices = columns.iter().map(Vec::as_slice).collect();
     let mut samples = Samples::from_columns(&names, slices, vec![residuals]).ok()?;

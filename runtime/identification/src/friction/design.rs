@@ -27,6 +27,7 @@ pub(super) struct Design<'a> {
     columns: Vec<Vec<f64>>,
     torque: Vec<f64>,
     pub(super) runs: Vec<Range<usize>>,
+    offset_ranges: Vec<Range<usize>>,
     pub(super) separate: bool,
     /// What was left out of the library, and why.
     pub(super) notes: Vec<String>,
@@ -39,18 +40,17 @@ impl<'a> Design<'a> {
         let separate = settings.offsets == Offsets::Separate;
         let (library, notes) = seen(&settings.library, separate, data.velocities)?;
         let (library, hidden) = if separate { without_offsets(library, data)? } else { (library, None) };
-        let matrix = library.matrix(&[data.velocities])?;
-        let mut columns: Vec<Vec<f64>> = matrix.column_iter().map(|c| c.iter().copied().collect()).collect();
+        let mut columns = data.columns(&library)?;
         let mut torque = data.torques.to_vec();
-        let runs = runs(data);
+        let (runs, offset_ranges) = (runs(data), offset_ranges(data));
         require_independent(&library, &columns, data, separate)?;
         if separate {
             for (term, column) in library.terms().iter().zip(&mut columns) {
-                centre_term(term, column, &runs, data.weights)?;
+                centre_term(term, column, &offset_ranges, data.weights)?;
             }
-            centre(&mut torque, &runs, data.weights);
+            centre(&mut torque, &offset_ranges, data.weights);
         }
-        Ok(Self { data, library, columns, torque, runs, separate, notes, hidden })
+        Ok(Self { data, library, columns, torque, runs, offset_ranges, separate, notes, hidden })
     }
 
     /// Samples for least squares.
@@ -99,7 +99,7 @@ impl<'a> Design<'a> {
         if !self.separate {
             return Vec::new();
         }
-        offsets(self.data, &self.runs, law, residuals)
+        offsets(self.data, &self.offset_ranges, law, residuals)
     }
 }
 
@@ -115,6 +115,12 @@ pub(super) fn fold_ranges(data: &FrictionData, count: usize) -> Vec<Range<usize>
 pub(super) fn runs(data: &FrictionData) -> Vec<Range<usize>> {
     let whole = 0..data.velocities.len();
     data.runs.map_or_else(|| vec![whole], <[_]>::to_vec)
+}
+
+/// Samples that share an offset: those of each run, or all of them.
+pub(super) fn offset_ranges(data: &FrictionData) -> Vec<Range<usize>> {
+    let whole = 0..data.velocities.len();
+    if data.one_offset { vec![whole] } else { runs(data) }
 }
 
 /// The mean of torque minus law in each run, with the standard error of the residuals' mean.
@@ -189,7 +195,7 @@ fn seen(library: &Library, separate: bool, velocities: &[f64]) -> Result<(Librar
 /// The library without terms that are offsets in these data, as `sign(v)` where each run moves in one direction, and
 /// what was left out. A library of nothing else stays as it is, and is refused where it is used.
 fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<String>)> {
-    let (matrix, runs) = (library.matrix(&[data.velocities])?, runs(data));
+    let (matrix, runs) = (library.matrix(&[data.velocities])?, offset_ranges(data));
     let varies = |term: &usize| {
         let mut column: Vec<f64> = matrix.column(*term).iter().copied().collect();
         let all: f64 = column.iter().map(|x| x * x).sum();

@@ -3,7 +3,7 @@
 use super::super::confidence::{LongRun, quantile};
 use super::super::drift::{Drift, Trend};
 use super::super::offset::{centre, mean};
-use super::design::runs;
+use super::design::{offset_ranges, runs};
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
@@ -30,8 +30,8 @@ pub(super) fn drift(
     let from_mean: Vec<f64> = left.iter().map(|x| x - level).collect();
     let time: Vec<f64> = (0..m).map(|i| (i as f64 + 0.5) / m as f64 - 0.5).collect();
     let mut moving: Vec<f64> = time.iter().zip(law).map(|(t, l)| t * l).collect();
-    centre(&mut moving, &runs(data), data.weights);
-    let taken = Taken::new(gradients, &runs(data), data.weights)?;
+    centre(&mut moving, &offset_ranges(data), data.weights);
+    let taken = Taken::new(gradients, &offset_ranges(data), data.weights)?;
     let (time, moving) = (taken.off(time), taken.off(moving));
     let whole = 0..m;
     Some(Drift {

@@ -26,7 +26,11 @@ impl<'a> Findings<'a> {
 
     /// Names the terms that the law may be made of.
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
-        let offsets = if separate { " beside the offset of each run" } else { "" };
+        let offsets = match (separate, self.data.one_offset) {
+            (false, _) => "",
+            (true, false) => " beside the offset of each run",
+            (true, true) => " beside one offset of all runs",
+        };
         self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
     }
 

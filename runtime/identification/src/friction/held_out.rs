@@ -5,7 +5,7 @@ use super::super::error::Result;
 use super::super::least_squares::Reduced;
 use super::super::moments::{Moments, splits};
 use super::super::offset::{centre, mean};
-use super::design::runs;
+use super::design::offset_ranges;
 use super::findings::Findings;
 use super::selection::Selection;
 use super::task::FrictionData;
@@ -72,7 +72,7 @@ fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -
 pub(super) fn variation(data: &FrictionData, separate: bool, ranges: &[Range<usize>]) -> f64 {
     let mut torque = data.torques.to_vec();
     if separate {
-        centre(&mut torque, &runs(data), data.weights);
+        centre(&mut torque, &offset_ranges(data), data.weights);
     } else {
         let mean = mean(&torque, data.weights);
         torque.iter_mut().for_each(|t| *t -= mean);

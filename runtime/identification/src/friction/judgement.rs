@@ -42,8 +42,7 @@ impl Findings<'_> {
         let rms = (total / judged.residuals.len() as f64).sqrt();
         self.warnings.extend(dependences(data, settings.folds, &judged.residuals, rms));
         let law = &judged.law;
-        let gradients = law.gradients(data.velocities)?;
-        let drift = drift(data, &law.torques(data.velocities)?, gradients, &judged.residuals);
+        let drift = drift(data, &data.torques_of(law)?, data.gradients_of(law)?, &judged.residuals);
         self.warnings.extend(drift.iter().flat_map(|drift| drift.warnings(data.unit, rms)));
         let result = FrictionResult {
             joint: data.joint.into(),

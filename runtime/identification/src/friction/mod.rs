@@ -7,10 +7,12 @@
 //! (`judgement`). The printed coefficients are those of the refit, never values that the LASSO has shrunk; the
 //! standard errors belong to them.
 
+mod columns;
 mod dependence;
 mod design;
 mod drift;
 mod errors;
+mod filtered;
 mod findings;
 mod held_out;
 mod judgement;
@@ -25,6 +27,7 @@ mod terms;
 mod tests;
 
 pub use super::drift::{Drift, Trend};
+pub use filtered::{Filtered, FilteredRun};
 pub use report::FrictionReport;
 pub(crate) use shares::SharedFriction;
 pub use task::{
@@ -65,6 +68,10 @@ fn check(data: &FrictionData) -> Result<()> {
         require_finite(&format!("the {what} of {}", data.joint), column)?;
     }
     check_runs(data, m)?;
+    if let Some(filtered) = data.filtered {
+        let kept = filtered.runs.iter().map(|run| run.kept.len()).sum();
+        require_length(&format!("filtered samples of {}", data.joint), m, kept)?;
+    }
     if data.velocities.iter().all(|v| *v == data.velocities[0]) {
         return Err(IdentificationError::Constant {
             what: format!("the velocity of {}", data.joint),

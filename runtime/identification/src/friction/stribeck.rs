@@ -4,7 +4,7 @@ use super::super::error::Result;
 use super::super::offset::centre;
 use super::super::result::FrictionLaw;
 use super::super::stribeck::{StribeckFit, StribeckRegression, stribeck_torque};
-use super::design::{fold_ranges, offsets, runs};
+use super::design::{fold_ranges, offset_ranges, offsets};
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
 use super::judgement::Judged;
@@ -21,7 +21,7 @@ pub(super) fn identify(
 ) -> Result<FrictionReport> {
     let separate = settings.offsets == Offsets::Separate;
     let regression = StribeckRegression { offset: separate, ..regression.clone() };
-    let runs = runs(data);
+    let runs = offset_ranges(data);
     let (v, torques) = (data.velocities, data.torques);
     let fit = regression.fit_runs(v, torques, data.weights, &runs)?;
     let fit = fit.with_correlated_errors(v, torques, data.weights, &runs);

@@ -6,6 +6,7 @@ use super::super::library::Library;
 use super::super::robot::JointLimits;
 use super::super::stribeck::StribeckRegression;
 use super::super::thresholding::Thresholding;
+use super::filtered::Filtered;
 use std::ops::Range;
 
 /// Least R² on data that were left out of a law that may be written. Below 0.05 the law takes away less than
@@ -34,6 +35,11 @@ pub struct FrictionData<'a> {
     /// Ranges of samples that were recorded without interruption. They follow each other and hold all samples;
     /// each has an offset of its own, and no error is taken to be correlated between them. One run where absent.
     pub runs: Option<&'a [Range<usize>]>,
+    /// Whether all runs share one offset.
+    pub one_offset: bool,
+    /// Where the torques passed a filter: the terms of the library pass it too. Stribeck laws, which are no sums of terms,
+    /// do not.
+    pub filtered: Option<&'a Filtered<'a>>,
     /// y, where residuals that depend on it are to be noticed.
     pub positions: Option<&'a [f64]>,
     /// ÿ, where residuals that depend on it are to be noticed.

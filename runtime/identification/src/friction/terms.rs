@@ -39,7 +39,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let errors = Errors::of_samples(&design, &fitted.solution.active, &fitted.binding, &residuals)?;
     let average = average(&reduced, &errors)?;
     let law = fitted.law(&design.library, &errors, average.as_ref());
-    let offsets = design.offsets(&law.torques(data.velocities)?, &residuals);
+    let offsets = design.offsets(&data.torques_of(&law)?, &residuals);
     let total = variation(data, design.separate, &design.fold_ranges(settings.folds));
     let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
     let judged = Judged { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };

@@ -417,3 +417,81 @@ fn bad_data_have_messages() {
     assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 expected, 1 given"));
     assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, there are 3"));
 }
+
+/// Torques through a filter that rounds the reversals: terms that pass it too give the law back, others do not.
+#[test]
+fn terms_pass_the_filter_of_the_torques() {
+    use super::super::preparation::Filter;
+    let velocities: Vec<f64> = (0..4000).map(|i| 0.8 * (0.3 + 0.0157 * f64::from(i)).sin()).collect();
+    let sharp: Vec<f64> = velocities.iter().map(|v| 5.0 * v + 2.0 * v.signum()).collect();
+    let filter = Filter::new(2.0, 0.01).unwrap();
+    let passed = filter.apply(&sharp);
+    // Every third instant, as where a joint rests in between.
+    let kept: Vec<usize> = (0..4000).filter(|i| i % 3 != 0).collect();
+    let at = |column: &[f64]| kept.iter().map(|i| column[*i]).collect::<Vec<f64>>();
+    let (v, torques) = (at(&velocities), at(&passed));
+    let runs = vec![FilteredRun { velocities: &velocities, kept: kept.clone() }];
+    let filtered = Filtered { filter: &filter, runs };
+    let settings = FrictionIdentification {
+        library: Library::new(&["v", "sign(v)"], &["v"]).unwrap(),
+        method: FrictionMethod::LeastSquares,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let law = |filtered: Option<&Filtered>| {
+        let data = FrictionData {
+            joint: "beta",
+            velocities: &v,
+            torques: &torques,
+            filtered,
+            ..FrictionData::default()
+        };
+        let report = settings.identify(&data).unwrap();
+        report.result.law.coefficients().iter().map(|term| term.coefficient).collect::<Vec<_>>()
+    };
+    let [with, without] = [Some(&filtered), None].map(law);
+    assert!((with[0] - 5.0).abs() < 1e-9 && (with[1] - 2.0).abs() < 1e-9, "{with:?}");
+    assert!((without[0] - 5.0).abs() > 0.1, "{without:?}");
+    let short = Filtered { filter: &filter, runs: Vec::new() };
+    let data = FrictionData {
+        joint: "beta",
+        velocities: &v,
+        torques: &torques,
+        filtered: Some(&short),
+        ..FrictionData::default()
+    };
+    assert!(settings.identify(&data).unwrap_err().to_string().contains("filtered samples of beta"));
+}
+
+/// Two runs in one direction each: an offset of each run is all of the Coulomb friction, one offset is none of it.
+#[test]
+fn one_offset_of_all_runs_leaves_coulomb_friction_to_the_law() {
+    let v: Vec<f64> = (0..2000)
+        .map(|i| if i < 1000 { 0.5 } else { -0.5 } * (1.0 + 0.4 * (0.02 * f64::from(i)).sin()))
+        .collect();
+    let torques: Vec<f64> = v.iter().map(|v| 4.0 * v + 1.5 * v.signum() + 0.3).collect();
+    let settings = FrictionIdentification {
+        library: Library::new(&["v", "sign(v)"], &["v"]).unwrap(),
+        method: FrictionMethod::LeastSquares,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    let result = |one_offset: bool| {
+        let data = FrictionData {
+            joint: "beta",
+            velocities: &v,
+            torques: &torques,
+            runs: Some(&[0..1000, 1000..2000]),
+            one_offset,
+            ..FrictionData::default()
+        };
+        settings.identify(&data).unwrap().result
+    };
+    let one = result(true);
+    let values: Vec<f64> = one.law.coefficients().iter().map(|term| term.coefficient).collect();
+    assert!((values[0] - 4.0).abs() < 1e-9 && (values[1] - 1.5).abs() < 1e-9, "{values:?}");
+    assert!(one.offsets.len() == 1 && (one.offsets[0].value - 0.3).abs() < 1e-9);
+    let each = result(false);
+    assert_eq!(each.law.coefficients().len(), 1);
+    assert!((each.offsets[0].value - 1.8).abs() < 1e-9 && (each.offsets[1].value + 1.2).abs() < 1e-9);
+}

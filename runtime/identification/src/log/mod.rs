@@ -44,6 +44,7 @@ pub use check::{Finding, FindingKind, check};
 pub use finding::RunFinding;
 pub use motion::{Differentiation, MotionColumns};
 pub use options::ColumnOptions;
+pub(crate) use recording::runs_noting;
 pub use recording::{Recording, runs, runs_of};
 pub use schema::{ChannelSchema, LogSchema, Quantity};
 

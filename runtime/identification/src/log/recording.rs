@@ -45,12 +45,22 @@ const LARGEST: u64 = 8 << 30;
 /// Files that cannot be read or are no tables, columns that are missing or ambiguous, units that do not fit, logs
 /// without two complete rows, and logs whose efforts are of different kinds.
 pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
+    runs_noting(paths, robot, columns, &mut Vec::new())
+}
+
+/// As [`runs`]. Where it fails, `findings` holds what was noticed before.
+pub(crate) fn runs_noting(
+    paths: &[PathBuf],
+    robot: &dyn Robot,
+    columns: &ColumnOptions,
+    findings: &mut Vec<RunFinding>,
+) -> Result<Recording> {
     if paths.is_empty() {
         return Err(IdentificationError::Empty { what: "the list of logs".into() });
     }
     let mut recording: Option<Recording> = None;
     for path in paths {
-        let one = read_file(path, robot, columns)?;
+        let one = read_file(path, robot, columns, findings)?;
         recording = Some(match recording {
             None => one,
             Some(before) => join(before, one)?,
@@ -58,6 +68,7 @@ pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Re
     }
     let mut recording =
         recording.ok_or_else(|| IdentificationError::Empty { what: "the list of logs".into() })?;
+    recording.findings = std::mem::take(findings);
     name_by_file(&mut recording, paths);
     recording.findings.extend(health::findings(&recording.runs, robot));
     Ok(recording)
@@ -70,12 +81,19 @@ pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Re
 /// # Errors
 /// As [`runs`].
 pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
-    let mut recording = read_bytes(bytes, source, robot, columns)?;
+    let mut findings = Vec::new();
+    let mut recording = read_bytes(bytes, source, (robot, columns), &mut findings)?;
+    recording.findings = findings;
     recording.findings.extend(health::findings(&recording.runs, robot));
     Ok(recording)
 }
 
-fn read_file(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
+fn read_file(
+    path: &Path,
+    robot: &dyn Robot,
+    columns: &ColumnOptions,
+    findings: &mut Vec<RunFinding>,
+) -> Result<Recording> {
     let place = path.display().to_string();
     let fault =
         |e: std::io::Error| IdentificationError::File { place: place.clone(), message: e.to_string() };
@@ -87,22 +105,27 @@ fn read_file(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) -> Result<
         });
     }
     let bytes = std::fs::read(path).map_err(fault)?;
-    read_bytes(&bytes, &place, robot, columns)
+    read_bytes(&bytes, &place, (robot, columns), findings)
 }
 
-fn read_bytes(bytes: &[u8], source: &str, robot: &dyn Robot, options: &ColumnOptions) -> Result<Recording> {
+/// - `findings`: what is noticed is added, also where an error follows
+fn read_bytes(
+    bytes: &[u8],
+    source: &str,
+    (robot, options): (&dyn Robot, &ColumnOptions),
+    findings: &mut Vec<RunFinding>,
+) -> Result<Recording> {
     let sheet = Sheet::new(bytes, options.separator, source)?;
     let names = RobotColumns::new(robot);
     let mapping = resolve(&sheet, &names, options, source)?;
-    let mut findings = Vec::new();
-    let samples = Samples::read(&sheet, &mapping, &names, source, &mut findings)?;
-    let runs = split(samples, &mapping, robot, source, &mut findings)?;
+    let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
+    let runs = split(samples, &mapping, robot, source, findings)?;
     let Mapping { effort, sentences, unused, .. } = mapping;
     Ok(Recording {
         // Inputs at frames have become forces at the joints.
         effort: runs.first().map_or(effort, |run| run.effort),
         runs,
-        findings,
+        findings: Vec::new(),
         mapping: sentences,
         unused,
         hashes: vec![(source.into(), sha256(bytes))],
@@ -128,7 +151,6 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
         });
     }
     before.runs.extend(one.runs);
-    before.findings.extend(one.findings);
     before.hashes.extend(one.hashes);
     let place = before.hashes.last().map_or(String::new(), |h| h.0.clone());
     let new: Vec<String> =

@@ -71,3 +71,18 @@ fn files_of_other_kinds_are_named() {
         assert!(said.contains(part), "{said}");
     }
 }
+
+/// What was noticed in one log is not lost with the fault of the next.
+#[test]
+fn findings_survive_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let paths = ["first.csv", "second.csv"].map(|name| folder.path().join(name));
+    std::fs::write(&paths[0], format!("t,q1,q2,u1,u2\n0,1,2,3,4\n{ROWS}")).unwrap();
+    std::fs::write(&paths[1], format!("t,q1,q2,x1,x2\n{ROWS}")).unwrap();
+    let mut findings = Vec::new();
+    let options = ColumnOptions::default();
+    let error = super::runs_noting(&paths, &Fake::numbered(2), &options, &mut findings).unwrap_err();
+    assert!(error.to_string().contains("no columns are known as the efforts"), "{error}");
+    let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
+    assert!(said.iter().any(|said| said.contains("have the time of the one before")), "{said:?}");
+}

@@ -117,14 +117,14 @@ impl Samples {
             Ok(())
         })?;
         let efforts = 2 * mapping.positions.len()..2 * mapping.positions.len() + mapping.efforts.len();
-        require_alive(sheet, &sources, &gaps, &efforts, source)?;
-        samples.leave_out_gaps(efforts);
         let long_rows = long.count;
         findings.extend(long.finding(source, FindingKind::LeftOut, |n| {
             format!(
                 "{n} rows have more fields than the header and are left out: is a separator part of a text?"
             )
         }));
+        require_alive(sheet, &sources, &gaps, &efforts, source)?;
+        samples.leave_out_gaps(efforts);
         let left_out = total - samples.lines.len() - long_rows;
         findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, left_out));
         samples.require_some(robot, &gaps, total, source)?;

@@ -1,0 +1,42 @@
+//! Columns through the filter that the torques passed.
+//!
+//! Friction jumps where a joint reverses, and the filter has rounded that in the torques. Least squares stays consistent
+//! where the terms pass the same filter (Gautier 1997, parallel filtering).
+
+use super::super::error::Result;
+use super::super::preparation::Filter;
+use nalgebra::DMatrix;
+
+/// The filter of the torques, and the whole runs that samples were taken of.
+#[derive(Debug, Clone)]
+pub struct Filtered<'a> {
+    /// The filter.
+    pub filter: &'a Filter,
+    /// Runs in the order of the samples.
+    pub runs: Vec<FilteredRun<'a>>,
+}
+
+/// A run that samples were taken of.
+#[derive(Debug, Clone)]
+pub struct FilteredRun<'a> {
+    /// ẏ at all of its instants, evenly in time.
+    pub velocities: &'a [f64],
+    /// Which of them are samples, ascending.
+    pub kept: Vec<usize>,
+}
+
+impl Filtered<'_> {
+    /// Columns of a matrix over the velocities of each run, through the filter, at the samples.
+    pub(super) fn columns(&self, of: impl Fn(&[f64]) -> Result<DMatrix<f64>>) -> Result<Vec<Vec<f64>>> {
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for run in &self.runs {
+            let matrix = of(run.velocities)?;
+            all.resize(matrix.ncols(), Vec::new());
+            for (column, values) in all.iter_mut().zip(matrix.column_iter()) {
+                let passed = self.filter.apply(&values.iter().copied().collect::<Vec<_>>());
+                column.extend(run.kept.iter().map(|i| passed[*i]));
+            }
+        }
+        Ok(all)
+    }
+}
