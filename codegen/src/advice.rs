@@ -29,8 +29,11 @@ pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]
 
 /// Where friction or a spring has an exact sign.
 fn jumps(model: &Model) -> Option<Diagnostic> {
-    let names = model.joints().filter(|joint| joint.jumps());
-    let names: Vec<&str> = names.map(|joint| joint.name.as_str()).collect();
+    let moving = model.moving_joints();
+    let joints = moving.iter().filter(|moving| moving.joint.jumps()).map(|moving| moving.joint.name.as_str());
+    let shafts = model.drives.iter().filter(|drive| drive.jumps()).map(|drive| drive.name.as_str());
+    let at_frames = model.point_forces.iter().filter(|force| force.law.calls(Call::Sign));
+    let names: Vec<&str> = joints.chain(shafts).chain(at_frames.map(|force| force.name.as_str())).collect();
     if names.is_empty() {
         return None;
     }

@@ -39,8 +39,8 @@
 //! begins later than the plant, [`DrivenRobot::beginning_at`] says when on either clock the motion begins.
 
 use crate::dynamics::{
-    self, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives, InputLimits, Limits,
-    Linearization, PhaseSpace, Step,
+    self, DependentRows, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives,
+    InputLimits, Limits, Linearization, PhaseSpace, Step,
 };
 use crate::trajectory::Trajectory;
 
@@ -124,6 +124,11 @@ where
         f(&self.at(time))
     }
 
+    #[inline]
+    fn driven_motion(&self) -> &[[f64; 3]] {
+        self.robot.driven_motion()
+    }
+
     of_the_robot! {
         fn joint_names() -> [&'static str; N];
         fn input_names() -> [&'static str; M];
@@ -177,3 +182,4 @@ where
 }
 
 impl<R: PhaseSpace<NX>, T, const K: usize, const NX: usize> PhaseSpace<NX> for DrivenRobot<R, T, K> {}
+impl<R: DependentRows<NR>, T, const K: usize, const NR: usize> DependentRows<NR> for DrivenRobot<R, T, K> {}

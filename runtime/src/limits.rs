@@ -1,6 +1,6 @@
 //! A trajectory against the limits of a model.
 
-use crate::dynamics::{Dynamics, Named, plain_entries};
+use crate::dynamics::{DependentJoint, Dynamics, Named, plain_entries, plain_positions};
 use crate::feed_forward::{FeedForward, FeedForwardError};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -20,9 +20,9 @@ pub enum Rating {
 /// The quantity that a limit is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Position of a coordinate [rad or m].
+    /// Position of a coordinate, or of a joint that follows coordinates [rad or m].
     Position,
-    /// Speed of a coordinate [rad/s or m/s].
+    /// Speed of a coordinate, or of a joint that follows coordinates [rad/s or m/s].
     Velocity,
     /// Force of the drive at its joint, (B u)_i [N m or N].
     Effort,
@@ -37,7 +37,8 @@ pub enum Quantity {
 pub struct Violation {
     /// The quantity that is beyond its limit.
     pub quantity: Quantity,
-    /// The coordinate's or input's index.
+    /// The coordinate's or input's index; from N on joints that follow, in the order of
+    /// [`Limits::dependent`](crate::dynamics::Limits).
     pub index: usize,
     /// Its name.
     pub name: &'static str,
@@ -98,7 +99,8 @@ pub enum CheckError {
 const FEASIBLE: f64 = 1e-6;
 
 /// Where `trajectory`, seen every `period` (s), breaks position, speed and torque limits of `model`; empty
-/// where it keeps them all. Torques are those of the feed-forward. Joints with quaternions have no position limits.
+/// where it keeps them all. Joints that follow coordinates have theirs too. Torques are those of the feed-forward. Joints
+/// with quaternions have no position limits.
 ///
 /// # Errors
 /// [`CheckError`]; numbers that are not finite count as violations instead.
@@ -116,7 +118,8 @@ pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const N
         Rating::Peak => (limits.peak_effort, limits.peak_input),
     };
     let (joints, inputs) = (model.joint_names(), model.input_names());
-    let plain: Vec<(usize, usize)> = plain_entries(model.quaternion_joints(), N).collect();
+    let quaternions = model.quaternion_joints();
+    let plain: Vec<(usize, usize)> = plain_entries(quaternions, N).collect();
     let feed_forward = FeedForward::new(model)?;
     let mut watch = Watch::default();
     let duration = trajectory.duration();
@@ -129,7 +132,11 @@ pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const N
         for &(i, position) in &plain {
             watch.see(Quantity::Position, (i, joints[i]), sample.positions[position], limits.position[i]);
         }
-        let bound = |most: f64| [-most, most];
+        let coordinates = plain_positions(quaternions, &sample.positions);
+        feed_forward.model().at_time(time, |model| {
+            let moved = (&coordinates, &sample.velocities, model.driven_motion());
+            watch.see_dependent(limits.dependent, moved);
+        });
         for i in 0..N {
             let force: f64 = input_matrix[i].iter().zip(&command.inputs).map(|(b, u)| b * u).sum();
             let place = (i, joints[i]);
@@ -152,7 +159,29 @@ struct Watch {
     closed: Vec<Violation>,
 }
 
+const fn bound(most: f64) -> [f64; 2] {
+    [-most, most]
+}
+
 impl Watch {
+    /// Joints that follow, given positions and velocities of the coordinates and the motion of driven joints.
+    fn see_dependent<const N: usize>(
+        &mut self,
+        joints: &[DependentJoint<N>],
+        (positions, velocities, driven): (&[f64; N], &[f64; N], &[[f64; 3]]),
+    ) {
+        for (k, joint) in joints.iter().enumerate() {
+            let [position, velocity] = joint.motion(positions, velocities, driven);
+            let place = (N + k, joint.name);
+            if joint.has_position_limit() {
+                self.see(Quantity::Position, place, position, joint.position);
+            }
+            if joint.has_velocity_limit() {
+                self.see(Quantity::Velocity, place, velocity, bound(joint.velocity));
+            }
+        }
+    }
+
     fn see(
         &mut self,
         quantity: Quantity,

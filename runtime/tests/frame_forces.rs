@@ -137,6 +137,7 @@ impl Dynamics<1, 1> for Rod {
             peak_effort: [f64::INFINITY],
             input: [[-1.0, 1.0]],
             peak_input: [[-1.0, 1.0]],
+            dependent: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {

@@ -12,12 +12,22 @@ use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
-use gelenk_runtime::plant::{Plant, PlantOptions};
+use gelenk_runtime::plant::{Plant, PlantError, PlantOptions};
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
 use gelenk_runtime::transport::InProcess;
 
 gelenk_runtime::dynamics!(struct Wrist = gelenk_generated::differential_wrist);
 gelenk_runtime::dynamics!(struct Excavator = gelenk_generated::excavator);
+
+/// The wrist, with dry friction on the shaft of a motor that moves pitch and roll.
+mod rubbing_wrist {
+    pub use gelenk_generated::differential_wrist::*;
+    pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
+        let torque = if v[2] + v[3] == 0.0 { 0.0 } else { 0.1 * (v[2] + v[3]).signum() };
+        [v[0], v[1], torque, torque]
+    }
+}
+gelenk_runtime::dynamics!(struct RubbingWrist = rubbing_wrist);
 
 const RATE: f64 = 100.0;
 const PERIOD: f64 = 1.0 / RATE;
@@ -127,4 +137,13 @@ fn a_regulator_holds_an_excavator_in_cylinder_forces() {
         y.iter().zip(rest).map(|(y, rest)| (y - rest).abs()).fold(0.0, f64::max)
     });
     assert!(held > 0.02 && regulated < 1e-3, "{held} {regulated}");
+}
+
+/// The plant knows of single joints whether they stick: it does not drive on without such friction at rest.
+#[test]
+fn a_plant_with_dry_friction_on_a_shaft_of_two_joints_is_refused() {
+    let Err(refused) = Plant::new(RubbingWrist, PlantOptions::default()) else { panic!("it is refused") };
+    let [.., first, second] = differential_wrist::JOINT_NAMES;
+    assert_eq!(refused, PlantError::SharedFriction { first, second });
+    assert!(refused.to_string().contains("--smooth-sign"), "{refused}");
 }

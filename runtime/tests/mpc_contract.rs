@@ -352,6 +352,7 @@ impl Dynamics<2, 2> for LightWrist {
             peak_effort: [f64::INFINITY; 2],
             input: [[-1e6, 1e6]; 2],
             peak_input: [[-1e6, 1e6]; 2],
+            dependent: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {

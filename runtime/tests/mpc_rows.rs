@@ -332,7 +332,8 @@ fn the_forearm_of_a_palletizer_keeps_its_limits() {
     let motion = RestToRest::new(start, goal, 2.0).unwrap();
     let angle = |y: &[f64; 4], u: &[f64; 4]| row.value(y, &[0.0; 4], u) + DEPENDENT_JOINT_OFFSETS[forearm];
     let plain = MpcOptions::new(&Palletizer, 0.01, 15);
-    let mut without = LtvMpc::new(Palletizer, motion, plain.clone()).unwrap();
+    let free = MpcRow { lower: f64::NEG_INFINITY, upper: f64::INFINITY, ..row };
+    let mut without = LtvMpc::new(Palletizer, motion, plain.clone().with_rows([free])).unwrap();
     let [error, largest] = follow(Palletizer, &mut without, [start, goal], 3.0, angle);
     assert!(error < 5e-3 && largest > limits[1] + 0.15, "{error} {largest}");
     let mut with = LtvMpc::new(Palletizer, motion, plain.with_rows([row])).unwrap();

@@ -27,6 +27,7 @@ impl Dynamics<2, 1> for FreeHull {
             peak_effort: [f64::INFINITY; 2],
             input: [[-1.0, 1.0]],
             peak_input: [[-1.0, 1.0]],
+            dependent: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {

@@ -27,6 +27,7 @@ impl Dynamics<1, 1> for Slider {
             peak_effort: [10.0],
             input: [[-5.0, 5.0]],
             peak_input: [[-10.0, 10.0]],
+            dependent: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {

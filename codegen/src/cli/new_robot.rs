@@ -72,7 +72,7 @@ fn from_xml(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure>
     let feet = feet.of(&loaded.model)?;
     let copies = kind.copies(path, &files)?;
     Ok(Robot {
-        build: match loaded.model.moving_joints().iter().any(|moving| moving.joint.jumps()) {
+        build: match loaded.model.has_dry_friction() {
             true => BUILD_BOTH,
             false => BUILD,
         },

@@ -1,7 +1,7 @@
 //! A described robot as identification asks for it: its regressor, evaluated by the interpreter.
 
 use gelenk_identification::pose::QuaternionJoint;
-use gelenk_identification::robot::{JointLimits, Robot};
+use gelenk_identification::robot::{FollowerLimits, JointLimits, Robot};
 use gelenk_identification::shafts::{JointTerm, Shaft};
 
 use super::parameters::result;
@@ -12,7 +12,7 @@ use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{FrictionTerm, Joint, Model, Motion, QuaternionKind};
+use crate::model::{FrictionTerm, Joint, Model, Motion, MovingJoint, QuaternionKind};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
 /// those of `INERTIAL_PARAMETER_NAMES`.
@@ -113,6 +113,23 @@ impl InterpretedRobot {
         names.filter(|name| !is_shaft(name)).collect()
     }
 
+    /// A joint that follows coordinates, with its limits.
+    fn follower(&self, follower: &MovingJoint<'_>) -> Option<FollowerLimits> {
+        let mut ratios = vec![0.0; self.model.coordinates.len()];
+        for term in &follower.follows {
+            // None for one that follows a driven joint.
+            *ratios.get_mut(term.coordinate)? = term.ratio.value(&self.free)?;
+        }
+        let limits = &follower.joint.limits;
+        Some(FollowerLimits {
+            name: follower.joint.name.clone(),
+            ratios,
+            offset: follower.offset,
+            position: limits.position.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+            velocity: limits.velocity.unwrap_or(f64::INFINITY),
+        })
+    }
+
     /// The model, without the friction that is identified.
     #[must_use]
     pub fn model(&self) -> &Model {
@@ -156,6 +173,12 @@ impl Robot for InterpretedRobot {
             effort: joint.limits.peak_effort.or(joint.limits.effort).unwrap_or(f64::INFINITY),
         };
         self.model.joints().map(limits).collect()
+    }
+
+    fn followers(&self) -> Vec<FollowerLimits> {
+        let moving = self.model.moving_joints();
+        let followers = moving.iter().skip(self.model.motion_count());
+        followers.filter_map(|follower| self.follower(follower)).collect()
     }
 
     fn parameter_names(&self) -> Vec<String> {

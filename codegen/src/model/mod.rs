@@ -153,6 +153,12 @@ impl Model {
         self.coordinates.len() + self.driven.len()
     }
 
+    /// Tells whether friction or a spring jumps, at a joint or on the shaft of a drive.
+    #[must_use]
+    pub fn has_dry_friction(&self) -> bool {
+        self.moving_joints().iter().any(|moving| moving.joint.jumps()) || self.drives.iter().any(Drive::jumps)
+    }
+
     /// The driven joints in their order.
     pub fn driven_joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.driven.iter().map(|&link| self.joint_of(link))

@@ -248,7 +248,7 @@ fn report_carried_by_itself(link: &str, span: Span, report: &mut Report) {
         "cycle",
         format!("link `{link}` would be carried by itself: this joint has it as parent and as child"),
     );
-    report.help(&format!(
+    report.help(format!(
         "without `child` a joint moves a link of its own name, and without `parent` the first joint stands on the link `base`: \
          rename the joint, or call the robot's base otherwise, e.g. `base = \"{}\"`",
         if link == "world" { "ground" } else { "world" }

@@ -10,7 +10,7 @@ use crate::layout::Dimension;
 use crate::model::{Actuator, Drive, ForceInput, Input, Joint, Model, MovingJoint};
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 39] = [
+pub const NAMES: [&str; 40] = [
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -34,6 +34,7 @@ pub const NAMES: [&str; 39] = [
     "PEAK_EFFORT_LIMITS",
     "DEPENDENT_JOINT_NAMES",
     "DEPENDENT_JOINT_RATIOS",
+    "DEPENDENT_DRIVEN_RATIOS",
     "DEPENDENT_JOINT_OFFSETS",
     "DEPENDENT_POSITION_LIMITS",
     "DEPENDENT_VELOCITY_LIMITS",
@@ -143,7 +144,7 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
     constants.chain(wrenches.into_iter().flatten()).chain(driven.into_iter().flatten()).collect()
 }
 
-/// The joints that follow coordinates. Ratios that depend on free parameters, or concern driven joints, are left out.
+/// The joints that follow coordinates. Ratios that depend on free parameters are left out.
 fn followers(model: &Model) -> Vec<Constant> {
     if model.followers.is_empty() {
         return vec![];
@@ -151,18 +152,14 @@ fn followers(model: &Model) -> Vec<Constant> {
     let moving = model.moving_joints();
     let followers = &moving[model.motion_count()..];
     let row = |follower: &MovingJoint<'_>| {
-        let mut row = vec![0.0; model.coordinates.len()];
+        let mut row = vec![0.0; model.motion_count()];
         for term in &follower.follows {
-            // A joint that follows a driven one is no constant function of the coordinates.
-            *row.get_mut(term.coordinate)? = term.ratio.value(&[])?;
+            row[term.coordinate] = term.ratio.value(&[])?;
         }
         Some(row)
     };
     let rows: Option<Vec<Vec<f64>>> = followers.iter().map(row).collect();
-    let ratios = rows.map(|rows| {
-        let summary = "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.";
-        constant("DEPENDENT_JOINT_RATIOS", summary, ConstantValue::Rows(Dimension::Coordinates, rows))
-    });
+    let ratios = rows.map_or(vec![], |rows| ratios(model.coordinates.len(), &rows));
     let numbers = |name, summary, value: fn(&MovingJoint<'_>) -> f64| {
         let values = followers.iter().map(value).collect();
         constant(name, summary, ConstantValue::Numbers(Dimension::Fixed, values))
@@ -193,6 +190,24 @@ fn followers(model: &Model) -> Vec<Constant> {
         ),
     ];
     [names].into_iter().chain(ratios).chain(limits).collect()
+}
+
+/// Ratios of joints that follow, by the coordinates and, where one follows a driven joint, by the driven joints.
+fn ratios(coordinates: usize, rows: &[Vec<f64>]) -> Vec<Constant> {
+    let (of_coordinates, of_driven): (Vec<_>, Vec<_>) = rows
+        .iter()
+        .map(|row| row.split_at(coordinates))
+        .map(|(own, driven)| (own.to_vec(), driven.to_vec()))
+        .unzip();
+    let summary = "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.";
+    let value = ConstantValue::Rows(Dimension::Coordinates, of_coordinates);
+    let mut constants = vec![constant("DEPENDENT_JOINT_RATIOS", summary, value)];
+    if of_driven.iter().flatten().any(|ratio| *ratio != 0.0) {
+        let summary = "G_d in `G y + G_d d + g₀`: the same for the positions d of the driven joints.";
+        let value = ConstantValue::Rows(Dimension::Fixed, of_driven);
+        constants.push(constant("DEPENDENT_DRIVEN_RATIOS", summary, value));
+    }
+    constants
 }
 
 fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {

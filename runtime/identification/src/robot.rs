@@ -34,6 +34,11 @@ pub trait Robot {
     /// Number of bodies: the first `10 · bodies` parameters are theirs.
     fn bodies(&self) -> usize;
 
+    /// The joints that follow others, with limits of their own; those that follow driven joints are not among them.
+    fn followers(&self) -> Vec<FollowerLimits> {
+        Vec::new()
+    }
+
     /// The joints with a quaternion, in the order of their positions.
     fn quaternion_joints(&self) -> Vec<QuaternionJoint> {
         Vec::new()
@@ -172,6 +177,49 @@ fn own_inputs(b: &[f64], joints: usize, inputs: usize) -> Vec<bool> {
     (0..joints).map(|joint| driven_by(joint).count() == 1 && driven_by(joint).all(drives_one)).collect()
 }
 
+/// A joint that follows others, and its limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FollowerLimits {
+    /// Its name.
+    pub name: String,
+    /// Its motion for a unit of motion of each of the N joints.
+    pub ratios: Vec<f64>,
+    /// Its position where all of them stand at 0 [rad or m].
+    pub offset: f64,
+    /// Lowest and highest position [rad or m].
+    pub position: [f64; 2],
+    /// Largest speed [rad/s or m/s].
+    pub velocity: f64,
+}
+
+impl FollowerLimits {
+    /// Its position or speed, given those of the joints; `offset` is that of a position, or 0.
+    pub(crate) fn sum(&self, values: impl IntoIterator<Item = f64>, offset: f64) -> f64 {
+        // Nothing needs to be known of what it does not follow.
+        let followed = self.ratios.iter().zip(values).filter(|(ratio, _)| **ratio != 0.0);
+        offset + followed.map(|(ratio, value)| ratio * value).sum::<f64>()
+    }
+
+    /// The joint that it follows, where this is the only one, with what it leaves to it: position and speed.
+    pub(crate) fn allowed(&self) -> Option<(usize, [f64; 2], f64)> {
+        let mut followed = self.ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
+        let ((joint, ratio), None) = (followed.next()?, followed.next()) else { return None };
+        let ends = self.position.map(|end| (end - self.offset) / ratio);
+        Some((joint, [ends[0].min(ends[1]), ends[0].max(ends[1])], self.velocity / ratio.abs()))
+    }
+}
+
+/// Limits of the joints, narrowed to what joints allow that follow one of them alone.
+pub(crate) fn narrowed_limits(robot: &dyn Robot) -> Vec<JointLimits> {
+    let mut limits = robot.limits();
+    for (joint, [low, high], speed) in robot.followers().iter().filter_map(FollowerLimits::allowed) {
+        let Some(JointLimits { position, velocity, .. }) = limits.get_mut(joint) else { continue };
+        *position = [position[0].max(low), position[1].min(high)];
+        *velocity = velocity.min(speed);
+    }
+    limits
+}
+
 /// Limits of a joint, as described; what is not described is infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLimits {
@@ -236,6 +284,18 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot fo
         let Limits { position, velocity, effort, .. } = self.model.limits();
         let of = |j: usize| JointLimits { position: position[j], velocity: velocity[j], effort: effort[j] };
         (0..N).map(of).collect()
+    }
+
+    fn followers(&self) -> Vec<FollowerLimits> {
+        let joints = self.model.limits().dependent.iter().filter(|joint| !joint.follows_driven_joints());
+        let limits = joints.map(|joint| FollowerLimits {
+            name: joint.name.to_owned(),
+            ratios: joint.ratios.to_vec(),
+            offset: joint.offset,
+            position: joint.position,
+            velocity: joint.velocity,
+        });
+        limits.collect()
     }
 
     fn parameter_names(&self) -> Vec<String> {

@@ -4,7 +4,7 @@ use super::controller::ControllerFault;
 use super::joint_pd::require_gains;
 use super::law::{JointLaw, finite};
 use super::settings::SettingError;
-use crate::dynamics::{Dynamics, Named};
+use crate::dynamics::{DependentJoint, Dynamics, Named};
 use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_zero};
 use crate::trajectory::Sample;
 use thiserror::Error;
@@ -157,6 +157,16 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Compu
         let inverse = |model: &D| model.inverse_dynamics(positions, velocities, &accelerations);
         let forces = self.feed_forward.model().at_time(time, inverse);
         finite(self.feed_forward.inputs_for_at_time(time, positions, &forces))
+    }
+
+    fn dependent_motion_at_time(
+        &self,
+        time: f64,
+        joint: &DependentJoint<N>,
+        (coordinates, velocities): (&[f64; N], &[f64; N]),
+    ) -> [f64; 2] {
+        let of = |model: &D| joint.motion(coordinates, velocities, model.driven_motion());
+        self.feed_forward.model().at_time(time, of)
     }
 
     fn joint_names(&self) -> [&'static str; N] {

@@ -9,6 +9,7 @@ use super::run::{ControlLoop, Phase};
 use super::stage::STAGES;
 use super::unrolled::Unrolled;
 use crate::clock::Clock;
+use crate::dynamics::DependentJoint;
 use crate::trajectory::{Sample, Trajectory};
 use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;
@@ -197,8 +198,13 @@ where
         let velocities = self.state.filter.velocities();
         let (believed, desired) = (&self.state.believed.positions, &self.state.desired.positions);
         let error = self.fallback.difference(desired, believed);
-        let situation = Situation { positions: &positions, velocities, age, error: &error };
-        if let Err(fault) = check_state(&self.settings, &self.joints, &situation) {
+        let dependent = |joint: &DependentJoint<N>, at: (&[f64; N], &[f64; N])| {
+            self.fallback.dependent_motion_at_time(self.time(), joint, at)
+        };
+        let situation =
+            Situation { positions: &positions, velocities, age, error: &error, dependent: &dependent };
+        let checked = check_state(&self.settings, &self.joints, &situation);
+        if let Err(fault) = checked {
             self.engage(End::Stopped(StopReason::Limit(fault)));
         } else if let Some(end) = self.end_of_motion() {
             self.engage(end);

@@ -3,7 +3,7 @@
 use super::controller::ControllerFault;
 use super::law::{JointLaw, finite};
 use super::settings::{SettingError, require_each};
-use crate::dynamics::{AttitudeError, Dynamics, QuaternionJoint};
+use crate::dynamics::{AttitudeError, DependentJoint, Dynamics, QuaternionJoint};
 use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::trajectory::Sample;
 use thiserror::Error;
@@ -134,6 +134,16 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         let forces = self.restoring_forces(desired, positions, velocities);
         let correction = self.feed_forward.inputs_for_at_time(time, positions, &forces);
         sum(self.feed_forward.at_time(time, desired).inputs, correction)
+    }
+
+    fn dependent_motion_at_time(
+        &self,
+        time: f64,
+        joint: &DependentJoint<N>,
+        (coordinates, velocities): (&[f64; N], &[f64; N]),
+    ) -> [f64; 2] {
+        let of = |model: &D| joint.motion(coordinates, velocities, model.driven_motion());
+        self.feed_forward.model().at_time(time, of)
     }
 
     fn joint_names(&self) -> [&'static str; N] {

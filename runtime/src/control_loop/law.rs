@@ -1,7 +1,7 @@
 //! Feedback laws without memory.
 
 use super::controller::ControllerFault;
-use crate::dynamics::{AttitudeError, QuaternionJoint, numbered};
+use crate::dynamics::{AttitudeError, DependentJoint, QuaternionJoint, numbered};
 use crate::trajectory::Sample;
 
 /// A feedback law without memory: inputs from a desired state and the measured one. The loop falls back on
@@ -38,6 +38,19 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
     ) -> Result<[f64; M], ControllerFault> {
         let _ = time;
         self.inputs(desired, positions, velocities)
+    }
+
+    /// Position and velocity at `time` (s) of a joint that follows coordinates, given theirs: the loop keeps its limits.
+    /// Laws over robots with driven joints know the motion of those; by this body, a joint that follows one has no number,
+    /// and the loop brakes where such a joint has limits.
+    fn dependent_motion_at_time(
+        &self,
+        time: f64,
+        joint: &DependentJoint<N>,
+        (coordinates, velocities): (&[f64; N], &[f64; N]),
+    ) -> [f64; 2] {
+        let _ = time;
+        joint.motion(coordinates, velocities, &[])
     }
 
     /// Names of the joints, for the loop's messages: those of the model.

@@ -1,7 +1,7 @@
 //! Limits outside the optimizer: what is written, and where the robot is.
 
 use super::settings::LoopSettings;
-use crate::dynamics::Named;
+use crate::dynamics::{DependentJoint, Named};
 use std::fmt;
 
 /// A limit that the robot has reached, or would before its brakes could stop it.
@@ -9,7 +9,8 @@ use std::fmt;
 pub enum LimitFault {
     /// The position is outside its limits, or would be after braking.
     Position {
-        /// Index of the coordinate.
+        /// Index of the coordinate; from N on joints that follow, in the order of
+        /// [`LoopSettings::dependent_joints`](super::LoopSettings).
         joint: usize,
         /// Its name.
         name: &'static str,
@@ -22,7 +23,7 @@ pub enum LimitFault {
     },
     /// The speed is above its limit.
     Speed {
-        /// Index of the coordinate.
+        /// As of a position.
         joint: usize,
         /// Its name.
         name: &'static str,
@@ -86,9 +87,15 @@ pub(super) fn check_positions<const N: usize, const M: usize>(
     settings: &LoopSettings<N, M>,
     names: &[&'static str; N],
     positions: &[f64; N],
+    dependent: DependentMotion<'_, N>,
 ) -> Result<(), LimitFault> {
-    check_stop(settings, names, positions, positions)
+    check_stop(settings, names, positions, positions)?;
+    check_dependent(settings.dependent_joints, [positions, positions], &[0.0; N], dependent)
 }
+
+/// Position and velocity of a joint that follows, given those of the coordinates.
+pub(super) type DependentMotion<'a, const N: usize> =
+    &'a dyn Fn(&DependentJoint<N>, (&[f64; N], &[f64; N])) -> [f64; 2];
 
 /// Where and how fast the robot is, and how far from where it should be.
 pub(super) struct Situation<'a, const N: usize> {
@@ -98,6 +105,7 @@ pub(super) struct Situation<'a, const N: usize> {
     pub age: f64,
     /// Distance from where it should be, y ⊖ y_d.
     pub error: &'a [f64; N],
+    pub dependent: DependentMotion<'a, N>,
 }
 
 /// All limits of the state. Comparisons are written so that NaN is beyond each limit.
@@ -122,6 +130,7 @@ pub(super) fn check_state<const N: usize, const M: usize>(
             return Err(LimitFault::Speed { joint, name: names[joint], speed, limit });
         }
     }
+    check_dependent(settings.dependent_joints, [positions, &stopping], velocities, situation.dependent)?;
     // An old position is no measure of the error.
     for joint in (0..N).filter(|_| situation.age == 0.0) {
         let (error, limit) = (situation.error[joint], settings.following_error[joint]);
@@ -155,10 +164,36 @@ fn check_stop<const N: usize, const M: usize>(
     Ok(())
 }
 
+/// - `stopping`: the coordinates where the brakes would stop them
+fn check_dependent<const N: usize>(
+    joints: &[DependentJoint<N>],
+    [positions, stopping]: [&[f64; N]; 2],
+    velocities: &[f64; N],
+    motion: DependentMotion<'_, N>,
+) -> Result<(), LimitFault> {
+    for (k, joint) in joints.iter().enumerate() {
+        let (place, name) = (N + k, joint.name);
+        let [position, speed] = motion(joint, (positions, velocities));
+        let [stopping, _] = motion(joint, (stopping, velocities));
+        let (limits, limit) = (joint.position, joint.velocity);
+        let within = |x: f64| (limits[0]..=limits[1]).contains(&x);
+        if joint.has_position_limit() && !(within(position) && within(stopping)) {
+            return Err(LimitFault::Position { joint: place, name, position, stopping, limits });
+        }
+        let is_slow = speed.abs() <= limit;
+        if joint.has_velocity_limit() && !is_slow {
+            return Err(LimitFault::Speed { joint: place, name, speed, limit });
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dynamics::Limits;
+
+    const NONE: DependentMotion<'static, 1> = &|joint, (y, v)| joint.motion(y, v, &[]);
 
     fn settings() -> LoopSettings<1, 1> {
         LoopSettings::within(
@@ -170,6 +205,7 @@ mod tests {
                 peak_effort: [20.0],
                 input: [[-1.0, 1.0]],
                 peak_input: [[-2.0, 2.0]],
+                dependent: &[],
             },
             [[-2.0, 2.0]],
         )
@@ -183,7 +219,8 @@ mod tests {
     }
 
     fn check(y: f64, v: f64, age: f64, desired: f64) -> Result<(), LimitFault> {
-        let situation = Situation { positions: &[y], velocities: &[v], age, error: &[y - desired] };
+        let situation =
+            Situation { positions: &[y], velocities: &[v], age, error: &[y - desired], dependent: NONE };
         check_state(&settings(), &["upper arm"], &situation)
     }
 
@@ -211,6 +248,55 @@ mod tests {
         assert!(matches!(at(0.06), Err(LimitFault::Position { .. })));
     }
 
+    /// One that goes the other way at twice the speed.
+    const ROD: DependentJoint<1> = DependentJoint {
+        name: "rod",
+        ratios: [-2.0],
+        driven_ratios: &[],
+        offset: 0.1,
+        position: [-1.0, 1.5],
+        velocity: 3.0,
+    };
+
+    #[test]
+    fn joints_that_follow_have_limits_of_their_own() {
+        let settings = LoopSettings { dependent_joints: const { &[ROD] }, ..settings() };
+        let check = |y: f64, v: f64| {
+            let situation =
+                Situation { positions: &[y], velocities: &[v], age: 0.0, error: &[0.0], dependent: NONE };
+            check_state(&settings, &["upper arm"], &situation)
+        };
+        // Its own limits are reached at 0.55 and −0.7 rad of the coordinate, and at 1.5 rad/s.
+        assert_eq!(check(0.54, 0.0), Ok(()));
+        assert_eq!(check(-0.69, 0.0), Ok(()));
+        let fault = check(0.56, 0.0).unwrap_err();
+        assert!(matches!(fault, LimitFault::Position { joint: 1, name: "rod", .. }), "{fault}");
+        assert!(matches!(check(-0.71, 0.0), Err(LimitFault::Position { joint: 1, .. })));
+        // 1 rad/s and 10 rad/s²: 0.05 rad, twice as much at the rod.
+        assert_eq!(check(0.49, 1.0), Ok(()));
+        let fault = check(0.51, 1.0).unwrap_err();
+        let text = "joint rod at -0.9200 would stop at -1.0200, outside -1.0000 to 1.5000";
+        assert_eq!(fault.to_string(), text);
+        assert_eq!(check(0.0, -1.49), Ok(()));
+        assert!(matches!(check(0.0, -1.51), Err(LimitFault::Speed { joint: 1, limit: 3.0, .. })));
+    }
+
+    /// Braked rather than believed: a law that does not know the driven joints leaves it without a number.
+    #[test]
+    fn a_joint_that_follows_something_unknown_is_beyond_its_limits() {
+        let follower = DependentJoint { driven_ratios: &[1.0], ..ROD };
+        let check = |joint| check_dependent(&[joint], [&[0.0], &[0.0]], &[0.0], NONE);
+        assert!(check(follower).is_err());
+        let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
+        let free = DependentJoint { position: unlimited, velocity: f64::INFINITY, ..follower };
+        assert_eq!(check(free), Ok(()));
+        let known = |joint: &DependentJoint<1>, (y, v): (&[f64; 1], &[f64; 1])| {
+            joint.motion(y, v, &[[1.3, 0.0, 0.0]])
+        };
+        assert_eq!(check_dependent(&[follower], [&[0.0], &[0.0]], &[0.0], &known), Ok(()));
+        assert!(check_dependent(&[follower], [&[-0.1], &[-0.1]], &[0.0], &known).is_err());
+    }
+
     #[test]
     fn the_following_error_has_a_limit() {
         let fault = check(0.2, 0.0, 0.0, 0.05).unwrap_err();
@@ -228,7 +314,13 @@ mod tests {
             ..settings()
         };
         let check = |y: f64, v: f64, desired: f64| {
-            let situation = Situation { positions: &[y], velocities: &[v], age: 0.0, error: &[y - desired] };
+            let situation = Situation {
+                positions: &[y],
+                velocities: &[v],
+                age: 0.0,
+                error: &[y - desired],
+                dependent: NONE,
+            };
             check_state(&unlimited, &["1"], &situation)
         };
         assert_eq!(check(0.0, 1e100, 0.0), Ok(()));

@@ -2,7 +2,7 @@
 
 use super::guard::GuardSettings;
 use super::stage::{STAGES, Stage};
-use crate::dynamics::{Dynamics, Limits, Named, QuaternionJoint};
+use crate::dynamics::{DependentJoint, Dynamics, Limits, Named, QuaternionJoint};
 use crate::input_limits;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -30,6 +30,8 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub position_limits: [[f64; 2]; N],
     /// Speeds at which the loop brakes [rad/s or m/s].
     pub speed_limit: [f64; N],
+    /// Joints that follow coordinates, whose limits hold beside `position_limits` and `speed_limit`.
+    pub dependent_joints: &'static [DependentJoint<N>],
     /// Deceleration that the brakes are sure to reach [rad/s² or m/s²]: the loop brakes where the robot would
     /// otherwise come to rest outside `position_limits`. Infinite: no looking ahead.
     pub braking_deceleration: [f64; N],
@@ -72,7 +74,7 @@ pub struct LoopSettings<const N: usize, const M: usize> {
 
 impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// Settings for a robot with the limits of `model`: inputs up to the peak of motor and joint
-    /// ([`Dynamics::input_limits`]), positions and speeds up to their limits.
+    /// ([`Dynamics::input_limits`]), positions and speeds up to their limits, those of joints that follow coordinates too.
     ///
     /// Bridges 3 periods, falls back for 25 at most, of which 5 on the plan; brakes at a following error of
     /// 0.1 rad (or m), starts within 0.05, believes jumps up to twice the highest speed and 0.001, stillness
@@ -86,6 +88,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     }
 
     pub(super) fn within(rate: f64, limits: &Limits<N, M>, input_limits: [[f64; 2]; M]) -> Self {
+        let fastest = limits.narrowed().velocity;
         // A rate out of range is refused when the loop is made, not here.
         let period = 1.0 / if RATES.contains(&rate) { rate } else { *RATES.start() };
         let share = |part: f64| Duration::from_secs_f64(part * period);
@@ -99,15 +102,16 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
             fallback_periods: 25,
             position_limits: limits.position,
             speed_limit: limits.velocity,
-            braking_deceleration: limits.velocity.map(|v| v / 0.2),
+            dependent_joints: limits.dependent,
+            braking_deceleration: fastest.map(|v| v / 0.2),
             following_error: [0.1; N],
             start_tolerance: [0.05; N],
             input_limits,
             guard: GuardSettings {
-                jump_speed: limits.velocity.map(|v| 2.0 * v),
+                jump_speed: fastest.map(|v| 2.0 * v),
                 jump_margin: [1e-3; N],
                 frozen_motion: [0.02; N],
-                velocity_mismatch: limits.velocity.map(|v| 0.1 * v),
+                velocity_mismatch: fastest.map(|v| 0.1 * v),
             },
             velocity_time_constant: 0.01,
             standstill_speed: [0.01; N],

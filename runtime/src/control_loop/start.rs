@@ -10,6 +10,7 @@ use super::run::{ControlLoop, Phase};
 use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
 use crate::clock::Clock;
+use crate::dynamics::DependentJoint;
 use crate::trajectory::{Sample, Trajectory};
 use crate::transport::Transport;
 
@@ -39,7 +40,11 @@ where
         self.transport.brake().map_err(Refusal::Transport)?;
         let positions = self.first_reading()?;
         let measured = Unrolled::at(positions, &self.fallback);
-        check_positions(&self.settings, &self.joints, &measured.coordinates).map_err(Refusal::Limit)?;
+        let dependent = |joint: &DependentJoint<N>, at: (&[f64; N], &[f64; N])| {
+            self.fallback.dependent_motion_at_time(-self.release_time(), joint, at)
+        };
+        check_positions(&self.settings, &self.joints, &measured.coordinates, &dependent)
+            .map_err(Refusal::Limit)?;
         let start = Unrolled::at(self.trajectory.sample(0.0).positions, &self.fallback);
         let way = self.fallback.difference(&start.positions, &positions);
         // What is told of a joint with a quaternion is how far it is from the start.

@@ -2,7 +2,7 @@
 
 use super::integrate::{Span, discretize, flat_input, flat_state, integrate, substeps};
 use super::node::{Node, Prediction, in_deviations};
-use super::note::{MpcNote, beyond_limits, beyond_rows, dry_friction};
+use super::note::{MpcNote, beyond_limits, beyond_rows, dry_friction, not_kept};
 use super::observer::DisturbanceObserver;
 use super::options::{MpcError, MpcOptions};
 use super::row;
@@ -77,6 +77,7 @@ where
         const { assert!(NX == 2 * N, "NX must be 2 N") };
         options.check()?;
         options.check_quaternions(model.quaternion_joints())?;
+        options.check_dependent(model.limits().dependent)?;
         let stages = options.horizon;
         let neutral = Node { positions: model.neutral(), velocities: [0.0; N] };
         let mut horizon = Self {
@@ -106,6 +107,8 @@ where
         horizon.notes.extend(notes);
         let inputs = |time, sample: &Sample<N, NY>| horizon.feed_forward.at_time(time, sample).inputs;
         let notes = beyond_rows(horizon.model(), &horizon.trajectory, &horizon.options.rows, inputs);
+        horizon.notes.extend(notes);
+        let notes = not_kept(horizon.model().limits().dependent);
         horizon.notes.extend(notes);
         let start = horizon.trajectory.sample(0.0).positions;
         let notes = horizon.model().at_time(0.0, |model| dry_friction(model, &start));

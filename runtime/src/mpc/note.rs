@@ -2,7 +2,7 @@
 
 use super::options::MpcOptions;
 use super::row::MpcRow;
-use crate::dynamics::{Dynamics, Named, jumps, plain_positions, under_load};
+use crate::dynamics::{DependentJoint, Dynamics, Named, jumps, plain_positions, under_load};
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
@@ -47,6 +47,11 @@ pub enum MpcNote {
         /// Its sides.
         limits: [f64; 2],
     },
+    /// A joint follows a driven one and has limits, which change with the driven motion: the controller does not keep them.
+    Dependent {
+        /// Name of the joint.
+        joint: &'static str,
+    },
     /// Friction of a joint jumps at rest, as an exact `sign` does. Its slope is taken as 0 on either side, so
     /// that predictions know nothing of sticking: the joint may stop short of its goal. Controllers take a
     /// model with smooth friction.
@@ -87,6 +92,12 @@ impl fmt::Display for MpcNote {
                  the controller will lag or stay behind; slow the trajectory down or change it",
                 Named(row)
             ),
+            Self::Dependent { joint } => write!(
+                f,
+                "joint {} follows a driven joint, and this controller does not keep its limits: the loop brakes at them; check the \
+                 trajectory beside the driven motion (`limits::violations`)",
+                Named(joint)
+            ),
             Self::DryFriction { joint, jump } => write!(
                 f,
                 "friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
@@ -126,6 +137,13 @@ pub(super) fn beyond_limits<const N: usize, const M: usize, const NR: usize, con
         }
     }
     notes
+}
+
+/// The joints whose limits follow a driven motion.
+pub(super) fn not_kept<const N: usize>(joints: &[DependentJoint<N>]) -> Vec<MpcNote> {
+    let limited = |joint: &&DependentJoint<N>| joint.has_position_limit() || joint.has_velocity_limit();
+    let following = joints.iter().filter(limited).filter(|joint| joint.follows_driven_joints());
+    following.map(|joint| MpcNote::Dependent { joint: joint.name }).collect()
 }
 
 /// Samples over the whole trajectory, with their times.
@@ -219,6 +237,7 @@ mod tests {
                 peak_effort: [10.0],
                 input: [[-5.0, 5.0]],
                 peak_input: [[-10.0, 10.0]],
+                dependent: &[],
             }
         }
         fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {

@@ -1,9 +1,9 @@
 //! What a predictive controller is told, and why it may refuse.
 
 use super::observer::ObserverOptions;
-use super::row::{MpcRow, RowFault};
+use super::row::{MpcRow, RowFault, range};
 use crate::control_loop::TooFast;
-use crate::dynamics::{AttitudeError, Dynamics, Named, QuaternionJoint};
+use crate::dynamics::{AttitudeError, DependentJoint, Dynamics, Named, QuaternionJoint};
 use crate::feed_forward::FeedForwardError;
 use crate::lqr::LqrError;
 use crate::qp::{Penalty, QpError, QpSettings};
@@ -94,11 +94,11 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
 
 impl<const N: usize, const M: usize> MpcOptions<N, M> {
     /// Options with the model's limits (inputs up to the peak of motor and joint, [`Dynamics::input_limits`];
-    /// positions; speeds) and weights for a robot in SI units: position errors 1e4, velocity errors 1e2
+    /// positions; speeds; both narrowed to what joints that follow one of them allow) and weights for a robot in SI units: position errors 1e4, velocity errors 1e2
     /// (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input. QP to
     /// a millionth of its cost. No delay, linearization around the plan.
     pub fn new<const NY: usize>(model: &impl Dynamics<N, M, NY>, period: f64, horizon: usize) -> Self {
-        let limits = model.limits();
+        let limits = model.limits().narrowed();
         let inputs = model.input_limits().peak;
         let scale = inputs.map(|[low, high]| {
             let largest = high.max(-low);
@@ -124,7 +124,8 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
         }
     }
 
-    /// The same options with rows: torque–speed lines of motors, limits of dependent joints, any others.
+    /// The same options with rows: torque–speed lines of motors, limits of dependent joints, any others. A robot whose
+    /// joints follow several coordinates and have limits needs theirs, [`MpcRow::of_dependent_joints`].
     #[must_use]
     pub fn with_rows<const NR: usize>(self, rows: [MpcRow<N, M>; NR]) -> MpcOptions<N, M, NR> {
         MpcOptions {
@@ -180,6 +181,39 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         self.observer.check()
     }
 
+    /// # Errors
+    /// [`MpcError::Dependent`] for the first joint whose limits neither bounds nor a row of its name keep. Those of joints that
+    /// follow driven ones, which change with time, are no rows.
+    pub(super) fn check_dependent(&self, joints: &[DependentJoint<N>]) -> Result<(), MpcError> {
+        let has_row = |name: &str, of: fn(&MpcRow<N, M>) -> &[f64; N]| {
+            self.rows.iter().any(|row| row.name == name && of(row).iter().any(|c| *c != 0.0))
+        };
+        for joint in joints.iter().filter(|joint| !joint.follows_driven_joints()) {
+            let name = joint.name;
+            let is_kept = (self.keep_position(joint) || has_row(name, |row| &row.positions))
+                && (self.keep_velocity(joint) || has_row(name, |row| &row.velocities));
+            if !is_kept {
+                return Err(MpcError::Dependent { joint: name });
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells whether the bounds of the positions keep those of a joint.
+    fn keep_position(&self, joint: &DependentJoint<N>) -> bool {
+        let [least, most] = range(&joint.ratios, &self.position_limits).map(|end| joint.offset + end);
+        let [low, high] = joint.position;
+        let rounding =
+            |end: f64| if end.is_finite() { ROUNDING * (end.abs() + joint.offset.abs()) } else { 0.0 };
+        least >= low - rounding(low) && most <= high + rounding(high)
+    }
+
+    /// Tells whether the bounds of the speeds keep that of a joint.
+    fn keep_velocity(&self, joint: &DependentJoint<N>) -> bool {
+        let [_, fastest] = range(&joint.ratios, &self.velocity_limits.map(|limit| [-limit, limit]));
+        fastest <= joint.velocity * (1.0 + ROUNDING)
+    }
+
     /// - `joints`: those with a quaternion
     ///
     /// # Errors
@@ -202,6 +236,8 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     }
 }
 
+/// Bounds that were divided by a ratio, and are multiplied by it, are rounded.
+const ROUNDING: f64 = 1e-9;
 const NOT_NEGATIVE: &str = "finite and not negative";
 
 pub(super) fn require(
@@ -249,6 +285,16 @@ pub enum MpcError {
         row: String,
         /// What is wrong with it.
         fault: RowFault,
+    },
+    /// A joint follows several coordinates, and their bounds allow what its limits do not. A row keeps these.
+    #[error(
+        "joint {} follows others and can leave its limits within theirs: give the options rows for it, \
+         `.with_rows(MpcRow::of_dependent_joints(&robot))`, or rows of your own that have its name",
+        Named(.joint)
+    )]
+    Dependent {
+        /// The joint.
+        joint: &'static str,
     },
     /// Positions of a joint with a quaternion have no limits.
     #[error(

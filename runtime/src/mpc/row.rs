@@ -1,6 +1,6 @@
 //! Rows: limits of sums of positions, velocities and inputs.
 
-use crate::dynamics::Named;
+use crate::dynamics::{DependentJoint, DependentRows, Dynamics, Named};
 use crate::qp::{Penalty, QpProblem};
 use crate::trajectory::Sample;
 use std::fmt;
@@ -110,6 +110,45 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(name, ratios, [0.0; N], [0.0; M], [lower - offset, upper - offset])
     }
 
+    /// The rows of a robot whose joints follow several coordinates and have limits: of positions and of speeds, with the
+    /// names of the joints; none for other robots. Beside rows of your own, take them apart: `let [forearm] = …`.
+    ///
+    /// ```
+    /// use gelenk_runtime::mpc::{LtvMpc, MpcOptions, MpcRow};
+    /// use gelenk_runtime::trajectory::RestToRest;
+    ///
+    /// gelenk_runtime::dynamics!(pub struct Palletizer = gelenk_generated::palletizer);
+    ///
+    /// let motion = RestToRest::new([0.0, 0.3, 0.8, 0.0], [0.4, 0.3, 1.2, 0.5], 2.0)?;
+    /// let rows = MpcRow::of_dependent_joints(&Palletizer);
+    /// assert_eq!(rows[0].name, "forearm");
+    /// let options = MpcOptions::new(&Palletizer, 0.01, 15).with_rows(rows);
+    /// let mpc = LtvMpc::new(Palletizer, motion, options)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn of_dependent_joints<D, const NR: usize, const NY: usize>(model: &D) -> [Self; NR]
+    where
+        D: Dynamics<N, M, NY> + DependentRows<NR>,
+    {
+        let joints = || model.limits().dependent.iter().filter(|joint| joint.is_sum());
+        let positions = joints().filter(|joint| joint.has_position_limit());
+        let velocities = joints().filter(|joint| joint.has_velocity_limit());
+        let mut rows = positions.map(Self::of_position).chain(velocities.map(Self::of_velocity));
+        // A robot written by hand may say that it has more rows than it has.
+        let free = Self::new("free", [0.0; N], [0.0; N], [0.0; M], [f64::NEG_INFINITY, f64::INFINITY]);
+        core::array::from_fn(|_| rows.next().unwrap_or(free))
+    }
+
+    fn of_position(joint: &DependentJoint<N>) -> Self {
+        Self::dependent_joint(joint.name, joint.ratios, joint.offset, joint.position)
+    }
+
+    fn of_velocity(joint: &DependentJoint<N>) -> Self {
+        let sides = [-joint.velocity, joint.velocity];
+        Self::new(joint.name, [0.0; N], joint.ratios, [0.0; M], sides)
+    }
+
     /// The same row, kept exactly.
     #[must_use]
     pub const fn hard(self) -> Self {
@@ -192,8 +231,8 @@ pub(super) fn is_penalty(p: &Penalty) -> bool {
     p.linear > 0.0 && p.linear.is_finite() && p.quadratic >= 0.0 && p.quadratic.is_finite()
 }
 
-/// Least and largest `G_u u` of inputs within their limits.
-fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) -> [f64; 2] {
+/// Least and largest sum of products of factors and values within their limits.
+pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) -> [f64; 2] {
     let mut range = [0.0; 2];
     for (factor, [low, high]) in factors.iter().zip(limits) {
         if *factor != 0.0 {

@@ -196,6 +196,18 @@ pub enum PlantError {
     /// A start attitude is none.
     #[error("the plant cannot start there: {0}")]
     Attitude(#[from] AttitudeError),
+    /// Dry friction acts on several joints at once, as on the shaft of a motor that moves two: what holds it at rest is not
+    /// known joint by joint.
+    #[error(
+        "friction that jumps at rest acts on joints {} and {} together, as on the shaft of a motor that moves both or at a joint that follows both: the plant does not \
+         know when it sticks; generate its model with smooth friction (`--smooth-sign 100`)", Named(.first), Named(.second)
+    )]
+    SharedFriction {
+        /// Name of one joint.
+        first: &'static str,
+        /// Name of another.
+        second: &'static str,
+    },
     /// An input is NaN or infinite.
     #[error("input {} is {value}; only finite inputs can be applied", Named(.name))]
     Input {

@@ -93,15 +93,12 @@ impl<const N: usize> Default for MotionLimits<N> {
 
 impl<const N: usize> MotionLimits<N> {
     /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations of your own: models
-    /// have none.
+    /// have none. Those of joints that follow one coordinate narrow its own; whether joints that follow several keep
+    /// theirs says [`violations`](crate::limits::violations).
     #[must_use]
     pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
-        Self {
-            positions: limits.position,
-            speeds: limits.velocity.map(|v| v * share),
-            accelerations,
-            ..Self::default()
-        }
+        let Limits { position, velocity, .. } = limits.narrowed();
+        Self { positions: position, speeds: velocity.map(|v| v * share), accelerations, ..Self::default() }
     }
 
     /// - `point`: its index, for messages

@@ -206,7 +206,8 @@ impl<const N: usize> RestToRest<N> {
         Self::new(start, end, duration)
     }
 
-    /// The fastest one within a share (0 to 1) of a model's speed limits, and within `accelerations`.
+    /// The fastest one within a share (0 to 1) of a model's speed limits, those of joints that follow coordinates among
+    /// them, and within `accelerations`. Whether its ends are within the limits says [`violations`](crate::limits::violations).
     ///
     /// # Errors
     /// As [`RestToRest::within`].
@@ -217,9 +218,16 @@ impl<const N: usize> RestToRest<N> {
         share: f64,
         accelerations: &[f64; N],
     ) -> Result<Self, TrajectoryError> {
+        let way = core::array::from_fn(|i| end[i] - start[i]);
+        // All coordinates have one profile, so that a joint that follows several has it too. A motion over no distance
+        // still needs a length.
+        let duration = limits.dependent.iter().fold(1e-3_f64, |duration, joint| {
+            let [_, way] = joint.motion(&[0.0; N], &way, &[]);
+            // NaN, which max leaves out, is the way of a joint that follows a driven one.
+            duration.max(PEAK_SPEED * way.abs() / (share * joint.velocity))
+        });
         let speeds = limits.velocity.map(|v| v * share);
-        // A motion over no distance still needs a length.
-        Self::within(start, end, &speeds, accelerations, 1e-3)
+        Self::within(start, end, &speeds, accelerations, duration)
     }
 }
 

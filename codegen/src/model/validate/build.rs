@@ -37,8 +37,13 @@ impl Builder<'_, '_> {
         let all = [&coordinates[..], &driven].concat();
         let couplings = Couplings::resolve(self.robot, &self.tree, &all, &self.defaults, self.report);
         let followers = couplings.followers(&self.tree);
-        let limited =
-            Limited { robot: self.robot, tree: &self.tree, coordinates: &all, defaults: &self.defaults };
+        let limited = Limited {
+            robot: self.robot,
+            tree: &self.tree,
+            coordinates: &all,
+            driven: driven.len(),
+            defaults: &self.defaults,
+        };
         limited.check(&followers, self.report);
         let mut links = self.links(&all, &followers);
         self.attach_bodies(&mut links);

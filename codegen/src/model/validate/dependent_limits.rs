@@ -13,8 +13,10 @@ const ROUNDING: f64 = 1e-12;
 pub(super) struct Limited<'d> {
     pub(super) robot: &'d RobotDescription,
     pub(super) tree: &'d Tree,
-    /// The links of the coordinates.
+    /// The links of the coordinates, then those of the driven joints.
     pub(super) coordinates: &'d [usize],
+    /// How many of them are driven.
+    pub(super) driven: usize,
     /// Described values of the free parameters.
     pub(super) defaults: &'d [f64],
 }
@@ -27,6 +29,7 @@ impl<'d> Limited<'d> {
             self.check_positions(joint, follower, report);
             self.note_speed(joint, follower, report);
         }
+        self.warn_of_free_ratios(followers, report);
         for coordinate in 0..self.coordinates.len() {
             self.check_together(coordinate, followers, report);
         }
@@ -77,11 +80,44 @@ impl<'d> Limited<'d> {
                 joint.name.value
             );
             report.note(Some(limits.span), "dependent-limits", message);
-            report.help(
-                "the loop and planned motions know the limits of coordinates alone; `MpcRow::dependent_joint` keeps those of others \
-                 in predictive controllers, from the constants `DEPENDENT_…`",
-            );
+            self.say_who_keeps(follower, report);
         }
+    }
+
+    /// Says what of the runtime keeps the limits of a joint that can leave them.
+    fn say_who_keeps(&self, follower: &Follower, report: &mut Report) {
+        let driven = self.coordinates.len() - self.driven;
+        report.help(match &follower.follows[..] {
+            terms if terms.iter().any(|term| term.coordinate >= driven) => {
+                "the loop brakes there, and checks of trajectories tell of it; predictive controllers do not keep limits that move \
+                 with a driven joint, and say so"
+            }
+            [_] => "the runtime narrows the limits of the joint that is followed: the loop, predictive controllers and planned motions keep them",
+            _ => {
+                "the loop brakes there, and checks of trajectories tell of it; a predictive controller takes its rows by \
+                 `MpcRow::of_dependent_joints`"
+            }
+        });
+    }
+
+    /// Warns of limits that nothing keeps: without numbers for the ratios, the module says nothing of them.
+    fn warn_of_free_ratios(&self, followers: &[Follower], report: &mut Report) {
+        let has_limits =
+            |joint: &&JointDescription| joint.limits.position.is_some() || joint.limits.velocity.is_some();
+        let is_free =
+            |follower: &&Follower| follower.follows.iter().any(|term| term.ratio.value(&[]).is_none());
+        let limited: Vec<_> = followers.iter().map(|one| self.joint(one.link)).filter(has_limits).collect();
+        let (Some(first), Some(free)) = (limited.first(), followers.iter().find(is_free)) else { return };
+        let spans =
+            [first.limits.position.as_ref().map(|l| l.span), first.limits.velocity.as_ref().map(|l| l.span)];
+        let Some(span) = spans.into_iter().flatten().next() else { return };
+        let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
+        let free = &self.joint(free.link).name.value;
+        let message = format!(
+            "no controller keeps the limits of joints that follow others while the ratios of `{free}` depend on free parameters: {names}"
+        );
+        report.warning(span, "limits-not-kept", message);
+        report.help("give the ratios numbers, or keep these limits yourself, by `MpcRow::dependent_joint` and `violations`");
     }
 
     /// Complains where joints that follow the same coordinate alone leave it no position.
@@ -143,10 +179,7 @@ impl<'d> Limited<'d> {
                 joint.name.value
             );
             report.note(Some(limit.span), "dependent-limits", message);
-            report.help(
-                "limits of speed hold for coordinates alone: lower theirs, or give a predictive controller an `MpcRow` with \
-                 `DEPENDENT_VELOCITY_LIMITS`",
-            );
+            self.say_who_keeps(follower, report);
         }
     }
 }

@@ -215,6 +215,7 @@ macro_rules! dynamics {
 
             $crate::dynamics_on_manifold!([$($module)::+]);
             $crate::dynamics!(@at_time $p);
+            $crate::driven_motion_of!($p);
 
             fn input_names(&self) -> [&'static str; $($module)::+::M] {
                 $($module)::+::INPUT_NAMES
@@ -228,6 +229,7 @@ macro_rules! dynamics {
                     peak_effort: $($module)::+::PEAK_EFFORT_LIMITS,
                     input: $crate::dynamics!(@ranges [$($module)::+], INPUT_LIMITS),
                     peak_input: $crate::dynamics!(@ranges [$($module)::+], PEAK_INPUT_LIMITS),
+                    dependent: $crate::dependent_joints_of!([$($module)::+]),
                 }
             }
 
@@ -255,6 +257,9 @@ macro_rules! dynamics {
             $crate::dynamics!(@provided kinetic_energy, [$($module)::+], $p, (y: NY, v: N), scalar);
         }
         impl $crate::dynamics::PhaseSpace<{ 2 * $($module)::+::N }> for $name {}
+        impl $crate::dynamics::DependentRows<{
+            $crate::dynamics::count_rows($crate::dependent_joints_of!([$($module)::+]))
+        }> for $name {}
     };
     (@differentiable $name:ident, [$($module:ident)::+], $p:tt) => {
         impl $crate::dynamics::Differentiable<

@@ -7,6 +7,8 @@
 
 #[doc(hidden)]
 pub mod defaults;
+mod dependent;
+mod dependent_macro;
 mod driven;
 mod friction_law;
 mod functions;
@@ -24,6 +26,9 @@ mod tests;
 mod traits;
 mod types;
 
+pub use dependent::{DependentJoint, DependentRows};
+#[doc(hidden)]
+pub use dependent::{NO_NAMES, NO_NUMBERS, NO_RANGES, NO_ROWS, count_rows, dependent_joints};
 pub use driven::DrivenJoints;
 #[doc(hidden)]
 pub use driven::{NoDrivenJoints, at_rest_or_unknown, unknown, without_driven_joints};

@@ -274,6 +274,7 @@ fn limits<const N: usize, const M: usize>(motors: [f64; M], efforts: [f64; N]) -
         peak_effort: efforts,
         input: motors.map(|u| [-0.1 * u, 0.1 * u]),
         peak_input: motors.map(|u| [-u, u]),
+        dependent: &[],
     }
 }
 

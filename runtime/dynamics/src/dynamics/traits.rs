@@ -150,6 +150,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         f(self)
     }
 
+    /// Position, velocity and acceleration of each driven joint, where the robot has some and their motion is known.
+    #[inline]
+    fn driven_motion(&self) -> &[[f64; 3]] {
+        &[]
+    }
+
     /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … where there are none.
     fn input_names(&self) -> [&'static str; M] {
         numbered()

@@ -1,5 +1,6 @@
 //! Results with named blocks.
 
+use super::dependent::{self, DependentJoint};
 use super::solve::product;
 use gelenk_kernels::discrete_time;
 
@@ -151,9 +152,20 @@ pub struct Limits<const N: usize, const M: usize> {
     pub input: [[f64; 2]; M],
     /// Lowest and highest input that its motor bears for a short time; the peak efforts hold beside it.
     pub peak_input: [[f64; 2]; M],
+    /// The joints that follow coordinates, with limits of their own.
+    pub dependent: &'static [DependentJoint<N>],
 }
 
 impl<const N: usize, const M: usize> Limits<N, M> {
+    /// The same with limits of the coordinates, of position and of speed, by which the joints that follow one of them
+    /// alone keep theirs. Joints that follow several are not among them.
+    #[must_use]
+    pub fn narrowed(&self) -> Self {
+        let mut limits = *self;
+        dependent::narrowed(self.dependent, &mut limits.position, &mut limits.velocity);
+        limits
+    }
+
     /// Bounds of the inputs that keep both the limits of the motors and the efforts of the joints, given B
     /// (rows first). With motor_j the larger magnitude of input j's limits:
     ///

@@ -2,7 +2,7 @@
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::random::SplitMix64;
-use super::super::robot::{JointLimits, Robot};
+use super::super::robot::{FollowerLimits, JointLimits, Robot, narrowed_limits};
 use super::super::shafts::{RobotRows, ShaftRows};
 use super::search::condition_of_scaled;
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
@@ -81,6 +81,8 @@ pub struct PlannedShaft {
     pub limit: f64,
 }
 
+/// Part of a limit, and of a unit of position, that counts as none.
+const ROUNDING: f64 = 1e-9;
 /// Friction columns of a joint: viscous, Coulomb, offset.
 const FRICTION: usize = 3;
 /// Speed within which Coulomb friction changes its sign, as a share of the joint's largest.
@@ -115,15 +117,18 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let best = settings.excitation.minimize(
         &limits,
         |instants| design.score(instants),
-        |mut motion| {
-            motion.start_at_rest();
-            motion
-        },
+        (
+            |mut motion| {
+                motion.start_at_rest();
+                motion
+            },
+            |motion| design.narrow(motion, settings.excitation.samples),
+        ),
     )?;
     let best = best.ok_or_else(|| IdentificationError::NotConverged {
         what: "the search for a motion".into(),
         iterations: settings.excitation.starts * settings.excitation.iterations,
-        detail: "no motion tried shows all parameters within the joints' efforts: raise the efforts, lower the speed, or lengthen the period".into(),
+        detail: "no motion tried shows all parameters within the joints' efforts, and within the limits of joints that follow others: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that are followed".into(),
     })?;
     let instants = best.motion.instants(settings.excitation.samples);
     Ok(Plan {
@@ -180,7 +185,7 @@ fn check(settings: &PlanSettings) -> Result<()> {
 
 /// Limits of the motion, and what was assumed for them.
 fn usable(robot: &dyn Robot, settings: &PlanSettings) -> (Vec<ExcitationLimits>, Vec<String>) {
-    let joints = robot.limits().into_iter().zip(robot.position_units());
+    let joints = narrowed_limits(robot).into_iter().zip(robot.position_units());
     let limits = joints.map(|(JointLimits { position, velocity, .. }, unit)| {
         let half = if unit == "m" { 0.5 * settings.travel } else { PI };
         let [low, high] = if is_bounded(position) { position } else { [-half, half] };
@@ -202,7 +207,7 @@ fn is_limit(velocity: f64) -> bool {
 }
 
 fn assumptions(robot: &dyn Robot, settings: &PlanSettings) -> Vec<String> {
-    let (limits, units) = (robot.limits(), robot.position_units());
+    let (limits, units) = (narrowed_limits(robot), robot.position_units());
     let names = robot.joint_names();
     let joints = |unit: &str, lacks: &dyn Fn(&JointLimits) -> bool| {
         let found = (0..names.len()).filter(|i| units[*i] == unit && lacks(&limits[*i]));
@@ -248,6 +253,10 @@ struct Design<'a> {
     torques: Vec<f64>,
     weights: Vec<f64>,
     sign_speeds: Vec<f64>,
+    /// Joints that follow others.
+    followers: Vec<FollowerLimits>,
+    velocity_share: f64,
+    positions: Vec<[f64; 2]>,
 }
 
 impl<'a> Design<'a> {
@@ -281,6 +290,9 @@ impl<'a> Design<'a> {
             weights: of_rows.iter().zip(&typical).map(weight).collect(),
             efforts,
             torques,
+            followers: robot.followers(),
+            velocity_share: settings.velocity_share,
+            positions: limits.iter().map(|limit| limit.position).collect(),
             sign_speeds: rows.speeds(&speeds).into_iter().map(|speed| SIGN_SHARE * speed).collect(),
         }
     }
@@ -289,8 +301,56 @@ impl<'a> Design<'a> {
         FRICTION * self.efforts.len()
     }
 
-    /// Minus the logarithm of the determinant of the information; infinite beyond the efforts.
+    /// Shrinks and shifts a motion of the joints that others follow, so that those keep their limits.
+    fn narrow(&self, motion: &mut FourierMotion, samples: usize) {
+        for joint in &self.followers {
+            let instants = motion.instants(samples);
+            let fastest = instants.iter().map(|[_, v, _]| joint.sum(v.iter().copied(), 0.0).abs());
+            let fastest = fastest.fold(0.0, f64::max);
+            let middle = joint.sum(motion.center.iter().copied(), joint.offset);
+            let positions =
+                instants.iter().map(|[y, ..]| joint.sum(y.iter().copied(), joint.offset) - middle);
+            let [low, high] = positions.fold([0.0_f64; 2], |[low, high], y| [low.min(y), high.max(y)]);
+            let [least, most] = joint.position;
+            // Quotients by 0, of a motion that does not move it, shrink nothing.
+            let share = 1.0_f64
+                .min((most - least) / (high - low))
+                .min(self.velocity_share * joint.velocity / fastest);
+            let share = if share < 1.0 { share * (1.0 - ROUNDING) } else { 1.0 };
+            let shift = (least - middle - share * low).max(0.0) - (middle + share * high - most).max(0.0);
+            let square: f64 = joint.ratios.iter().map(|ratio| ratio * ratio).sum();
+            let followed = joint.ratios.iter().zip(&mut motion.center).zip(&mut motion.coefficients);
+            for ((ratio, center), pairs) in followed.filter(|((ratio, _), _)| **ratio != 0.0) {
+                *center += ratio * shift / square;
+                pairs.iter_mut().for_each(|pair| *pair = pair.map(|x| share * x));
+            }
+        }
+    }
+
+    /// Tells whether the motion leaves the limits of a joint that follows others, or of one that was shifted for it.
+    fn leaves_limits(&self, [y, v, _]: &Instant) -> bool {
+        if self.followers.is_empty() {
+            return false;
+        }
+        let outside = |(y, [low, high]): (&f64, &[f64; 2])| *y < low - ROUNDING || *y > high + ROUNDING;
+        if y.iter().zip(&self.positions).any(outside) {
+            return true;
+        }
+        self.followers.iter().any(|joint| {
+            let position = joint.sum(y.iter().copied(), joint.offset);
+            let is_within =
+                joint.position[0] - ROUNDING <= position && position <= joint.position[1] + ROUNDING;
+            let speed = joint.sum(v.iter().copied(), 0.0).abs();
+            !is_within || speed > self.velocity_share * joint.velocity * (1.0 + ROUNDING)
+        })
+    }
+
+    /// Minus the logarithm of the determinant of the information; infinite beyond the efforts and the limits of joints
+    /// that follow others.
     fn score(&self, instants: &[Instant]) -> f64 {
+        if instants.iter().any(|instant| self.leaves_limits(instant)) {
+            return f64::INFINITY;
+        }
         let exceed = |forces: Vec<f64>, limits: &[f64]| forces.iter().zip(limits).any(|(f, limit)| f > limit);
         if exceed(largest_forces(self.robot, instants), &self.efforts) {
             return f64::INFINITY;

@@ -81,7 +81,7 @@ impl Excitation {
             }
             condition_of_scaled(&(&matrix * matrix.transpose()))
         };
-        let best = self.minimize(limits, condition, |motion| motion)?;
+        let best = self.minimize(limits, condition, (|motion| motion, |_| {}))?;
         let Best { motion, score, start } = best.ok_or_else(|| IdentificationError::NotConverged {
             what: "the search for an excitation".into(),
             iterations: self.starts * self.iterations,
@@ -96,17 +96,19 @@ impl Excitation {
     ///
     /// - `score`: of the motion at evenly spaced instants; infinite where the motion is not possible
     /// - `restrict`: maps a motion to one of the kind that is asked for; the map is linear
+    /// - `narrow`: brings a motion that is within the limits within further ones
     pub(super) fn minimize(
         &self,
         limits: &[ExcitationLimits],
         mut score: impl FnMut(&[Instant]) -> f64,
-        restrict: impl Fn(FourierMotion) -> FourierMotion,
+        (restrict, narrow): (impl Fn(FourierMotion) -> FourierMotion, impl Fn(&mut FourierMotion)),
     ) -> Result<Option<Best>> {
         self.check(limits)?;
         let mut random = SplitMix64::new(self.seed);
         let mut fitted = |motion: FourierMotion| {
             let mut motion = restrict(motion);
             motion.fit_into(limits, self.samples);
+            narrow(&mut motion);
             let score = score(&motion.instants(self.samples));
             (motion, score)
         };

@@ -1,7 +1,7 @@
 //! What runs say about their log: joints that stood still, limits, units, velocities that are none.
 
 use super::super::pose::rows_of;
-use super::super::robot::{JointLimits, Robot};
+use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::finding::RunFinding;
@@ -29,6 +29,7 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
         outliers(runs, joint, unit).into_iter().for_each(|m| say(FindingKind::Outlier, m));
         velocity(runs, joint).into_iter().for_each(|m| say(FindingKind::VelocityDisagrees, m));
     }
+    findings.extend(robot.followers().iter().flat_map(|joint| beyond_limits(runs, joint)));
     findings.extend(efforts(runs, robot, &limits));
     findings.extend(gears(runs, robot));
     findings.extend(stuck(runs));
@@ -84,6 +85,50 @@ fn positions(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Opt
         "its positions go from {low:.4} to {high:.4} {unit}, its limits are {least:.4} and {most:.4}{}",
         looks_like(unit, "position", inside)
     ))
+}
+
+/// Findings of a joint that follows others: where these take it beyond its limits.
+fn beyond_limits(runs: &[Run], joint: &FollowerLimits) -> Vec<RunFinding> {
+    let say = |kind: FindingKind, message: String| RunFinding {
+        file: None,
+        rows: None,
+        joint: Some(joint.name.clone()),
+        kind,
+        message,
+    };
+    let mut positions: Vec<f64> =
+        runs.iter().flat_map(|run| sums(joint, &run.positions, joint.offset)).collect();
+    let of_speeds = |run: &Run| {
+        let columns: Vec<Vec<f64>> = (0..run.positions.len()).map(|i| slopes(run, i)).collect();
+        sums(joint, &columns, 0.0)
+    };
+    let mut speeds: Vec<f64> = runs.iter().flat_map(of_speeds).map(f64::abs).collect();
+    let [least, most] = joint.position;
+    let tolerance = 0.01 * (most - least).min(TAU) + least_travel("rad");
+    let beyond =
+        span(&mut positions).filter(|(low, high)| *low < least - tolerance || *high > most + tolerance);
+    let position = beyond.map(|(low, high)| {
+        let message = format!(
+            "the joints that it follows take it from {low:.4} to {high:.4}, its limits are {least:.4} and {most:.4}"
+        );
+        say(FindingKind::BeyondPosition, message)
+    });
+    let fast = span(&mut speeds).filter(|(_, fastest)| *fastest > 1.1 * joint.velocity);
+    let speed = fast.map(|(_, fastest)| {
+        let message = format!(
+            "the joints that it follows move it by up to {fastest:.4} in a second, its limit is {:.4}",
+            joint.velocity
+        );
+        say(FindingKind::BeyondSpeed, message)
+    });
+    position.into_iter().chain(speed).collect()
+}
+
+/// Values of a joint that follows others, by columns of theirs.
+fn sums(joint: &FollowerLimits, columns: &[Vec<f64>], offset: f64) -> Vec<f64> {
+    let count = columns.iter().map(Vec::len).min().unwrap_or(0);
+    let at = |k: usize| columns.iter().map(move |column| column[k]);
+    (0..count).map(|k| joint.sum(at(k), offset)).collect()
 }
 
 /// Whether another unit would mend it.

@@ -1,5 +1,6 @@
 //! Logs in strangers' styles: the same motion, written as other programs write it.
 
+use super::super::robot::FollowerLimits;
 use super::super::run::Effort;
 use super::testing::{Fake, message};
 use super::{ColumnOptions, FindingKind, Recording, runs_of};
@@ -432,4 +433,28 @@ fn odd_logs_are_read_in_time() {
     let row = vec!["1"; 5000].join(",");
     let said = message(&format!("{}\n{row}\n{row}\n", header.join(",")), "");
     assert!(said.contains("(4960 more)"), "{}", &said[..200]);
+}
+
+/// A rod that follows both joints goes from −0.8 to 1.8 rad, at up to 4.1 rad/s.
+#[test]
+fn joints_that_follow_beyond_their_limits_are_named() {
+    let rod = |position: [f64; 2], velocity: f64| Fake {
+        followers: vec![FollowerLimits {
+            name: "rod".into(),
+            ratios: vec![1.0, 1.0],
+            offset: 0.2,
+            position,
+            velocity,
+        }],
+        ..Fake::numbered(2)
+    };
+    assert_eq!(found(&rod([-1.5, 1.9], 4.1), "", |_, _| {}), []);
+    let far = found(&rod([-1.5, 1.0], 4.1), "", |_, _| {});
+    assert_eq!(far.len(), 1, "{far:?}");
+    assert_eq!(far[0].0, FindingKind::BeyondPosition);
+    assert!(far[0].1.contains("joint rod: the joints that it follows take it from -0.79"), "{far:?}");
+    let fast = found(&rod([-1.5, 1.9], 2.0), "", |_, _| {});
+    assert_eq!(fast.len(), 1, "{fast:?}");
+    assert_eq!(fast[0].0, FindingKind::BeyondSpeed);
+    assert!(fast[0].1.contains("its limit is 2.0000"), "{fast:?}");
 }

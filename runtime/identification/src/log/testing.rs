@@ -1,6 +1,6 @@
 //! A robot for tests of logs: names, limits, units and gears, without dynamics.
 
-use super::super::robot::{JointLimits, Robot};
+use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::{ColumnOptions, runs_of};
 
 /// Joints with limits and drives, as a log needs them.
@@ -9,6 +9,7 @@ pub(super) struct Fake {
     pub inputs: Vec<String>,
     pub units: Vec<&'static str>,
     pub limits: Vec<JointLimits>,
+    pub followers: Vec<FollowerLimits>,
     pub gear: f64,
     /// Torque that carries the first joint's weight [N·m].
     pub weight: f64,
@@ -22,6 +23,7 @@ impl Fake {
             inputs: joints.clone(),
             units: vec!["rad"; joints.len()],
             limits: vec![JointLimits { position: [-3.0, 3.0], velocity: 4.0, effort: 100.0 }; joints.len()],
+            followers: vec![],
             gear: 1.0,
             weight: 0.0,
             joints,
@@ -47,6 +49,9 @@ impl Robot for Fake {
     }
     fn limits(&self) -> Vec<JointLimits> {
         self.limits.clone()
+    }
+    fn followers(&self) -> Vec<FollowerLimits> {
+        self.followers.clone()
     }
     fn parameter_names(&self) -> Vec<String> {
         Vec::new()

@@ -130,8 +130,8 @@ impl<'a> Robot<'a> {
     }
 
     fn of_states(&self) -> Vec<Entry> {
-        let followers = match (self.value("DEPENDENT_JOINT_RATIOS"), self.value("DEPENDENT_JOINT_NAMES")) {
-            (Some(_), Some(ConstantValue::Names(_, names))) => names.len(),
+        let followers = match self.value("DEPENDENT_JOINT_NAMES") {
+            Some(ConstantValue::Names(_, names)) if self.has_constant_ratios() => names.len(),
             _ => 0,
         };
         let numbers = |name, about| entry(name, array(&self.numbers(name, self.n), None), about);
@@ -185,11 +185,15 @@ impl<'a> Robot<'a> {
             .any(|name| self.numbers(name, self.n).iter().any(|effort| effort.is_finite()));
         let efforts =
             (has_efforts && self.input_matrix.is_none()).then_some("limits of forces at the joints");
-        let is_missing =
-            self.value("DEPENDENT_JOINT_NAMES").is_some() && self.value("DEPENDENT_JOINT_RATIOS").is_none();
+        let is_missing = self.value("DEPENDENT_JOINT_NAMES").is_some() && !self.has_constant_ratios();
         let followers = is_missing.then_some("limits of joints that follow others");
         let about = "Limits of the description that are no constant bounds of x and u.";
         entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
+    }
+
+    /// Tells whether joints that follow are constant sums of the coordinates.
+    fn has_constant_ratios(&self) -> bool {
+        self.value("DEPENDENT_JOINT_RATIOS").is_some() && self.value("DEPENDENT_DRIVEN_RATIOS").is_none()
     }
 
     fn value(&self, name: &str) -> Option<&ConstantValue> {

@@ -1,0 +1,171 @@
+//! Joints that follow coordinates: `θ = G y + G_d d + g₀`, with the limits that the description gives them.
+
+/// A joint that follows coordinates, and its limits. Whatever keeps the limits of coordinates keeps these too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DependentJoint<const N: usize> {
+    /// Its name.
+    pub name: &'static str,
+    /// G: its motion for a unit of motion of each coordinate.
+    pub ratios: [f64; N],
+    /// G_d: likewise for the driven joints; empty where the robot has none.
+    pub driven_ratios: &'static [f64],
+    /// g₀: its position where all that it follows stands at 0 [rad or m].
+    pub offset: f64,
+    /// Lowest and highest position [rad or m].
+    pub position: [f64; 2],
+    /// Highest speed [rad/s or m/s].
+    pub velocity: f64,
+}
+
+impl<const N: usize> DependentJoint<N> {
+    /// Position and velocity, given those of the coordinates and of the driven joints
+    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)); NaN where it follows a driven joint whose motion is
+    /// not given.
+    #[must_use]
+    pub fn motion(&self, y: &[f64; N], v: &[f64; N], driven: &[[f64; 3]]) -> [f64; 2] {
+        let mut motion = [self.offset, 0.0];
+        let mut add = |ratio: f64, [y, v]: [f64; 2]| {
+            // Nothing is known, and nothing needs to be, of what it does not follow.
+            if ratio != 0.0 {
+                motion[0] += ratio * y;
+                motion[1] += ratio * v;
+            }
+        };
+        for i in 0..N {
+            add(self.ratios[i], [y[i], v[i]]);
+        }
+        for (j, ratio) in self.driven_ratios.iter().enumerate() {
+            let [y, v, _] = driven.get(j).copied().unwrap_or([f64::NAN; 3]);
+            add(*ratio, [y, v]);
+        }
+        motion
+    }
+
+    /// Tells whether it follows driven joints.
+    #[must_use]
+    pub const fn follows_driven_joints(&self) -> bool {
+        count(self.driven_ratios) > 0
+    }
+
+    /// The coordinate that it follows, where this is the only one and it follows nothing else.
+    #[must_use]
+    pub fn followed_alone(&self) -> Option<usize> {
+        if self.follows_driven_joints() || count(&self.ratios) != 1 {
+            return None;
+        }
+        self.ratios.iter().position(|ratio| *ratio != 0.0)
+    }
+
+    /// Tells whether it follows several coordinates and nothing else.
+    #[must_use]
+    pub const fn is_sum(&self) -> bool {
+        !self.follows_driven_joints() && count(&self.ratios) > 1
+    }
+
+    /// Tells whether its position has a limit.
+    #[must_use]
+    pub const fn has_position_limit(&self) -> bool {
+        self.position[0] != f64::NEG_INFINITY || self.position[1] != f64::INFINITY
+    }
+
+    /// Tells whether its speed has a limit.
+    #[must_use]
+    pub const fn has_velocity_limit(&self) -> bool {
+        self.velocity != f64::INFINITY
+    }
+
+    /// Limits of the coordinate that it follows alone, by which it keeps its own: of position and speed.
+    fn limits_of_followed(&self) -> Option<(usize, [f64; 2], f64)> {
+        let i = self.followed_alone()?;
+        let ratio = self.ratios[i];
+        let [a, b] = self.position.map(|end| (end - self.offset) / ratio);
+        Some((i, if ratio > 0.0 { [a, b] } else { [b, a] }, self.velocity / ratio.abs()))
+    }
+}
+
+const fn count(ratios: &[f64]) -> usize {
+    let (mut i, mut found) = (0, 0);
+    while i < ratios.len() {
+        if ratios[i] != 0.0 {
+            found += 1;
+        }
+        i += 1;
+    }
+    found
+}
+
+/// Narrows limits of coordinates to those by which the joints that follow one of them alone keep their own.
+pub(super) fn narrowed<const N: usize>(
+    joints: &[DependentJoint<N>],
+    positions: &mut [[f64; 2]; N],
+    velocities: &mut [f64; N],
+) {
+    for (i, [low, high], velocity) in joints.iter().filter_map(DependentJoint::limits_of_followed) {
+        positions[i] = [positions[i][0].max(low), positions[i][1].min(high)];
+        velocities[i] = velocities[i].min(velocity);
+    }
+}
+
+/// Number of rows that joints take, see [`DependentRows`].
+pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
+    let (mut i, mut rows) = (0, 0);
+    while i < joints.len() {
+        if joints[i].is_sum() {
+            rows += joints[i].has_position_limit() as usize + joints[i].has_velocity_limit() as usize;
+        }
+        i += 1;
+    }
+    rows
+}
+
+/// The number NR of rows `lower ≤ G y + g₀ ≤ upper` and `|G ẏ| ≤ limit` that keep the limits of joints which follow several
+/// coordinates. [`dynamics!`](crate::dynamics!) implements it, so that predictive controllers are given all of these rows.
+#[diagnostic::on_unimplemented(
+    note = "a robot that is written by hand says how many limits its joints have that follow several coordinates: `impl DependentRows<0> for Robot {{}}`"
+)]
+pub trait DependentRows<const NR: usize> {}
+
+/// The constants of a module as joints: none where it lacks the ratios, because these depend on free parameters.
+///
+/// - `ratios`, `driven_ratios`: rows behind each other; K rows
+pub const fn dependent_joints<const N: usize, const K: usize>(
+    names: &[&'static str],
+    [ratios, driven_ratios]: [&'static [f64]; 2],
+    offsets: &[f64],
+    (positions, velocities): (&[[f64; 2]], &[f64]),
+) -> [DependentJoint<N>; K] {
+    const { assert!(N > 0 || K == 0, "a joint that follows has something to follow") }
+    let mut joints = [DependentJoint {
+        name: "",
+        ratios: [0.0; N],
+        driven_ratios: &[],
+        offset: 0.0,
+        position: [f64::NEG_INFINITY, f64::INFINITY],
+        velocity: f64::INFINITY,
+    }; K];
+    let mut k = 0;
+    while k < K {
+        let joint = &mut joints[k];
+        (joint.name, joint.offset) = (names[k], offsets[k]);
+        (joint.position, joint.velocity) = (positions[k], velocities[k]);
+        let mut i = 0;
+        while i < N {
+            joint.ratios[i] = ratios[k * N + i];
+            i += 1;
+        }
+        let width = driven_ratios.len() / K;
+        let (_, rest) = driven_ratios.split_at(k * width);
+        (joint.driven_ratios, _) = rest.split_at(width);
+        k += 1;
+    }
+    joints
+}
+
+/// `DEPENDENT_JOINT_NAMES` of a module without joints that follow.
+pub const NO_NAMES: [&str; 0] = [];
+/// Rows of `DEPENDENT_JOINT_RATIOS` and `DEPENDENT_DRIVEN_RATIOS` of a module without them.
+pub const NO_ROWS: [[f64; 0]; 0] = [];
+/// `DEPENDENT_JOINT_OFFSETS` and `DEPENDENT_VELOCITY_LIMITS` of such a module.
+pub const NO_NUMBERS: [f64; 0] = [];
+/// `DEPENDENT_POSITION_LIMITS` of such a module.
+pub const NO_RANGES: [[f64; 2]; 0] = [];

@@ -1,0 +1,39 @@
+//! The part of [`dynamics!`](crate::dynamics!) about joints that follow.
+
+/// The joints that follow, which most modules do not have. Without ratios there are none.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! dependent_joints_of {
+    ([$($module:ident)::+]) => {{
+        #[allow(unused_imports, reason = "only modules without joints that follow need it")]
+        use $crate::dynamics::{
+            NO_NAMES as DEPENDENT_JOINT_NAMES, NO_NUMBERS as DEPENDENT_JOINT_OFFSETS,
+            NO_NUMBERS as DEPENDENT_VELOCITY_LIMITS, NO_RANGES as DEPENDENT_POSITION_LIMITS,
+            NO_ROWS as DEPENDENT_DRIVEN_RATIOS, NO_ROWS as DEPENDENT_JOINT_RATIOS,
+        };
+        {
+            $crate::dynamics!(@import [$($module)::+]);
+            const JOINTS: [$crate::dynamics::DependentJoint<{ $($module)::+::N }>; DEPENDENT_JOINT_RATIOS.len()] =
+                $crate::dynamics::dependent_joints(
+                    &DEPENDENT_JOINT_NAMES,
+                    [DEPENDENT_JOINT_RATIOS.as_flattened(), DEPENDENT_DRIVEN_RATIOS.as_flattened()],
+                    &DEPENDENT_JOINT_OFFSETS,
+                    (&DEPENDENT_POSITION_LIMITS, &DEPENDENT_VELOCITY_LIMITS),
+                );
+            &JOINTS
+        }
+    }};
+}
+
+/// The motion of the driven joints that a robot holds, if it has some.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! driven_motion_of {
+    ([driven $(, $parameters:ident)?]) => {
+        #[inline]
+        fn driven_motion(&self) -> &[[f64; 3]] {
+            &self.driven
+        }
+    };
+    ($p:tt) => {};
+}
