@@ -232,7 +232,10 @@ impl<'d> Graph<'d> {
         let span =
             joint.and_then(|joint| robot.joints.get(joint)).map_or(Span::default(), |joint| joint.name.span);
         if let [link] = members {
-            report_carried_by_itself(&self.names[*link].value, span, report);
+            // A parent that is not described takes the place of the joint's name.
+            let parent = joint.and_then(|joint| robot.joints.get(joint)?.parent.as_ref());
+            let is_default = parent.is_some_and(|parent| parent.span == span);
+            report_carried_by_itself(&self.names[*link].value, is_default, span, report);
             return;
         }
         let message = format!("the links {}{dots} form a cycle", names.join(" → "));
@@ -241,18 +244,19 @@ impl<'d> Graph<'d> {
     }
 }
 
-/// The first joint of a chain that is called as the fixed base is by default, or a joint whose keys say so.
-fn report_carried_by_itself(link: &str, span: Span, report: &mut Report) {
-    report.error(
-        span,
-        "cycle",
-        format!("link `{link}` would be carried by itself: this joint has it as parent and as child"),
-    );
-    report.help(format!(
-        "without `child` a joint moves a link of its own name, and without `parent` the first joint stands on the link `base`: \
-         rename the joint, or call the robot's base otherwise, e.g. `base = \"{}\"`",
-        if link == "world" { "ground" } else { "world" }
-    ));
+/// A joint whose keys say so, or the first of a chain that is called as the fixed base is by default.
+fn report_carried_by_itself(link: &str, is_default: bool, span: Span, report: &mut Report) {
+    let message =
+        format!("link `{link}` would be carried by itself: this joint has it as parent and as child");
+    report.error(span, "cycle", message);
+    let other = if link == "world" { "ground" } else { "world" };
+    report.help(match is_default {
+        true => format!(
+            "without `child` a joint moves a link of its own name, and without `parent` the first joint stands on the robot's base: \
+             rename the joint, or the base, e.g. `base = \"{other}\"`"
+        ),
+        false => "name two links: the one that the joint stands on and the one that it moves".to_owned(),
+    });
 }
 
 fn report_two_joints(second: &JointDescription, first: &JointDescription, report: &mut Report) {
