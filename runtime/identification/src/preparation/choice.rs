@@ -10,11 +10,10 @@ use super::check::{check, effort_fault};
 use super::delay::{DelayEstimate, Delays, estimate};
 use super::filter::Filter;
 use super::grid::{Piece, interpolate, pieces};
-use super::regression::{Columns, Problem, problems, spread};
+use super::regression::{Columns, problems, spread};
 use super::rest::Speeds;
 use super::result::{Delay, PreparationReport};
 use super::settings::PreparationSettings;
-use super::shared_fit::{self, Target};
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
 use nalgebra::DVector;
@@ -271,32 +270,20 @@ impl<'a> Recorded<'a> {
         let smoothed = self.smooth(how, split)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
         let samples = spread(&runs, SAMPLES, 0);
-        let columns = Columns::new(robot, &runs, None);
-        let target = |m: usize| {
+        let problems = problems(&Columns::new(robot, &runs, None), &runs, &samples);
+        let score = |m: usize| {
             let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
                 DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
             };
-            Target { filtered: column(&|s| &s.run.efforts[m]), measured: column(&|s| &s.measured[m]) }
+            let problem = problems[m].as_ref()?;
+            let (filtered, measured) = (column(&|s| &s.run.efforts[m]), column(&|s| &s.measured[m]));
+            let error = problem.energy(&(&measured - problem.explained(&filtered)));
+            let all = problem.variation(&measured);
+            (error / all).is_finite().then(|| (error / all).max(1e-12).ln())
         };
-        let targets: Vec<Target> = (0..self.efforts()).map(target).collect();
-        // Motor constants are not known yet, and efforts of one robot do not compare without them.
-        let scores = match self.signals[0].effort {
-            Effort::Current => own_scores(&problems(&columns, &runs, &samples), &targets),
-            Effort::Joint | Effort::Input => shared_fit::unexplained(&columns, &runs, &samples, targets),
-        };
+        let scores: Vec<f64> = (0..problems.len()).filter_map(score).collect();
         Ok(if scores.is_empty() { 0.0 } else { scores.iter().sum::<f64>() / scores.len() as f64 })
     }
-}
-
-/// Logarithms of what each effort's own parameters leave of it.
-fn own_scores(problems: &[Option<Problem>], targets: &[Target]) -> Vec<f64> {
-    let score = |(problem, target): (&Option<Problem>, &Target)| {
-        let problem = problem.as_ref()?;
-        let error = problem.energy(&(&target.measured - problem.explained(&target.filtered)));
-        let all = problem.variation(&target.measured);
-        (error / all).is_finite().then(|| (error / all).max(1e-12).ln())
-    };
-    problems.iter().zip(targets).filter_map(score).collect()
 }
 
 /// Delays that are removed: the given one, or those found where they are significant.

@@ -19,7 +19,6 @@ mod report;
 mod rest;
 mod result;
 mod settings;
-mod shared_fit;
 mod signals;
 mod spectrum;
 #[cfg(test)]

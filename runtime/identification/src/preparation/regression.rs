@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Ridge on columns of unit length: parameters that the motion does not show stay at zero.
-pub(super) const RIDGE: f64 = 1e-7;
+const RIDGE: f64 = 1e-7;
 
 /// Share of a joint's largest speed within which the sign of its velocity is rounded.
 const ROUNDING: f64 = 0.02;
@@ -47,7 +47,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Whether a joint rests that an effort acts on.
-    pub(super) fn rests(&self, run: &PreparedRun, effort: usize, sample: usize) -> bool {
+    fn rests(&self, run: &PreparedRun, effort: usize, sample: usize) -> bool {
         match &self.inverse {
             Some(inverse) => {
                 let mut joints =
@@ -59,7 +59,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Columns at sample `i` of run `r`, one row for each effort.
-    pub(super) fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
+    fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
         let run = runs[r];
         let state = |all: &[Vec<f64>]| -> Vec<f64> { all.iter().map(|c| c[i]).collect() };
         let (y, v, a) = (state(run.coordinates()), state(&run.velocities), state(&run.accelerations));

@@ -149,18 +149,6 @@ fn a_robot_that_compensates_gravity_is_told_from_one_that_does_not() {
     assert!(r_squared[4] > 0.97 && r_squared[5] > 0.97, "{r_squared:.3?}");
 }
 
-/// Gears of the Schunk arm vibrate at about 16 Hz. Each effort by itself is explained best with these vibrations, by masses that no
-/// other effort agrees with; numpy's least squares over base parameters loses a fifth of joint 2 with them.
-#[test]
-fn the_filter_of_the_schunk_runs_leaves_out_the_vibrations_of_the_gears() {
-    use super::super::super::{log::ColumnOptions, log::runs, preparation::prepare_all, run::Effort};
-    let Some(path) = shared("data/schunk_lwa4p/runs.csv") else { return };
-    let columns = ColumnOptions { effort: Some(Effort::Joint), ..ColumnOptions::default() };
-    let recording = runs(&[path], &schunk(), &columns).unwrap();
-    let (_, report) = prepare_all(&recording.runs, Some(&schunk()), &Default::default()).unwrap();
-    assert!((2.0..10.0).contains(&report.filter.bandwidth()), "{}", report.filter.bandwidth());
-}
-
 /// R² of the command's call on the half of the runs that it has not seen.
 #[test]
 #[ignore = "four halves, a minute: cargo test --release -p gelenk-identification --lib other_half -- --ignored --nocapture"]
