@@ -35,6 +35,12 @@ pub enum IdentificationError {
         /// Largest magnitude.
         largest: f64,
     },
+    /// Equations of sensible size that are singular.
+    #[error("the fit has no solution: {reason}")]
+    NoSolution {
+        /// What is known of the cause.
+        reason: String,
+    },
     /// Fewer samples than the method needs.
     #[error("{what} needs at least {needed} samples, there are {got}")]
     TooFewSamples {

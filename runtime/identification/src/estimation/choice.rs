@@ -1,7 +1,7 @@
 //! What is estimated is chosen by the error on held-out data: Coulomb widths, optional terms, offsets, and the
 //! weight of the description.
 
-use super::super::error::Result;
+use super::super::error::{IdentificationError, Result};
 use super::super::inertial::PER_BODY;
 use super::super::run::Effort;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
@@ -48,7 +48,28 @@ fn grid() -> impl Iterator<Item = f64> {
 
 /// Chooses in turn: widths and offsets, then optional terms, then the weight of the description.
 /// Bounds of what can exist hold at the end: they cost more than all choices, and hardly change one.
+///
+/// # Errors
+/// Sums without a solution, as where the gain of a drive goes to zero.
 pub(super) fn choose<'a>(
+    layout: &'a Layout,
+    sums: &'a Sums,
+    prior: &Prior,
+    freedom: Freedom<'_>,
+) -> Result<Chosen<'a>> {
+    choose_in_turn(layout, sums, prior, freedom).map_err(|error| match (layout.effort, error) {
+        (Effort::Current, IdentificationError::NoSolution { .. }) => {
+            IdentificationError::NoSolution { reason: GAIN_LOST.into() }
+        }
+        (_, error) => error,
+    })
+}
+
+/// What is said where the gains of drives are unknown and the sums have no solution.
+const GAIN_LOST: &str = "the gain of a drive goes to zero, since the currents of a joint agree with no force that the description allows: \
+                         check sign, unit and assignment of their columns, and name efforts that are torques by --effort joint";
+
+fn choose_in_turn<'a>(
     layout: &'a Layout,
     sums: &'a Sums,
     prior: &Prior,

@@ -249,6 +249,9 @@ pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64
     a
 }
 
+/// Sums of products beyond this are no longer those of data in sensible units.
+const LARGEST_SUM: f64 = 1e150;
+
 /// Solves `A x = b` for symmetric positive definite A, scaled to a unit diagonal.
 ///
 /// # Errors
@@ -266,7 +269,7 @@ pub(super) struct Factor {
 
 impl Factor {
     /// # Errors
-    /// A matrix that is not finite, as where squares of the data overflow.
+    /// A matrix that is not finite, as where squares of the data overflow, or one that is not positive definite.
     pub(super) fn new(a: &DMatrix<f64>) -> Result<Self> {
         let scale = DVector::from_fn(a.nrows(), |i, _| 1.0 / a[(i, i)].sqrt());
         let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| a[(i, k)] * scale[i] * scale[k]);
@@ -278,7 +281,11 @@ impl Factor {
                 return Ok(Self { scale, factor });
             }
         }
-        Err(IdentificationError::Overflow { what: "the sum of products".into(), largest: a.amax() })
+        let largest = a.amax();
+        if largest < LARGEST_SUM {
+            return Err(IdentificationError::NoSolution { reason: "its equations are singular".into() });
+        }
+        Err(IdentificationError::Overflow { what: "the sum of products".into(), largest })
     }
 
     pub(super) fn solve(&self, b: &DMatrix<f64>) -> DMatrix<f64> {
@@ -301,5 +308,23 @@ impl Factor {
         let mut whitened = self.scaled(b);
         self.factor.l().solve_lower_triangular_mut(&mut whitened);
         whitened
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn singular_sums_are_told_from_sums_that_overflow() {
+        let of = |size: f64| {
+            Factor::new(&(DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0]) * size)).map(|_| ())
+        };
+        for size in [1e-10, 1.0, 1e17] {
+            assert!(matches!(of(size), Err(IdentificationError::NoSolution { .. })), "{size}");
+        }
+        for size in [1e200, f64::INFINITY] {
+            assert!(matches!(of(size), Err(IdentificationError::Overflow { .. })), "{size}");
+        }
     }
 }
