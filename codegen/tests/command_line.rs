@@ -164,7 +164,9 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     let free = still.replace(r#"<joint name="shoulder" axis="0 1 0" damping="0.1"/>"#, "<freejoint/>");
     let outside = HINGES.replace("parts/", "../");
     fs::create_dir(folder.path().join("robots")).unwrap();
+    let taken = HINGES.replace("parts/motors.xml", "build.rs");
     fs::write(folder.path().join("motors.xml"), MOTORS).unwrap();
+    fs::write(folder.path().join("robots/build.rs"), MOTORS).unwrap();
     for (text, message) in [
         (still, "has no motor at `shoulder`, `el\"bow`; the program of a new crate moves one joint at least"),
         (
@@ -172,6 +174,7 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
             "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot whose base floats",
         ),
         (outside, "which cannot lie at the same place in the new crate"),
+        (taken, "the MJCF includes build.rs, and the project has a file of that name"),
     ] {
         fs::write(folder.path().join("robots/arm.xml"), text).unwrap();
         let refused = gelenk(folder.path(), &["new", "arm", "--mjcf", "robots/arm.xml"]);

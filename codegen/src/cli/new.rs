@@ -42,6 +42,7 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     let copies = robot.copies.iter().map(|(place, content)| (place.as_str(), content.as_slice()));
     let texts = project.files.iter().map(|(name, text)| (*name, text.as_bytes()));
     let files: Vec<(&str, &[u8])> = [description].into_iter().chain(copies).chain(texts).collect();
+    require_places(&files)?;
     make(folder)?;
     if let Err(error) = write(folder, &files) {
         // Half a project helps nobody; whether it could be removed changes nothing about the message.
@@ -70,6 +71,19 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
             ))?;
             Ok(ExitCode::SUCCESS)
         }
+    }
+}
+
+/// Fails where a file that an MJCF includes would take the place of one of the project.
+fn require_places(files: &[(&str, &[u8])]) -> Result<(), Failure> {
+    let mut names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+    names.sort_unstable();
+    match names.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]) {
+        None => Ok(()),
+        Some(name) => Err(Failure::Usage(format!(
+            "the MJCF includes {}, and the project has a file of that name\n  = help: rename the file that is included",
+            quoted(name)
+        ))),
     }
 }
 

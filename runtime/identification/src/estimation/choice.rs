@@ -66,7 +66,7 @@ pub(super) fn choose<'a>(
 }
 
 /// What is said where the gains of drives are unknown and the sums have no solution.
-const GAIN_LOST: &str = "the gain of a drive goes to zero, since the currents of a joint agree with no force that the description allows: \
+const GAIN_LOST: &str = "the gain of a drive goes to zero where the currents of a joint agree with no force that the description allows: \
                          check sign, unit and assignment of their columns, and name efforts that are torques by --effort joint";
 
 fn choose_in_turn<'a>(
