@@ -245,7 +245,7 @@ fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
 }
 
 /// The positions closest to 0 within the limits, attitudes at the identity.
-fn closest_to_neutral<const N: usize, const M: usize, const NY: usize>(
+pub(crate) fn closest_to_neutral<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
 ) -> [f64; NY] {
     let (mut positions, closest) = (model.neutral(), closest_to_zero(&model.limits().position));
@@ -256,7 +256,7 @@ fn closest_to_neutral<const N: usize, const M: usize, const NY: usize>(
 }
 
 /// The positions closest to 0 within the limits: beyond them, inputs at frames may have no direction.
-pub(crate) fn closest_to_zero<const N: usize>(limits: &[[f64; 2]; N]) -> [f64; N] {
+fn closest_to_zero<const N: usize>(limits: &[[f64; 2]; N]) -> [f64; N] {
     limits.map(|[low, high]| 0.0_f64.max(low).min(high))
 }
 

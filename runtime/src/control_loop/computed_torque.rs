@@ -4,8 +4,8 @@ use super::controller::ControllerFault;
 use super::joint_pd::require_gains;
 use super::law::{JointLaw, finite};
 use super::settings::SettingError;
-use crate::dynamics::{DependentJoint, Dynamics, Named};
-use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_zero};
+use crate::dynamics::{AttitudeError, DependentJoint, Dynamics, Named, QuaternionJoint};
+use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_neutral};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
@@ -68,17 +68,17 @@ pub enum ComputedTorqueError {
 /// (take a model with smooth friction, and measured velocities where there are any). As fallback of a loop,
 /// `JointPd` is the quieter choice.
 ///
-/// For robots without quaternions: with others `ë + K_d ė + K_p e = 0` is not what e = y_d ⊖ y obeys, and this does not
-/// compile.
+/// Of robots with quaternions the error is e = y_d ⊖ y, and the desired velocities are those seen from the measured
+/// body, `w = Ad v_d` with the adjoint Ad of exp(e):
 ///
-/// ```compile_fail,E0277
-/// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque};
-/// use gelenk_runtime::dynamics::Dynamics;
-///
-/// fn law(body: impl Dynamics<6, 6, 7>) {
-///     let _ = ComputedTorque::<_, 6, 6>::new(body, AccelerationGains::from_bandwidth(9.0, 1.0));
-/// }
+/// ```text
+///     v̇ = Ad v̇_d − ad_v w + K_d (w − v) + K_p e
 /// ```
+///
+/// for ÿ above. Then w − v obeys `d/dt (w − v) = −K_d (w − v) − K_p e`. Where w − v is parallel to e at the start, and so
+/// from rest beside a motion that begins at rest, e decays along one axis like the errors of the other joints, given gains that
+/// are equal for the entries of a joint; from elsewhere an attitude decays too, unless it is 180° off (Bullo and Murray,
+/// "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};
@@ -93,15 +93,15 @@ pub enum ComputedTorqueError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct ComputedTorque<D, const N: usize, const M: usize> {
-    feed_forward: FeedForward<D, N, M>,
+pub struct ComputedTorque<D, const N: usize, const M: usize, const NY: usize = N> {
+    feed_forward: FeedForward<D, N, M, NY>,
     gains: AccelerationGains<N>,
 }
 
 /// Part of a force that inputs may miss: rounding of B⁺.
 const MISSED: f64 = 1e-9;
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> {
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> ComputedTorque<D, N, M, NY> {
     /// The law for a model.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> 
         require_gains("gains.position", &names, &gains.position)?;
         require_gains("gains.velocity", &names, &gains.velocity)?;
         let feed_forward = FeedForward::new(model)?;
-        let positions = closest_to_zero(&feed_forward.model().limits().position);
+        let positions = closest_to_neutral(feed_forward.model());
         for joint in 0..N {
             let mut force = [0.0; N];
             force[joint] = 1.0;
@@ -124,21 +124,50 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> ComputedTorque<D, N, M> 
         Ok(Self { feed_forward, gains })
     }
 
-    /// `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`
-    fn accelerations(&self, desired: &Sample<N>, positions: &[f64; N], velocities: &[f64; N]) -> [f64; N] {
+    /// `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`, of quaternions that of [`ComputedTorque`].
+    fn accelerations(
+        &self,
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
+        velocities: &[f64; N],
+    ) -> [f64; N] {
+        let model = self.feed_forward.model();
+        let error = model.difference(positions, &desired.positions);
+        let (seen_velocities, seen_accelerations) = if NY == N {
+            (desired.velocities, desired.accelerations)
+        } else {
+            seen_from_the_body(model, desired, &error, velocities)
+        };
         core::array::from_fn(|i| {
-            desired.accelerations[i]
-                + self.gains.velocity[i] * (desired.velocities[i] - velocities[i])
-                + self.gains.position[i] * (desired.positions[i] - positions[i])
+            seen_accelerations[i]
+                + self.gains.velocity[i] * (seen_velocities[i] - velocities[i])
+                + self.gains.position[i] * error[i]
         })
     }
 }
 
-impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for ComputedTorque<D, N, M> {
+/// `w = Ad v_d` and `Ad v̇_d − ad_v w`, its rate.
+fn seen_from_the_body<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
+    model: &D,
+    desired: &Sample<N, NY>,
+    error: &[f64; N],
+    velocities: &[f64; N],
+) -> ([f64; N], [f64; N]) {
+    // The derivative of y ⊕ d by y is the adjoint of exp(−d).
+    let (adjoint, _) = model.integrate_derivatives(&desired.positions, &error.map(|e| -e));
+    let seen = |x: &[f64; N]| adjoint.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>());
+    let (seen_velocities, carried) = (seen(&desired.velocities), seen(&desired.accelerations));
+    let turned = model.bracket(velocities, &seen_velocities);
+    (seen_velocities, core::array::from_fn(|i| carried[i] - turned[i]))
+}
+
+impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> JointLaw<N, M, NY>
+    for ComputedTorque<D, N, M, NY>
+{
     fn inputs(
         &self,
-        desired: &Sample<N>,
-        positions: &[f64; N],
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault> {
         let accelerations = self.accelerations(desired, positions, velocities);
@@ -149,8 +178,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Compu
     fn inputs_at_time(
         &self,
         time: f64,
-        desired: &Sample<N>,
-        positions: &[f64; N],
+        desired: &Sample<N, NY>,
+        positions: &[f64; NY],
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault> {
         let accelerations = self.accelerations(desired, positions, velocities);
@@ -175,5 +204,17 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> JointLaw<N, M> for Compu
 
     fn input_names(&self) -> [&'static str; M] {
         self.feed_forward.model().input_names()
+    }
+
+    fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
+        self.feed_forward.model().quaternion_joints()
+    }
+
+    fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
+        self.feed_forward.model().difference(from, to)
+    }
+
+    fn check_attitudes(&self, positions: &[f64; NY]) -> Result<(), AttitudeError> {
+        self.feed_forward.model().check_attitudes(positions)
     }
 }

@@ -1,7 +1,10 @@
 //! A quaternion between other entries: limits, rows, encoders and errors find the right ones.
 
 use crate::Mixed;
-use gelenk_runtime::control_loop::{ControlLoop, End, JointGains, JointPd, LoopSettings, VirtualClock};
+use gelenk_runtime::control_loop::{
+    AccelerationGains, ComputedTorque, ControlLoop, End, JointGains, JointLaw, JointPd, LoopSettings,
+    VirtualClock,
+};
 use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LtvMpc, MpcNote, MpcOptions, MpcRow, Nmpc};
@@ -121,4 +124,37 @@ fn the_loop_follows_by_joint_pd() {
     assert_eq!(report.end, End::Finished, "{report}");
     let (y, _) = control.transport().plant().state();
     assert!(distance(&Mixed.difference(&y, &GOAL), &[0.0; 5]) < 5e-3, "{y:?}");
+}
+
+/// Error of `ë + 2 ζ ω ė + ω² e = 0` from e = 1 at rest.
+fn decayed(omega: f64, damping: f64, t: f64) -> f64 {
+    let damped = omega * (1.0 - damping * damping).sqrt();
+    (-damping * omega * t).exp() * ((damped * t).cos() + damping * omega / damped * (damped * t).sin())
+}
+
+/// Largest distance between errors under computed torque and their closed form; held inputs are late by half a period.
+fn deviation_under_computed_torque(period: f64) -> f64 {
+    let (motion, (omega, damping)) = (motion(), (6.0, 0.6));
+    let law = ComputedTorque::new(Mixed, AccelerationGains::from_bandwidth(omega, damping)).unwrap();
+    let mut plant = Plant::new(Mixed, PlantOptions::default()).unwrap();
+    // More than two radians about an oblique axis.
+    let beside = [0.1, 1.2, -0.9, 1.5, -0.4];
+    plant.reset(Mixed.integrate(&START, &beside.map(|e| -e)), [0.0; 5]).unwrap();
+    let mut worst = 0.0_f64;
+    for k in 0..(1.2 / period) as u32 {
+        let (y, v) = plant.state();
+        let inputs = law.inputs(&motion.sample(f64::from(k) * period), &y, &v).unwrap();
+        plant.apply(&inputs, period).unwrap();
+        let t = f64::from(k + 1) * period;
+        let error = Mixed.difference(&plant.state().0, &motion.sample(t).positions);
+        worst = worst.max(distance(&error, &beside.map(|e| e * decayed(omega, damping, t))));
+    }
+    worst
+}
+
+#[test]
+fn attitudes_decay_under_computed_torque_as_the_gains_say() {
+    let (coarse, fine) = (deviation_under_computed_torque(2e-4), deviation_under_computed_torque(1e-4));
+    let ratio = coarse / fine;
+    assert!(fine < 2e-3 && (1.8..2.2).contains(&ratio), "{coarse} {fine}");
 }
