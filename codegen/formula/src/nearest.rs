@@ -1,6 +1,11 @@
 //! Advice about unknown names.
 
-/// `did you mean …?` with the nearest of the known names, or the list of them where none is near.
+/// Fewest letters of a name that is looked for within others, and most names that hold it.
+const PART: usize = 3;
+const MOST: usize = 4;
+
+/// `did you mean …?` with the nearest of the known names, or else with those that hold the name, as `left_knee` holds
+/// `knee`; the list of them where there is neither.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let known: Vec<&str> = known.into_iter().collect();
     let lower = name.chars().take(64).collect::<String>().to_lowercase();
@@ -11,8 +16,27 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         return Some(format!("did you mean `{}`?", best.1));
     }
     let list = |names: &[&str]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    match known.len() {
-        0..=20 => Some(format!("known are {}", list(&known))),
-        more => Some(format!("known are {} and {} more", list(&known[..12]), more - 12)),
+    let holds =
+        |candidate: &&&str| lower.chars().count() >= PART && candidate.to_lowercase().contains(&lower);
+    let holding: Vec<&str> = known.iter().filter(holds).copied().collect();
+    match (holding.len(), known.len()) {
+        (1..=MOST, _) => Some(format!("did you mean {}?", list(&holding))),
+        (_, 0..=20) => Some(format!("known are {}", list(&known))),
+        (_, more) => Some(format!("known are {} and {} more", list(&known[..12]), more - 12)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_hold_a_name_are_asked_for() {
+        let known = ["left_index_q1", "right_index_q1", "left_thumb_q1"];
+        let help = |name| nearest(name, known).unwrap_or_default();
+        assert_eq!(help("index_q1"), "did you mean `left_index_q1`, `right_index_q1`?");
+        assert_eq!(help("left_index_q2"), "did you mean `left_index_q1`?");
+        assert_eq!(help("q1"), "known are `left_index_q1`, `right_index_q1`, `left_thumb_q1`");
+        assert_eq!(nearest("any", []), None);
     }
 }

@@ -85,7 +85,7 @@ impl Builder<'_, '_> {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
             self.report
                 .help("a model needs a joint that moves, for example a revolute, prismatic, spherical or floating one, and that is not held, not \
-                    driven and follows no other; or a base of type \"floating\"");
+                    driven and follows no other; or a floating base: `base = { link = \"…\", type = \"floating\" }`, for a URDF `--base floating`");
             return None;
         }
         if !self.robot.sort_joints {
