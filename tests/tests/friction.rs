@@ -151,3 +151,74 @@ fn friction_of_the_velocity_alone_takes_the_velocity_alone() {
         assert_eq!(inputs[0].name, "v", "{name}");
     }
 }
+
+/// Pairs i, j for which friction at i changes by more than a slope makes of it where velocity j changes its sign.
+fn measured_jumps(robot: &Robot) -> Vec<[usize; 2]> {
+    let n = robot.model.coordinates.len();
+    let friction = |j: usize, speed: f64| {
+        let v: Vec<f64> = (0..n).map(|k| if k == j { speed } else { 0.0 }).collect();
+        let y = vec![0.3; n];
+        robot.first("friction_torques", &robot.friction_arguments("friction_torques", &y, &v))
+    };
+    let jumps = |j: usize| {
+        let (before, after) = (friction(j, -1e-12), friction(j, 1e-12));
+        (0..n).filter(move |&i| (after[i] - before[i]).abs() > 1e-6)
+    };
+    let mut pairs: Vec<[usize; 2]> = (0..n).flat_map(|j| jumps(j).map(move |i| [i, j])).collect();
+    pairs.sort_unstable();
+    pairs
+}
+
+/// A wrist whose two drives share two joints, and a joint that follows the third.
+fn coupled(first: &str, shaft: &str, follower: &str) -> Robot {
+    let joint = |name: &str, parent: &str, lines: &str| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\n{parent}axis = [0, 1, 0]\norigin = {{ xyz = [0.1, 0, 0] }}\n{lines}\n"
+        )
+    };
+    let drive = |name: &str, sign: i32, lines: &str| {
+        let acts = format!("on = {{ pitch = 1, roll = {sign} }}\ncarrier = \"waist\"\naxis = [0, 0, 1]");
+        format!("[[drives]]\nname = \"{name}\"\n{acts}\ngear_ratio = 10\nrotor_inertia = 1e-4\n{lines}\n")
+    };
+    let text = [
+        joint("waist", "", &format!("drive = \"ideal\"\n{first}")),
+        joint("pitch", "parent = \"waist\"\n", ""),
+        joint("roll", "parent = \"pitch\"\n", ""),
+        joint("finger", "parent = \"roll\"\n", &format!("follows = {{ waist = -2 }}\n{follower}")),
+        drive("left", 1, shaft),
+        drive("right", -1, ""),
+        ["waist", "pitch", "roll", "finger"]
+            .map(|link| format!("[[bodies]]\nlink = \"{link}\"\nmass = 1\ninertia = 0.1\n"))
+            .concat(),
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("coupled.toml");
+    std::fs::write(&path, text.concat()).expect("a file");
+    Robot::derive(&path, &GenerateOptions::default())
+}
+
+#[test]
+fn jumps_are_known_from_the_laws() {
+    let shared = vec![[1, 1], [1, 2], [2, 1], [2, 2]];
+    let cases = [
+        ("friction = { coulomb = 2 }", "", "", vec![[0, 0]]),
+        ("", "", "friction = { coulomb = 2 }", vec![[0, 0]]),
+        ("", "friction = { coulomb = 0.1, viscous = 1 }", "", shared),
+        ("friction = { coulomb = { value = 2, slope = 100 } }", "friction = { viscous = 0.1 }", "", vec![]),
+        ("friction = { terms = [[\"sign(v)*pow(v, 2)\", 3], [\"abs(v)*sign(v)\", 1]] }", "", "", vec![]),
+        ("friction = { terms = [[\"sign(2*v)*exp(-abs(v))\", 3]] }", "", "", vec![[0, 0]]),
+        ("friction = { terms = [[\"sign(v)*(2+cos(y))\", 3]] }", "", "", vec![[0, 0]]),
+        ("friction = { coulomb = { positive = 0.5, negative = -0.3 } }", "", "", vec![[0, 0]]),
+    ];
+    for (first, shaft, follower, expected) in cases {
+        let robot = coupled(first, shaft, follower);
+        assert_eq!(robot.model.friction_jumps(), expected, "{first}{shaft}{follower}");
+        assert_eq!(measured_jumps(&robot), expected, "{first}{shaft}{follower}");
+    }
+}
+
+#[test]
+fn a_jump_whose_height_is_a_free_parameter_is_one_whatever_its_value() {
+    let robot = coupled("friction = { coulomb = { free = 0, name = \"level\" } }", "", "");
+    assert_eq!(robot.model.friction_jumps(), [[0, 0]]);
+}

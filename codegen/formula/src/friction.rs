@@ -66,6 +66,25 @@ impl FrictionTerm {
     }
 }
 
+impl<C> FrictionTerm<C> {
+    /// Tells whether the basis jumps where the velocity changes its sign, by its limits on both sides.
+    pub fn basis_jumps(&self) -> bool {
+        beside_rest(&self.basis, -1.0) != beside_rest(&self.basis, 1.0)
+    }
+}
+
+/// The limit of a law where the velocity goes to zero from one side.
+fn beside_rest(law: &Formula, direction: f64) -> Formula {
+    law.substituted(&|part| match part {
+        Formula::Velocity => Some(Formula::ZERO),
+        Formula::Call(Function::Sign, x) => Some(match beside_rest(x, direction) {
+            x if x.is_zero() => Formula::Number(direction),
+            x => Formula::call(Function::Sign, x),
+        }),
+        _ => None,
+    })
+}
+
 impl FrictionPart {
     /// The parameters of the Stribeck law.
     pub const STRIBECK_KEYS: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];

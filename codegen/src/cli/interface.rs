@@ -96,6 +96,7 @@ fn value(value: &ConstantValue) -> (&'static str, Value) {
         ConstantValue::Count(count) => ("count", json!(count)),
         ConstantValue::Names(_, names) => ("names", json!(names)),
         ConstantValue::Indices(_, indices) => ("indices", json!(indices)),
+        ConstantValue::Pairs(pairs) => ("indices", json!(pairs)),
         ConstantValue::Numbers(_, entries) => ("numbers", numbers(entries)),
         ConstantValue::Ranges(_, ranges) => ("numbers", ranges.iter().map(|range| numbers(range)).collect()),
         ConstantValue::Rows(_, rows) => ("numbers", rows.iter().map(|row| numbers(row)).collect()),

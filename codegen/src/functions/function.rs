@@ -110,6 +110,8 @@ pub enum ConstantValue {
     Names(Dimension, Vec<String>),
     /// `[usize; n]`
     Indices(Dimension, Vec<usize>),
+    /// `[[usize; 2]; n]`
+    Pairs(Vec<[usize; 2]>),
     /// `[f64; n]`
     Numbers(Dimension, Vec<f64>),
     /// `[[f64; 2]; n]`: lowest and highest value.

@@ -59,6 +59,7 @@ pub use read_options::ReadOptions;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::formula::Formula;
+use std::collections::BTreeSet;
 
 /// A robot: one tree of links, its drives, force laws and named frames.
 #[derive(Debug, Clone, PartialEq)]
@@ -157,6 +158,26 @@ impl Model {
     #[must_use]
     pub fn has_dry_friction(&self) -> bool {
         self.moving_joints().iter().any(|moving| moving.joint.jumps()) || self.drives.iter().any(Drive::jumps)
+    }
+
+    /// Pairs of coordinates (i, j), sorted: friction at i jumps where velocity j changes its sign.
+    #[must_use]
+    pub fn friction_jumps(&self) -> Vec<[usize; 2]> {
+        let moving = self.moving_joints();
+        let joints = moving.iter().map(|moving| {
+            let terms = moving.joint.friction.iter().chain(&moving.joint.load_friction);
+            (terms.collect::<Vec<_>>(), &moving.follows)
+        });
+        let shafts = self.rubbing_drives().map(|drive| (drive.friction.iter().collect(), &drive.acts_on));
+        let mut pairs = BTreeSet::new();
+        for (terms, follows) in joints.chain(shafts) {
+            if terms.iter().any(|term| !term.coefficient.is_zero() && term.basis_jumps()) {
+                let moves = follows.iter().filter(|each| !each.ratio.is_zero()).map(|each| each.coordinate);
+                let coordinates: Vec<usize> = moves.filter(|&each| each < self.coordinates.len()).collect();
+                pairs.extend(coordinates.iter().flat_map(|&i| coordinates.iter().map(move |&j| [i, j])));
+            }
+        }
+        pairs.into_iter().collect()
     }
 
     /// The driven joints in their order.

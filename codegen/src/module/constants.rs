@@ -10,7 +10,7 @@ use crate::layout::Dimension;
 use crate::model::{Actuator, Drive, ForceInput, Input, Joint, Model, MovingJoint};
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 40] = [
+pub const NAMES: [&str; 41] = [
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -48,6 +48,7 @@ pub const NAMES: [&str; 40] = [
     "DRIVES",
     "GEAR_RATIOS",
     "ROTOR_INERTIAS",
+    "FRICTION_JUMPS",
     "GRAVITY",
     "FUNCTIONS",
     "SUBSTEPS",
@@ -63,6 +64,7 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     constants.extend(followers(model));
     constants.extend(input_limits(model, &inputs));
     constants.extend(drives(model));
+    constants.push(friction_jumps(model));
     constants.extend(gravity(model));
     constants
 }
@@ -320,6 +322,13 @@ fn drives(model: &Model) -> Vec<Constant> {
         ),
     ];
     number.into_iter().chain(constants.into_iter().flatten()).collect()
+}
+
+/// Where friction jumps, also where nothing does: whoever simulates the robot asks for it.
+fn friction_jumps(model: &Model) -> Constant {
+    let summary = "Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an \
+         exact `sign`.";
+    constant("FRICTION_JUMPS", summary, ConstantValue::Pairs(model.friction_jumps()))
 }
 
 /// Largest magnitude of an input at frames.

@@ -91,6 +91,14 @@ fn object(context: &Context<'_>, constant: &Constant) -> Object {
             let extent = Extent::new(*dimension, indices.len());
             array("int ", &[extent], indices.iter().map(ToString::to_string).collect())
         }
+        ConstantValue::Pairs(pairs) => {
+            let extents = [Extent::fixed(pairs.len()), Extent::fixed(2)];
+            array(
+                "int ",
+                &extents,
+                pairs.iter().map(|pair| row(&pair.map(|index| index.to_string()))).collect(),
+            )
+        }
         ConstantValue::Numbers(dimension, entries) => {
             array(&ty, &[Extent::new(*dimension, entries.len())], numbers(entries))
         }

@@ -67,6 +67,14 @@ fn value(context: &Context<'_>, value: &ConstantValue) -> (TokenStream, TokenStr
             let indices = indices.iter().map(|&index| count(index));
             array(*dimension, &quote!(usize), indices.map(|index| quote!(#index)))
         }
+        ConstantValue::Pairs(pairs) => {
+            let pairs = pairs.iter().map(|&[first, second]| (count(first), count(second)));
+            array(
+                Dimension::Fixed,
+                &quote!([usize; 2]),
+                pairs.map(|(first, second)| quote!([#first, #second])),
+            )
+        }
         ConstantValue::Numbers(dimension, numbers) => {
             array(*dimension, &ty, numbers.iter().map(|&x| scalar.literal(x)))
         }
@@ -118,6 +126,7 @@ fn numbers(value: &ConstantValue) -> Vec<f64> {
         ConstantValue::Count(_)
         | ConstantValue::Names(..)
         | ConstantValue::Indices(..)
+        | ConstantValue::Pairs(_)
         | ConstantValue::Pattern(_) => vec![],
     }
 }
