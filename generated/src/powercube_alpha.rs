@@ -56,6 +56,10 @@ pub const GEAR_RATIOS: [f64; M] = [161.0];
 /// Axial inertia of each rotor, on its own side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [5.267e-5];
 
+/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
+/// exact `sign`.
+pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
+
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 

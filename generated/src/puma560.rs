@@ -112,6 +112,17 @@ pub const GEAR_RATIOS: [f64; M] = [-62.6111, 107.815, -53.7063, 76.0364, 71.923,
 /// Axial inertia of each rotor, on its own side of the gear (kg m²).
 pub const ROTOR_INERTIAS: [f64; M] = [0.0002, 0.0002, 0.0002, 3.3e-5, 3.3e-5, 3.3e-5];
 
+/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
+/// exact `sign`.
+pub const FRICTION_JUMPS: [[usize; 2]; 6] = [
+    [0, 0],
+    [1, 1],
+    [2, 2],
+    [3, 3],
+    [4, 4],
+    [5, 5],
+];
+
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 

@@ -141,6 +141,10 @@ pub const INPUT_RANGES: [[f64; 2]; M] = [[0.0, 8.0], [0.0, 8.0], [0.0, 8.0], [0.
 /// So many of the inputs, the first ones, are drives. The others act at frames.
 pub const DRIVES: usize = 0;
 
+/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
+/// exact `sign`.
+pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
+
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 

@@ -119,6 +119,17 @@ pub const ROTOR_INERTIAS: [f64; M] = [
     1.7e-5,
 ];
 
+/// Pairs of coordinates i, j: friction at i may jump where velocity j changes its sign, because a law has an
+/// exact `sign`.
+pub const FRICTION_JUMPS: [[usize; 2]; 6] = [
+    [0, 0],
+    [1, 1],
+    [2, 2],
+    [3, 3],
+    [4, 4],
+    [5, 5],
+];
+
 /// Gravitational acceleration in the base frame (m/s²).
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.80665];
 
