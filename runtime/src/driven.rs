@@ -142,6 +142,7 @@ where
         fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N];
         fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N];
         fn load_friction(y: &[f64; N], v: &[f64; N]) -> [f64; N];
+        fn friction_jumps() -> &'static [[usize; 2]];
         fn friction_at_rest(y: &[f64; N]) -> [[f64; 2]; N];
         fn load_friction_at_rest(y: &[f64; N]) -> [[f64; 2]; N];
         fn input_matrix(y: &[f64; N]) -> [[f64; M]; N];

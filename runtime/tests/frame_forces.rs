@@ -155,6 +155,9 @@ impl Dynamics<1, 1> for Rod {
     fn friction_torques(&self, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
         [0.0]
     }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[]
+    }
     fn input_matrix(&self, y: &[f64; 1]) -> [[f64; 1]; 1] {
         [[1.0 / y[0]]]
     }

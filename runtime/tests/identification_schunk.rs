@@ -59,6 +59,9 @@ impl Dynamics<6, 6> for Recorded<'_> {
     fn friction_torques(&self, _: &[f64; 6], v: &[f64; 6]) -> [f64; 6] {
         std::array::from_fn(|i| (self.friction)(i, v[i]))
     }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[[0, 0], [1, 1], [2, 2], [3, 3], [4, 4], [5, 5]]
+    }
     fn input_matrix(&self, _: &[f64; 6]) -> [[f64; 6]; 6] {
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))))
     }

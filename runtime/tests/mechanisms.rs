@@ -22,6 +22,7 @@ gelenk_runtime::dynamics!(struct Excavator = gelenk_generated::excavator);
 /// The wrist, with dry friction on the shaft of a motor that moves pitch and roll.
 mod rubbing_wrist {
     pub use gelenk_generated::differential_wrist::*;
+    pub const FRICTION_JUMPS: [[usize; 2]; 4] = [[2, 2], [2, 3], [3, 2], [3, 3]];
     pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
         let torque = if v[2] + v[3] == 0.0 { 0.0 } else { 0.1 * (v[2] + v[3]).signum() };
         [v[0], v[1], torque, torque]

@@ -232,6 +232,7 @@ mod mass {
     pub const VELOCITY_LIMITS: [f64; N] = [f64::INFINITY];
     pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY];
     pub const PEAK_EFFORT_LIMITS: [f64; N] = [f64::INFINITY];
+    pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
     pub const INPUT_LIMITS: [f64; M] = [f64::INFINITY];
     pub const PEAK_INPUT_LIMITS: [f64; M] = [f64::INFINITY];
 
@@ -369,6 +370,9 @@ impl Dynamics<2, 2> for LightWrist {
     }
     fn friction_torques(&self, _: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
         [self.viscous[0] * v[0], self.viscous[1] * v[1]]
+    }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[]
     }
     fn input_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {
         diagonal([1.0; 2])

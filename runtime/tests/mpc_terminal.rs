@@ -45,6 +45,9 @@ impl Dynamics<2, 1> for FreeHull {
     fn friction_torques(&self, _: &[f64; 2], _: &[f64; 2]) -> [f64; 2] {
         [0.0; 2]
     }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[]
+    }
     fn input_matrix(&self, _: &[f64; 2]) -> [[f64; 1]; 2] {
         [[0.0], [1.0]]
     }

@@ -46,6 +46,9 @@ impl Dynamics<1, 1> for Slider {
         let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
         [self.viscous * v[0] + self.coulomb * (1.0 + self.tightening * y[0]) * sign]
     }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[[0, 0]]
+    }
     fn input_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
         [[1.0]]
     }
@@ -74,6 +77,9 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Frict
     }
     fn friction_torques(&self, _: &[f64; N], _: &[f64; N]) -> [f64; N] {
         [0.0; N]
+    }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[]
     }
     fn input_matrix(&self, y: &[f64; N]) -> [[f64; M]; N] {
         self.0.input_matrix(y)
@@ -216,6 +222,9 @@ impl Dynamics<1, 1> for Lift {
     }
     fn load_friction(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
         [if v[0] == 0.0 { 0.0 } else { LIFT[3] * v[0].signum() }]
+    }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[[0, 0]]
     }
     fn input_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
         [[1.0]]

@@ -258,6 +258,9 @@ mod tests {
         fn load_friction(&self, _: &[f64; 1], v: &[f64; 1]) -> [f64; 1] {
             [0.25 * v[0].signum()]
         }
+        fn friction_jumps(&self) -> &'static [[usize; 2]] {
+            &[[0, 0]]
+        }
         fn input_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {
             [[1.0]]
         }

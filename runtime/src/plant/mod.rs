@@ -18,7 +18,7 @@ mod options;
 
 pub use options::{PlantError, PlantOptions};
 
-use crate::dynamics::{Dynamics, JUST_MOVING, jumps, plain_entries};
+use crate::dynamics::{Dynamics, plain_entries};
 use dry_friction::{Joints, Mode};
 use integrator::{Integrator, MAX_PERIOD_STEPS, Motion};
 use rand::RngExt;
@@ -93,7 +93,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         options.check(&model.joint_names(), &model.input_names())?;
         options.check_quaternions(&model.joint_names(), model.quaternion_joints())?;
         let start = model.neutral();
-        model.at_time(0.0, |model| refuse_shared_friction(model, &start))?;
+        refuse_shared_friction(&model)?;
         let brake_torque = options.brake_torque.unwrap_or_else(|| default_brakes(&model));
         // Separate streams: an option that draws more does not change what the others see.
         let stream = |number| {
@@ -346,21 +346,12 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
 /// Fails where friction jumps with the motion of one joint and acts on another: modes are those of single joints.
 fn refuse_shared_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
-    positions: &[f64; NY],
 ) -> Result<(), PlantError> {
     let names = model.joint_names();
-    for i in 0..N {
-        let along = |speed: f64| {
-            let velocities = core::array::from_fn(|j| if i == j { speed } else { 0.0 });
-            model.friction_torques(positions, &velocities)
-        };
-        let (backward, forward) = (along(-JUST_MOVING), along(JUST_MOVING));
-        let is_jump = |j: usize| jumps([backward[j], forward[j]]) || jumps([forward[j], backward[j]]);
-        if let Some(j) = (0..N).find(|&j| j != i && is_jump(j)) {
-            return Err(PlantError::SharedFriction { first: names[i], second: names[j] });
-        }
+    match model.friction_jumps().iter().find(|[i, j]| i != j) {
+        None => Ok(()),
+        Some(&[i, j]) => Err(PlantError::SharedFriction { first: names[i], second: names[j] }),
     }
-    Ok(())
 }
 
 fn default_brakes<const N: usize, const M: usize, const NY: usize>(

@@ -17,6 +17,7 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [[-1.0, 0.5], FREE, FREE, FREE, [-2.0
 pub const VELOCITY_LIMITS: [f64; N] = [2.0, 5.0, 5.0, 5.0, 5.0];
 pub const EFFORT_LIMITS: [f64; N] = [20.0, 2.0, 2.0, 2.0, 10.0];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = EFFORT_LIMITS;
+pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 pub const INPUT_LIMITS: [f64; M] = EFFORT_LIMITS;
 pub const PEAK_INPUT_LIMITS: [f64; M] = EFFORT_LIMITS;
 pub const SUBSTEPS: usize = 1;

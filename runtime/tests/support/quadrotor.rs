@@ -17,6 +17,7 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [[f64::NEG_INFINITY, f64::INFINITY]; 
 pub const VELOCITY_LIMITS: [f64; N] = [f64::INFINITY; N];
 pub const EFFORT_LIMITS: [f64; N] = [f64::INFINITY; N];
 pub const PEAK_EFFORT_LIMITS: [f64; N] = [f64::INFINITY; N];
+pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 pub const INPUT_LIMITS: [f64; M] = [8.0; M];
 pub const PEAK_INPUT_LIMITS: [f64; M] = [8.0; M];
 pub const INPUT_RANGES: [[f64; 2]; M] = [[0.0, 8.0]; M];

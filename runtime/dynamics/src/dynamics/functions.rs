@@ -45,7 +45,7 @@ impl<A, R> MadeOrElse<A, R> for Missing {
 /// mod arm {
 ///     // A module without its mass matrix.
 ///     pub use gelenk_generated::cart_pole::{
-///         EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
+///         EFFORT_LIMITS, FRICTION_JUMPS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
 ///         POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, friction_torques, gravity_forces, input_matrix,
 ///         inverse_dynamics_derivatives, linearize, spring_forces,
 ///     };
@@ -126,7 +126,7 @@ pub struct HasDerivatives<const B: bool>;
 /// mod arm {
 ///     // A module without its derivatives.
 ///     pub use gelenk_generated::cart_pole::{
-///         EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
+///         EFFORT_LIMITS, FRICTION_JUMPS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
 ///         POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, friction_torques, gravity_forces, input_matrix, mass_matrix,
 ///         spring_forces,
 ///     };

@@ -233,6 +233,10 @@ macro_rules! dynamics {
                 }
             }
 
+            fn friction_jumps(&self) -> &'static [[usize; 2]] {
+                &$($module)::+::FRICTION_JUMPS
+            }
+
             fn drives(&self) -> usize {
                 #[allow(unused_imports, reason = "only modules whose inputs all are drives need it")]
                 use $crate::dynamics::ALL_DRIVES as DRIVES;

@@ -5,6 +5,7 @@
 //! [`dynamics!`](crate::dynamics!) does it for them; every method then is a call of the generated function,
 //! nothing else.
 
+mod at_rest;
 #[doc(hidden)]
 pub mod defaults;
 mod dependent;
@@ -26,6 +27,7 @@ mod tests;
 mod traits;
 mod types;
 
+pub use at_rest::{JUST_MOVING, jumps};
 pub use dependent::{DependentJoint, DependentRows};
 #[doc(hidden)]
 pub use dependent::{NO_NAMES, NO_NUMBERS, NO_RANGES, NO_ROWS, count_rows, dependent_joints};
@@ -51,7 +53,7 @@ pub use manifold::{
 };
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
-pub use traits::{Differentiable, Discretizable, Dynamics, JUST_MOVING, PhaseSpace, jumps};
+pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};
 #[doc(hidden)]
 pub use types::OfResults;
 pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};

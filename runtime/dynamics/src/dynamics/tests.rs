@@ -17,6 +17,7 @@ mod cart_pole {
     pub const PEAK_EFFORT_LIMITS: [f64; N] = [f64::INFINITY; N];
     pub const INPUT_LIMITS: [f64; M] = [10.0];
     pub const PEAK_INPUT_LIMITS: [f64; M] = [20.0];
+    pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 
     pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
         [[2.0, y[1].cos()], [y[1].cos(), 1.0]]
@@ -223,9 +224,9 @@ fn generic_code_needs_only_the_trait() {
 /// Modules whose friction depends on the position, with and without free parameters.
 mod toothed {
     pub use super::cart_pole::{
-        EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
-        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces, input_matrix,
-        mass_matrix, spring_forces,
+        EFFORT_LIMITS, FRICTION_JUMPS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N,
+        PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces,
+        gravity_forces, input_matrix, mass_matrix, spring_forces,
     };
     pub fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| (1.0 + y[i]) * v[i])
@@ -233,9 +234,9 @@ mod toothed {
 }
 mod free_toothed {
     pub use super::free::{
-        EFFORT_LIMITS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N, PEAK_EFFORT_LIMITS,
-        PEAK_INPUT_LIMITS, POSITION_LIMITS, Parameters, VELOCITY_LIMITS, coriolis_forces, gravity_forces,
-        input_matrix, mass_matrix, spring_forces,
+        EFFORT_LIMITS, FRICTION_JUMPS, FUNCTIONS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, M, N,
+        PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS, POSITION_LIMITS, Parameters, VELOCITY_LIMITS, coriolis_forces,
+        gravity_forces, input_matrix, mass_matrix, spring_forces,
     };
     pub fn friction_torques(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
         core::array::from_fn(|i| p.friction * (1.0 + y[i]) * v[i])
@@ -333,6 +334,8 @@ mod dry {
         POSITION_LIMITS, VELOCITY_LIMITS, coriolis_forces, gravity_forces, input_matrix, mass_matrix,
         spring_forces,
     };
+    pub const FRICTION_JUMPS: [[usize; 2]; 1] = [[0, 0]];
+
     pub fn friction_torques(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let sign = if v[0] == 0.0 { 0.0 } else { v[0].signum() };
         [(3.0 + y[0]) * sign + v[0], 2.0 * (1e20 * v[1]).tanh()]
@@ -345,8 +348,10 @@ crate::dynamics!(struct Dry = dry);
 #[test]
 fn friction_jumps_where_it_is_dry() {
     let at_rest = Dry.friction_at_rest(&[0.5, 0.0]);
-    assert_eq!(at_rest[0], [-3.5, 3.5]);
+    assert_eq!(at_rest, [[-3.5, 3.5], [0.0; 2]]);
     assert_eq!(at_rest.map(jumps), [true, false]);
+    // Where it jumps by nothing, its slope is no jump.
+    assert_eq!(Dry.friction_at_rest(&[-3.0, 0.0]), [[0.0; 2]; 2]);
 }
 
 /// Every corner of the box, on matrices without structure.

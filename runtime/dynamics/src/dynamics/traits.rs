@@ -1,23 +1,10 @@
 //! Traits that generic code asks of a robot.
 
+use super::at_rest::either_side;
 use super::defaults;
 use super::manifold::{self, AttitudeError, NO_WIDTHS, QuaternionJoint};
 use super::names::{names_of_arms, numbered};
 use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
-
-/// Speed [rad/s or m/s] that stands for "just moving": friction laws see their direction, all else sees rest.
-/// So small that a smooth law, however steep, changes by next to nothing between the two directions, and far
-/// enough from the smallest number that a slope times it is one.
-pub const JUST_MOVING: f64 = 1e-300;
-
-/// Largest difference that a smooth friction law may have over two [`JUST_MOVING`]: slopes up to 1e99 are
-/// smooth.
-const SMOOTH: f64 = 1e-200;
-
-/// True if friction jumps between these two values of [`Dynamics::friction_at_rest`], as dry friction does.
-pub fn jumps([backward, forward]: [f64; 2]) -> bool {
-    forward - backward > SMOOTH
-}
 
 /// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs,
 /// with `q = gravity + springs − friction`; where friction grows with the load, there is one more term
@@ -59,6 +46,7 @@ pub fn jumps([backward, forward]: [f64; 2]) -> bool {
 ///     fn gravity_forces(&self, _: &[f64; 7]) -> [f64; 6] { todo!() }
 ///     fn spring_forces(&self, _: &[f64; 7], _: &[f64; 6]) -> [f64; 6] { todo!() }
 ///     fn friction_torques(&self, _: &[f64; 7], _: &[f64; 6]) -> [f64; 6] { todo!() }
+///     fn friction_jumps(&self) -> &'static [[usize; 2]] { todo!() }
 ///     fn input_matrix(&self, _: &[f64; 7]) -> [[f64; 4]; 6] { todo!() }
 /// }
 ///
@@ -188,21 +176,21 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         defaults::load_friction(self, y, v)
     }
 
-    /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint, by
-    /// [`JUST_MOVING`] in either direction. The two differ where friction is dry, as with an exact `sign`;
-    /// see [`jumps`].
+    /// Pairs of coordinates i, j: friction at i, that under load included, may jump where velocity j changes its
+    /// sign, as with an exact `sign`. The module's `FRICTION_JUMPS`; how high a jump is depends on positions and
+    /// free parameters.
+    fn friction_jumps(&self) -> &'static [[usize; 2]];
+
+    /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint: the two differ where
+    /// [`Self::friction_jumps`] and the jump is not zero at these positions; see [`jumps`](super::jumps).
     fn friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
-        let backward = self.friction_torques(y, &[-JUST_MOVING; N]);
-        let forward = self.friction_torques(y, &[JUST_MOVING; N]);
-        core::array::from_fn(|i| [backward[i], forward[i]])
+        either_side(self.friction_jumps(), |v| self.friction_torques(y, v))
     }
 
     /// Friction under load just before and just after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint; as
     /// [`Self::friction_at_rest`].
     fn load_friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
-        let backward = self.load_friction(y, &[-JUST_MOVING; N]);
-        let forward = self.load_friction(y, &[JUST_MOVING; N]);
-        core::array::from_fn(|i| [backward[i], forward[i]])
+        either_side(self.friction_jumps(), |v| self.load_friction(y, v))
     }
 
     /// Input matrix `B(y)`. The columns of the drives, the first [`Self::drives`] ones, are constant and hold the

@@ -63,6 +63,9 @@ impl Dynamics<2, 2> for MoreFriction {
         std::array::from_fn(|i| friction[i] + self.stribeck(i, v[i]))
     }
 
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &[[0, 0], [1, 1]]
+    }
     fn input_matrix(&self, y: &[f64; 2]) -> [[f64; 2]; 2] {
         self.robot.input_matrix(y)
     }

@@ -6,8 +6,8 @@ use super::*;
 /// zero-order hold and the sensitivities of a step are those of the robot itself.
 mod masses {
     pub use super::super::cart_pole::{
-        EFFORT_LIMITS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS, PEAK_INPUT_LIMITS,
-        POSITION_LIMITS, VELOCITY_LIMITS,
+        EFFORT_LIMITS, FRICTION_JUMPS, INPUT_LIMITS, INPUT_NAMES, JOINT_NAMES, PEAK_EFFORT_LIMITS,
+        PEAK_INPUT_LIMITS, POSITION_LIMITS, VELOCITY_LIMITS,
     };
     pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics_derivatives", "linearize"];
     pub const N: usize = 2;

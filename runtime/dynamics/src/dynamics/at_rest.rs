@@ -1,0 +1,34 @@
+//! Friction on either side of rest.
+
+/// Speed [rad/s or m/s] at which laws of friction that jump are evaluated on one side of rest: they see their
+/// direction, all else sees rest. Far enough from the smallest number that a gear ratio times it is one.
+pub const JUST_MOVING: f64 = 1e-300;
+
+/// What laws without a jump may differ by between the two sides: their slope times [`JUST_MOVING`]. A jump that free
+/// parameters make zero leaves it.
+const OF_SLOPES: f64 = 1e-200;
+
+/// True if friction jumps between these two values of [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest),
+/// as dry friction does.
+pub fn jumps([backward, forward]: [f64; 2]) -> bool {
+    backward < forward
+}
+
+/// Friction before and after rest. Where it does not jump the two are the same.
+pub(super) fn either_side<const N: usize>(
+    jumps: &[[usize; 2]],
+    friction: impl Fn(&[f64; N]) -> [f64; N],
+) -> [[f64; 2]; N] {
+    let rest = friction(&[0.0; N]);
+    let mut sides = rest.map(|torque| [torque; 2]);
+    if jumps.is_empty() {
+        return sides;
+    }
+    let [backward, forward] = [-JUST_MOVING, JUST_MOVING].map(|speed| friction(&[speed; N]));
+    for &[i, _] in jumps.iter().filter(|[i, j]| i == j) {
+        if forward[i] - backward[i] > OF_SLOPES {
+            sides[i] = [backward[i], forward[i]];
+        }
+    }
+    sides
+}
