@@ -147,10 +147,7 @@ fn what_keeps_limits_is_said() {
     let free = format!("follows = {{ crank = {{ free = 0.5, name = \"ratio\" }} }}\n{limits}");
     let (said, module) = generated(&robot(&free));
     assert!(flat(&said).contains("warning[limits-not-kept]: no controller keeps the limits"), "{said}");
-    assert!(
-        flat(&said).contains("while the ratios of `forearm` depend on free parameters: `forearm`"),
-        "{said}"
-    );
+    assert!(flat(&said).contains("while their ratios depend on free parameters: `forearm`"), "{said}");
     assert!(!module.contains("DEPENDENT_JOINT_RATIOS"), "{module}");
     let (said, _) =
         generated(&robot("follows = { crank = 1 }\nlimits = { position = [-2, 2], velocity = 3 }"));

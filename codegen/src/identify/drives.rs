@@ -102,6 +102,7 @@ pub(super) fn entries(
         RotorCoupling::Body => entries.extend(mounting(model, drive)),
     }
     entries.extend(torques(drive));
+    entries.extend(drive.speed.map(|speed| format!("speed = {speed:?}")));
     let described = match &drive.input {
         Input::Torque | Input::None => None,
         Input::Current(constant) => Some(formula(constant)),

@@ -12,7 +12,7 @@ use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{FrictionTerm, Joint, Model, Motion, MovingJoint, QuaternionKind};
+use crate::model::{Dependent, FrictionTerm, Joint, Model, Motion, QuaternionKind};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
 /// those of `INERTIAL_PARAMETER_NAMES`.
@@ -113,20 +113,16 @@ impl InterpretedRobot {
         names.filter(|name| !is_shaft(name)).collect()
     }
 
-    /// A joint that follows coordinates, with its limits.
-    fn follower(&self, follower: &MovingJoint<'_>) -> Option<FollowerLimits> {
-        let mut ratios = vec![0.0; self.model.coordinates.len()];
-        for term in &follower.follows {
-            // None for one that follows a driven joint.
-            *ratios.get_mut(term.coordinate)? = term.ratio.value(&self.free)?;
-        }
-        let limits = &follower.joint.limits;
-        Some(FollowerLimits {
-            name: follower.joint.name.clone(),
-            ratios,
-            offset: follower.offset,
-            position: limits.position.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
-            velocity: limits.velocity.unwrap_or(f64::INFINITY),
+    /// A joint that follows coordinates, or a motor that moves several, with its limits; `None` for one that follows a driven
+    /// joint.
+    fn follower(&self, one: &Dependent<'_>) -> Option<FollowerLimits> {
+        let (ratios, of_driven) = one.ratios.as_ref()?.split_at(self.model.coordinates.len());
+        of_driven.iter().all(|ratio| *ratio == 0.0).then(|| FollowerLimits {
+            name: one.name.to_owned(),
+            ratios: ratios.to_vec(),
+            offset: one.offset,
+            position: one.position,
+            velocity: one.velocity,
         })
     }
 
@@ -176,9 +172,7 @@ impl Robot for InterpretedRobot {
     }
 
     fn followers(&self) -> Vec<FollowerLimits> {
-        let moving = self.model.moving_joints();
-        let followers = moving.iter().skip(self.model.motion_count());
-        followers.filter_map(|follower| self.follower(follower)).collect()
+        self.model.dependent(&self.free).iter().filter_map(|one| self.follower(one)).collect()
     }
 
     fn parameter_names(&self) -> Vec<String> {

@@ -270,6 +270,8 @@ pub(super) struct DriveDescription {
     pub coupling: RotorCoupling,
     pub input: Input,
     pub torque: MotorTorque,
+    /// Highest speed of the shaft (rad/s).
+    pub speed: Option<At<f64>>,
     /// Friction of the shaft, over the motor's angle and speed.
     pub friction: Option<At<Vec<FrictionTerm>>>,
 }
@@ -283,6 +285,10 @@ pub(super) struct PointForceDescription {
     /// Over the distance and its rate.
     pub law: Option<At<Formula>>,
     pub input: Option<PullDescription>,
+    /// Shortest and longest distance (m).
+    pub stroke: Option<At<[f64; 2]>>,
+    /// Highest rate of the distance (m/s).
+    pub speed: Option<At<f64>>,
 }
 
 /// An input that pulls two frames together.

@@ -40,7 +40,16 @@ pub(super) struct Closest {
 
 impl<'m> Distances<'m> {
     pub(super) fn new(model: &'m Model, between: &'m [Attachment; 2]) -> Self {
-        let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+        let described = model.parameters.iter().map(|parameter| parameter.default).collect();
+        Self::with_parameters(model, between, described)
+    }
+
+    /// - `described`: values of the free parameters
+    pub(super) fn with_parameters(
+        model: &'m Model,
+        between: &'m [Attachment; 2],
+        described: Vec<f64>,
+    ) -> Self {
         let mut random = Random::new(SEED);
         let ends: [fn([f64; 2]) -> f64; 3] =
             [|[low, high]| 0.0_f64.clamp(low, high), |[low, _]| low, |[_, high]| high];
@@ -78,6 +87,26 @@ impl<'m> Distances<'m> {
         }
     }
 
+    /// Links of the coordinates, driven ones included, that change the distance. Others may turn both frames together.
+    pub(super) fn changing(&self) -> Vec<usize> {
+        let changes = |link: &usize| {
+            let rate = |state: &Vec<f64>| self.gap(state).normalize().dot(&self.rate(state, *link));
+            self.states.iter().any(|state| rate(state).abs() > DIFFERENCE)
+        };
+        self.coordinates().filter(changes).collect()
+    }
+
+    /// The distance [m] with one coordinate at a position and the others where they are closest to 0.
+    pub(super) fn with(&self, link: usize, position: f64) -> f64 {
+        self.gap(&self.moved(&self.states[0], &[(link, position)])).norm()
+    }
+
+    /// Derivative of this distance by the position.
+    pub(super) fn slope(&self, link: usize, position: f64) -> f64 {
+        let [forward, backward] = [1.0, -1.0].map(|sign| self.with(link, position + sign * DIFFERENCE));
+        (forward - backward) / (2.0 * DIFFERENCE)
+    }
+
     /// From the first frame to the second one.
     fn gap(&self, state: &[f64]) -> Vector3<f64> {
         let [a, b] = self.between.each_ref().map(|at| origin(self.model, &self.described, state, at));
@@ -93,7 +122,7 @@ impl<'m> Distances<'m> {
         })
     }
 
-    fn name(&self, link: usize) -> String {
+    pub(super) fn name(&self, link: usize) -> String {
         self.model.links[link].joint.as_ref().map_or_else(String::new, |joint| joint.name.clone())
     }
 

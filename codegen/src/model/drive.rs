@@ -27,6 +27,8 @@ pub struct Drive {
     pub input: Input,
     /// Limits of the input's torque at the motor (N m).
     pub torque: MotorTorque,
+    /// Highest speed of its shaft (rad/s). Where it moves one coordinate, that coordinate's limit contains it.
+    pub speed: Option<f64>,
     /// Friction of the shaft over its angle `y` and speed `v`, where the drive acts on several coordinates; that of a
     /// drive on one coordinate is part of its joint's.
     pub friction: Vec<FrictionTerm>,

@@ -7,6 +7,7 @@
 mod angles;
 mod composite;
 mod definiteness;
+mod dependent;
 mod description;
 mod description_files;
 mod distances;
@@ -44,6 +45,7 @@ mod xacro;
 pub use crate::formula::FrictionTerm;
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use definiteness::Definiteness;
+pub use dependent::Dependent;
 pub use description_files::{DescriptionFiles, read};
 pub use drive::{Drive, Input, MotorTorque, RotorCoupling};
 pub use frame_force::{Attachment, ForceEffect, ForceInput, PointForce, Wrench, WrenchAxes};

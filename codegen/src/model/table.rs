@@ -193,6 +193,8 @@ pub(super) fn example(key: &str) -> Option<&'static str> {
         "carrier" => "`carrier = \"forearm\"`: the link that the motor sits on",
         "torque" => "`torque = { nominal = 0.4, peak = 0.9 }`",
         "nominal" | "peak" => "`torque = { nominal = 0.4, peak = 0.9 }`, in newton metres at the motor",
+        "stroke" => "`stroke = [0.8, 1.3]`: shortest and longest distance of the two frames, in m",
+        "speed" => "`speed = 300`: rad/s of a motor's shaft, m/s of a force between two frames",
         "velocity" => "`velocity = 2`, in rad/s or m/s",
         "effort" | "peak_effort" => "`effort = 40`, in N m or N",
         _ => return None,

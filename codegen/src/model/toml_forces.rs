@@ -138,7 +138,7 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     Some(Formula::difference(Formula::negation(elastic), damping))
 }
 
-pub(super) const DRIVE: [&str; 9] = [
+pub(super) const DRIVE: [&str; 10] = [
     "name",
     "gear_ratio",
     "rotor_inertia",
@@ -146,6 +146,7 @@ pub(super) const DRIVE: [&str; 9] = [
     "axis",
     "coupling",
     "torque",
+    "speed",
     "motor_constant",
     "friction",
 ];
@@ -187,6 +188,7 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         coupling: table.get("coupling").map_or(RotorCoupling::Body, |item| coupling(reader, item)),
         input: current.map_or(Input::Torque, Input::Current),
         torque: table.get("torque").and_then(|item| torque(reader, item)).unwrap_or_default(),
+        speed: table.get("speed").and_then(|item| reader.positive(item)),
         friction: shaft,
     }
 }

@@ -8,8 +8,9 @@ use super::table::{Item, Table};
 use super::toml_values::Reader;
 use crate::diagnostic::At;
 use crate::formula::Formula;
+use crate::wording::as_written;
 
-const FORCE: [&str; 5] = ["name", "between", "law", "input", "limits"];
+const FORCE: [&str; 7] = ["name", "between", "law", "input", "limits", "stroke", "speed"];
 const INPUT: [&str; 4] = ["name", "frame", "wrench", "limits"];
 const WRENCH: [&str; 3] = ["name", "frame", "in"];
 
@@ -38,12 +39,28 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
         reader.report.error(*span, "limits-without-input", "`limits` of a force that is no input");
         reader.report.help("name the input with `input = …`, or leave `limits` out");
     }
+    let stroke = table.get("stroke").and_then(|item| stroke(reader, item));
+    let speed = table.get("speed").and_then(|item| reader.positive(item));
     let between = between?;
     let name = table.get("name").and_then(|item| reader.name(item)).or_else(|| input.clone());
     let name =
         name.unwrap_or_else(|| At::new(format!("{} – {}", between[0].value, between[1].value), table.span));
     let input = input.map(|name| PullDescription { name, limits: limits.and_then(|(_, limits)| limits) });
-    Some(PointForceDescription { name, between, law, input })
+    Some(PointForceDescription { name, between, law, input, stroke, speed })
+}
+
+/// Shortest and longest distance, neither of them 0.
+fn stroke(reader: &mut Reader, item: Item<'_>) -> Option<At<[f64; 2]>> {
+    let stroke = reader.numbers::<2>(item)?;
+    let [shortest, longest] = stroke.value;
+    if shortest > 0.0 && shortest < longest {
+        return Some(stroke);
+    }
+    let message =
+        format!("the stroke is [{}, {}]: no range of lengths", as_written(shortest), as_written(longest));
+    reader.report.error(item.span, "limits-reversed", message);
+    reader.report.help("shortest, then longest distance of the two frames in m: stroke = [0.8, 1.3]");
+    None
 }
 
 fn two_names(reader: &mut Reader, item: Item<'_>) -> Option<[Name; 2]> {

@@ -7,7 +7,7 @@ pub(super) use quaternions::joint_positions;
 use crate::formula::Formula;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;
-use crate::model::{Actuator, Drive, ForceInput, Input, Joint, Model, MovingJoint};
+use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
 
 /// Names of all constants that a module can have beside those of its functions.
 pub const NAMES: [&str; 41] = [
@@ -61,7 +61,7 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     let mut constants = quaternions::sizes(model);
     constants.extend(names(model, &joints, &inputs));
     constants.extend(joint_limits(&joints));
-    constants.extend(followers(model));
+    constants.extend(dependent(model));
     constants.extend(input_limits(model, &inputs));
     constants.extend(drives(model));
     constants.push(friction_jumps(model));
@@ -146,52 +146,47 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
     constants.chain(wrenches.into_iter().flatten()).chain(driven.into_iter().flatten()).collect()
 }
 
-/// The joints that follow coordinates. Ratios that depend on free parameters are left out.
-fn followers(model: &Model) -> Vec<Constant> {
-    if model.followers.is_empty() {
+/// The joints that follow coordinates, and motors that move several. Ratios that depend on free parameters are NaN; where all do,
+/// they are left out.
+fn dependent(model: &Model) -> Vec<Constant> {
+    let dependent = model.dependent(&[]);
+    if dependent.is_empty() {
         return vec![];
     }
-    let moving = model.moving_joints();
-    let followers = &moving[model.motion_count()..];
-    let row = |follower: &MovingJoint<'_>| {
-        let mut row = vec![0.0; model.motion_count()];
-        for term in &follower.follows {
-            row[term.coordinate] = term.ratio.value(&[])?;
-        }
-        Some(row)
-    };
-    let rows: Option<Vec<Vec<f64>>> = followers.iter().map(row).collect();
-    let ratios = rows.map_or(vec![], |rows| ratios(model.coordinates.len(), &rows));
-    let numbers = |name, summary, value: fn(&MovingJoint<'_>) -> f64| {
-        let values = followers.iter().map(value).collect();
+    let unknown = vec![f64::NAN; model.motion_count()];
+    let rows: Vec<Vec<f64>> =
+        dependent.iter().map(|one| one.ratios.clone().unwrap_or_else(|| unknown.clone())).collect();
+    let are_known = dependent.iter().any(|one| one.ratios.is_some());
+    let ratios = if are_known { ratios(model.coordinates.len(), &rows) } else { vec![] };
+    let numbers = |name, summary, value: fn(&Dependent<'_>) -> f64| {
+        let values = dependent.iter().map(value).collect();
         constant(name, summary, ConstantValue::Numbers(Dimension::Fixed, values))
     };
-    let names = followers.iter().map(|follower| follower.joint.name.as_str());
-    let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
-    let positions = followers.iter().map(|follower| follower.joint.limits.position.unwrap_or(unlimited));
-    let names = constant(
-        "DEPENDENT_JOINT_NAMES",
-        "Names of the joints that follow others.",
-        strings(Dimension::Fixed, names),
-    );
+    let summary = match model.limited_shafts().next() {
+        Some(_) => {
+            "Names of the joints that follow others, then of the motors that move several joints and have a highest speed."
+        }
+        None => "Names of the joints that follow others.",
+    };
+    let names = strings(Dimension::Fixed, dependent.iter().map(|one| one.name));
     let limits = [
         numbers(
             "DEPENDENT_JOINT_OFFSETS",
             "g₀: position of each joint that follows where all coordinates are 0 (rad or m).",
-            |follower| follower.offset,
+            |one| one.offset,
         ),
         constant(
             "DEPENDENT_POSITION_LIMITS",
             "Lowest and highest position of each joint that follows (rad or m); infinite where not described.",
-            ConstantValue::Ranges(Dimension::Fixed, positions.collect()),
+            ConstantValue::Ranges(Dimension::Fixed, dependent.iter().map(|one| one.position).collect()),
         ),
         numbers(
             "DEPENDENT_VELOCITY_LIMITS",
             "Highest speed of each joint that follows (rad/s or m/s); infinite where not described.",
-            |follower| follower.joint.limits.velocity.unwrap_or(f64::INFINITY),
+            |one| one.velocity,
         ),
     ];
-    [names].into_iter().chain(ratios).chain(limits).collect()
+    [constant("DEPENDENT_JOINT_NAMES", summary, names)].into_iter().chain(ratios).chain(limits).collect()
 }
 
 /// Ratios of joints that follow, by the coordinates and, where one follows a driven joint, by the driven joints.
@@ -201,7 +196,14 @@ fn ratios(coordinates: usize, rows: &[Vec<f64>]) -> Vec<Constant> {
         .map(|row| row.split_at(coordinates))
         .map(|(own, driven)| (own.to_vec(), driven.to_vec()))
         .unzip();
-    let summary = "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.";
+    let are_known = rows.iter().flatten().all(|ratio| !ratio.is_nan());
+    let summary = match are_known {
+        true => "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.",
+        false => {
+            "G in `G y + g₀`, the positions of the joints that follow: a row for each of them, NaN where ratios depend on free \
+             parameters."
+        }
+    };
     let value = ConstantValue::Rows(Dimension::Coordinates, of_coordinates);
     let mut constants = vec![constant("DEPENDENT_JOINT_RATIOS", summary, value)];
     if of_driven.iter().flatten().any(|ratio| *ratio != 0.0) {

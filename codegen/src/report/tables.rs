@@ -83,7 +83,7 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     if drives.is_empty() {
         return None;
     }
-    let table = Table::new("drives", "Drives and inputs. Torques are at the motor, forces at the joint.")
+    let mut table = Table::new("drives", "Drives and inputs. Torques are at the motor, forces at the joint.")
         .column("", "index", "")
         .column("drive", "drive", "")
         .column("joint", "joint", "")
@@ -94,13 +94,18 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
         .column("input is", "input kind", "")
         .column("nominal torque", "nominal torque", "N m")
         .column("peak torque", "peak torque", "N m");
+    let have_speeds = drives.iter().any(|drive| drive.speed.is_some());
+    if have_speeds {
+        table = table.column("highest speed", "highest speed of the motor", "rad/s");
+    }
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
         let index = match inputs.position(|input| input.name() == drive.name) {
             Some(index) => Cell::Line(vec![Inline::Math(format!("u_{{{}}}", index + 1))]),
             None => Cell::Empty,
         };
-        std::iter::once(index).chain(drive_row(robot, drive)).collect()
+        let speed = have_speeds.then(|| Cell::exact_or_empty(drive.speed));
+        std::iter::once(index).chain(drive_row(robot, drive)).chain(speed).collect()
     });
     Some(table.rows(rows))
 }

@@ -61,6 +61,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
             coupling: RotorCoupling::Body,
             input: Input::Torque,
             torque: MotorTorque::default(),
+            speed: None,
             friction: Vec::new(),
         });
     }

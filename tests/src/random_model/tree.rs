@@ -246,6 +246,7 @@ pub(super) fn drive(rng: &mut Rng, joint: &Joint, acts_on: Vec<FollowedCoordinat
         coupling: if chance(rng, 0.75) { RotorCoupling::Body } else { RotorCoupling::Diagonal },
         input: if chance(rng, 0.7) { Input::Torque } else { Input::Current(number(0.05)) },
         torque: MotorTorque::default(),
+        speed: None,
         friction: Vec::new(),
     }
 }

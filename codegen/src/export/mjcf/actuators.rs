@@ -1,5 +1,6 @@
 //! Inputs of a model as motors of MJCF, on joints, tendons and sites.
 
+use super::joints::SPEED;
 use super::writer::{Tendon, Writer};
 use crate::export::names::distinct;
 use crate::export::numbers::{Placed, Values};
@@ -81,6 +82,9 @@ impl Writer<'_> {
     /// The tendon of a drive on several coordinates, with its rotor and friction.
     fn weighted_sum(&mut self, drive: &Drive) -> String {
         let ratio = self.values.number(&drive.gear_ratio);
+        if drive.speed.is_some() {
+            self.losses.add(SPEED, &drive.name);
+        }
         let friction = self.values.friction(&drive.friction);
         if friction.has_others {
             self.losses.add(SHAFT, &drive.name);

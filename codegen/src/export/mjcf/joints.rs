@@ -11,7 +11,7 @@ const OTHER_FRICTION: &str =
     "has viscous and dry friction, and no other laws (Stribeck, tanh, by position); left out in part at";
 const OTHER_SPRINGS: &str = "has linear springs and dampers, and no other laws; left out at";
 const LOAD: &str = "has no friction that grows with the load; left out at";
-const SPEED: &str = "has no limits of speed; left out at";
+pub(super) const SPEED: &str = "has no limits of speed; left out at";
 const EFFORT: &str = "has one limit of force at a joint; the nominal one was left out beside the peak at";
 const RANGE: &str = "has no range of a single position; left out at";
 const QUATERNION_FRICTION: &str =

@@ -40,6 +40,7 @@ impl Motor {
             coupling: RotorCoupling::Diagonal,
             input: self.input,
             torque: self.torque,
+            speed: None,
             friction,
         }
     }

@@ -106,15 +106,15 @@ impl<'d> Limited<'d> {
             |joint: &&JointDescription| joint.limits.position.is_some() || joint.limits.velocity.is_some();
         let is_free =
             |follower: &&Follower| follower.follows.iter().any(|term| term.ratio.value(&[]).is_none());
-        let limited: Vec<_> = followers.iter().map(|one| self.joint(one.link)).filter(has_limits).collect();
-        let (Some(first), Some(free)) = (limited.first(), followers.iter().find(is_free)) else { return };
+        let limited = followers.iter().filter(is_free).map(|one| self.joint(one.link)).filter(has_limits);
+        let limited: Vec<_> = limited.collect();
+        let Some(first) = limited.first() else { return };
         let spans =
             [first.limits.position.as_ref().map(|l| l.span), first.limits.velocity.as_ref().map(|l| l.span)];
         let Some(span) = spans.into_iter().flatten().next() else { return };
         let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
-        let free = &self.joint(free.link).name.value;
         let message = format!(
-            "no controller keeps the limits of joints that follow others while the ratios of `{free}` depend on free parameters: {names}"
+            "no controller keeps the limits of joints that follow others while their ratios depend on free parameters: {names}"
         );
         report.warning(span, "limits-not-kept", message);
         report.help("give the ratios numbers, or keep these limits yourself, by `MpcRow::dependent_joint` and `violations`");

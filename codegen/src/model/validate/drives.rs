@@ -82,6 +82,7 @@ impl Builder<'_, '_> {
             coupling: described.motor.coupling,
             input: described.motor.input.clone(),
             torque: described.motor.torque,
+            speed: described.motor.speed.as_ref().map(|speed| speed.value),
         })
     }
 
@@ -195,6 +196,7 @@ impl Builder<'_, '_> {
             coupling: motor.coupling,
             input: motor.input.clone(),
             torque: motor.torque,
+            speed: motor.speed.as_ref().map(|speed| speed.value),
             friction: Vec::new(), // part of the joint's
         })
     }
@@ -243,6 +245,7 @@ impl Builder<'_, '_> {
             coupling: RotorCoupling::Diagonal,
             input: Input::Torque,
             torque: MotorTorque::default(),
+            speed: None,
             friction: Vec::new(),
         }
     }

@@ -149,11 +149,7 @@ impl Resolver<'_> {
 /// What the geometry of a whole model makes of its forces.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for force in &robot.point_forces {
-        let frames = force.between.each_ref().map(|name| &name.value);
-        let Some(between) = pairs(model).find(|between| between.each_ref().map(|at| &at.name) == frames)
-        else {
-            continue;
-        };
+        let Some(between) = between(force, model) else { continue };
         let distances = Distances::new(model, between);
         let mut found = distances.at_states();
         if has_direction(force, &found, report)
@@ -167,6 +163,12 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
         }
     }
     refuse_load(robot, model, report);
+}
+
+/// The frames of a force.
+pub(super) fn between<'m>(force: &PointForceDescription, model: &'m Model) -> Option<&'m [Attachment; 2]> {
+    let frames = force.between.each_ref().map(|name| &name.value);
+    pairs(model).find(|between| between.each_ref().map(|at| &at.name) == frames)
 }
 
 /// The frames of all forces between two.

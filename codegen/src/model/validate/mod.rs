@@ -13,6 +13,7 @@ mod hints;
 mod inertias;
 mod inner_links;
 mod mass_matrix;
+mod motion_limits;
 mod names;
 mod quaternion_joints;
 mod range;
@@ -49,8 +50,9 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         let mut builder = Builder { robot, report, identifiers, defaults, tree, offsets: Vec::new() };
         builder.build()
     });
-    let model = model.filter(|_| !report.has_errors());
-    if let Some(model) = &model {
+    let mut model = model.filter(|_| !report.has_errors());
+    if let Some(model) = &mut model {
+        motion_limits::narrow(robot, model, report);
         frame_forces::check(robot, model, report);
         coupling_hints::note(robot, model, report);
     }

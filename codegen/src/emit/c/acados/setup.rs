@@ -193,7 +193,11 @@ impl<'a> Robot<'a> {
 
     /// Tells whether joints that follow are constant sums of the coordinates.
     fn has_constant_ratios(&self) -> bool {
-        self.value("DEPENDENT_JOINT_RATIOS").is_some() && self.value("DEPENDENT_DRIVEN_RATIOS").is_none()
+        let are_known = match self.value("DEPENDENT_JOINT_RATIOS") {
+            Some(ConstantValue::Rows(_, rows)) => rows.iter().flatten().all(|ratio| !ratio.is_nan()),
+            _ => false,
+        };
+        are_known && self.value("DEPENDENT_DRIVEN_RATIOS").is_none()
     }
 
     fn value(&self, name: &str) -> Option<&ConstantValue> {

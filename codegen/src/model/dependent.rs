@@ -1,0 +1,65 @@
+//! What moves by constant sums of coordinates and has limits of its own.
+
+use super::{FollowedCoordinate, Model};
+use crate::formula::Formula;
+
+/// A joint that follows others, or the motor of a drive on several coordinates that has a highest speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dependent<'m> {
+    /// Name of the joint or of the drive.
+    pub name: &'m str,
+    /// Its motion for a unit of motion of each coordinate, then of each driven joint; `None` where a ratio needs parameters
+    /// that are not given.
+    pub ratios: Option<Vec<f64>>,
+    /// Its position where all coordinates are 0 (rad or m); 0 for a motor.
+    pub offset: f64,
+    /// Lowest and highest position (rad or m).
+    pub position: [f64; 2],
+    /// Highest speed (rad/s or m/s).
+    pub velocity: f64,
+}
+
+const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+impl Model {
+    /// The joints that follow others in their order, then the motors on several coordinates that have a highest speed.
+    ///
+    /// - `parameters`: values of the free parameters
+    #[must_use]
+    pub fn dependent(&self, parameters: &[f64]) -> Vec<Dependent<'_>> {
+        let moving = self.moving_joints();
+        let joints = moving[self.motion_count()..].iter().map(|follower| {
+            let limits = &follower.joint.limits;
+            Dependent {
+                name: self.joint_of(follower.link).name.as_str(),
+                ratios: self.row(&follower.follows, &Formula::ONE, parameters),
+                offset: follower.offset,
+                position: limits.position.unwrap_or(UNLIMITED),
+                velocity: limits.velocity.unwrap_or(f64::INFINITY),
+            }
+        });
+        let motors = self.limited_shafts().map(|(drive, speed)| Dependent {
+            name: drive.name.as_str(),
+            ratios: self.row(&drive.acts_on, &drive.gear_ratio, parameters),
+            offset: 0.0,
+            position: UNLIMITED,
+            velocity: speed,
+        });
+        joints.chain(motors).collect()
+    }
+
+    /// The drives on several coordinates whose motors have a highest speed (rad/s).
+    pub fn limited_shafts(&self) -> impl Iterator<Item = (&super::Drive, f64)> {
+        let shared = self.input_drives().filter(|drive| drive.acts_on.len() > 1);
+        shared.filter_map(|drive| Some((drive, drive.speed?)))
+    }
+
+    /// Ratios to all coordinates, times a factor.
+    fn row(&self, follows: &[FollowedCoordinate], factor: &Formula, parameters: &[f64]) -> Option<Vec<f64>> {
+        let mut row = vec![0.0; self.motion_count()];
+        for term in follows {
+            row[term.coordinate] += factor.value(parameters)? * term.ratio.value(parameters)?;
+        }
+        Some(row)
+    }
+}

@@ -1,0 +1,201 @@
+//! Speeds of motors, and lengths and speeds of forces between frames, as limits of what follows from them.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+use std::fs;
+
+use gelenk_codegen::identify::InterpretedRobot;
+use gelenk_codegen::model::{self, Limits, Loaded, ReadOptions};
+use gelenk_identification::robot::Robot;
+
+/// A boom that a cylinder lifts, and a wrist behind it.
+fn robot(boom: &str, cylinder: &str, more: &str) -> String {
+    format!(
+        r#"
+name = "crane"
+
+[[joints]]
+name = "boom"
+axis = [0, -1, 0]
+{boom}
+
+[[joints]]
+name = "pitch"
+axis = [0, 1, 0]
+origin = {{ xyz = [2, 0, 0] }}
+drive = "none"
+
+[[joints]]
+name = "roll"
+axis = [1, 0, 0]
+drive = "none"
+
+[[bodies]]
+link = "boom"
+mass = 60
+center_of_mass = [1.2, 0, 0]
+inertia = [0.5, 30, 30]
+
+[[bodies]]
+link = "pitch"
+mass = 2
+inertia = 0.01
+
+[[bodies]]
+link = "roll"
+mass = 2
+inertia = 0.01
+
+[[frames]]
+name = "foot"
+link = "base"
+origin = {{ xyz = [0, 0, -0.6] }}
+
+[[frames]]
+name = "rod"
+link = "boom"
+origin = {{ xyz = [0.9, 0, 0] }}
+
+[[forces]]
+between = ["foot", "rod"]
+{cylinder}
+{more}
+"#
+    )
+}
+
+fn loaded(description: &str) -> Loaded {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("robot.toml");
+    fs::write(&file, description).unwrap();
+    model::read(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn limits(loaded: &Loaded, joint: &str) -> Limits {
+    loaded.model.joints().find(|found| found.name == joint).unwrap().limits
+}
+
+/// Law of cosines: the boom's angle counts from the horizontal, the foot stands below its joint.
+fn length(y: f64) -> f64 {
+    (0.9_f64.powi(2) + 0.6_f64.powi(2) + 2.0 * 0.9 * 0.6 * y.sin()).sqrt()
+}
+
+fn rate(y: f64) -> f64 {
+    0.9 * 0.6 * y.cos() / length(y)
+}
+
+const RANGE: &str = "limits = { position = [-0.3, 1.3], velocity = 2 }\ndrive = \"none\"";
+
+#[test]
+fn a_stroke_narrows_the_joint_that_it_follows() {
+    let found = loaded(&robot(RANGE, "input = \"cylinder\"\nstroke = [1.1, 1.4]", ""));
+    let [low, high] = limits(&found, "boom").position.unwrap();
+    let lengths = [length(low), length(high)];
+    assert!(
+        (1.1..1.1 + 1e-6).contains(&lengths[0]) && (1.4 - 1e-6..=1.4).contains(&lengths[1]),
+        "{lengths:?}"
+    );
+    assert_eq!(limits(&found, "boom").velocity, Some(2.0));
+    let said = found.notes.to_string();
+    assert!(said.contains("the stroke of `cylinder` leaves joint `boom` the positions"), "{said}");
+    // An end that the joint does not reach stays, to the letter.
+    let found = loaded(&robot(RANGE, "law = \"40*dl\"\nstroke = [1.0, 1.4]", ""));
+    let joint = limits(&found, "boom").position.unwrap();
+    assert!(length(-0.3) < 1.0 && joint[0] > -0.3 && joint[1] == high, "{joint:?}");
+    let found = loaded(&robot(RANGE, "law = \"40*dl\"\nstroke = [0.1, 1.4]", ""));
+    assert_eq!(limits(&found, "boom").position, Some([-0.3, high]));
+    // A stroke that is shorter than the grid on which it is looked for.
+    let found = loaded(&robot(RANGE, "law = \"40*dl\"\nstroke = [1.2, 1.2003]", ""));
+    let [low, high] = limits(&found, "boom").position.unwrap();
+    assert!(low < high && length(low) >= 1.2 && length(high) <= 1.2003, "{low} {high}");
+}
+
+#[test]
+fn a_length_that_shrinks_is_kept_too() {
+    let turned = robot(RANGE, "input = \"cylinder\"\nstroke = [0.75, 1.0]", "")
+        .replace("xyz = [0, 0, -0.6]", "xyz = [0, 0, 0.6]");
+    let [low, high] = limits(&loaded(&turned), "boom").position.unwrap();
+    assert!((length(-low) - 1.0).abs() < 2e-6 && (length(-high) - 0.75).abs() < 2e-6, "{low} {high}");
+}
+
+#[test]
+fn a_cylinders_speed_holds_at_every_position_of_its_joint() {
+    let found = loaded(&robot(RANGE, "input = \"cylinder\"\nspeed = 0.2\nstroke = [1.1, 1.4]", ""));
+    let Limits { position, velocity, .. } = limits(&found, "boom");
+    let [low, high] = position.unwrap();
+    let steepest = (0..=10_000).map(|k| rate(low + (high - low) * f64::from(k) / 1e4)).fold(0.0, f64::max);
+    let limit = velocity.unwrap();
+    assert!((limit * steepest - 0.2).abs() < 1e-6, "{limit} {steepest}");
+    let slow = RANGE.replace("velocity = 2", "velocity = 0.01");
+    let found = loaded(&robot(&slow, "input = \"cylinder\"\nspeed = 0.2", ""));
+    assert_eq!(limits(&found, "boom").velocity, Some(0.01), "its own limit is narrower");
+}
+
+#[test]
+fn a_motors_speed_limits_its_joint_by_the_gear() {
+    let boom = |speed: &str| {
+        let drive = format!("drive = {{ gear_ratio = -160, speed = {speed} }}");
+        loaded(&robot(&format!("limits = {{ velocity = 2 }}\n{drive}"), "law = \"40*dl\"", ""))
+    };
+    let found = boom("240");
+    assert_eq!(limits(&found, "boom").velocity, Some(1.5));
+    let said = found.notes.to_string();
+    assert!(said.contains("motor `boom` limits the speed of joint `boom` to 1.5"), "{said}");
+    assert_eq!(limits(&boom("400"), "boom").velocity, Some(2.0));
+    // Ratio and weight are one number at a drive that stands apart.
+    let drive = "[[drives]]\nname = \"lift\"\non = { pitch = 0.5 }\ngear_ratio = 50\nspeed = 100\n";
+    let found = loaded(&robot("drive = \"none\"", "law = \"40*dl\"", drive));
+    assert_eq!(limits(&found, "pitch").velocity, Some(4.0));
+}
+
+#[test]
+fn motors_of_several_joints_have_rows_beside_those_of_joints_that_follow() {
+    let drives = "\
+        [[drives]]\nname = \"left\"\non = { pitch = 1, roll = 0.5 }\ngear_ratio = 80\nspeed = 300\n\
+        [[drives]]\nname = \"right\"\non = { pitch = 1, roll = -0.5 }\ngear_ratio = 80\n";
+    let found = loaded(&robot("drive = \"none\"", "law = \"40*dl\"", drives));
+    let rows = found.model.dependent(&[]);
+    let [left] = &rows[..] else { panic!("{rows:?}") };
+    assert_eq!((left.name, left.ratios.as_deref()), ("left", Some(&[0.0, 80.0, 40.0][..])));
+    assert_eq!((left.velocity, left.position), (300.0, [f64::NEG_INFINITY, f64::INFINITY]));
+    let identified = InterpretedRobot::new(&found.model).unwrap();
+    let [planned] = &identified.followers()[..] else { panic!("{:?}", identified.followers()) };
+    assert_eq!((planned.name.as_str(), planned.velocity), ("left", 300.0));
+}
+
+#[test]
+fn one_free_ratio_hides_the_limits_of_its_joint_alone() {
+    let follower = |name: &str, ratio: &str| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\nparent = \"boom\"\nfollows = {{ pitch = {ratio} }}\nlimits = {{ position = [-1, 1] }}\n"
+        )
+    };
+    let more = follower("known", "2") + &follower("unknown", "{ free = 0.5 }");
+    let found = loaded(&robot("drive = \"none\"", "law = \"40*dl\"", &more));
+    let rows = found.model.dependent(&[]);
+    assert_eq!(rows[0].ratios.as_deref(), Some(&[0.0, 2.0, 0.0][..]));
+    assert_eq!((rows[1].name, &rows[1].ratios), ("unknown", &None));
+    let said = found.notes.to_string();
+    assert!(said.contains("while their ratios depend on free parameters: `unknown`"), "{said}");
+}
+
+/// The joints before a cylinder turn both of its ends, and do not change its length.
+#[test]
+fn cylinders_behind_other_joints_are_kept_too() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/excavator.toml");
+    let text = fs::read_to_string(file).unwrap();
+    let stick = "input = \"stick_cylinder\"\n";
+    let found = loaded(&text.replacen(stick, &format!("{stick}stroke = [0.9, 1.3]\nspeed = 0.25\n"), 1));
+    let [low, high] = limits(&found, "stick").position.unwrap();
+    // The foot seen from the stick's joint, and the rod, turned about y.
+    let length = |y: f64| {
+        let (foot, [x, z]) = ([0.75 - 1.75, 0.4], [-0.3, 0.1]);
+        (x * y.cos() + z * y.sin() - foot[0]).hypot(z * y.cos() - x * y.sin() - foot[1])
+    };
+    let mut lengths = [length(low), length(high)];
+    lengths.sort_by(f64::total_cmp);
+    let [shortest, longest] = lengths;
+    assert!(shortest >= 0.9 && longest <= 1.3 && longest - shortest > 0.2, "{lengths:?}");
+    assert!(limits(&found, "stick").velocity.unwrap() < 1.2);
+    assert_eq!(limits(&found, "boom"), limits(&loaded(&text), "boom"));
+}
