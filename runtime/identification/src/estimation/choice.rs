@@ -1,16 +1,17 @@
 //! What is estimated is chosen by the error on held-out data: Coulomb widths, optional terms, offsets, and the
 //! weight of the description.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::super::run::Effort;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
+use super::gains::{Gain, gains as found_gains};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
 use super::result::{Offsets, WeightTried};
 use super::sums::Sums;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Weights of the description that are tried: two for each decade.
 const LEAST_WEIGHT: f64 = 1e-3;
@@ -28,6 +29,7 @@ pub(super) struct Chosen<'a> {
     pub(super) model: Model,
     pub(super) weighting: Weighting,
     pub(super) values: Values,
+    pub(super) gains: Vec<Gain>,
     pub(super) centred: Centred<'a>,
     pub(super) tried: Vec<WeightTried>,
 }
@@ -50,36 +52,14 @@ fn grid() -> impl Iterator<Item = f64> {
 /// Bounds of what can exist hold at the end: they cost more than all choices, and hardly change one.
 ///
 /// # Errors
-/// Sums without a solution, as where the gain of a drive goes to zero.
+/// Sums without a solution.
 pub(super) fn choose<'a>(
     layout: &'a Layout,
     sums: &'a Sums,
     prior: &Prior,
     freedom: Freedom<'_>,
 ) -> Result<Chosen<'a>> {
-    choose_in_turn(layout, sums, prior, freedom).map_err(|error| match (layout.effort, error) {
-        (Effort::Current, IdentificationError::NoSolution { .. }) => {
-            IdentificationError::NoSolution { reason: GAIN_LOST.into() }
-        }
-        (_, error) => error,
-    })
-}
-
-/// What is said where the gains of drives are unknown and the sums have no solution.
-const GAIN_LOST: &str = "the gain of a drive goes to zero where the currents of a joint agree with no force that the description allows: \
-                         check sign, unit and assignment of their columns, and name efforts that are torques by --effort joint";
-
-fn choose_in_turn<'a>(
-    layout: &'a Layout,
-    sums: &'a Sums,
-    prior: &Prior,
-    freedom: Freedom<'_>,
-) -> Result<Chosen<'a>> {
     let gains = layout.effort == Effort::Current;
-    let start = Values {
-        unknowns: DVector::zeros(layout.len()),
-        gains: if gains { first_gains(layout, sums) } else { vec![1.0; layout.joints] },
-    };
     let model = Model {
         coulomb: vec![0; layout.joints],
         asymmetry: vec![false; layout.joints],
@@ -90,12 +70,17 @@ fn choose_in_turn<'a>(
         consistent: false,
     };
     let centred = Centred::new(layout, sums, model.offsets);
+    let gains = if gains { found_gains(&centred, &model, prior)? } else { vec![Gain::ONE; layout.joints] };
+    let start = Values {
+        unknowns: DVector::zeros(layout.len()),
+        gains: gains.iter().map(|gain| gain.value).collect(),
+    };
     let weighting = Weighting {
         sigma: super::fit::deviations(&centred, &start),
         description: 1.0,
         trust: vec![1.0; layout.parameters],
     };
-    let mut chosen = Chosen { model, weighting, values: start, centred, tried: Vec::new() };
+    let mut chosen = Chosen { model, weighting, values: start, gains, centred, tried: Vec::new() };
     chosen.reweight(prior)?;
     chosen.choose_weight(prior, true)?;
     chosen.reweight(prior)?;
@@ -112,17 +97,6 @@ fn choose_in_turn<'a>(
     chosen.model.consistent = freedom.consistent;
     chosen.reweight(prior)?;
     Ok(chosen)
-}
-
-/// Gains with which the described rigid force has the size of the measured effort.
-fn first_gains(layout: &Layout, sums: &Sums) -> Vec<f64> {
-    let centred = Centred::new(layout, sums, Offsets::Common);
-    let gain = |products: &DMatrix<f64>| {
-        let q = products.nrows();
-        let (rigid, both, z) = (products[(q - 2, q - 2)], products[(q - 2, q - 1)], products[(q - 1, q - 1)]);
-        if both != 0.0 && rigid > 0.0 { both.signum() * (rigid / z).sqrt() } else { 1.0 }
-    };
-    centred.all.iter().map(gain).collect()
 }
 
 impl Chosen<'_> {
@@ -268,6 +242,7 @@ impl<'a> Chosen<'a> {
             model: self.model.clone(),
             weighting: self.weighting.clone(),
             values: self.values.clone(),
+            gains: self.gains.clone(),
             centred: Centred::new(self.centred.layout, sums, self.model.offsets),
             tried: self.tried.clone(),
         }

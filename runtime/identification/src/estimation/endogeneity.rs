@@ -18,7 +18,7 @@ use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};
 use super::intervals::{Fitted, MOST_BLOCKS, column_means};
 use super::layout::Layout;
-use super::normal::{Factor, Values, force_vector, residual_vector};
+use super::normal::{Factor, Values, residual_vector};
 use super::residuals::{huber, residual};
 use super::result::Offsets;
 use super::task::Task;
@@ -184,7 +184,7 @@ impl Pass {
             z: DMatrix::zeros(n, blocks),
         };
         for joint in 0..layout.joints {
-            let selection = selection(layout, of.values, joint, &of.solved.active);
+            let selection = selection(layout, joint, &of.solved.active);
             let means = self.means(of, joint);
             for (products, [x, z]) in self.products.iter().map(|p| &p[joint]).zip(&means) {
                 let [zx, zz] = products.centred(x, z);
@@ -245,14 +245,11 @@ impl Products {
 }
 
 /// Which of a joint's columns make which active unknown's.
-fn selection(layout: &Layout, values: &Values, joint: usize, active: &[usize]) -> DMatrix<f64> {
+fn selection(layout: &Layout, joint: usize, active: &[usize]) -> DMatrix<f64> {
     let mut selection = DMatrix::zeros(layout.width(joint), active.len());
     for (i, &global) in active.iter().enumerate() {
         if let Some(k) = layout.local[joint].iter().position(|local| *local == global) {
             selection[(k, i)] = 1.0;
-        }
-        if global == layout.gain(joint) {
-            selection.set_column(i, &force_vector(layout, values, joint));
         }
     }
     selection

@@ -28,8 +28,8 @@ use nalgebra::DVector;
 ///
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
-/// z is the measured effort times B, K the drive's gain (estimated where efforts are currents, else one), s the
-/// description's forces that are no inertia, and o the offset. π is held near the description along directions
+/// z is the measured effort times B, K the drive's gain (where efforts are currents, in proportion to the described masses and before all else;
+/// else one), s the description's forces that are no inertia, and o the offset. π is held near the description along directions
 /// that the data cannot tell: `λ` times the squared distance from the described bodies is added, with the largest λ
 /// whose held-out error is not worse than the best by more than a standard error.
 ///

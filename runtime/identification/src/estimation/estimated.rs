@@ -8,6 +8,7 @@ use super::super::library::smooth_sign;
 use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::fit::Solved;
+use super::gains::{Gain, UNTOLD};
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::prior::Prior;
@@ -44,8 +45,9 @@ impl Estimated<'_> {
         &self,
         fits: Vec<JointFit>,
         choices: Vec<String>,
-        warnings: Vec<String>,
+        mut warnings: Vec<String>,
     ) -> Estimate {
+        warnings.extend(self.untold_gains());
         let joints = self.robot.joint_names().into_iter().zip(fits).enumerate();
         Estimate {
             parameters: self.parameters(|i, described| self.uncertain(i, described)),
@@ -121,11 +123,29 @@ impl Estimated<'_> {
         smooth_sign(self.layout.steepness[joint][self.chosen.model.coulomb[joint]])
     }
 
-    /// K_M: its relative error is that of the rigid force.
+    /// K_M in proportion to the description.
     fn gain(&self, joint: usize) -> Uncertain {
-        let value = self.solved.values.gains[joint];
-        let error = value * self.covariance.deviation(self.solved, self.layout.gain(joint));
-        self.with_interval(value, error, self.covariance.freedom)
+        let Gain { value, relative_error } = self.chosen.gains[joint];
+        let folds = self.chosen.centred.without.len();
+        self.with_interval(value, value.abs() * relative_error, folds.saturating_sub(1))
+    }
+
+    /// Joints whose gain the description does not tell.
+    fn untold_gains(&self) -> Vec<String> {
+        let layout = self.layout;
+        let untold =
+            |joint: &usize| layout.moves[*joint] && self.chosen.gains[*joint].relative_error > UNTOLD;
+        let all = if self.chosen.model.gains { layout.joints } else { 0 };
+        let names = self.robot.joint_names();
+        let sentence = |joint: usize| {
+            format!(
+                "Joint {}: its current hardly shows the described force, so that the motor constant is a guess: its \
+                 torques may be wrong by a factor, with masses, inertias and friction. Take the motor constant from its \
+                 data sheet, or convert the currents to torques.",
+                names[joint]
+            )
+        };
+        (0..all).filter(untold).map(sentence).collect()
     }
 
     fn joint(&self, joint: usize, name: String, fit: JointFit) -> JointEstimate {

@@ -6,7 +6,7 @@ use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// Rounds of the gains and of the joints' variances. Both settle within a few.
+/// Rounds of the joints' variances, which settle within a few.
 const ROUNDS: usize = 8;
 
 /// Weights of the fit.
@@ -76,7 +76,7 @@ pub(super) fn force_weights(weighting: &Weighting, gains: &[f64]) -> Vec<f64> {
     weighting.sigma.iter().zip(gains).map(|(sigma, gain)| (sigma * gain).powi(-2)).collect()
 }
 
-/// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ`, gains included where the model has them.
+/// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ`, with the gains of `start`.
 pub(super) fn fit(
     centred: &Centred,
     products: &[DMatrix<f64>],
@@ -87,42 +87,18 @@ pub(super) fn fit(
 ) -> Result<Solved> {
     let layout = centred.layout;
     let active = model.active(layout, prior);
-    let mut values = start.clone();
-    let rounds = if model.gains { ROUNDS } else { 1 };
-    let (mut round, mut pull) = (0, 0.0);
-    loop {
-        let weights = force_weights(weighting, &values.gains);
-        let normal = assemble(layout, products, &active, &weights, &values);
-        let regularized = regularized(&normal, &weighting.metric(prior, &active));
-        let right = DMatrix::from_column_slice(active.len(), 1, normal.linear.as_slice());
-        let mut x = solve(&regularized, &right)?.column(0).into_owned();
-        if model.consistent {
-            (x, pull) = bounded(layout, prior, &active, &regularized, &normal.linear, &x)?;
-        }
-        values.unknowns = DVector::zeros(layout.len());
-        active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
-        let change = if model.gains { take_gains(centred, &mut values) } else { 0.0 };
-        round += 1;
-        if round >= rounds || change < 1e-6 {
-            return Ok(Solved { values, active, regularized, pull });
-        }
+    let weights = force_weights(weighting, &start.gains);
+    let normal = assemble(layout, products, &active, &weights, &start.gains);
+    let regularized = regularized(&normal, &weighting.metric(prior, &active));
+    let right = DMatrix::from_column_slice(active.len(), 1, normal.linear.as_slice());
+    let mut x = solve(&regularized, &right)?.column(0).into_owned();
+    let mut pull = 0.0;
+    if model.consistent {
+        (x, pull) = bounded(layout, prior, &active, &regularized, &normal.linear, &x)?;
     }
-}
-
-/// Turns relative changes of the rigid force into gains; friction scales with them. Returns the largest change.
-fn take_gains(centred: &Centred, values: &mut Values) -> f64 {
-    let layout = centred.layout;
-    let mut largest = 0.0_f64;
-    for joint in 0..layout.joints {
-        let change = values.unknowns[layout.gain(joint)].clamp(-0.5, 1.0);
-        largest = largest.max(change.abs());
-        values.unknowns[layout.gain(joint)] = 0.0;
-        values.gains[joint] /= 1.0 + change;
-        for term in 0..layout.terms {
-            values.unknowns[layout.term(joint, term)] /= 1.0 + change;
-        }
-    }
-    largest
+    let mut values = Values { unknowns: DVector::zeros(layout.len()), gains: start.gains.clone() };
+    active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
+    Ok(Solved { values, active, regularized, pull })
 }
 
 /// Errors over each fold of the values fitted to the others.

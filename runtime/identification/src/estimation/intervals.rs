@@ -92,7 +92,7 @@ pub(super) fn scores(
                     of.outlier[joint],
                     &means[joint][run],
                 );
-                add(&mut score, layout, of.values, joint, &place, &(products * weights[joint]));
+                add(&mut score, layout, joint, &place, &(products * weights[joint]));
             }
             found.blocks.push(score);
         }
@@ -120,7 +120,6 @@ fn products(
 fn add(
     score: &mut DVector<f64>,
     layout: &Layout,
-    values: &Values,
     joint: usize,
     place: &[Option<usize>],
     products: &DVector<f64>,
@@ -129,9 +128,6 @@ fn add(
         if let Some(i) = place[global] {
             score[i] += products[k];
         }
-    }
-    if let Some(gain) = place[layout.gain(joint)] {
-        score[gain] += super::normal::force_vector(layout, values, joint).dot(products);
     }
 }
 
@@ -162,7 +158,7 @@ impl Scores {
             let mut score = DVector::zeros(of.solved.active.len());
             for joint in 0..layout.joints {
                 let products = &fold[joint] * residual_vector(layout, of.values, joint);
-                add(&mut score, layout, of.values, joint, &place, &(products * (share * weights[joint])));
+                add(&mut score, layout, joint, &place, &(products * (share * weights[joint])));
             }
             score
         };

@@ -28,7 +28,7 @@ const PROBES: usize = 4;
 /// Columns of the equations, and what is known about the data before the first pass.
 ///
 /// Unknowns count globally: the P inertial parameters (as differences from the description), then the candidate
-/// terms of each joint, then a gain for each joint.
+/// terms of each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) joints: usize,
@@ -116,11 +116,6 @@ impl Layout {
         self.parameters + joint * self.terms + term
     }
 
-    /// Global number of a joint's gain.
-    pub(super) fn gain(&self, joint: usize) -> usize {
-        self.parameters + self.joints * self.terms + joint
-    }
-
     /// The joints whose friction is estimated.
     pub(super) fn rubbing(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.joints).filter(|&joint| self.moves[joint] && !self.exact[joint])
@@ -139,7 +134,7 @@ impl Layout {
 
     /// Number of global unknowns.
     pub(super) fn len(&self) -> usize {
-        self.parameters + self.joints * (self.terms + 1)
+        self.parameters + self.joints * self.terms
     }
 
     /// Place of a joint's first candidate term among its columns.

@@ -1,4 +1,4 @@
-//! The estimate: inertia, friction, offsets and drive gains in one weighted linear fit.
+//! The estimate: inertia, friction and offsets in one weighted linear fit, behind the gains of drives.
 
 mod alternatives;
 mod checks;
@@ -9,6 +9,7 @@ mod endogeneity;
 mod estimate;
 mod estimated;
 mod fit;
+mod gains;
 mod instruments;
 mod intervals;
 mod layout;

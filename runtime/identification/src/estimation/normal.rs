@@ -25,7 +25,7 @@ pub(super) struct Model {
 /// Values of all unknowns: differences from the description, candidate terms (zero where not chosen), gains.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Values {
-    /// By global number; those of the gains are relative changes and end as zeros.
+    /// By global number.
     pub(super) unknowns: DVector<f64>,
     /// Force per unit of the measured effort, by joint: one, or K_M.
     pub(super) gains: Vec<f64>,
@@ -52,9 +52,6 @@ impl Model {
             for (term, chosen) in optional {
                 active.extend(chosen[joint].then(|| layout.term(joint, term)));
             }
-        }
-        if self.gains {
-            active.extend((0..layout.joints).filter(|&j| layout.measured[j]).map(|j| layout.gain(j)));
         }
         active
     }
@@ -171,20 +168,19 @@ pub(super) struct Normal {
 /// Sums up the joints' equations.
 ///
 /// - `products`: of each joint; `weights`: of its equations, 1/σ² in units of the force
-/// - `at`: current gains, and the parameters whose force a change of gain scales
 pub(super) fn assemble(
     layout: &Layout,
     products: &[DMatrix<f64>],
     active: &[usize],
     weights: &[f64],
-    at: &Values,
+    gains: &[f64],
 ) -> Normal {
     let mut place = vec![None; layout.len()];
     active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
     let mut normal =
         Normal { hessian: DMatrix::zeros(active.len(), active.len()), linear: DVector::zeros(active.len()) };
     for joint in 0..layout.joints {
-        normal.add(layout, joint, &products[joint], &place, weights[joint], at);
+        normal.add(&layout.local[joint], &products[joint], &place, weights[joint], gains[joint]);
     }
     normal
 }
@@ -192,32 +188,21 @@ pub(super) fn assemble(
 impl Normal {
     fn add(
         &mut self,
-        layout: &Layout,
-        joint: usize,
+        local: &[usize],
         products: &DMatrix<f64>,
         place: &[Option<usize>],
         weight: f64,
-        at: &Values,
+        gain: f64,
     ) {
-        let local = &layout.local[joint];
         let chosen: Vec<(usize, usize)> =
             local.iter().enumerate().filter_map(|(k, &global)| place[global].map(|i| (k, i))).collect();
-        let target = products * target_vector(local.len(), at.gains[joint]);
+        let target = products * target_vector(local.len(), gain);
         for &(k, i) in &chosen {
             self.linear[i] += weight * target[k];
             for &(l, m) in &chosen {
                 self.hessian[(i, m)] += weight * products[(k, l)];
             }
         }
-        let Some(gain) = place[layout.gain(joint)] else { return };
-        let force = force_vector(layout, at, joint);
-        let column = products * &force;
-        for &(k, i) in &chosen {
-            self.hessian[(i, gain)] += weight * column[k];
-            self.hessian[(gain, i)] += weight * column[k];
-        }
-        self.hessian[(gain, gain)] += weight * column.dot(&force);
-        self.linear[gain] += weight * target.dot(&force);
     }
 }
 

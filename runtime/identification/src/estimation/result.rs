@@ -104,7 +104,8 @@ pub struct JointEstimate {
     pub load: Option<EstimatedTerm>,
     /// Reflected inertia that the description does not have [kg m² or kg], where it was chosen.
     pub armature: Option<Uncertain>,
-    /// Motor constant K_M [N·m/A or N/A] where efforts are currents.
+    /// Force per unit of the input as described, where efforts are currents: the motor constant K_M [N·m/A or N/A], or where the description has one
+    /// its factor. In proportion to the described masses.
     pub gain: Option<Uncertain>,
     /// Offset of the measured force in each run, `measured = model + offset`.
     pub offsets: Vec<f64>,

@@ -47,7 +47,7 @@ fn r_squared(errors: &[f64], measured: &[f64]) -> f64 {
     1.0 - errors.iter().map(|e| e * e).sum::<f64>() / measured.iter().map(|m| (m - mean).powi(2)).sum::<f64>()
 }
 
-fn ur10_run() -> Option<PreparedRun> {
+pub(super) fn ur10_run() -> Option<PreparedRun> {
     let text = std::fs::read_to_string(shared("data/ur10/exciting.csv")?).unwrap();
     let rows: Vec<Vec<f64>> =
         text.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();

@@ -3,6 +3,7 @@
 mod chain;
 mod closed_loop;
 mod coverage;
+mod currents;
 mod data;
 mod load;
 mod measured;
