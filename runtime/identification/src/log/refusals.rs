@@ -48,6 +48,29 @@ fn what_cannot_be_read_is_explained() {
     }
 }
 
+/// A joint may be called as a unit is.
+#[test]
+fn names_of_joints_are_no_units() {
+    let robot = Fake::new(&["turn", "m"]);
+    let text = format!("t,q_turn,q_m,tau_turn,tau_m\n{ROWS}");
+    let found = runs_of(text.as_bytes(), "log", &robot, &ColumnOptions::default()).unwrap();
+    assert_eq!(found.runs[0].efforts[0], [3.0; 3]);
+    // Behind the name stands a unit.
+    let text = text.replace("q_turn", "q_turn_deg");
+    let found = runs_of(text.as_bytes(), "log", &robot, &ColumnOptions::default()).unwrap();
+    assert!((found.runs[0].positions[0][0] - 1.0_f64.to_radians()).abs() < 1e-15);
+}
+
+#[test]
+fn currents_of_a_robot_without_drives_are_refused() {
+    let robot = Fake { inputs: Vec::new(), ..Fake::numbered(2) };
+    let text = format!("t,q1,q2,i1,i2\n{ROWS}");
+    let effort = Some(super::super::run::Effort::Current);
+    let said = runs_of(text.as_bytes(), "log", &robot, &ColumnOptions { effort, ..ColumnOptions::default() });
+    let said = said.unwrap_err().to_string();
+    assert!(said.contains("the description has no") && said.contains("--effort joint"), "{said}");
+}
+
 /// A quotation mark in a text would swallow the rest of the log.
 #[test]
 fn open_quotation_marks_are_named() {

@@ -40,7 +40,7 @@ pub(super) fn factor(
             units::known_units()
         )));
     }
-    if let Some(unit) = header.and_then(|h| suffix(h, &wanted)) {
+    if let Some(unit) = header.and_then(|h| suffix(h, &wanted, &|words| is_named(finder, words))) {
         return fitting(finder, column, kind, &wanted, unit);
     }
     Ok((1.0, format!("in {} as its header names no unit", wanted[0])))
@@ -58,13 +58,18 @@ fn fitting(finder: &Finder, column: usize, kind: Kind, wanted: &[&str], unit: Un
     Err(IdentificationError::File {
         place: finder.source.into(),
         message: format!(
-            "column {} is a {} in {}, but {} is expected here",
+            "column {} is {} {} in {}, but {} is expected here",
             finder.label(column),
+            article(kind),
             singular(kind),
             unit.si,
             wanted.join(" or ")
         ),
     })
+}
+
+fn article(kind: Kind) -> &'static str {
+    if singular(kind).starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
 }
 
 /// SI units of a quantity; the first is assumed where none is named.
@@ -94,11 +99,19 @@ fn is_described(finder: &Finder, text: &str) -> bool {
     is_known(&known) || finder.robot.joints.mentions(&spelled) || finder.robot.inputs.mentions(&spelled)
 }
 
+/// Whether words are the name of a joint or an input: `tau_turn` of a joint `turn` is in no revolutions.
+fn is_named(finder: &Finder, spelled: &[&str]) -> bool {
+    let spelled: Vec<String> = spelled.iter().map(|word| (*word).to_owned()).collect();
+    finder.robot.joints.mentions(&spelled) || finder.robot.inputs.mentions(&spelled)
+}
+
 /// A unit that ends the words: `q1_deg`, `vel_2_deg_s`.
-fn suffix(header: &Header, wanted: &[&str]) -> Option<Unit> {
+///
+/// - `is_name`: whether words mean something else
+fn suffix(header: &Header, wanted: &[&str], is_name: &dyn Fn(&[&str]) -> bool) -> Option<Unit> {
     let words: Vec<&str> = header.words.iter().map(String::as_str).filter(|w| !is_number(w)).collect();
     let tails = (1..=3.min(words.len().saturating_sub(1))).rev().map(|n| &words[words.len() - n..]);
-    let mut named = tails.filter_map(|tail| {
+    let mut named = tails.filter(|tail| !is_name(tail)).filter_map(|tail| {
         let parts: Vec<&str> = tail.iter().copied().filter(|w| *w != "per").collect();
         // A letter at the end may mean something else (`q_m`, measured): it counts where it fits.
         let is_sure = parts.first().is_some_and(|p| p.len() > 1);
@@ -109,5 +122,5 @@ fn suffix(header: &Header, wanted: &[&str]) -> Option<Unit> {
 
 /// The unit at the end of the words of a time column.
 pub(super) fn time_suffix(header: &Header) -> Option<Unit> {
-    suffix(header, &["s"]).filter(|unit| unit.si == "s")
+    suffix(header, &["s"], &|_| false).filter(|unit| unit.si == "s")
 }

@@ -39,6 +39,13 @@ impl Finder<'_> {
 
     pub(super) fn missing(&self, kinds: &[Kind], targets: &Targets) -> IdentificationError {
         let n = targets.names.len();
+        if n == 0 {
+            return self.fault(format!(
+                "the description has no {}: give its joints a drive, as in `drive = {{ gear_ratio = 100 }}`, or say that efforts \
+                 are torques of joints, --effort joint",
+                plural(kinds[0])
+            ));
+        }
         let best = self.families(kinds, targets).into_iter().max_by_key(|f| {
             (f.columns.iter().flatten().count(), f.numbers.len(), std::cmp::Reverse(f.rank()))
         });
