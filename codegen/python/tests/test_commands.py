@@ -31,17 +31,18 @@ def test_generate_and_report_return_what_they_wrote(arm_file: Path, tmp_path: Pa
 
 # Switches that are functions of their own or belong to others, and those of the command line alone.
 ALONE = {"format", "help"}
+OF_PLANS = {"seconds", "rate", "acceleration", "position_share", "speed_share", "effort_share", "harmonics", "seed"}
 OF_ANOTHER_FUNCTION = {
     "generate": set(),
     "load": {"output", "language", "for", "self_test", "control_model"},
     "report": set(),
-    "identify": {"plan", "reduce", "seconds", "rate", "acceleration"},
+    "identify": {"plan", "reduce", *OF_PLANS},
     "plan": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
-             "validate", "load_friction", "accept_poor", "base"},
-    "reduce": {"plan", "reduce", "merge", "report", "validate", "load_friction", "accept_poor", "seconds", "rate", "acceleration",
-               "base"},
+             "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", "base"},
+    "reduce": {"plan", "reduce", "merge", "report", "validate", "payload", "payload_on", "load_friction", "friction",
+               "accept_poor", "base", *OF_PLANS},
     "merge": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
-              "validate", "load_friction", "accept_poor", "seconds", "rate", "acceleration", "base"},
+              "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", "base", *OF_PLANS},
 }
 
 

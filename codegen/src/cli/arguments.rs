@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use super::choices::{BaseName, Choices, Modules, Reading, positive};
+use super::choices::{BaseName, Choices, Modules, Reading, positive, share};
 
 /// Robot dynamics as plain Rust or C: reads a kinematic description, derives the equations of motion, writes
 /// one module.
@@ -268,6 +268,19 @@ pub(super) struct Identify {
     /// Logs to predict with the results, which are not made from them; may be given several times
     #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
     pub(super) validate: Vec<PathBuf>,
+    /// Logs of the robot with a load in its hand, beside logs of it without: finds the load, and writes a description
+    /// with it [default: <NAME>_payload.toml]; may be given several times
+    #[arg(
+        long,
+        value_name = "LOG.csv",
+        conflicts_with_all = [
+            "plan", "reduce", "merge", "report", "validate", "gravity_compensated", "load_friction", "friction", "accept_poor"
+        ]
+    )]
+    pub(super) payload: Vec<PathBuf>,
+    /// Link that carries the load [default: the last one]
+    #[arg(long, value_name = "LINK", requires = "payload")]
+    pub(super) payload_on: Option<String>,
     /// Let friction grow with the load of the gears too, |τ_l| s₁(v), where data that were left out ask for it
     #[arg(long, conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) load_friction: bool,
@@ -275,6 +288,11 @@ pub(super) struct Identify {
     /// drives, or on joints alone
     #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts)]
     pub(super) friction_on: FrictionPlace,
+    /// Terms that friction laws are chosen from: viscous, coulomb, asymmetric, quadratic, and expressions in the speed v
+    /// such as 'tanh(50*v)'; or stribeck alone, the law of Stribeck with its five parameters [default:
+    /// viscous,coulomb,asymmetric]
+    #[arg(long, value_name = "TERMS", conflicts_with_all = ["plan", "reduce", "merge"])]
+    pub(super) friction: Option<String>,
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
@@ -305,6 +323,21 @@ pub(super) struct Identify {
     /// Largest acceleration of the plan [rad/s² or m/s²; default: the largest speed in half a second]
     #[arg(long, value_name = "VALUE", requires = "plan", value_parser = positive)]
     pub(super) acceleration: Option<f64>,
+    /// Share of the described range of positions that the plan uses, about its middle
+    #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.9)]
+    pub(super) position_share: f64,
+    /// Share of the described speeds that the plan uses
+    #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.7)]
+    pub(super) speed_share: f64,
+    /// Share of the described efforts that the plan may need
+    #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.7)]
+    pub(super) effort_share: f64,
+    /// Sines of each joint's planned motion
+    #[arg(long, value_name = "COUNT", requires = "plan", default_value_t = 8, value_parser = clap::value_parser!(u16).range(2..=50))]
+    pub(super) harmonics: u16,
+    /// Seed of the search: another one gives another motion
+    #[arg(long, value_name = "NUMBER", requires = "plan", default_value_t = 1)]
+    pub(super) seed: u64,
     #[command(flatten)]
     pub(super) reading: Reading,
 }

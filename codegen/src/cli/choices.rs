@@ -226,6 +226,14 @@ fn small_angle(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A part of what is described.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),
+        _ => Err("must be above 0 and at most 1, e.g. 0.7".to_owned()),
+    }
+}
+
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),

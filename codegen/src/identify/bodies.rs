@@ -27,7 +27,8 @@ pub struct BodyValues {
 impl BodyValues {
     /// A body with the ten parameters of a link: m, m c, and the moments about the origin of its frame, xx, xy,
     /// yy, xz, yz, zz. Steiner: `I_c = I_o − m (cᵀc 1 − c cᵀ)`.
-    fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
+    #[must_use]
+    pub fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
         let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {
             unreachable!("a link has {PER_LINK} parameters");
         };

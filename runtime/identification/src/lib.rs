@@ -7,6 +7,7 @@
 //! efforts, in [`preparation`]. Logs that are too many for one machine become sums of products that add up
 //! ([`fleet`]).
 
+pub mod carried;
 pub mod confidence;
 pub mod constrained;
 pub mod cross_validation;

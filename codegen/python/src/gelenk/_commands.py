@@ -97,6 +97,8 @@ def identify(
     *,
     report: PathLike | None = None,
     validate: PathLike | Iterable[PathLike] = (),
+    payload: PathLike | Iterable[PathLike] = (),
+    payload_on: str | None = None,
     columns: str | Mapping[str, str] | None = None,
     separator: str | None = None,
     effort: str | None = None,
@@ -105,6 +107,7 @@ def identify(
     delay: float | None = None,
     load_friction: bool = False,
     friction_on: str | None = None,
+    friction: str | Iterable[str] | None = None,
     accept_poor: bool = False,
     merge: bool = False,
     snap_angles: float | None = None,
@@ -117,21 +120,26 @@ def identify(
     """Finds friction, inertias and drive gains in logs, as `gelenk identify` does, and writes a description with them.
 
     - `output`: where the description goes; by default <name>_identified.toml in the current folder
+    - `payload`: logs with a load in the robot's hand, `logs` being those without: the description has the load as a body
     - `columns`: which columns are what, `{"position": "pos_{}", "torque": "tau_{}"}`
+    - `friction`: terms that friction laws are chosen from, `["viscous", "coulomb", "tanh(50*v)"]`, or `"stribeck"`
     - `merge`: `logs` are files of moments, which `reduce` wrote
     - all others: as `gelenk identify --help` says
     """
     if output is not None and _is_moments(output):
         raise ValueError("identify writes a description: reduce and merge write *.moments")
     options = {
-        "output": output, "report": report, "columns": _patterns(columns), "separator": separator, "effort": effort,
+        "output": output, "report": report, "payload_on": payload_on, "columns": _patterns(columns), "separator": separator,
+        "effort": effort,
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay,
-        "load_friction": load_friction, "friction_on": friction_on, "accept_poor": accept_poor, "merge": merge,
+        "load_friction": load_friction, "friction_on": friction_on, "friction": _listed(friction), "accept_poor": accept_poor,
+        "merge": merge,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
         "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     held_out = [f"--validate={os.fspath(log)}" for log in _paths(validate)]
-    found = _program.run(["identify", description, *_paths(logs), *held_out, *_program.switches(options)])
+    loaded = [f"--payload={os.fspath(log)}" for log in _paths(payload)]
+    found = _program.run(["identify", description, *_paths(logs), *held_out, *loaded, *_program.switches(options)])
     return Identified(Path(found["description"]), tuple(map(Path, found["files"])), found)
 
 
@@ -142,6 +150,11 @@ def plan(
     seconds: float | None = None,
     rate: float | None = None,
     acceleration: float | None = None,
+    position_share: float | None = None,
+    speed_share: float | None = None,
+    effort_share: float | None = None,
+    harmonics: int | None = None,
+    seed: int | None = None,
     friction_on: str | None = None,
     snap_angles: float | None = None,
     no_friction: bool = False,
@@ -151,8 +164,9 @@ def plan(
 ) -> Path:
     """Plans a motion that shows the parameters, as `gelenk identify --plan` does; the CSV file."""
     options = {
-        "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration, "friction_on": friction_on,
-        "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
+        "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration, "position_share": position_share,
+        "speed_share": speed_share, "effort_share": effort_share, "harmonics": harmonics, "seed": seed,
+        "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
         "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     found = _program.run(["identify", "--plan", description, *_program.switches(options)])
@@ -215,6 +229,11 @@ def merge(
     }
     found = _program.run(["identify", "--merge", description, *_paths(moments), *_program.switches(options)])
     return Path(found["moments"])
+
+
+def _listed(terms: str | Iterable[str] | None) -> str | None:
+    """Terms as the program takes them."""
+    return terms if terms is None or isinstance(terms, str) else ",".join(terms)
 
 
 def _is_moments(path: PathLike) -> bool:

@@ -20,6 +20,7 @@ use super::super::arguments::{EffortName, Format, FrictionPlace, Identify};
 use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
+use super::motor_constants::{self, motor_constant};
 use super::read::{read, say};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{
@@ -70,8 +71,10 @@ pub(super) fn finish(
         None => Vec::new(),
     };
     match format {
-        Format::Json => print::json(&as_json(found, validation, output, &files)),
-        Format::Text => print::out(&as_text(found, validation, output, &files)).map(|()| ExitCode::SUCCESS),
+        Format::Json => print::json(&as_json(&loaded.model, found, validation, output, &files)),
+        Format::Text => {
+            print::out(&as_text(&loaded.model, found, validation, output, &files)).map(|()| ExitCode::SUCCESS)
+        }
     }
 }
 
@@ -90,6 +93,9 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     settings.estimation.load_friction = arguments.load_friction;
     settings.estimation.accept_poor = arguments.accept_poor;
     settings.accept_poor = arguments.accept_poor;
+    if let Some(terms) = &arguments.friction {
+        settings.friction = settings.friction.of_terms(terms)?;
+    }
     Ok(settings)
 }
 
@@ -168,13 +174,14 @@ pub(super) fn output(arguments: &Identify, loaded: &Loaded) -> Result<PathBuf, F
 }
 
 /// The command for the file and the page: the same on every machine.
-fn command(arguments: &Identify) -> String {
+pub(super) fn command(arguments: &Identify) -> String {
     let workspace = Workspace::find();
     let files = std::iter::once(&arguments.description).chain(&arguments.logs);
     let files = files.map(|file| quoted(&shown(file, workspace.as_ref())));
     let word =
         |option: &str, value: Option<String>| value.map(|value| format!("{option} {}", quoted(&value)));
     let effort = arguments.effort.and_then(|effort| Some(effort.to_possible_value()?.get_name().to_owned()));
+    let loaded = arguments.payload.iter().map(|log| word("--payload", Some(shown(log, workspace.as_ref()))));
     let options = [
         word("--columns", arguments.columns.clone()),
         word("--separator", arguments.separator.map(String::from)),
@@ -183,11 +190,14 @@ fn command(arguments: &Identify) -> String {
         word("--delay", arguments.delay.map(|seconds| format!("{seconds:?}"))),
         arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned()),
         arguments.load_friction.then(|| "--load-friction".to_owned()),
+        word("--friction", arguments.friction.clone()),
+        word("--payload-on", arguments.payload_on.clone()),
         on_joints(arguments),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),
     ];
-    let words =
-        std::iter::once("gelenk identify".to_owned()).chain(files).chain(options.into_iter().flatten());
+    let words = std::iter::once("gelenk identify".to_owned())
+        .chain(files)
+        .chain(options.into_iter().chain(loaded).flatten());
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
@@ -212,13 +222,18 @@ fn describe(
     let bodies = bodies(robot.model(), links).map_err(|problems| Failure::Descriptions(vec![problems]))?;
     let mut tables: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
     tables.extend(drive_tables(described, robot, found, others)?);
-    let identified =
-        rotors(robot.model()).into_iter().zip(&found.estimate.joints).map(|(rotor, joint)| IdentifiedDrive {
+    let of_joint = |(index, (rotor, joint)): (usize, (Option<usize>, &JointEstimate))| {
+        let drive = robot.model().input_drives().find(|drive| drive.coordinate() == Some(index));
+        let constant =
+            drive.zip(joint.gain).map(|(drive, gain)| motor_constant(described, drive, gain.value));
+        IdentifiedDrive {
             rotor: rotor.map(|place| others[place]),
             reflected: joint.armature.map(|inertia| inertia.value),
-            motor_constant: joint.gain.map(|gain| gain.value),
-        });
-    let identified: Vec<IdentifiedDrive> = identified.collect();
+            motor_constant: constant,
+        }
+    };
+    let joints = rotors(robot.model()).into_iter().zip(&found.estimate.joints).enumerate();
+    let identified: Vec<IdentifiedDrive> = joints.map(of_joint).collect();
     let of_joints = found.friction.iter().filter(|law| found.shaft(law.joint).is_none());
     let friction = of_joints.filter_map(|law| law.report.as_ref().ok());
     let friction: Vec<FrictionResult> = friction.map(|report| report.result.clone()).collect();
@@ -256,7 +271,7 @@ fn drive_tables(
     }
     for drive in model.input_drives().filter(|drive| drive.stands_apart) {
         let rotor = shaft_rotor(model, &drive.name).map(|place| others[place]);
-        let identified = identified_drive(found, drive, rotor);
+        let identified = identified_drive(described, found, drive, rotor);
         if identified == (IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() }) {
             continue;
         }
@@ -270,6 +285,7 @@ fn drive_tables(
 
 /// What was found of a drive that is described by itself.
 fn identified_drive<'a>(
+    described: &Model,
     found: &'a Identification,
     drive: &'a Drive,
     rotor: Option<f64>,
@@ -283,7 +299,7 @@ fn identified_drive<'a>(
         friction: shaft.and_then(|row| law(found, row)),
         rotor,
         added: estimate.armature.map(|inertia| inertia.value),
-        motor_constant: estimate.gain.map(|gain| gain.value),
+        motor_constant: estimate.gain.map(|gain| motor_constant(described, drive, gain.value)),
         ..nothing
     }
 }
@@ -332,7 +348,7 @@ fn residual(found: &Identification, row: usize) -> String {
 
 /// Path of the extended description from the folder of the output: relative where both lie in one folder,
 /// absolute elsewhere.
-fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
+pub(super) fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
     let fault = |error| Failure::Problem(format!("{}: {error}", description.display()));
     let description = description.canonicalize().map_err(fault)?;
     let path = description.strip_prefix(place::folder(output)?).unwrap_or(&description);
@@ -356,13 +372,16 @@ fn or_noted<T, E>(result: Result<T, E>, found: &Identification) -> Result<T, E> 
 }
 
 fn as_text(
+    model: &Model,
     found: &Identification,
     validation: &[JointValidation],
     output: &Path,
     files: &[PathBuf],
 ) -> String {
     let mut text = String::new();
-    noticed(found).iter().for_each(|line| text.push_str(&format!("{line}\n")));
+    let constants =
+        motor_constants::sentences(model, found).into_iter().map(|words| format!("note: {words}"));
+    noticed(found).into_iter().chain(constants).for_each(|line| text.push_str(&format!("{line}\n")));
     text.push('\n');
     let rest = page::has_rest(found);
     let with_rest = |words: &'static str| rest.then(|| words.to_owned());
@@ -425,6 +444,7 @@ fn instrumental(found: &InstrumentalEstimate) -> Value {
 }
 
 fn as_json(
+    model: &Model,
     found: &Identification,
     validation: &[JointValidation],
     output: &Path,
@@ -446,6 +466,9 @@ fn as_json(
                 "term": term.basis, "coefficient": uncertain(&term.coefficient),
             })),
         });
+        if found.estimate.joints[index].gain.is_some() {
+            joint["motor_constant"] = motor_constants::as_json(model, found, index);
+        }
         if found.shafts.is_some() {
             joint["is_shaft"] = json!(found.shaft(index).is_some());
         }

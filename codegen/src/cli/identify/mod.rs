@@ -2,6 +2,8 @@
 
 mod logs;
 mod moments;
+mod motor_constants;
+mod payload;
 mod plan;
 mod read;
 
@@ -10,12 +12,13 @@ use std::process::ExitCode;
 use super::arguments::{Format, Identify};
 use super::failure::Failure;
 
-/// Identifies a robot from its logs or their moments, reduces logs to moments, or plans a motion to record.
+/// Identifies a robot from its logs or their moments, reduces logs to moments, plans a motion to record, or finds a load.
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     match arguments {
         Identify { plan: true, .. } => plan::write(arguments, format),
         Identify { reduce: true, .. } => moments::write_reduced(arguments, format),
         Identify { merge: true, .. } => moments::write_merged(arguments, format),
+        Identify { payload, .. } if !payload.is_empty() => payload::write(arguments, format),
         _ => logs::write(arguments, format),
     }
 }

@@ -28,7 +28,15 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let (loaded, robot) = read(arguments)?;
     let default = PlanSettings::default();
     let settings = PlanSettings {
-        excitation: Excitation { period: arguments.seconds, ..default.excitation },
+        excitation: Excitation {
+            period: arguments.seconds,
+            harmonics: usize::from(arguments.harmonics),
+            seed: arguments.seed,
+            ..default.excitation
+        },
+        position_share: arguments.position_share,
+        velocity_share: arguments.speed_share,
+        effort_share: arguments.effort_share,
         acceleration: arguments.acceleration,
         ..default
     };

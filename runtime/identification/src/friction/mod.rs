@@ -16,6 +16,7 @@ mod filtered;
 mod findings;
 mod held_out;
 mod judgement;
+mod named;
 mod passivity;
 mod report;
 mod selection;

@@ -1,0 +1,179 @@
+//! `gelenk identify --payload`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use gelenk_identification::carried::{CarriedLoad, identify_load};
+use gelenk_identification::description::{Identified, write_identified};
+use gelenk_identification::inertial::PER_BODY;
+use gelenk_identification::inertial::payload::{Estimate, Payload, PayloadSettings};
+use gelenk_identification::robot::Robot;
+use serde_json::{Value, json};
+
+use super::super::arguments::{Format, Identify};
+use super::super::failure::Failure;
+use super::super::{place, print};
+use super::logs::{command, relative, settings};
+use super::read::{read, say};
+use crate::identify::{BodyValues, InterpretedRobot};
+use crate::model::{Input, Model};
+use crate::wording::list;
+
+/// What a load is called in the description that holds it.
+const NAME: &str = "payload";
+
+/// Estimates the load, and writes a description with it as a body.
+pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    let (loaded, robot) = read(arguments)?;
+    let default = || PathBuf::from(format!("{}_payload.toml", loaded.model.name));
+    let output = arguments.output.clone().unwrap_or_else(default);
+    let logs = arguments.logs.iter().chain(&arguments.payload);
+    place::require_writable(&output, loaded.files.iter().chain(logs))?;
+    let carrier = carrier(arguments, &robot)?;
+    let load = PayloadSettings {
+        body: Some(carrier.body),
+        gains: described_gains(&loaded.model),
+        ..PayloadSettings::default()
+    };
+    let both = (&settings(arguments)?, &load);
+    let found = identify_load(&robot, &arguments.logs, &arguments.payload, both, &mut say)?;
+    describe(arguments, &loaded.model, (&found, &carrier.link), &output)?;
+    match format {
+        Format::Json => print::json(&as_json(&found, &carrier.link, &robot, &output)),
+        Format::Text => {
+            print::out(&as_text(&found, &carrier.link, &robot, &output)).map(|()| ExitCode::SUCCESS)
+        }
+    }
+}
+
+/// The link that carries the load.
+struct Carrier {
+    body: usize,
+    link: String,
+}
+
+fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Failure> {
+    let names = robot.parameter_names();
+    let links = names.iter().take(PER_BODY * robot.bodies()).step_by(PER_BODY);
+    let links: Vec<&str> = links.map(|name| name.trim_start_matches("m_")).collect();
+    let body = match &arguments.payload_on {
+        None => links.len().checked_sub(1),
+        Some(link) => links.iter().position(|known| known == link),
+    };
+    let found = body.map(|body| Carrier { body, link: links[body].to_owned() });
+    found.ok_or_else(|| {
+        let of = arguments.payload_on.as_deref().unwrap_or_default();
+        let known = list(links.into_iter());
+        Failure::Usage(format!("--payload-on {of}: the robot's moving links are {known}"))
+    })
+}
+
+/// Factors of described inputs; none where the description has no motor constants, so that currents are no forces.
+fn described_gains(model: &Model) -> Option<Vec<f64>> {
+    let mut drives = model.input_drives();
+    drives
+        .all(|drive| matches!(drive.input, Input::Current(_)))
+        .then(|| vec![1.0; model.input_drives().count()])
+}
+
+fn describe(
+    arguments: &Identify,
+    model: &Model,
+    (found, link): (&CarriedLoad, &str),
+    output: &Path,
+) -> Result<(), Failure> {
+    let values = found.payload.parameters.map(|parameter| parameter.value);
+    let name = free_name(model);
+    let body = BodyValues::of_link(name, Some(link.to_owned()), &values).toml();
+    let hashes = found.recordings.iter().zip(["without", "with"]).flat_map(|(recording, which)| {
+        recording.hashes.iter().map(move |(path, hash)| {
+            let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+            format!("{name}, {which} the load: sha256 {hash}")
+        })
+    });
+    let said = found.payload.warnings.iter().map(|warning| format!("warning: {warning}"));
+    let provenance: Vec<String> = std::iter::once(command(arguments)).chain(hashes).chain(said).collect();
+    let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(write_identified(
+        output,
+        &Identified {
+            name: &name,
+            extends: &relative(&arguments.description, output)?,
+            provenance: &provenance,
+            settings: &arguments.reading.keys(),
+            bodies: &[body],
+            ..Identified::default()
+        },
+    )?)
+}
+
+/// A name that no body of the description has: a body of the same name would be replaced.
+fn free_name(model: &Model) -> String {
+    let is_taken =
+        |name: &str| model.links.iter().flat_map(|link| &link.bodies).any(|body| body.name == name);
+    let numbered = (2_usize..).map(|number| format!("{NAME}_{number}"));
+    let mut names = std::iter::once(NAME.to_owned()).chain(numbered);
+    names.find(|name| !is_taken(name)).unwrap_or_else(|| NAME.to_owned())
+}
+
+/// Values of the load with what they are called and measured in.
+fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Estimate)> {
+    const CENTRE: [&str; 3] = ["centre of mass x", "centre of mass y", "centre of mass z"];
+    const MOMENTS: [&str; 6] = ["Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+    let centre = CENTRE.into_iter().zip(payload.centre_of_mass).map(|(name, value)| (name, "m", value));
+    let moments = MOMENTS.into_iter().zip(payload.moments).map(|(name, value)| (name, "kg m²", value));
+    std::iter::once(("mass", "kg", payload.mass)).chain(centre).chain(moments).collect()
+}
+
+fn noticed(found: &CarriedLoad) -> Vec<String> {
+    let findings = found.recordings.iter().flat_map(|recording| &recording.findings);
+    let notes = findings.map(ToString::to_string).chain(found.notes.iter().cloned());
+    let warnings = found.payload.warnings.iter().map(|warning| format!("warning: {warning}"));
+    notes.map(|note| format!("note: {note}")).chain(warnings).collect()
+}
+
+fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
+    let mut text: String = noticed(found).iter().map(|line| format!("{line}\n")).collect();
+    let payload = &found.payload;
+    text.push_str(&format!("\nload on {link}, moments about its centre of mass:\n"));
+    let head = ["", "value", "95 % interval", "shown by the motion"].map(str::to_owned).to_vec();
+    let rows = values(payload).into_iter().enumerate().map(|(place, (name, unit, value))| {
+        let [low, high] = value.interval;
+        let shown = if payload.shown[place] { "yes" } else { "no" };
+        let number = |x: f64| format!("{x:.4}");
+        let interval = format!("{} … {}", number(low), number(high));
+        vec![name.to_owned(), format!("{} {unit}", number(value.value)), interval, shown.to_owned()]
+    });
+    text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    let head = ["joint", "explained change", "residual"].map(str::to_owned).to_vec();
+    let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);
+    let rows = joints.map(|((name, explained), residual)| {
+        let number = |x: &Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.3}"));
+        vec![name, number(explained), number(residual)]
+    });
+    text.push_str(&format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())));
+    text.push_str(&format!("\nwrote {}\n", output.display()));
+    text
+}
+
+fn as_json(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> Value {
+    let payload = &found.payload;
+    let value = |of: &Estimate| json!({"value": of.value, "interval": of.interval});
+    let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);
+    json!({
+        "description": output.display().to_string(),
+        "files": [],
+        "link": link,
+        "mass": value(&payload.mass),
+        "center_of_mass": payload.centre_of_mass.iter().map(value).collect::<Value>(),
+        "moments": payload.moments.iter().map(value).collect::<Value>(),
+        "parameters": payload.parameters.iter().map(value).collect::<Value>(),
+        "shown": payload.shown,
+        "joints": joints.map(|((name, explained), residual)| {
+            json!({"name": name, "explained": explained, "residual": residual})
+        }).collect::<Value>(),
+        "findings": found.recordings.iter().flat_map(|recording| &recording.findings).map(ToString::to_string)
+            .collect::<Value>(),
+        "warnings": payload.warnings,
+    })
+}

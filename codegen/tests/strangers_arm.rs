@@ -1,0 +1,231 @@
+//! An arm that is no model of the project, identified by the command line: with a load in its hand, in currents, and with
+//! chosen terms of friction.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use gelenk_codegen::identify::InterpretedRobot;
+use gelenk_codegen::model::{self, Model, ReadOptions};
+use gelenk_identification::robot::Robot;
+use serde_json::Value;
+
+const ARM: &str = r#"
+name = "arm"
+gravity = [0, 0, -9.81]
+
+[[joints]]
+name = "turn"
+axis = [0, 0, 1]
+drive = { gear_ratio = 80, rotor_inertia = 6e-5, motor_constant = 0.05 }
+
+[[joints]]
+name = "lift"
+axis = [0, 1, 0]
+origin = { xyz = [0, 0, 0.3] }
+drive = { gear_ratio = 100, rotor_inertia = 6e-5, motor_constant = 0.05 }
+
+[[joints]]
+name = "reach"
+axis = [0, 1, 0]
+origin = { xyz = [0.5, 0, 0] }
+drive = { gear_ratio = 60, rotor_inertia = 3e-5, motor_constant = 0.05 }
+
+[[bodies]]
+link = "turn"
+mass = 6
+inertia = [0.03, 0.03, 0.03]
+
+[[bodies]]
+link = "lift"
+mass = 5
+center_of_mass = [0.25, 0, 0]
+inertia = [0.02, 0.15, 0.15]
+
+[[bodies]]
+link = "reach"
+mass = 2.5
+center_of_mass = [0.2, 0, 0]
+inertia = [0.01, 0.06, 0.06]
+"#;
+
+/// What hangs on it.
+const LOADED: &str = r#"
+extends = "arm.toml"
+
+[[bodies]]
+name = "bucket"
+link = "reach"
+mass = 1.3
+center_of_mass = [0.4, 0.05, 0.02]
+inertia = [0.004, 0.005, 0.006]
+"#;
+
+const GEARS: [f64; 3] = [80.0, 100.0, 60.0];
+/// Viscous and Coulomb friction of each joint.
+const FRICTION: [[f64; 2]; 3] = [[3.0, 4.0], [5.0, 6.0], [2.0, 3.0]];
+
+struct Arm(tempfile::TempDir);
+
+impl Arm {
+    fn new() -> Self {
+        let arm = Self(tempfile::tempdir().unwrap());
+        fs::write(arm.at("arm.toml"), ARM).unwrap();
+        fs::write(arm.at("loaded.toml"), LOADED).unwrap();
+        arm
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn model(&self, name: &str) -> Model {
+        model::read(&self.at(name), &ReadOptions::default()).unwrap().model
+    }
+
+    /// A log of 20 s at 100 Hz with noise; `constants` are those of the motors where it holds currents.
+    fn record(&self, description: &str, log: &str, constants: Option<[f64; 3]>) {
+        let robot = InterpretedRobot::new(&self.model(description)).unwrap();
+        let kind = if constants.is_some() { "current" } else { "effort" };
+        let mut text = "t,q_turn,q_lift,q_reach".to_owned();
+        ["turn", "lift", "reach"].iter().for_each(|name| write!(text, ",{kind}_{name}").unwrap());
+        text.push('\n');
+        let mut noise = 7_u64;
+        let mut draw = || {
+            noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (noise >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        for i in 0..2000 {
+            let t = 0.01 * f64::from(i);
+            let [y, v, a] = motion(t);
+            let mut forces = [0.0; 3];
+            robot.rigid_forces(&y, &v, &a, &mut forces);
+            write!(text, "{t},{},{},{}", y[0], y[1], y[2]).unwrap();
+            for joint in 0..3 {
+                let friction = FRICTION[joint][0] * v[joint] + FRICTION[joint][1] * (50.0 * v[joint]).tanh();
+                let effort = forces[joint] + friction + 0.2 * draw();
+                let unit = constants.map_or(1.0, |constants| GEARS[joint] * constants[joint]);
+                write!(text, ",{}", effort / unit).unwrap();
+            }
+            text.push('\n');
+        }
+        fs::write(self.at(log), text).unwrap();
+    }
+
+    /// What the command prints for programs.
+    fn identify(&self, arguments: &[&str]) -> Value {
+        let done = Command::new(env!("CARGO_BIN_EXE_gelenk"))
+            .args(["identify", "arm.toml", "--format", "json"])
+            .args(arguments)
+            .current_dir(self.0.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&done.stderr);
+        assert!(done.status.success(), "{said}");
+        serde_json::from_slice(&done.stdout).unwrap()
+    }
+}
+
+fn motion(t: f64) -> [[f64; 3]; 3] {
+    let waves = [[0.9, 1.1, 0.3, 3.1], [0.7, 1.4, 0.25, 3.7], [0.9, 1.9, 0.3, 4.9]];
+    let at = |shape: &dyn Fn(f64, f64) -> f64| {
+        std::array::from_fn(|k| {
+            let [a, w, b, x] = waves[k];
+            a * shape(w, w * t + k as f64) + b * shape(x, x * t)
+        })
+    };
+    [at(&|_, x| x.sin()), at(&|w, x| w * x.cos()), at(&|w, x| -w * w * x.sin())]
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+/// Mass and first moments of a link, all of its bodies together.
+fn moments(model: &Model, link: &str) -> [f64; 4] {
+    let robot = InterpretedRobot::new(model).unwrap();
+    let place = robot.parameter_names().iter().position(|name| *name == format!("m_{link}")).unwrap();
+    std::array::from_fn(|k| robot.parameters()[place + k])
+}
+
+#[test]
+fn a_load_is_found_from_logs_without_and_with_it() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "without.csv", None);
+    arm.record("loaded.toml", "with.csv", None);
+    let found = arm.identify(&["without.csv", "--payload", "with.csv", "--output", "found.toml"]);
+    assert_eq!(found["link"], "reach");
+    assert!((number(&found["mass"]["value"]) / 1.3 - 1.0).abs() < 0.02, "{}", found["mass"]);
+    let centre = &found["center_of_mass"];
+    for (k, truth) in [0.4, 0.05, 0.02].into_iter().enumerate() {
+        assert!((number(&centre[k]["value"]) - truth).abs() < 0.02, "{centre}");
+    }
+    // The description that is written carries it.
+    let [written, truth] = ["found.toml", "loaded.toml"].map(|name| moments(&arm.model(name), "reach"));
+    for (written, truth) in written.iter().zip(truth) {
+        assert!((written - truth).abs() < 0.03, "{written} {truth}");
+    }
+    assert!(fs::read_to_string(arm.at("found.toml")).unwrap().contains("name = \"payload\""));
+    // Once more beside it: no body is replaced.
+    let again = ["found.toml", "without.csv", "--payload", "with.csv", "--output", "again.toml"];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    let done = command.arg("identify").args(again).current_dir(arm.0.path()).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert!(fs::read_to_string(arm.at("again.toml")).unwrap().contains("name = \"payload_2\""));
+}
+
+#[test]
+fn a_link_that_carries_no_load_is_refused() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    let refused = |path: &Path| {
+        let options = ["identify", "arm.toml", "log.csv", "--payload", "log.csv", "--payload-on", "hand"];
+        let done =
+            Command::new(env!("CARGO_BIN_EXE_gelenk")).args(options).current_dir(path).output().unwrap();
+        (done.status.code(), String::from_utf8(done.stderr).unwrap())
+    };
+    let (code, said) = refused(arm.0.path());
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("moving links are `turn`, `lift`, `reach`"), "{said}");
+}
+
+/// The description's constants are 0.05 throughout.
+#[test]
+fn motor_constants_are_found_beside_described_ones() {
+    let truth = [0.06, 0.04, 0.055];
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", Some(truth));
+    let found = arm.identify(&["log.csv", "--output", "found.toml"]);
+    for (joint, truth) in truth.into_iter().enumerate() {
+        let constant = &found["joints"][joint]["motor_constant"];
+        assert!((number(&constant["value"]) / truth - 1.0).abs() < 0.03, "{joint}: {constant}");
+    }
+    let [described, written] = ["arm.toml", "found.toml"].map(|name| {
+        let robot = InterpretedRobot::new(&arm.model(name)).unwrap();
+        let matrix = robot.input_matrix();
+        [matrix[0], matrix[4], matrix[8]]
+    });
+    for joint in 0..3 {
+        assert!((written[joint] / described[joint] * 0.05 / truth[joint] - 1.0).abs() < 0.03, "{written:?}");
+    }
+}
+
+#[test]
+fn friction_is_chosen_from_the_terms_that_are_named() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    for (terms, allowed) in [("viscous,tanh(50*v)", &["*v", "*tanh(50*v)"][..]), ("viscous", &["*v"])] {
+        let found = arm.identify(&["log.csv", "--friction", terms, "--output", "found.toml"]);
+        for joint in 0..3 {
+            let law = found["joints"][joint]["friction"].as_str().unwrap();
+            let terms: Vec<&str> = law.split(" + ").collect();
+            assert_eq!(terms.len(), allowed.len(), "{law}");
+            assert!(terms.iter().zip(allowed).all(|(term, end)| term.ends_with(end)), "{law}");
+        }
+    }
+    let found = arm.identify(&["log.csv", "--friction", "stribeck", "--output", "found.toml"]);
+    assert!(found["joints"][0]["friction"].as_str().unwrap().contains("exp("), "{}", found["joints"][0]);
+}

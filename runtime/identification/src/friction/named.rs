@@ -1,0 +1,109 @@
+//! The terms of a friction law as people name them.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::library::Library;
+use super::super::stribeck::StribeckRegression;
+use super::task::{FrictionIdentification, FrictionMethod};
+use std::collections::BTreeMap;
+
+/// Words, and the terms that they stand for.
+const WORDS: [(&str, &[&str]); 4] = [
+    ("viscous", &["v"]),
+    ("coulomb", &["sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"]),
+    ("asymmetric", &["abs(v)", "abs(tanh(20*v))"]),
+    ("quadratic", &["v*abs(v)"]),
+];
+
+/// The law with five parameters, which is no sum of terms.
+const STRIBECK: &str = "stribeck";
+
+impl FrictionIdentification {
+    /// The same search among other terms.
+    ///
+    /// - `terms`: words and expressions in the speed `v` between commas, as in `viscous, coulomb, v*v*v`. The words are `viscous`, `coulomb`,
+    ///   `asymmetric` and `quadratic`; `stribeck` stands alone for the Stribeck law.
+    ///
+    /// # Errors
+    /// No term, a term twice, an expression that cannot be read, or `stribeck` beside others.
+    pub fn of_terms(&self, terms: &str) -> Result<Self> {
+        let listed = between_commas(terms);
+        if listed.iter().any(|term| term.eq_ignore_ascii_case(STRIBECK)) {
+            if listed.len() > 1 {
+                return Err(IdentificationError::Expression {
+                    text: terms.into(),
+                    message: "`stribeck` stands alone: its law has viscous and Coulomb friction".into(),
+                });
+            }
+            return Ok(Self {
+                method: FrictionMethod::Stribeck(StribeckRegression::default()),
+                ..self.clone()
+            });
+        }
+        let meant = listed.iter().flat_map(|term| {
+            let word = WORDS.iter().find(|(word, _)| term.eq_ignore_ascii_case(word));
+            word.map_or_else(|| vec![*term], |(_, terms)| terms.to_vec())
+        });
+        let library = Library::new(&meant.collect::<Vec<_>>(), &["v"])?;
+        library.terms().iter().try_for_each(|term| require_generated(term))?;
+        Ok(Self { library, ..self.clone() })
+    }
+}
+
+/// A law is written to a description: its terms have to be what that may hold.
+fn require_generated(term: &str) -> Result<()> {
+    let found = gelenk_formula::parse(term, gelenk_formula::Allowed::Velocity, &BTreeMap::new());
+    found
+        .map(|_| ())
+        .map_err(|error| IdentificationError::Expression { text: term.into(), message: error.to_string() })
+}
+
+/// Parts between the commas outside of parentheses; empty ones are left out.
+fn between_commas(text: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut parts) = (0_i32, 0, Vec::new());
+    for (place, character) in text.char_indices() {
+        match character {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            ',' if depth <= 0 => {
+                parts.push(&text[start..place]);
+                start = place + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&text[start..]);
+    parts.into_iter().map(str::trim).filter(|part| !part.is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(terms: &str) -> Result<FrictionIdentification> {
+        FrictionIdentification::new().unwrap().of_terms(terms)
+    }
+
+    #[test]
+    fn words_and_expressions_make_a_library() {
+        let found = of("viscous, Quadratic,tanh(50*v)").unwrap();
+        assert_eq!(found.library.terms(), ["v", "v*abs(v)", "tanh(50*v)"]);
+        assert_eq!(found.method, FrictionIdentification::new().unwrap().method);
+        let library = of("viscous,coulomb,asymmetric").unwrap().library;
+        // The default library without its constant, which is the offset's.
+        let mut terms = Library::joint_friction().unwrap().terms().to_vec();
+        terms.retain(|term| term != "1");
+        assert_eq!(library.terms(), terms);
+        assert!(matches!(of("stribeck").unwrap().method, FrictionMethod::Stribeck(_)));
+    }
+
+    #[test]
+    fn what_names_no_terms_is_refused() {
+        let fault = |terms: &str| of(terms).unwrap_err().to_string();
+        assert!(fault("stribeck,viscous").contains("stands alone"), "{}", fault("stribeck,viscous"));
+        assert!(fault("").contains("the library of terms"), "{}", fault(""));
+        assert!(fault("viscous,v").contains("twice"), "{}", fault("viscous,v"));
+        assert!(fault("viscos").contains("viscos"), "{}", fault("viscos"));
+        assert!(fault("max(v, 0)").contains("max"), "{}", fault("max(v, 0)"));
+        assert!(fault("tanh(v").contains("tanh(v"), "{}", fault("tanh(v"));
+    }
+}
