@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Math;
+use crate::function_names;
 use crate::functions::catalogue;
 use crate::functions::composition::Composition;
 use crate::functions::form::is_large;
@@ -71,7 +72,7 @@ impl Lanes {
             of_frames.map(|function| function.name.clone())
         };
         let names = self.0.iter().flat_map(|name| match name.as_str() {
-            "frames" => frames().collect(),
+            function_names::FRAMES => frames().collect(),
             _ => vec![name.clone()],
         });
         names.collect()

@@ -22,6 +22,7 @@ pub mod diagnostic;
 pub mod dynamics;
 pub mod emit;
 pub mod export;
+pub mod function_names;
 pub mod functions;
 pub mod graph;
 pub mod guide;

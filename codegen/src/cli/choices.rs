@@ -4,7 +4,8 @@ use clap::{Args, ValueEnum};
 
 use crate::diagnostic::nearest;
 use crate::emit::{Companion, Language, Scalar};
-use crate::model::{FUNCTIONS, ReadOptions, is_known_function};
+use crate::function_names;
+use crate::model::ReadOptions;
 
 /// How a description is read: choices that change the equations.
 #[derive(Debug, Args)]
@@ -208,13 +209,13 @@ impl From<ToolName> for Companion {
 /// The name of a function; whether the robot has such a frame is seen later.
 fn function(text: &str) -> Result<String, String> {
     let name = text.trim();
-    if is_known_function(name) {
+    if function_names::is_known(name) {
         return Ok(name.to_owned());
     }
     if name.contains(char::is_whitespace) {
         return Err("names are separated by commas".to_owned());
     }
-    let near = nearest(name, FUNCTIONS).unwrap_or_default();
+    let near = nearest(name, function_names::listed()).unwrap_or_default();
     Err(format!("there is no such function; {near}"))
 }
 

@@ -1,6 +1,7 @@
 //! Functions that call other generated ones: the robot in discrete time.
 
 use crate::dynamics::load_friction;
+use crate::function_names;
 use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
 use crate::model::Model;
@@ -42,9 +43,9 @@ impl Composition {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Discretize => "discretize",
-            Self::Step => "step",
-            Self::StepDerivatives => "step_derivatives",
+            Self::Discretize => function_names::DISCRETIZE,
+            Self::Step => function_names::STEP,
+            Self::StepDerivatives => function_names::STEP_DERIVATIVES,
         }
     }
 
@@ -52,8 +53,8 @@ impl Composition {
     #[must_use]
     pub fn calls(self) -> &'static str {
         match self {
-            Self::Discretize | Self::StepDerivatives => "linearize",
-            Self::Step => "forward_dynamics",
+            Self::Discretize | Self::StepDerivatives => function_names::LINEARIZE,
+            Self::Step => function_names::FORWARD_DYNAMICS,
         }
     }
 

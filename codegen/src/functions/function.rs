@@ -1,5 +1,6 @@
 //! What a generated function is: its program and the facts of its documentation.
 
+pub use crate::function_names::FrameKind;
 use crate::layout::Dimension;
 use crate::model::Frame;
 use crate::program::Program;
@@ -48,17 +49,6 @@ pub struct FrameFunction {
     pub kind: FrameKind,
 }
 
-/// What there is of each named frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FrameKind {
-    /// Its pose.
-    Pose,
-    /// Its Jacobian.
-    Jacobian,
-    /// Its acceleration at ÿ = 0.
-    JacobianRateTimesVelocity,
-}
-
 impl FrameFunction {
     /// The function of a frame of a model.
     #[must_use]
@@ -69,12 +59,7 @@ impl FrameFunction {
     /// Its name: `frame_<name>_pose` and the like.
     #[must_use]
     pub fn name(&self) -> String {
-        let kind = match self.kind {
-            FrameKind::Pose => "pose",
-            FrameKind::Jacobian => "jacobian",
-            FrameKind::JacobianRateTimesVelocity => "jacobian_rate_times_velocity",
-        };
-        format!("frame_{}_{kind}", self.frame)
+        self.kind.function(&self.frame)
     }
 }
 

@@ -7,6 +7,7 @@ use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::load_friction;
 use crate::dynamics::search::routes::Formulations;
+use crate::function_names;
 use crate::functions::catalogue::{self, FrameQuantity, Quantity};
 use crate::functions::composition::Composition;
 use crate::functions::form::{Form, Forms};
@@ -176,7 +177,7 @@ impl<'a> Wanted<'a> {
         if catalogue::is_on_request(&name) {
             return self.is_named(&name);
         }
-        let is_frame = matches!(row, Row::Frame(..)) && self.is_named("frames");
+        let is_frame = matches!(row, Row::Frame(..)) && self.is_named(function_names::FRAMES);
         self.request.names.is_empty() || is_frame || self.is_named(&name) || self.called.contains(&&*name)
     }
 

@@ -1,7 +1,6 @@
 //! A TOML description as a [`RobotDescription`]; the format is documented in models/README.md.
 
 use super::description::{BodyDescription, DriveChoice, FrameDescription, Name, RobotDescription};
-use super::options::{FUNCTIONS, is_known_function};
 use super::table::{Item, Table};
 use super::toml_couplings::read_drives;
 use super::toml_frame_forces::{read_point_forces, read_wrench_inputs, read_wrenches};
@@ -10,6 +9,7 @@ use super::toml_values::Reader;
 use super::{Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
 use crate::formula::{self, Allowed, Formula};
+use crate::function_names;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -259,13 +259,13 @@ fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
 
 fn function_names(reader: &mut Reader, item: Item<'_>) -> Vec<String> {
     let functions = names(reader, item, "a list of function names").unwrap_or_default();
-    for unknown in functions.iter().filter(|name| !is_known_function(&name.value)) {
+    for unknown in functions.iter().filter(|name| !function_names::is_known(&name.value)) {
         reader.report.error(
             unknown.span,
             "unknown-function",
             format!("unknown function `{}`", unknown.value),
         );
-        if let Some(help) = nearest(&unknown.value, FUNCTIONS) {
+        if let Some(help) = nearest(&unknown.value, function_names::listed()) {
             reader.report.help(help);
         }
     }

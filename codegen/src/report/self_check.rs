@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::motion;
 use super::robot::Robot;
 use super::states::State;
+use crate::function_names::FrameKind;
 use crate::model::Definiteness;
 use crate::random::Random;
 
@@ -361,7 +362,7 @@ fn frames(robot: &Robot<'_>, state: &State) -> Option<f64> {
 }
 
 fn frame_error(robot: &Robot<'_>, state: &State, name: &str) -> Option<f64> {
-    let (pose, jacobian) = (format!("frame_{name}_pose"), format!("frame_{name}_jacobian"));
+    let [pose, jacobian] = [FrameKind::Pose, FrameKind::Jacobian].map(|kind| kind.function(name));
     let along = |t: f64| {
         let mut results =
             robot.call(&pose, &[&motion::moved(robot.model, &state.y, t, &state.v)])?.into_iter();

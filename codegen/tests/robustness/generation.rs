@@ -5,7 +5,7 @@
 
 use super::mutation::{Random, rewritten};
 use gelenk_codegen::emit::{self, EmitOptions, Language, Scalar};
-use gelenk_codegen::model::FUNCTIONS;
+use gelenk_codegen::function_names;
 use gelenk_codegen::output::{Planned, Replaces};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate, generate_pair};
 use gelenk_codegen::program::{Operand, Operation};
@@ -88,9 +88,10 @@ impl Case {
 
 /// Mostly a few functions; all of them take longer.
 fn options(random: &mut Random) -> GenerateOptions {
+    let names: Vec<&str> = function_names::listed().collect();
     let some = |random: &mut Random, most: usize| -> Vec<String> {
         let count = random.below(most);
-        (0..count).map(|_| (*random.one(&FUNCTIONS)).to_owned()).collect()
+        (0..count).map(|_| (*random.one(&names)).to_owned()).collect()
     };
     let mut functions = some(random, 4);
     if functions.is_empty() && !random.chance(4) {

@@ -4,11 +4,12 @@ use super::otherwise::{Otherwise, Robots};
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, vector};
 use crate::dynamics::arguments::Arguments;
+use crate::function_names;
 use crate::layout::Dimension;
 
 /// The rows that only robots with driven joints have; they are derived where they are asked for by name.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
-    name: "driving_forces",
+    name: function_names::DRIVING_FORCES,
     summary: "Driving forces: what moves the driven joints as prescribed.",
     equation: "the rows of M ÿ + k − q that belong to the driven joints",
     arguments: &[Coordinates, Velocities, Accelerations],

@@ -13,11 +13,12 @@ use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
 use crate::dynamics::matrix::dot;
 use crate::dynamics::recursion::motion::MotionInput;
+use crate::function_names;
 use crate::graph::{Cost, Edge, Scalar, differentiate};
 
 /// Its row of the catalogue.
 pub const QUANTITY: Quantity = Quantity {
-    name: "inverse_dynamics_hessian",
+    name: function_names::INVERSE_DYNAMICS_HESSIAN,
     differentiates_friction: true,
     ignores_load: true,
     summary: "Hessian of `λᵀ (M ÿ + k − q)`, for sequential quadratic programs with exact Hessians.",

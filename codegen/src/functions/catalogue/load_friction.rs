@@ -7,12 +7,13 @@
 use super::otherwise::{Otherwise, Robots};
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{Quantity, VECTOR, vector};
+use crate::function_names;
 
 const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
 /// The function that only such robots have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
-    name: "load_friction",
+    name: function_names::LOAD_FRICTION,
     summary: "Friction under load `s₁(y, ẏ)`: what friction gains for each unit of the load.",
     equation: MOTION,
     arguments: &[Coordinates, Velocities],

@@ -25,6 +25,7 @@ pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityRe
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::forces;
 use crate::dynamics::load_friction::is_there as has_load_friction;
+use crate::function_names;
 use crate::functions::composition::Composition;
 use crate::functions::function::FrameFunction;
 use crate::model::Model;
@@ -117,7 +118,7 @@ pub fn compositions(selection: &[String]) -> Vec<Composition> {
 /// `unknown-function` for each name that the model does not have; `frames` stands for all of named frames.
 pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     let known = names(model);
-    let unknown = selection.iter().filter(|name| *name != "frames" && !known.contains(name));
+    let unknown = selection.iter().filter(|name| *name != function_names::FRAMES && !known.contains(name));
     let problems: Vec<_> = unknown
         .map(|name| {
             Diagnostic::error("unknown-function", format!("there is no function `{name}`"))
@@ -130,14 +131,13 @@ pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Dia
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::FUNCTIONS;
 
     #[test]
     fn descriptions_may_ask_for_every_function() {
         let names = all().map(|quantity| quantity.name);
         let composed = Composition::ALL.map(Composition::name);
-        let mut names: Vec<&str> = names.chain(composed).chain(["frames"]).collect();
-        let mut known = FUNCTIONS.to_vec();
+        let mut names: Vec<&str> = names.chain(composed).chain([function_names::FRAMES]).collect();
+        let mut known: Vec<&str> = function_names::listed().collect();
         names.sort_unstable();
         known.sort_unstable();
         assert_eq!(names, known);

@@ -4,6 +4,7 @@ use super::driven;
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, IN_SPACE, Quantity, matrix, vector};
 use crate::dynamics::arguments::Arguments;
+use crate::function_names;
 
 const NOTES: &[&str] = &[
     "The moving bodies count, in the axes of the base frame; what is fixed to a base that is bolted down does not. \
@@ -13,7 +14,7 @@ const NOTES: &[&str] = &[
 /// The rows, which are derived where they are asked for by name.
 pub const QUANTITIES: [Quantity; 4] = [
     Quantity {
-        name: "center_of_mass",
+        name: function_names::CENTER_OF_MASS,
         summary: "Centre of mass of the moving bodies.",
         equation: "c = Σ m_i c_i / Σ m_i",
         arguments: &[Coordinates],
@@ -23,7 +24,7 @@ pub const QUANTITIES: [Quantity; 4] = [
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "center_of_mass_jacobian",
+        name: function_names::CENTER_OF_MASS_JACOBIAN,
         summary: "Jacobian of the centre of mass.",
         equation: "ċ = J_c ẏ",
         arguments: &[Coordinates],
@@ -34,7 +35,7 @@ pub const QUANTITIES: [Quantity; 4] = [
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "centroidal_momentum_matrix",
+        name: function_names::CENTROIDAL_MOMENTUM_MATRIX,
         summary: "Centroidal momentum matrix.",
         equation: "(p, L) = A ẏ",
         arguments: &[Coordinates],
@@ -49,7 +50,7 @@ pub const QUANTITIES: [Quantity; 4] = [
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "centroidal_momentum",
+        name: function_names::CENTROIDAL_MOMENTUM,
         summary: "Momentum of the moving bodies about their centre of mass.",
         equation: "(p, L) = (Σ m ċ_i, Σ (c_i − c) × m ċ_i + I ω)",
         arguments: &[Coordinates, Velocities],

@@ -9,12 +9,13 @@ use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::per_joint;
 use crate::dynamics::recursion::motion::MotionInput;
+use crate::function_names;
 use crate::functions::module_constants;
 
 /// The equations of motion and what follows from them.
 pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
-        name: "mass_matrix",
+        name: function_names::MASS_MATRIX,
         summary: "Mass matrix `M(y)`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates],
@@ -27,7 +28,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "coriolis_forces",
+        name: function_names::CORIOLIS_FORCES,
         summary: "Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
@@ -38,7 +39,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "gravity_forces",
+        name: function_names::GRAVITY_FORCES,
         summary: "Gravity's share of the applied forces.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates],
@@ -48,7 +49,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "spring_forces",
+        name: function_names::SPRING_FORCES,
         summary: "Springs' and dampers' share of the applied forces.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
@@ -59,7 +60,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
     FRICTION_TORQUES,
     Quantity {
-        name: "applied_forces",
+        name: function_names::APPLIED_FORCES,
         summary: "Applied forces `q(y, ẏ)`.",
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
@@ -70,7 +71,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "bias_forces",
+        name: function_names::BIAS_FORCES,
         summary: "Bias forces `k − q_gravity`.",
         equation: "k − gravity_forces",
         arguments: &[Coordinates, Velocities],
@@ -81,7 +82,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "input_matrix",
+        name: function_names::INPUT_MATRIX,
         summary: "Input matrix `B`.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[],
@@ -92,7 +93,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "equations_of_motion",
+        name: function_names::EQUATIONS_OF_MOTION,
         summary: "Mass matrix, Coriolis forces and applied forces at once.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
@@ -112,7 +113,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "inverse_dynamics",
+        name: function_names::INVERSE_DYNAMICS,
         summary: "Inverse dynamics: the joint forces of a motion.",
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ)",
         arguments: &[Coordinates, Velocities, Accelerations],
@@ -125,7 +126,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "forward_dynamics",
+        name: function_names::FORWARD_DYNAMICS,
         summary: "Forward dynamics: the accelerations that inputs cause.",
         equation: "ÿ = M⁻¹ (q + B u − k)",
         arguments: &[Coordinates, Velocities, Inputs],
@@ -141,7 +142,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "mass_matrix_and_bias_forces",
+        name: function_names::MASS_MATRIX_AND_BIAS_FORCES,
         summary: "Mass matrix and bias forces at once.",
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[Coordinates, Velocities],
@@ -163,7 +164,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "inverse_dynamics_derivatives",
+        name: function_names::INVERSE_DYNAMICS_DERIVATIVES,
         differentiates_friction: true,
         summary: "Inverse dynamics with its Jacobians.",
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
@@ -188,7 +189,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "inverse_dynamics_derivatives_and_mass_matrix",
+        name: function_names::INVERSE_DYNAMICS_DERIVATIVES_AND_MASS_MATRIX,
         differentiates_friction: true,
         ignores_load: true,
         summary: "Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.",
@@ -216,7 +217,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "forward_dynamics_derivatives",
+        name: function_names::FORWARD_DYNAMICS_DERIVATIVES,
         differentiates_friction: true,
         ignores_load: true,
         summary: "Forward dynamics with its Jacobians.",
@@ -246,7 +247,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
     LINEARIZE,
     Quantity {
-        name: "kinetic_energy",
+        name: function_names::KINETIC_ENERGY,
         summary: "Kinetic energy, rotors included.",
         equation: "T = ½ ẏᵀ M ẏ",
         arguments: &[Coordinates, Velocities],
@@ -257,7 +258,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "potential_energy",
+        name: function_names::POTENTIAL_ENERGY,
         summary: "Potential energy of gravity.",
         equation: "V = −g · Σ m c",
         arguments: &[Coordinates],
@@ -275,7 +276,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
 
 /// Friction that depends on the velocities alone.
 const FRICTION_TORQUES: Quantity = Quantity {
-    name: "friction_torques",
+    name: function_names::FRICTION_TORQUES,
     summary: "Joint friction `τ(ẏ)`.",
     equation: "q = gravity_forces + spring_forces − friction_torques",
     arguments: &[Velocities],
@@ -288,7 +289,7 @@ const FRICTION_TORQUES: Quantity = Quantity {
 
 /// The linearization where the positions are one for each velocity.
 const LINEARIZE: Quantity = Quantity {
-    name: "linearize",
+    name: function_names::LINEARIZE,
     differentiates_friction: true,
     summary: "Linearization of the accelerations in continuous time.",
     equation: "ÿ ≈ A_y y + A_v ẏ + B_x u + c; with x = (y, ẏ) the upper halves of A, B_x and c are [0 I], 0 and 0",
@@ -315,7 +316,7 @@ const LINEARIZE: Quantity = Quantity {
         )
     },
     straight_size: Some(Estimate::MassMatrix),
-    loops: Some(Loops::Affine { called: "forward_dynamics_derivatives" }),
+    loops: Some(Loops::Affine { called: function_names::FORWARD_DYNAMICS_DERIVATIVES }),
     ..Quantity::PLAIN
 };
 
@@ -346,7 +347,7 @@ pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
 
 /// The row that replaces that of the same name where inputs act at frames.
 pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
-    name: "input_matrix",
+    name: function_names::INPUT_MATRIX,
     summary: "Input matrix `B(y)`.",
     equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B(y) u",
     arguments: &[Coordinates],

@@ -5,11 +5,12 @@ use super::quantity::{Quantity, matrix};
 use super::{driven, frame_inputs, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::recursion::motion::MotionInput;
+use crate::function_names;
 use crate::layout::Dimension;
 
 /// Its row of the catalogue.
 pub const QUANTITY: Quantity = Quantity {
-    name: "joint_wrenches",
+    name: function_names::JOINT_WRENCHES,
     summary: "Wrenches that pass through the joints, from the parent side to the child, in motion.",
     equation: "(F_i, n_i) = Σ (m (c̈ − g), r × m (c̈ − g) + I ω̇ + ω × I ω) over the bodies beyond joint i",
     arguments: &[Coordinates, Velocities, Accelerations],

@@ -8,12 +8,13 @@ use crate::dynamics::equations::Equations;
 use crate::dynamics::forces;
 use crate::dynamics::parameters::regressor;
 use crate::dynamics::recursion::motion::MotionInput;
+use crate::function_names;
 use crate::functions::module_constants;
 
 /// Their rows of the catalogue.
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
-        name: "inertial_parameters",
+        name: function_names::INERTIAL_PARAMETERS,
         summary: "Inertial parameters `π` of links and rotors as described.",
         equation: "W(y, ẏ, ÿ) π = M ÿ + k − q_gravity",
         arguments: &[],
@@ -27,7 +28,7 @@ pub const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "inertial_regressor",
+        name: function_names::INERTIAL_REGRESSOR,
         summary: "Regressor `W` of the inertial parameters.",
         equation: "W(y, ẏ, ÿ) π = M ÿ + k − q_gravity",
         arguments: &[Coordinates, Velocities, Accelerations],
@@ -48,7 +49,7 @@ pub const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "base_regressor",
+        name: function_names::BASE_REGRESSOR,
         summary: "Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.",
         equation: "W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity",
         arguments: &[Coordinates, Velocities, Accelerations],
@@ -71,7 +72,7 @@ pub const QUANTITIES: &[Quantity] = &[
 ];
 
 const FRICTION_PARAMETERS: Quantity = Quantity {
-    name: "friction_parameters",
+    name: function_names::FRICTION_PARAMETERS,
     summary: "Friction parameters as described: the coefficients of `friction_regressor`.",
     equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
     arguments: &[],
@@ -84,7 +85,7 @@ const FRICTION_PARAMETERS: Quantity = Quantity {
 };
 
 const FRICTION_REGRESSOR: Quantity = Quantity {
-    name: "friction_regressor",
+    name: function_names::FRICTION_REGRESSOR,
     summary: "Regressor of the friction parameters.",
     equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
     arguments: &[Velocities],

@@ -5,13 +5,14 @@ use super::quantity::{Estimate, Quantity, SQUARE, VECTOR, matrix, vector};
 use super::quaternions;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::recursion::motion::MotionInput;
+use crate::function_names;
 
 const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u + wrench_forces(y, w)";
 
 /// The functions that only robots with wrenches have.
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
-        name: "wrench_forces",
+        name: function_names::WRENCH_FORCES,
         summary: "Generalized forces of the wrenches.",
         equation: "Σ Jᵀ w over the wrenches, J the Jacobian of each one's frame",
         arguments: &[Coordinates, Wrenches],
@@ -21,7 +22,7 @@ pub const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "wrench_forces_derivatives",
+        name: function_names::WRENCH_FORCES_DERIVATIVES,
         summary: "Generalized forces of the wrenches with their Jacobian.",
         equation: "δ(Σ Jᵀ w) = ∂/∂y δy + Σ Jᵀ δw",
         arguments: &[Coordinates, Wrenches],
@@ -38,7 +39,7 @@ pub const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "inverse_dynamics_with_wrenches",
+        name: function_names::INVERSE_DYNAMICS_WITH_WRENCHES,
         summary: "Inverse dynamics: the joint forces of a motion on which wrenches act.",
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ) − wrench_forces(y, w)",
         arguments: &[Coordinates, Velocities, Accelerations, Wrenches],
@@ -50,7 +51,7 @@ pub const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "forward_dynamics_with_wrenches",
+        name: function_names::FORWARD_DYNAMICS_WITH_WRENCHES,
         summary: "Forward dynamics: the accelerations that inputs and wrenches cause.",
         equation: MOTION,
         arguments: &[Coordinates, Velocities, Inputs, Wrenches],
@@ -65,7 +66,7 @@ pub const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "inverse_dynamics_derivatives_with_wrenches",
+        name: function_names::INVERSE_DYNAMICS_DERIVATIVES_WITH_WRENCHES,
         differentiates_friction: true,
         summary: "Inverse dynamics under wrenches with its Jacobians.",
         equation: "δ(M ÿ + k − q − Σ Jᵀ w) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ − Σ Jᵀ δw",
@@ -86,7 +87,7 @@ pub const QUANTITIES: &[Quantity] = &[
         ..Quantity::PLAIN
     },
     Quantity {
-        name: "forward_dynamics_derivatives_with_wrenches",
+        name: function_names::FORWARD_DYNAMICS_DERIVATIVES_WITH_WRENCHES,
         differentiates_friction: true,
         ignores_load: true,
         summary: "Forward dynamics under wrenches with its Jacobians.",

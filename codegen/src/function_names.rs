@@ -1,0 +1,124 @@
+//! Names of the functions of modules, each spelled once: descriptions and the program ask for them, and the rows of the
+//! catalogue have them.
+
+macro_rules! names {
+    ($($constant:ident = $name:literal,)*) => {
+        $(#[doc = concat!("`", $name, "`")] pub const $constant: &str = $name;)*
+
+        /// The functions of robots, but for those of named frames.
+        const OF_ROBOTS: &[&str] = &[$($name),*];
+    };
+}
+
+names! {
+    MASS_MATRIX = "mass_matrix",
+    CORIOLIS_FORCES = "coriolis_forces",
+    GRAVITY_FORCES = "gravity_forces",
+    SPRING_FORCES = "spring_forces",
+    FRICTION_TORQUES = "friction_torques",
+    APPLIED_FORCES = "applied_forces",
+    BIAS_FORCES = "bias_forces",
+    INPUT_MATRIX = "input_matrix",
+    EQUATIONS_OF_MOTION = "equations_of_motion",
+    INVERSE_DYNAMICS = "inverse_dynamics",
+    FORWARD_DYNAMICS = "forward_dynamics",
+    MASS_MATRIX_AND_BIAS_FORCES = "mass_matrix_and_bias_forces",
+    INVERSE_DYNAMICS_DERIVATIVES = "inverse_dynamics_derivatives",
+    INVERSE_DYNAMICS_DERIVATIVES_AND_MASS_MATRIX = "inverse_dynamics_derivatives_and_mass_matrix",
+    FORWARD_DYNAMICS_DERIVATIVES = "forward_dynamics_derivatives",
+    LINEARIZE = "linearize",
+    DISCRETIZE = "discretize",
+    STEP = "step",
+    STEP_DERIVATIVES = "step_derivatives",
+    KINETIC_ENERGY = "kinetic_energy",
+    POTENTIAL_ENERGY = "potential_energy",
+    INERTIAL_PARAMETERS = "inertial_parameters",
+    INERTIAL_REGRESSOR = "inertial_regressor",
+    BASE_REGRESSOR = "base_regressor",
+    FRICTION_PARAMETERS = "friction_parameters",
+    FRICTION_REGRESSOR = "friction_regressor",
+    LOAD_FRICTION = "load_friction",
+    WRENCH_FORCES = "wrench_forces",
+    WRENCH_FORCES_DERIVATIVES = "wrench_forces_derivatives",
+    INVERSE_DYNAMICS_WITH_WRENCHES = "inverse_dynamics_with_wrenches",
+    FORWARD_DYNAMICS_WITH_WRENCHES = "forward_dynamics_with_wrenches",
+    INVERSE_DYNAMICS_DERIVATIVES_WITH_WRENCHES = "inverse_dynamics_derivatives_with_wrenches",
+    FORWARD_DYNAMICS_DERIVATIVES_WITH_WRENCHES = "forward_dynamics_derivatives_with_wrenches",
+    INVERSE_DYNAMICS_HESSIAN = "inverse_dynamics_hessian",
+    JOINT_WRENCHES = "joint_wrenches",
+    DRIVING_FORCES = "driving_forces",
+    CENTER_OF_MASS = "center_of_mass",
+    CENTER_OF_MASS_JACOBIAN = "center_of_mass_jacobian",
+    CENTROIDAL_MOMENTUM = "centroidal_momentum",
+    CENTROIDAL_MOMENTUM_MATRIX = "centroidal_momentum_matrix",
+}
+
+/// All functions of named frames.
+pub const FRAMES: &str = "frames";
+
+/// What there is of each named frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameKind {
+    /// Its pose.
+    Pose,
+    /// Its Jacobian.
+    Jacobian,
+    /// Its acceleration at ÿ = 0.
+    JacobianRateTimesVelocity,
+}
+
+impl FrameKind {
+    const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
+
+    /// What stands before and behind the frame in a function's name.
+    fn around(self) -> [&'static str; 2] {
+        let end = match self {
+            Self::Pose => "_pose",
+            Self::Jacobian => "_jacobian",
+            Self::JacobianRateTimesVelocity => "_jacobian_rate_times_velocity",
+        };
+        ["frame_", end]
+    }
+
+    /// The function of a frame: `frame_<name>_pose` and the like.
+    #[must_use]
+    pub fn function(self, frame: &str) -> String {
+        let [start, end] = self.around();
+        format!("{start}{frame}{end}")
+    }
+
+    /// Tells whether a frame has a function of this name; whether the robot has the frame is not known here.
+    fn is_of(self, name: &str) -> bool {
+        let [start, end] = self.around();
+        let frame = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(end));
+        frame.is_some_and(|frame| !frame.is_empty())
+    }
+}
+
+/// The names that descriptions and the program may list: the functions of every robot, and [`FRAMES`].
+pub fn listed() -> impl Iterator<Item = &'static str> {
+    OF_ROBOTS.iter().copied().chain([FRAMES])
+}
+
+/// Tells whether some robot has a function of this name, or whether it is [`FRAMES`].
+#[must_use]
+pub fn is_known(name: &str) -> bool {
+    listed().any(|known| known == name) || FrameKind::ALL.iter().any(|kind| kind.is_of(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn functions_of_frames_are_known_by_their_whole_names() {
+        for kind in FrameKind::ALL {
+            assert!(is_known(&kind.function("tool")), "{kind:?}");
+        }
+        for name in
+            ["frame_tool", "frame__pose", "frame_pose", "frame_tool_poses", "tool_pose", "mass_matrices"]
+        {
+            assert!(!is_known(name), "{name}");
+        }
+    }
+}
