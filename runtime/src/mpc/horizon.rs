@@ -1,10 +1,11 @@
 //! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
 
+use super::error::MpcError;
 use super::integrate::{Span, discretize, flat_input, flat_state, integrate, substeps};
 use super::node::{Node, Prediction, in_deviations};
 use super::note::{MpcNote, beyond_limits, beyond_rows, dry_friction, not_kept};
 use super::observer::DisturbanceObserver;
-use super::options::{MpcError, MpcOptions};
+use super::options::MpcOptions;
 use super::row;
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
 use crate::dynamics::{Discretizable, Discretization};

@@ -1,11 +1,12 @@
 //! Linear time-varying model predictive control.
 
 use super::DisturbanceObserver;
+use super::error::MpcError;
 use super::horizon::Horizon;
 use super::integrate::discretize;
 use super::node::{Node, Prediction};
 use super::note::MpcNote;
-use super::options::{LinearizationPoint, MpcError, MpcOptions};
+use super::options::{LinearizationPoint, MpcOptions};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;

@@ -39,6 +39,7 @@
 //! J.* 49 (2003); multiple shooting and real-time iterations Diehl, Bock, Schlöder, *SIAM J. Control Optim.*
 //! 43 (2005).
 
+mod error;
 mod horizon;
 mod integrate;
 mod linear;
@@ -51,9 +52,10 @@ mod row;
 #[doc = include_str!("tune.md")]
 pub mod tune {}
 
+pub use error::MpcError;
 pub use linear::LtvMpc;
 pub use nonlinear::Nmpc;
 pub use note::MpcNote;
 pub use observer::{DisturbanceObserver, ObserverOptions};
-pub use options::{LinearizationPoint, MpcError, MpcOptions, TerminalWeight};
+pub use options::{LinearizationPoint, MpcOptions, TerminalWeight};
 pub use row::{MpcRow, RowFault, RowKind};

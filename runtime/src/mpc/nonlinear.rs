@@ -1,11 +1,12 @@
 //! Nonlinear model predictive control.
 
 use super::DisturbanceObserver;
+use super::error::MpcError;
 use super::horizon::Horizon;
 use super::integrate::{Span, integrate};
 use super::node::{Node, Prediction};
 use super::note::MpcNote;
-use super::options::{MpcError, MpcOptions};
+use super::options::MpcOptions;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;

@@ -1,13 +1,10 @@
-//! What a predictive controller is told, and why it may refuse.
+//! What a predictive controller is told.
 
+use super::error::{MpcError, require};
 use super::observer::ObserverOptions;
 use super::row::{MpcRow, RowFault, range};
-use crate::control_loop::TooFast;
-use crate::dynamics::{AttitudeError, DependentJoint, Dynamics, Named, QuaternionJoint};
-use crate::feed_forward::FeedForwardError;
-use crate::lqr::LqrError;
-use crate::qp::{Penalty, QpError, QpSettings};
-use thiserror::Error;
+use crate::dynamics::{DependentJoint, Dynamics, Named, QuaternionJoint};
+use crate::qp::{Penalty, QpSettings};
 
 /// Where the linear predictions are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -239,106 +236,3 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
 /// Bounds that were divided by a ratio, and are multiplied by it, are rounded.
 const ROUNDING: f64 = 1e-9;
 const NOT_NEGATIVE: &str = "finite and not negative";
-
-pub(super) fn require(
-    option: &'static str,
-    values: &[f64],
-    range: &'static str,
-    holds: impl Fn(f64) -> bool,
-) -> Result<(), MpcError> {
-    match values.iter().position(|x| !holds(*x)) {
-        None => Ok(()),
-        Some(index) => Err(MpcError::Option { option, index, value: values[index], range }),
-    }
-}
-
-/// What to do where the Riccati equation of the terminal weight has no solution.
-fn remedy(reason: &LqrError) -> &'static str {
-    match reason {
-        LqrError::NotStabilizable(_) => {
-            "; where no input reaches a part of the robot, as the momentum of a satellite, set its weights to 0 and terminal_weight \
-             to TerminalWeight::Discounted"
-        }
-        _ => "",
-    }
-}
-
-/// Why there is no controller.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum MpcError {
-    /// An option is out of its range.
-    #[error("option {option}[{index}] is {value}; it must be {range}")]
-    Option {
-        /// Name of the option.
-        option: &'static str,
-        /// Its component, 0 for scalars.
-        index: usize,
-        /// The value that was given.
-        value: f64,
-        /// The range that is allowed.
-        range: &'static str,
-    },
-    /// A row cannot be used.
-    #[error("row {row}: {fault}")]
-    Row {
-        /// Its name.
-        row: String,
-        /// What is wrong with it.
-        fault: RowFault,
-    },
-    /// A joint follows several coordinates, and their bounds allow what its limits do not. A row keeps these.
-    #[error(
-        "joint {} follows others and can leave its limits within theirs: give the options rows for it, \
-         `.with_rows(MpcRow::of_dependent_joints(&robot))`, or rows of your own that have its name",
-        Named(.joint)
-    )]
-    Dependent {
-        /// The joint.
-        joint: &'static str,
-    },
-    /// Positions of a joint with a quaternion have no limits.
-    #[error(
-        "position_limits has a limit of joint {}, whose attitude is a quaternion: leave them infinite there", Named(.joint)
-    )]
-    Limit {
-        /// The joint.
-        joint: &'static str,
-    },
-    /// A quaternion of the trajectory is no attitude.
-    #[error("at {time} s of the trajectory {error}")]
-    Attitude {
-        /// Where on the trajectory (s).
-        time: f64,
-        /// Its joint, and its fault.
-        error: AttitudeError,
-    },
-    /// Horizon or sizes do not suit the QP.
-    #[error(transparent)]
-    Qp(#[from] QpError),
-    /// There is no feed-forward for the model.
-    #[error(transparent)]
-    FeedForward(#[from] FeedForwardError),
-    /// The Riccati equation of the terminal weight has no solution.
-    #[error("no terminal weight at {time} s of the trajectory: {reason}{}", remedy(.reason))]
-    Terminal {
-        /// Where on the trajectory (s).
-        time: f64,
-        /// Why.
-        reason: LqrError,
-    },
-    /// A joint of the model is too fast to be predicted over a period, at a state of the trajectory or at
-    /// rest there.
-    #[error("at {time} s of the trajectory {what}")]
-    TooFast {
-        /// Where on the trajectory (s).
-        time: f64,
-        /// Which joint, and how fast.
-        what: TooFast,
-    },
-    /// Trajectory or equations of motion are not finite.
-    #[error("at {time} s trajectory or equations of motion are not finite")]
-    NotFinite {
-        /// Where on the trajectory (s).
-        time: f64,
-    },
-}

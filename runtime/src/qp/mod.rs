@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
 //! | `interior_point::augmented` | the method of multipliers, for what the iteration has not solved |
-//! | `certificate` | cost and residuals of the point returned, from which the status follows |
+//! | `certify`, `certificate` | cost and residuals of the point returned, from which the status follows |
 //! | `barrier`, `multipliers` | bounds, hard and soft: slacks, multipliers, their Newton steps |
 //! | `equality` | bounds that are equal: fixed inputs, states that must pass through a point |
 //! | `rows` | rows `lo ≤ C x + D u ≤ hi`: values that follow from x and u, bounded as states are |
@@ -24,6 +24,7 @@
 mod avx2;
 mod barrier;
 mod certificate;
+mod certify;
 mod core;
 mod equality;
 mod interior_point;
