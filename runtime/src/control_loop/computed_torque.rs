@@ -2,9 +2,9 @@
 
 use super::controller::ControllerFault;
 use super::joint_pd::require_gains;
-use super::law::{JointLaw, finite};
+use super::law::{JointLaw, finite, of_the_model};
 use super::settings::SettingError;
-use crate::dynamics::{AttitudeError, DependentJoint, Dynamics, Named, QuaternionJoint};
+use crate::dynamics::{Dynamics, Named};
 use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_neutral};
 use crate::trajectory::Sample;
 use thiserror::Error;
@@ -188,33 +188,5 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         finite(self.feed_forward.inputs_for_at_time(time, positions, &forces))
     }
 
-    fn dependent_motion_at_time(
-        &self,
-        time: f64,
-        joint: &DependentJoint<N>,
-        (coordinates, velocities): (&[f64; N], &[f64; N]),
-    ) -> [f64; 2] {
-        let of = |model: &D| joint.motion(coordinates, velocities, model.driven_motion());
-        self.feed_forward.model().at_time(time, of)
-    }
-
-    fn joint_names(&self) -> [&'static str; N] {
-        self.feed_forward.model().joint_names()
-    }
-
-    fn input_names(&self) -> [&'static str; M] {
-        self.feed_forward.model().input_names()
-    }
-
-    fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
-        self.feed_forward.model().quaternion_joints()
-    }
-
-    fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
-        self.feed_forward.model().difference(from, to)
-    }
-
-    fn check_attitudes(&self, positions: &[f64; NY]) -> Result<(), AttitudeError> {
-        self.feed_forward.model().check_attitudes(positions)
-    }
+    of_the_model!();
 }

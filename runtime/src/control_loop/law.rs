@@ -87,6 +87,42 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
     }
 }
 
+/// The methods of a law that are those of the model of its `feed_forward`.
+macro_rules! of_the_model {
+    () => {
+        fn dependent_motion_at_time(
+            &self,
+            time: f64,
+            joint: &$crate::dynamics::DependentJoint<N>,
+            (coordinates, velocities): (&[f64; N], &[f64; N]),
+        ) -> [f64; 2] {
+            let of = |model: &D| joint.motion(coordinates, velocities, model.driven_motion());
+            self.feed_forward.model().at_time(time, of)
+        }
+
+        fn joint_names(&self) -> [&'static str; N] {
+            self.feed_forward.model().joint_names()
+        }
+
+        fn input_names(&self) -> [&'static str; M] {
+            self.feed_forward.model().input_names()
+        }
+
+        fn quaternion_joints(&self) -> &'static [$crate::dynamics::QuaternionJoint] {
+            self.feed_forward.model().quaternion_joints()
+        }
+
+        fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
+            self.feed_forward.model().difference(from, to)
+        }
+
+        fn check_attitudes(&self, positions: &[f64; NY]) -> Result<(), $crate::dynamics::AttitudeError> {
+            self.feed_forward.model().check_attitudes(positions)
+        }
+    };
+}
+pub(super) use of_the_model;
+
 /// The inputs, if they are numbers.
 pub(super) fn finite<const M: usize>(inputs: [f64; M]) -> Result<[f64; M], ControllerFault> {
     if inputs.iter().all(|u| u.is_finite()) { Ok(inputs) } else { Err(ControllerFault::NotFinite) }

@@ -1,7 +1,7 @@
 //! State and input disturbance from encoder angles.
 
+use super::error::{MpcError, require};
 use super::integrate::{Span, integrate};
-use super::options::{MpcError, require};
 use crate::dynamics::{Discretizable, Dynamics};
 
 /// Noise that the filter reckons with: standard deviations, random per period.
@@ -82,11 +82,6 @@ impl<const N: usize, const M: usize> DisturbanceObserver<N, M> {
     /// Takes in measured positions.
     pub fn correct(&mut self, measured: &[f64; N]) {
         self.correct_sums(measured);
-    }
-
-    /// Takes in measured velocities, if [`ObserverOptions::velocity_sensor_noise`] says how good they are.
-    pub fn correct_velocities(&mut self, measured: &[f64; N]) {
-        self.correct_velocity_sums(measured);
     }
 }
 

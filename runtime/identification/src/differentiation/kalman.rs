@@ -26,11 +26,6 @@ impl KalmanSmoother {
         Self { sigma, density: None }
     }
 
-    /// q by hand.
-    pub fn with_density(sigma: f64, density: f64) -> Self {
-        Self { sigma, density: Some(density) }
-    }
-
     /// Smoothed signal and derivatives at the sampling times.
     ///
     /// # Errors
@@ -277,7 +272,7 @@ mod tests {
         // The same times, but not equal enough for the shortcut.
         let uneven: Vec<f64> = times.iter().enumerate().map(|(i, t)| t + 1e-7 * ((i % 2) as f64)).collect();
         let signal: Vec<f64> = times.iter().map(|t| (3.0 * t).sin() + 0.01 * random.normal()).collect();
-        let settings = KalmanSmoother::with_density(0.01, 1e4);
+        let settings = KalmanSmoother { sigma: 0.01, density: Some(1e4) };
         let fast = settings.differentiate(&times, &signal).unwrap();
         let slow = settings.differentiate(&uneven, &signal).unwrap();
         for i in 0..3000 {
