@@ -1,0 +1,139 @@
+//! The program `gelenk` from outside: help, messages, exit codes.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+mod files;
+mod identify;
+mod new_crate;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn gelenk(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gelenk")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn shown(output: &Output) -> String {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    format!(
+        "exit {}\n--- stdout\n{}--- stderr\n{}",
+        output.status.code().unwrap(),
+        text(&output.stdout),
+        text(&output.stderr)
+    )
+}
+
+/// Exit code and standard error of a command that is refused.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = gelenk(folder, arguments);
+    assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn help_of_all_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, arguments) in [
+        ("help", vec!["--help"]),
+        ("help_generate", vec!["generate", "--help"]),
+        ("help_check", vec!["check", "--help"]),
+        ("help_inspect", vec!["inspect", "--help"]),
+        ("help_new", vec!["new", "--help"]),
+        ("help_report", vec!["report", "--help"]),
+        ("help_identify", vec!["identify", "--help"]),
+        ("help_export", vec!["export", "--help"]),
+    ] {
+        insta::assert_snapshot!(name, shown(&gelenk(folder.path(), &arguments)));
+    }
+}
+
+#[test]
+fn wrong_command_lines_end_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, arguments) in [
+        ("unknown_command", vec!["generat"]),
+        ("unknown_option", vec!["generate", "arm.urdf", "--snap-angle", "1"]),
+        ("large_angle", vec!["generate", "arm.urdf", "--snap-angles", "1"]),
+        ("no_workspace", vec!["generate"]),
+        ("output_of_nothing", vec!["generate", "--output", "a.rs"]),
+        ("latex_of_counts", vec!["inspect", "counts", "arm.urdf", "--latex"]),
+    ] {
+        let output = gelenk(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        insta::assert_snapshot!(name, shown(&output));
+    }
+}
+
+#[test]
+fn a_missing_description_ends_with_1_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gelenk(folder.path(), &["generate", "none.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("none.toml"));
+    assert!(output.stdout.is_empty());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn diagnostics_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gelenk(folder.path(), &["generate", "none.toml", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(value["diagnostics"][0]["severity"], "error");
+}
+
+#[test]
+fn closed_forms_say_what_they_need() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = gelenk(folder.path(), &["inspect", "--closed-form", "arm.urdf"]);
+    insta::assert_snapshot!(shown(&output));
+}
+
+/// What stands in front of a derivation, with the numbers of a real arm.
+#[test]
+fn mechanism_of_the_powercube() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let output = gelenk(&models, &["inspect", "mechanism", "powercube.toml"]);
+    insta::assert_snapshot!(shown(&output));
+}
+
+/// The vendor's 1.57079632679 is noted with the operations that taking it for π/2 saves, and those are the
+/// snapped ones.
+#[test]
+fn snapping_is_priced() {
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/urdf");
+    let count = |options: &[&str]| {
+        let arguments =
+            [&["inspect", "counts", "ur5.urdf", "--functions", "inverse_dynamics"], options].concat();
+        let output = gelenk(&urdf, &arguments);
+        let table = String::from_utf8_lossy(&output.stdout).into_owned();
+        let row = table.lines().nth(1).unwrap_or_default();
+        let cells: Vec<&str> = row.split_whitespace().skip(1).take(2).collect();
+        (cells.join("/"), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (described, notes) = count(&[]);
+    let (snapped, none) = count(&["--snap-angles", "1e-4"]);
+    assert_ne!(described, snapped);
+    let price = format!("`inverse_dynamics` {snapped} instead of {described}");
+    assert!(notes.contains(&price), "{price} is not in {notes}");
+    assert!(!none.contains("instead of"), "{none}");
+}
+
+#[test]
+fn a_closed_pipe_is_no_panic() {
+    use std::io::Read;
+    use std::process::Stdio;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_gelenk"))
+        .args(["generate", "none.toml", "--format", "json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let mut stderr = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert_eq!(stderr, "");
+}
