@@ -166,18 +166,26 @@ fn a_quadrotor_flies_once_its_propellers_are_inputs() {
     let folder = tempfile::tempdir().expect("a folder");
     let limit = "<limit lower=\"-1e16\" upper=\"1e16\" effort=\"0\" velocity=\"0\"/>";
     let made = new(folder.path(), "rotors", &urdf("0 0 1", limit));
-    // As the README says: the comments of the propellers become lines, and half of them turn the other way.
+    // As the README says: the comments of the propellers become lines.
     let description = fs::read_to_string(made.join("robot.toml")).expect("the description");
     let (head, propellers) = description.split_once("\n# Where a joint carries a propeller").expect("hints");
-    let propellers: Vec<&str> =
-        propellers.lines().skip(2).map(|line| line.trim_start_matches("# ")).collect();
-    let propellers = propellers.join("\n");
-    let (first, second) = propellers.split_at(propellers.find("\"rotor_2_joint\"").expect("the third"));
-    let turned = second.replace("0.016", "-0.016");
-    fs::write(made.join("robot.toml"), format!("{head}\n{first}{turned}\n")).expect("written");
+    let (_, propellers) = propellers.split_once("\n\n").expect("blocks");
+    let propellers = propellers.replace("# ", "");
+    fs::write(made.join("robot.toml"), format!("{head}\n{propellers}\n")).expect("written");
     let printed = run(&made);
     assert!(printed.starts_with("The inputs can carry the robot"), "{printed}");
     let distances = distances(&printed);
     assert_eq!(distances.len(), 21, "{printed}");
     assert!(distances[0] > 0.4 && distances[20] < 0.02, "{printed}");
+    // Propellers that all turn the same way, or are too weak.
+    for (from, to, why) in [
+        ("-0.016", "0.016", "At rest they miss a force of"),
+        ("[0, 8]", "[0, 4]", "At rest the input rotor_0 is 4.1693, and its limits are 0 and 4."),
+    ] {
+        fs::write(made.join("robot.toml"), format!("{head}\n{}\n", propellers.replace(from, to)))
+            .expect("written");
+        let printed = success(&cargo(&made, &["run"]));
+        assert!(printed.starts_with("The inputs cannot carry the robot"), "{printed}");
+        assert!(printed.contains(why), "{why}: {printed}");
+    }
 }

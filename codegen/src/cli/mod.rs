@@ -15,6 +15,7 @@ mod mechanism;
 mod new;
 mod new_feet;
 mod new_project;
+mod new_propellers;
 mod new_robot;
 mod place;
 mod print;

@@ -4,6 +4,7 @@ use std::path::{Component, Path};
 
 use super::failure::Failure;
 use super::new_feet::{self, Foot};
+use super::new_propellers;
 use crate::model::{DescriptionFiles, Joint, Model, QuaternionKind, ReadOptions};
 use crate::wording::toml_text;
 
@@ -229,7 +230,7 @@ fn description((path, kind): (&Path, Kind), model: &Model, floats: bool, feet: &
     if !feet.is_empty() {
         text.push_str(&new_feet::description(feet));
     } else if !model.quaternion_joints.is_empty() {
-        text.push_str(&propellers(model));
+        text.push_str(&new_propellers::description(model, &Vec::from_iter(described_joints(model))));
     }
     text
 }
@@ -239,24 +240,6 @@ fn described_joints(model: &Model) -> impl Iterator<Item = (&Joint, usize)> {
     let moves = model.coordinates.iter().enumerate();
     let plain = moves.filter(|(coordinate, _)| model.position_of(*coordinate).is_some());
     plain.filter_map(|(_, &link)| Some((model.links.get(link)?.joint.as_ref()?, link)))
-}
-
-/// How the links at the ends become propellers, as comments.
-fn propellers(model: &Model) -> String {
-    let mut text = String::from(
-        "\n# Where a joint carries a propeller it is held, and the propeller is an input at its link: of a unit of the input, force in N,\n\
-         # then moment in N m, whose sign is against the propeller's turn.\n",
-    );
-    let carries = |link: usize| described_joints(model).any(|(joint, _)| joint.parent == link);
-    for (joint, link) in described_joints(model).filter(|(_, link)| !carries(*link)) {
-        text.push_str(&format!(
-            "\n# [[joints]]\n# name = {0}\n# held = 0\n# [[inputs]]\n# name = {1}\n# frame = {1}\n# wrench = [0, 0, 1, 0, 0, 0.016]\n\
-             # limits = [0, 8]\n",
-            toml_text(&joint.name),
-            toml_text(&model.links[link].name)
-        ));
-    }
-    text
 }
 
 /// A joint's entry, as a comment.

@@ -35,18 +35,39 @@ const FAST_PRINTED: u32 = 200;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let home = home();
-    let hold = FeedForward::new(Robot).map(|forward| forward.at(&Sample::at_rest(home)));
-    // What the inputs miss of the forces that a rest needs [N, N m].
-    let missed = hold
-        .as_ref()
-        .map_or(f64::INFINITY, |hold| length(&hold.residual));
-    if missed < 1e-6 {
-        println!("The inputs can carry the robot: it moves by predictive control.");
-        carry(&home)
-    } else {
-        println!("The inputs cannot carry the robot: it falls, and its joints are held.");
-        fall(&home)
+    match missing(&home) {
+        None => {
+            println!("The inputs can carry the robot: it moves by predictive control.");
+            carry(&home)
+        }
+        Some(why) => {
+            println!("The inputs cannot carry the robot: it falls, and its joints are held.");
+            println!("{why}");
+            fall(&home)
+        }
     }
+}
+
+/// Why the inputs cannot hold the robot at rest; `None` where they can.
+fn missing(home: &Positions) -> Option<String> {
+    let hold = match FeedForward::new(Robot) {
+        Ok(forward) => forward.at(&Sample::at_rest(*home)),
+        Err(why) => return Some(why.to_string()),
+    };
+    let missed = hold.residual;
+    if length(&missed) > 1e-6 {
+        return Some(format!(
+            "At rest they miss a force of {:.4?} N and a moment of {:.4?} N m, in the axes of the base.",
+            &missed[..3],
+            &missed[3..6]
+        ));
+    }
+    let limits = Robot.input_limits().peak;
+    let all = robot::INPUT_NAMES.iter().zip(&hold.inputs).zip(&limits);
+    let mut beyond = all.filter(|((_, input), [low, high])| *input < low || *input > high);
+    beyond.next().map(|((name, input), [low, high])| {
+        format!("At rest the input {name} is {input:.4}, and its limits are {low} and {high}.")
+    })
 }
 
 /// The base at the origin, each joint at 0 or at the nearest position within its limits.
