@@ -341,6 +341,10 @@ impl Reader {
             "quaternion-not-unit",
             format!("the quaternion has length {}, not 1", not_one(length)),
         );
+        self.report.help(match length {
+            0.0 => "that of no rotation is { w = 1, x = 0, y = 0, z = 0 }",
+            _ => "divide its four numbers by the length",
+        });
         None
     }
 }

@@ -81,6 +81,10 @@ impl Builder<'_, '_> {
                 joint.filter(|joint| self.robot.joints[*joint].is_coordinate()).map(|joint| (joint, link)),
             );
         }
+        if moving.is_empty() && self.robot.floating_base.is_some() && self.report.has_errors() {
+            // What keeps the base from floating was said.
+            return None;
+        }
         if moving.is_empty() {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
             self.report
