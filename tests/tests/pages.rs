@@ -4,13 +4,14 @@
 
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_codegen::model::{Model, QuaternionJoint, ReadOptions, read};
 use gelenk_codegen::report::{Contents, report};
 use gelenk_report::{
     Axis, Block, Claim, Criterion, Equation, Figure, Marks, Pattern, Plot, Report, Section, Table, text,
 };
 use gelenk_tests::browser::{Browser, Findings, Window};
 use gelenk_tests::{FUNCTIONS, workspace};
+use nalgebra::{UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 
 const WIDE: Window = Window { width: 1400, height: 900, is_dark: false };
@@ -196,6 +197,29 @@ struct RobotPage {
     origins: Vec<Vec<f64>>,
 }
 
+/// Positions y where sliders displace and turn bodies along x, y and z, one after the other.
+fn displaced(model: &Model, sliders: &[f64]) -> Vec<f64> {
+    let mut y = vec![];
+    let mut next = 0;
+    while next < sliders.len() {
+        let starts_here = |joint: &&QuaternionJoint| joint.coordinates().start == next;
+        let Some(joint) = model.quaternion_joints.iter().find(starts_here) else {
+            y.push(sliders[next]);
+            next += 1;
+            continue;
+        };
+        let of_joint = &sliders[joint.coordinates()];
+        let (place, angles) = of_joint.split_at(of_joint.len() - 3);
+        let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
+        let turns =
+            axes.iter().zip(angles).map(|(axis, angle)| UnitQuaternion::from_axis_angle(axis, *angle));
+        y.extend(place);
+        y.extend(turns.fold(UnitQuaternion::identity(), |all, turn| all * turn).coords.iter());
+        next = joint.coordinates().end;
+    }
+    y
+}
+
 fn robot_page(name: &str) -> RobotPage {
     let path = workspace().join("models").join(format!("{name}.toml"));
     let loaded = read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
@@ -217,18 +241,14 @@ fn robot_page(name: &str) -> RobotPage {
             low + 0.6 * (high - low)
         })
         .collect();
+    let at = displaced(model, &positions);
     let parameters: Vec<f64> = model.parameters.iter().map(|one| one.default).collect();
     let origin = |frame: &gelenk_codegen::model::Frame| {
         let name = format!("frame_{}_pose", frame.identifier);
         let function = functions.iter().find(|function| function.name == name).expect("a pose");
-        gelenk_codegen::program::interpret::interpret(
-            &function.program,
-            &[&positions],
-            &parameters,
-            &FUNCTIONS,
-        )
-        .expect("a pose")
-        .swap_remove(0)
+        gelenk_codegen::program::interpret::interpret(&function.program, &[&at], &parameters, &FUNCTIONS)
+            .expect("a pose")
+            .swap_remove(0)
     };
     RobotPage { origins: model.frames.iter().map(origin).collect(), positions, html }
 }
@@ -287,6 +307,17 @@ fn pages_of_robots_are_sound_and_move() {
     }
     check_robot(&browser, "powercube", NARROW);
     check_robot(&browser, "ur5", NARROW);
+}
+
+/// A base that floats has six sliders, and a ball joint three.
+#[test]
+fn pages_of_robots_with_quaternions_move() {
+    let Some(browser) = Browser::find() else {
+        return;
+    };
+    assert_eq!(robot_page("quadrotor").positions.len(), 6);
+    check_robot(&browser, "quadrotor", WIDE);
+    check_robot(&browser, "satellite", WIDE);
 }
 
 #[test]

@@ -163,6 +163,25 @@ fn loops_over_joints_agree_with_pinocchio() {
     }
 }
 
+/// A field that nobody asks for would pass unseen. Those of ⊕ are compared in `codegen/tests/manifold/pinocchio.rs`.
+#[test]
+fn every_field_is_asked_for() {
+    let [values, states, positions] = [
+        include_str!("main.rs"),
+        include_str!("reference.rs"),
+        include_str!("../../../codegen/tests/manifold/pinocchio.rs"),
+    ];
+    for name in ["go2_floating", "solo12_floating", "iris_floating", "zoo_1", "zoo_2", "zoo_3", "zoo_4"] {
+        let Some(Reference { samples, .. }) = reference(name, "[\"mass_matrix\"]") else { return };
+        assert!(!samples.is_empty(), "{name}");
+        for key in samples.iter().flat_map(|sample| sample.as_object().expect("fields").keys()) {
+            let asked = [format!("get(\"{key}\")"), format!("sample[\"{key}\"]")];
+            let here = asked.iter().any(|asked| values.contains(asked) || states.contains(asked));
+            assert!(here || positions.contains(&format!("\"{key}\"")), "{name}: nothing compares {key}");
+        }
+    }
+}
+
 #[test]
 fn quadrupeds_agree_with_pinocchio() {
     agrees_with_pinocchio("go2_floating");
