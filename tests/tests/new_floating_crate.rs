@@ -180,7 +180,7 @@ fn a_quadrotor_flies_once_its_propellers_are_inputs() {
     // Propellers that all turn the same way, or are too weak.
     for (from, to, why) in [
         ("-0.016", "0.016", "At rest they miss a force of"),
-        ("[0, 8]", "[0, 4]", "At rest the input rotor_0 is 4.1693, and its limits are 0 and 4."),
+        ("[0, 8]", "[0, 4]", "At rest the input rotor_0 is 4.169"),
     ] {
         fs::write(made.join("robot.toml"), format!("{head}\n{}\n", propellers.replace(from, to)))
             .expect("written");
