@@ -78,6 +78,12 @@ def robot_of(poses, inertias):
     return robot
 
 
+def with_weight(robot):
+    robot = robot.copy()
+    robot.gravity.linear[:] = [0, 0, -9.80665]
+    return robot
+
+
 def regressor(robot, run):
     """Columns [samples × joints × unknowns]."""
     positions, velocities, accelerations, _ = run
@@ -101,11 +107,12 @@ def least_squares(columns, torques):
 class Identified:
     """The description that the command wrote."""
 
-    def __init__(self, path, poses):
+    def __init__(self, path, poses, compensated):
         with open(path, "rb") as file:
             text = tomllib.load(file)
         self.robot = robot_of(poses, [self.inertia(body) for body in text["bodies"]])
         self.joints = text["joints"]
+        self.weights = [with_weight(robot) for robot in (self.robot, compensated)]
 
     @staticmethod
     def inertia(body):
@@ -118,7 +125,14 @@ class Identified:
         data = self.robot.createData()
         forces = [pin.rnea(self.robot, data, *state) for state in zip(positions, velocities, accelerations)]
         drives = [self.drive(j, velocities[:, j], accelerations[:, j]) for j in range(JOINTS)]
-        return np.array(forces) + np.stack(drives, axis=1)
+        return np.array(forces) + np.stack(drives, axis=1) + self.weight_left(positions)
+
+    def weight_left(self, positions):
+        """What the found bodies weigh beyond those that the robot compensates."""
+        if not self.is_weighed:
+            return 0
+        left = [[pin.computeGeneralizedGravity(robot, robot.createData(), y) for y in positions] for robot in self.weights]
+        return np.array(left[0]) - np.array(left[1])
 
     def drive(self, joint, v, a):
         """Reflected inertia and friction."""
@@ -129,7 +143,7 @@ class Identified:
         return drive["rotor_inertia"] * drive["gear_ratio"] ** 2 * a + friction
 
 
-def command(program, description, header, halves, folder, name, poses):
+def command(program, description, header, halves, folder, name, poses, compensated):
     """What `gelenk identify` writes for one half, with its own R² on the other."""
     files = []
     for part, rows in zip(("fit", "unseen"), halves):
@@ -144,7 +158,9 @@ def command(program, description, header, halves, folder, name, poses):
         print(f"{name}: {done.stderr.strip().splitlines()[-1]}")
         done = subprocess.run([*arguments, "--accept-poor"], capture_output=True, text=True, check=True)
     found = json.loads(done.stdout)
-    return Identified(output, poses), found
+    identified = Identified(output, poses, compensated)
+    identified.is_weighed = found["gravity"] == "compensated as described"
+    return identified, found
 
 
 def r_squared(errors, torques):
@@ -185,7 +201,7 @@ def main():
     worse = []
     for name, fit, unseen in halves:
         parts = [[rows[k] for k in part] for part in (fit, unseen)]
-        found = command(program, description, header, parts, folder, name.replace(" ", "_"), poses)
+        found = command(program, description, header, parts, folder, name.replace(" ", "_"), poses, robot)
         worse += compare(name, fit, unseen, found, runs, columns)
     for line in worse:
         print(f"worse: {line}")

@@ -1,6 +1,7 @@
 //! How well an identified robot predicts logs that it was not identified from.
 
 use super::error::Result;
+use super::estimation::Gravity;
 use super::friction::FrictionReport;
 use super::identify::{Identification, IdentificationSettings, or_noted};
 use super::log::runs_noting;
@@ -101,10 +102,10 @@ fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
 struct Prediction<'a> {
     robot: &'a dyn Robot,
     found: &'a Identification,
-    is_gravity_compensated: bool,
+    /// The inertial parameters whose weight the robot compensates, if any.
+    compensated: Option<Vec<f64>>,
     joints: usize,
-    /// π and its difference from the description.
-    values: Vec<f64>,
+    /// Difference of π from the description.
     changes: Vec<f64>,
     offsets: Vec<f64>,
     /// `M ÿ + k − q` with gravity, whoever holds it: what the gears carry.
@@ -123,6 +124,10 @@ impl<'a> Prediction<'a> {
         let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
         let changes: Vec<f64> = values.iter().zip(robot.parameters()).map(|(new, old)| new - old).collect();
         let mean = |offsets: &[f64]| offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
+        let compensated = is_gravity_compensated.then(|| match found.estimate.gravity {
+            Gravity::CompensatedAsDescribed => robot.parameters(),
+            Gravity::Compensated | Gravity::Recorded => values,
+        });
         let offset = |joint: usize| {
             let law = found.friction.iter().find(|friction| friction.joint == joint);
             let report = law.and_then(|law| law.report.as_ref().ok());
@@ -134,15 +139,14 @@ impl<'a> Prediction<'a> {
         Ok(Self {
             robot,
             found,
-            is_gravity_compensated,
+            compensated,
             joints,
             offsets: (0..joints).map(offset).collect(),
             loads: vec![0.0; joints],
             input_matrix: robot.input_matrix(),
-            regressor: vec![0.0; joints * values.len()],
+            regressor: vec![0.0; joints * changes.len()],
             forces: vec![0.0; joints],
             friction: vec![None; joints],
-            values,
             changes,
         })
     }
@@ -183,9 +187,9 @@ impl<'a> Prediction<'a> {
         self.robot.rigid_forces(y, v, a, &mut self.forces);
         self.add_regressor([y, v, a], 1.0, &self.changes.clone());
         self.loads.copy_from_slice(&self.forces);
-        if self.is_gravity_compensated {
+        if let Some(compensated) = self.compensated.clone() {
             let zero = vec![0.0; v.len()];
-            self.add_regressor([y, &zero, &zero], -1.0, &self.values.clone());
+            self.add_regressor([y, &zero, &zero], -1.0, &compensated);
         }
     }
 

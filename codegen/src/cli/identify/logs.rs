@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_identification::description::{Identified, write_identified};
-use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
+use gelenk_identification::estimation::{Gravity, InstrumentalEstimate, JointEstimate, Uncertain};
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
@@ -443,6 +443,15 @@ fn instrumental(found: &InstrumentalEstimate) -> Value {
     })
 }
 
+/// Who carries the weight.
+fn gravity(gravity: Gravity) -> &'static str {
+    match gravity {
+        Gravity::Recorded => "recorded",
+        Gravity::Compensated => "compensated",
+        Gravity::CompensatedAsDescribed => "compensated as described",
+    }
+}
+
 fn as_json(
     model: &Model,
     found: &Identification,
@@ -479,6 +488,7 @@ fn as_json(
     json!({
         "description": output.display().to_string(),
         "files": files.collect::<Value>(),
+        "gravity": gravity(found.estimate.gravity),
         "joints": joints.collect::<Value>(),
         "inertial_parameters": parameters.map(uncertain).collect::<Value>(),
         "validation": validation.iter().map(|joint| json!({

@@ -6,6 +6,7 @@ use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD};
 use super::prior::Prior;
+use super::result::Gravity;
 use super::sums::{moving, sum};
 use super::task::Task;
 
@@ -93,7 +94,7 @@ fn too_short(task: &Task) -> Option<String> {
 
 fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
     let compensated = task.settings.gravity_compensated;
-    let mut rows = task.rows_where(!compensated);
+    let mut rows = task.rows_where(Gravity::of(!compensated));
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;

@@ -16,7 +16,7 @@ use super::normal::{Centred, Values, residual_vector};
 use super::prior::Prior;
 use super::report::Report;
 use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
-use super::result::Estimate;
+use super::result::{Estimate, Gravity, Offsets};
 use super::settings::EstimationSettings;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
@@ -97,10 +97,11 @@ fn pass(
 ) -> Result<(Estimate, Vec<f64>)> {
     let prior = Prior::new(&robot.parameters(), robot.bodies());
     let pieces = cut(runs, settings.folds);
-    let task = Task { robot, runs, settings, layout, prior: &prior, pieces, loads };
+    let gravity = Gravity::of(settings.gravity_compensated);
+    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
     progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
-    let first = task.sums(None);
+    let (task, first) = task.with_its_compensation(progress)?;
     progress("Terms, offsets and the weight of the description are chosen by the held-out error.");
     let mut outlier = vec![f64::INFINITY; layout.joints];
     let mut robust = first.clone();
@@ -160,9 +161,40 @@ impl Task<'_> {
         Some((0..self.layout.joints).map(share).collect())
     }
 
+    /// The task with the compensation of gravity that the data ask for, and its sums.
+    fn with_its_compensation(self, progress: &mut dyn FnMut(&str)) -> Result<(Self, Sums)> {
+        let sums = self.sums(None);
+        if self.gravity != Gravity::Compensated {
+            return Ok((self, sums));
+        }
+        let as_described = Self { gravity: Gravity::CompensatedAsDescribed, ..self.clone() };
+        let other_sums = as_described.sums(None);
+        let is_better = {
+            let (own, mut other) = (self.choose(&sums)?, as_described.choose(&other_sums)?);
+            // Errors can be compared where they are in the same units.
+            other.weighting.sigma.clone_from(&own.weighting.sigma);
+            let (excess, deviation) = other.held_out(self.prior)?.excess(&own.held_out(self.prior)?);
+            excess < -deviation
+        };
+        if !is_better {
+            return Ok((self, sums));
+        }
+        progress(
+            "The weight that the robot compensates is that of the described bodies, by the held-out error.",
+        );
+        Ok((as_described, other_sums))
+    }
+
+    /// How offsets are estimated, where that is decided. What bodies weigh beyond a compensation differs between runs, and
+    /// offsets of runs would take it up.
+    fn offsets(&self) -> Option<Offsets> {
+        let weighs = self.gravity == Gravity::CompensatedAsDescribed;
+        self.settings.offsets.or(weighs.then_some(Offsets::Common))
+    }
+
     fn choose<'s>(&'s self, sums: &'s Sums) -> Result<Chosen<'s>> {
         let freedom = Freedom {
-            offsets: self.settings.offsets,
+            offsets: self.offsets(),
             terms: self.settings.optional_terms,
             consistent: self.settings.consistent,
             loads: self.loads.map_or(&[], |loads| &loads.joints),
@@ -217,6 +249,7 @@ impl Task<'_> {
                 settings: self.settings,
                 layout: self.layout,
                 prior: self.prior,
+                gravity: self.gravity,
                 chosen: last,
                 solved: &solved,
                 covariance: &covariance,

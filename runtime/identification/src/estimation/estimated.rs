@@ -12,7 +12,7 @@ use super::gains::{Gain, UNTOLD};
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::prior::Prior;
-use super::result::{Estimate, EstimatedTerm, JointEstimate, Uncertain};
+use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Uncertain};
 use super::settings::EstimationSettings;
 
 /// The last fit, and what it was made with.
@@ -21,6 +21,7 @@ pub(super) struct Estimated<'a> {
     pub(super) settings: &'a EstimationSettings,
     pub(super) layout: &'a Layout,
     pub(super) prior: &'a Prior,
+    pub(super) gravity: Gravity,
     pub(super) chosen: &'a Chosen<'a>,
     pub(super) solved: &'a Solved,
     pub(super) covariance: &'a Covariance,
@@ -54,6 +55,7 @@ impl Estimated<'_> {
             consistent: self.prior.can_exist(&self.solved.values.unknowns),
             joints: joints.map(|(joint, (name, fit))| self.joint(joint, name, fit)).collect(),
             effort: self.layout.effort,
+            gravity: self.gravity,
             offsets: self.chosen.model.offsets,
             description_weight: self.chosen.weighting.description,
             weights_tried: self.chosen.tried.clone(),

@@ -30,7 +30,7 @@ mod tests;
 pub use estimate::estimate;
 pub use instruments::InstrumentSource;
 pub use result::{
-    Estimate, EstimatedTerm, InstrumentalEstimate, JointEstimate, Offsets, Uncertain, WeightTried,
+    Estimate, EstimatedTerm, Gravity, InstrumentalEstimate, JointEstimate, Offsets, Uncertain, WeightTried,
 };
 pub use settings::EstimationSettings;
 pub(crate) use {

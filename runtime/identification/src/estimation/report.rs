@@ -4,7 +4,7 @@ use super::super::run::PreparedRun;
 use super::endogeneity::{Endogeneity, Test};
 use super::estimated::{Estimated, JointFit};
 use super::residuals::{Forces, RunOffsets};
-use super::result::{Estimate, InstrumentalEstimate, Offsets};
+use super::result::{Estimate, Gravity, InstrumentalEstimate, Offsets};
 
 /// Level of the test of least squares against instrumental variables.
 const LEVEL: f64 = 0.05;
@@ -78,8 +78,17 @@ impl Report<'_> {
                 .to_string()
         });
         let offsets = rows.contains(&false).then(|| offsets.to_string());
-        let said = offsets.into_iter().chain(exact).chain(self.fitted.choices());
+        let said = offsets.into_iter().chain(exact).chain(self.gravity_said()).chain(self.fitted.choices());
         said.chain(self.pull_said()).chain([self.endogeneity_said()]).collect()
+    }
+
+    /// Which weight the robot compensates, where it is not all of it.
+    fn gravity_said(&self) -> Option<String> {
+        (self.fitted.gravity == Gravity::CompensatedAsDescribed).then(|| {
+            "The robot compensates the weight of the bodies as described. What they weigh beyond it is in the efforts, and the \
+             found bodies have it; where the robot's own model is another one, their weight is wrong by the difference."
+                .into()
+        })
     }
 
     /// What was done where the program over bodies that can exist did not converge by itself.

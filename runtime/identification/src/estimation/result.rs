@@ -23,6 +23,25 @@ pub enum Offsets {
     ByRun,
 }
 
+/// The gravity in recorded efforts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gravity {
+    /// The efforts hold it.
+    Recorded,
+    /// The robot compensates all of it outside the recorded efforts: `z = W π − W₀ π + …`, with W₀ at rest.
+    Compensated,
+    /// The robot compensates that of the bodies as described, π₀, by the same model: `z = W π − W₀ π₀ + …`. What the bodies
+    /// weigh beyond it is left in the efforts, and tells their masses.
+    CompensatedAsDescribed,
+}
+
+impl Gravity {
+    /// The first thing to think for efforts with or without gravity.
+    pub(crate) fn of(is_compensated: bool) -> Self {
+        if is_compensated { Self::Compensated } else { Self::Recorded }
+    }
+}
+
 /// Inertia, friction, offsets and gains of a robot, with intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
@@ -34,6 +53,8 @@ pub struct Estimate {
     pub joints: Vec<JointEstimate>,
     /// What the efforts were.
     pub effort: Effort,
+    /// The gravity in these.
+    pub gravity: Gravity,
     /// How offsets were estimated.
     pub offsets: Offsets,
     /// Weight of the distance from the description, and the held-out errors it was chosen by.

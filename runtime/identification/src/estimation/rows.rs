@@ -6,6 +6,7 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::loads::Loads;
+use super::result::Gravity;
 use std::ops::Range;
 
 /// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
@@ -14,7 +15,7 @@ pub(super) struct Rows<'a> {
     robot: &'a dyn Robot,
     layout: &'a Layout,
     described: Vec<f64>,
-    gravity_compensated: bool,
+    gravity: Gravity,
     filter: Option<&'a Filter>,
     loads: Option<&'a Loads>,
     /// |τ_l| of each joint at the sample evaluated last.
@@ -32,7 +33,7 @@ impl<'a> Rows<'a> {
     pub(super) fn new(
         robot: &'a dyn Robot,
         layout: &'a Layout,
-        gravity_compensated: bool,
+        gravity: Gravity,
         filter: Option<&'a Filter>,
         loads: Option<&'a Loads>,
     ) -> Self {
@@ -41,7 +42,7 @@ impl<'a> Rows<'a> {
             robot,
             layout,
             described: robot.parameters(),
-            gravity_compensated,
+            gravity,
             filter,
             loads,
             load: vec![0.0; layout.joints],
@@ -89,13 +90,14 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// W and the described rigid force, both without gravity where the robot compensates it.
+    /// W and the described rigid force. Where the robot compensates gravity the force is without it, and so is W unless
+    /// the compensation is that of the described bodies: their differences then weigh something.
     fn rigid_body(&mut self, y: &[f64], v: &[f64], a: &[f64], rigid: &mut [f64]) {
         self.regressor.fill(0.0);
         self.robot.inertial_regressor(y, v, a, &mut self.regressor);
         self.robot.rigid_forces(y, v, a, rigid);
         self.load(a, rigid);
-        if !self.gravity_compensated {
+        if self.gravity == Gravity::Recorded {
             return;
         }
         let zero = vec![0.0; v.len()];
@@ -105,7 +107,9 @@ impl<'a> Rows<'a> {
         for (joint, force) in rigid.iter_mut().enumerate() {
             for i in 0..p {
                 let gravity = self.at_rest[joint * p + i];
-                self.regressor[joint * p + i] -= gravity;
+                if self.gravity == Gravity::Compensated {
+                    self.regressor[joint * p + i] -= gravity;
+                }
                 *force -= gravity * self.described[i];
             }
         }

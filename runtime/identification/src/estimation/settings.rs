@@ -7,7 +7,8 @@ use super::result::Offsets;
 /// Settings of [`super::estimate`]. The defaults suit a log about which nothing is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimationSettings {
-    /// The recorded efforts exclude gravity, because the robot adds it itself.
+    /// The recorded efforts exclude gravity, because the robot adds it itself: all of it, or that of the described bodies,
+    /// whichever the held-out error asks for ([`Gravity`](super::Gravity)).
     pub gravity_compensated: bool,
     /// Offsets of the efforts; `None` chooses between one for each joint and one for each joint and run by the
     /// held-out error.

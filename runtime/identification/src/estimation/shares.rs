@@ -18,7 +18,7 @@ use super::intervals::{Fitted, Scores, covariance};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use super::normal::{force_vector, residual_vector};
 use super::prior::Prior;
-use super::result::{Estimate, Offsets};
+use super::result::{Estimate, Gravity, Offsets};
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
@@ -102,11 +102,11 @@ impl Columns {
         &self,
         robot: &dyn Robot,
         runs: &[PreparedRun],
-        (gravity_compensated, filter): (bool, Option<&Filter>),
+        (gravity, filter): (Gravity, Option<&Filter>),
         of: &Weighted,
         pieces: &[RunPiece],
     ) -> Vec<ShareSums> {
-        let mut rows = Rows::new(robot, &self.layout, gravity_compensated, filter, None);
+        let mut rows = Rows::new(robot, &self.layout, gravity, filter, None);
         let means: Vec<Vec<Vec<f64>>> =
             runs.iter().zip(of.weights).map(|(run, weights)| self.means(&mut rows, run, weights)).collect();
         let sums = |piece: &RunPiece| {
@@ -258,6 +258,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
             settings,
             layout,
             prior: &prior,
+            gravity: Gravity::of(settings.gravity_compensated),
             chosen: &chosen,
             solved: &solved,
             covariance: &covariance,

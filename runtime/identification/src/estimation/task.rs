@@ -7,28 +7,31 @@ use super::loads::Loads;
 use super::normal::Values;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets, forces};
+use super::result::Gravity;
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::Piece;
 
 /// The robot, the data and the settings, as the stages need them.
+#[derive(Clone)]
 pub(super) struct Task<'a> {
     pub(super) robot: &'a dyn Robot,
     pub(super) runs: &'a [PreparedRun],
     pub(super) settings: &'a EstimationSettings,
     pub(super) layout: &'a Layout,
     pub(super) prior: &'a Prior,
+    pub(super) gravity: Gravity,
     pub(super) pieces: Vec<Piece>,
     pub(super) loads: Option<&'a Loads>,
 }
 
 impl Task<'_> {
     pub(super) fn rows(&self) -> Rows<'_> {
-        self.rows_where(self.settings.gravity_compensated)
+        self.rows_where(self.gravity)
     }
 
-    pub(super) fn rows_where(&self, gravity_compensated: bool) -> Rows<'_> {
-        Rows::new(self.robot, self.layout, gravity_compensated, self.settings.filter.as_ref(), self.loads)
+    pub(super) fn rows_where(&self, gravity: Gravity) -> Rows<'_> {
+        Rows::new(self.robot, self.layout, gravity, self.settings.filter.as_ref(), self.loads)
     }
 
     pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {

@@ -2,8 +2,8 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
-    Columns, Estimate, JointEstimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time, estimate,
-    huber, robust_deviation,
+    Columns, Estimate, Gravity, JointEstimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time,
+    estimate, huber, robust_deviation,
 };
 use super::super::identify::{IdentificationSettings, faults, read_and_prepare};
 use super::super::moments::contiguous_blocks;
@@ -76,7 +76,7 @@ pub fn reduce(
     };
     let pieces = pieces(&runs, fitted.correlation);
     let weighted = Weighted { weights: &fitted.weights, residuals: &fitted.residuals };
-    let reading = (settings.estimation.gravity_compensated, Some(&preparation.filter));
+    let reading = (Gravity::of(settings.estimation.gravity_compensated), Some(&preparation.filter));
     let sums = columns.sums(robot, &runs, reading, &weighted, &pieces);
     Ok(LogMoments {
         about: About {

@@ -1,7 +1,7 @@
 //! Logs of a simulated arm with one joint, reduced and added up.
 
 use super::super::error::Result;
-use super::super::estimation::{Columns, RunPiece, Weighted};
+use super::super::estimation::{Columns, Gravity, RunPiece, Weighted};
 use super::super::identify::{Identification, IdentificationSettings, identify};
 use super::super::random::SplitMix64;
 use super::super::result::FrictionLaw;
@@ -207,7 +207,7 @@ fn sums_are_those_of_the_centred_columns() {
     let residuals = vec![vec![vec![1.0; m]]];
     let weighted = Weighted { weights: &weights, residuals: &residuals };
     let pieces = [RunPiece { run: 0, rows: 0..300 }, RunPiece { run: 0, rows: 300..m }];
-    let sums = columns.sums(&Arm, std::slice::from_ref(&run), (false, None), &weighted, &pieces);
+    let sums = columns.sums(&Arm, std::slice::from_ref(&run), (Gravity::Recorded, None), &weighted, &pieces);
     let (y, v, a) = (&run.positions[0], &run.velocities[0], &run.accelerations[0]);
     let row = |i: usize| -> Vec<f64> {
         let (y, v, a) = (y[i], v[i], a[i]);

@@ -1,8 +1,9 @@
 //! Estimates of a simulated robot whose parameters are known.
 
 use super::super::super::random::SplitMix64;
+use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
-use super::super::{Estimate, EstimationSettings, Offsets, Uncertain, estimate};
+use super::super::{Estimate, EstimationSettings, Gravity, Offsets, Uncertain, estimate};
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, simulate};
 
 fn quietly(robot: &Pendulum, runs: &[PreparedRun], settings: &EstimationSettings) -> Estimate {
@@ -36,6 +37,43 @@ fn friction_offset_and_base_parameters_come_back() {
     }
     // Gravity of the second link, which no other parameter can take over.
     assert!((found.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.02);
+}
+
+/// The estimate of a log whose efforts lack the weight of `compensated`.
+fn without_the_weight_of(compensated: &Pendulum, truth: &Pendulum, random: &mut SplitMix64) -> Estimate {
+    let (mut run, _) = simulate(truth, &Experiment::default(), random);
+    for sample in 0..run.times.len() {
+        let y = [run.positions[0][sample], run.positions[1][sample]];
+        let mut weight = [0.0; 2];
+        compensated.rigid_forces(&y, &[0.0; 2], &[0.0; 2], &mut weight);
+        run.efforts.iter_mut().zip(weight).for_each(|(column, weight)| column[sample] -= weight);
+    }
+    let settings = EstimationSettings {
+        steepness: Some(vec![STEEPNESS; 2]),
+        folds: 5,
+        gravity_compensated: true,
+        ..EstimationSettings::default()
+    };
+    quietly(&Pendulum::described(), &[run], &settings)
+}
+
+/// A controller that carries the described bodies leaves what the real ones weigh beyond them.
+#[test]
+fn weight_is_compensated_as_described_or_as_it_is() {
+    let mut random = SplitMix64::new(3);
+    let described = Pendulum::described();
+    let truth = described.other(0.1, &mut random);
+    let by_model = without_the_weight_of(&described, &truth, &mut random);
+    assert_eq!(by_model.gravity, Gravity::CompensatedAsDescribed);
+    assert!(by_model.choices.iter().any(|said| said.contains("as described")), "{:?}", by_model.choices);
+    // The moment of the second link, which its weight tells best.
+    assert!((by_model.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.02);
+    let in_full = without_the_weight_of(&truth, &truth, &mut random);
+    assert_eq!(in_full.gravity, Gravity::Compensated);
+    for found in [by_model, in_full] {
+        assert!(found.consistent && found.warnings.is_empty(), "{:?}", found.warnings);
+        assert!(found.joints.iter().all(|joint| joint.held_out_r_squared > 0.98));
+    }
 }
 
 #[test]
