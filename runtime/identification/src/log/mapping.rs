@@ -292,7 +292,13 @@ impl Finder<'_> {
         };
         let mut found = Vec::new();
         for (effort, kinds) in tried {
-            found.extend(self.best(kinds, self.of_effort(*effort, None).1)?.map(|f| (*effort, f)));
+            let targets = self.of_effort(*effort, None).1;
+            match targets.names.is_empty() {
+                true if wanted.is_some() => return Err(self.missing(kinds, targets)),
+                // Nothing would do for a robot without drives.
+                true => {}
+                false => found.extend(self.best(kinds, targets)?.map(|f| (*effort, f))),
+            }
         }
         // What was commanded is the last choice: a torque that was asked for says less than a current that flowed.
         let commanded = |f: &(Effort, Found)| self.is_commanded(&f.1.columns);
