@@ -170,7 +170,7 @@ fn one_free_ratio_hides_the_limits_of_its_joint_alone() {
             "[[joints]]\nname = \"{name}\"\nparent = \"boom\"\nfollows = {{ pitch = {ratio} }}\nlimits = {{ position = [-1, 1] }}\n"
         )
     };
-    let more = follower("known", "2") + &follower("unknown", "{ free = 0.5 }");
+    let more = [follower("known", "2"), follower("unknown", "{ free = 0.5 }")].concat();
     let found = loaded(&robot("drive = \"none\"", "law = \"40*dl\"", &more));
     let rows = found.model.dependent(&[]);
     assert_eq!(rows[0].ratios.as_deref(), Some(&[0.0, 2.0, 0.0][..]));
