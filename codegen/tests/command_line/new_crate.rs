@@ -140,8 +140,11 @@ fn a_new_crate_has_a_robot_that_floats() {
         "{text}"
     );
     let (joints, propellers) = text.split_once("\n# Where a joint carries a propeller").unwrap();
-    let propellers: String =
-        propellers.split_inclusive('\n').skip(2).map(|line| line.trim_start_matches("# ")).collect();
+    let propellers: String = propellers
+        .split_inclusive('\n')
+        .skip_while(|line| !line.starts_with("# [["))
+        .map(|line| line.trim_start_matches("# "))
+        .collect();
     for description in [text.clone(), format!("{joints}\n{propellers}")] {
         fs::write(home.join("robot.toml"), description).unwrap();
         let generated = gelenk(&home, &["generate", "robot.toml"]);
