@@ -114,6 +114,25 @@ impl Described {
     }
 }
 
+/// How far the torques of the description and those of the identified one are off the truth's, in N m rms.
+///
+/// - `sizes`: of positions, velocities and accelerations
+fn torques_off(folder: &Path, sizes: [f64; 3]) -> [f64; 2] {
+    let [arm, truth, found] =
+        ["arm.toml", "truth.toml", "arm_identified.toml"].map(|file| described(folder, file));
+    let mut noise = Noise(7);
+    let [mut before, mut after] = [0.0_f64; 2];
+    for _ in 0..200 {
+        let [y, v, a] = sizes.map(|size| vec![size * noise.next(), size * noise.next()]);
+        let [described, true_, found] = [&arm, &truth, &found].map(|robot| robot.torques(&y, &v, &a));
+        before += described.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        after += found.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+    }
+    let [before, after] = [before, after].map(|sum| (sum / 400.0).sqrt());
+    println!("torques of the description are off by {before} N m rms, of the identified one by {after}");
+    [before, after]
+}
+
 #[test]
 fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -132,21 +151,7 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
         assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.999, "{result:#}");
     }
     assert!(at("page/index.html").exists());
-    let (arm, truth, found) = (
-        described(folder.path(), "arm.toml"),
-        described(folder.path(), "truth.toml"),
-        described(folder.path(), "arm_identified.toml"),
-    );
-    let mut noise = Noise(7);
-    let [mut before, mut after] = [0.0; 2];
-    for _ in 0..200 {
-        let [y, v, a] = [1.2, 1.0, 3.0].map(|size| vec![size * noise.next(), size * noise.next()]);
-        let [described, true_, found] = [&arm, &truth, &found].map(|robot| robot.torques(&y, &v, &a));
-        before += described.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-        after += found.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-    }
-    let [before, after] = [before, after].map(|sum| (sum / 400.0).sqrt());
-    println!("torques of the description are off by {before} N m rms, of the identified one by {after}");
+    let [before, after] = torques_off(folder.path(), [1.2, 1.0, 3.0]);
     assert!(before > 2.0 && after < 0.1);
     // A joint whose efforts cannot be used is named with its row, the other goes on, and the file says so.
     let log = fs::read_to_string(at("log.csv")).unwrap();
@@ -292,21 +297,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
     let page = String::from_utf8(bytes("page/index.html")).unwrap();
     assert!(page.contains("these are moments") && !page.contains("NaN"));
     // The description is one: it reads, and says what the arm is.
-    let (arm, truth, found) = (
-        described(folder.path(), "arm.toml"),
-        described(folder.path(), "truth.toml"),
-        described(folder.path(), "arm_identified.toml"),
-    );
-    let mut noise = Noise(7);
-    let [mut before, mut after] = [0.0; 2];
-    for _ in 0..200 {
-        let [y, v, a] = [1.0, 1.5, 3.0].map(|size| vec![size * noise.next(), size * noise.next()]);
-        let [described, true_, found] = [&arm, &truth, &found].map(|robot| robot.torques(&y, &v, &a));
-        before += described.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-        after += found.iter().zip(&true_).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-    }
-    let [before, after] = [before, after].map(|sum| (sum / 400.0_f64).sqrt());
-    println!("torques of the description are off by {before} N m rms, of the identified one by {after}");
+    let [before, after] = torques_off(folder.path(), [1.0, 1.5, 3.0]);
     assert!(before > 2.0 && after < 0.3);
     // What does not fit is refused.
     fs::write(at("copy.csv"), bytes("1.csv")).unwrap();

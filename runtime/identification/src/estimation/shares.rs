@@ -205,6 +205,8 @@ fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
 pub(crate) struct SharedData<'a> {
     pub(crate) robot: &'a dyn Robot,
     pub(crate) settings: &'a EstimationSettings,
+    /// That of the logs: the sums are made, and settings do not know it.
+    pub(crate) gravity: Gravity,
     pub(crate) columns: &'a Columns,
     /// Shares with samples.
     pub(crate) shares: &'a [ShareSums],
@@ -258,7 +260,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
             settings,
             layout,
             prior: &prior,
-            gravity: Gravity::of(settings.gravity_compensated),
+            gravity: data.gravity,
             chosen: &chosen,
             solved: &solved,
             covariance: &covariance,

@@ -2,7 +2,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
-    Columns, Estimate, STANDSTILL, ShareSums, SharedData, SharedEstimate, estimate_shares,
+    Columns, Estimate, Gravity, STANDSTILL, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
 use super::super::friction::{FrictionData, SharedFriction};
 use super::super::identify::{
@@ -51,6 +51,7 @@ pub fn identify_moments(
     let data = SharedData {
         robot,
         settings: &settings.estimation,
+        gravity: Gravity::of(moments.about.gravity_compensated),
         columns: &columns,
         shares: &shares,
         correlation_time: moments.logs.iter().map(|log| log.correlation).fold(1.0, f64::max),

@@ -184,6 +184,16 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
     assert!((here / there - 1.0).abs() < 0.1, "{here} {there}");
 }
 
+/// The options of reading are those of the logs: nobody gives them again where moments are added.
+#[test]
+fn the_gravity_of_the_sum_is_that_of_its_logs() {
+    let mut moments = sum(&fleet().2.iter().collect::<Vec<_>>()).unwrap();
+    for (is_compensated, gravity) in [(false, Gravity::Recorded), (true, Gravity::Compensated)] {
+        moments.about.gravity_compensated = is_compensated;
+        assert_eq!(merged(&moments, &settings()).unwrap().estimate.gravity, gravity);
+    }
+}
+
 #[test]
 fn sums_are_those_of_the_centred_columns() {
     let mut random = SplitMix64::new(9);

@@ -293,11 +293,11 @@ impl Finder<'_> {
         let mut found = Vec::new();
         for (effort, kinds) in tried {
             let targets = self.of_effort(*effort, None).1;
-            match targets.names.is_empty() {
-                true if wanted.is_some() => return Err(self.missing(kinds, targets)),
-                // Nothing would do for a robot without drives.
-                true => {}
-                false => found.extend(self.best(kinds, targets)?.map(|f| (*effort, f))),
+            // No columns would do for a robot without drives.
+            if !targets.names.is_empty() {
+                found.extend(self.best(kinds, targets)?.map(|f| (*effort, f)));
+            } else if wanted.is_some() {
+                return Err(self.missing(kinds, targets));
             }
         }
         // What was commanded is the last choice: a torque that was asked for says less than a current that flowed.

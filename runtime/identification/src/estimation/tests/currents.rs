@@ -6,6 +6,7 @@ use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, estimate};
 use super::chain::{Chain, ur10};
+use super::data::as_simulated;
 use nalgebra::{Matrix4, Vector3};
 
 /// Motor constants times gears.
@@ -63,19 +64,7 @@ fn run(arm: &Chain, noise: f64, random: &mut SplitMix64) -> PreparedRun {
         }
         times.push(t);
     }
-    PreparedRun {
-        poses: Vec::new(),
-        resting: Vec::new(),
-        name: "simulated".into(),
-        rows: (2..times.len() + 2).collect(),
-        times,
-        positions,
-        velocities,
-        accelerations,
-        efforts,
-        effort: Effort::Current,
-        desired: None,
-    }
+    as_simulated(times, [positions, velocities, accelerations, efforts], Effort::Current)
 }
 
 fn found(described: &Chain, run: PreparedRun) -> Result<Estimate, String> {

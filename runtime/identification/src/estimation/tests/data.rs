@@ -16,6 +16,26 @@ pub(super) fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
+/// A run whose motion needs no filter.
+///
+/// - `columns`: positions, velocities, accelerations and efforts
+pub(super) fn as_simulated(times: Vec<f64>, columns: [Vec<Vec<f64>>; 4], effort: Effort) -> PreparedRun {
+    let [positions, velocities, accelerations, efforts] = columns;
+    PreparedRun {
+        poses: Vec::new(),
+        resting: Vec::new(),
+        name: "simulated".into(),
+        rows: (2..times.len() + 2).collect(),
+        times,
+        positions,
+        velocities,
+        accelerations,
+        efforts,
+        effort,
+        desired: None,
+    }
+}
+
 /// Smooths and differentiates positions and smooths efforts over `window` samples; ten samples at each end go.
 pub(super) fn prepare(
     name: &str,

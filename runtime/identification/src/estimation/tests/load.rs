@@ -4,6 +4,7 @@ use super::super::super::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, Uncertain, estimate};
+use super::data::as_simulated;
 use super::pendulum::{FRICTION, Pendulum, STEEPNESS};
 
 /// A run along sines whose forces hold friction under load of these shares.
@@ -34,19 +35,7 @@ fn run(truth: &Pendulum, shares: [f64; 2], random: &mut SplitMix64) -> PreparedR
         }
         times.push(t);
     }
-    PreparedRun {
-        poses: Vec::new(),
-        resting: Vec::new(),
-        name: "simulated".into(),
-        rows: (2..times.len() + 2).collect(),
-        times,
-        positions,
-        velocities,
-        accelerations,
-        efforts,
-        effort: Effort::Input,
-        desired: None,
-    }
+    as_simulated(times, [positions, velocities, accelerations, efforts], Effort::Input)
 }
 
 fn estimated(shares: [f64; 2], load_friction: bool, seed: u64) -> (Pendulum, Estimate) {
