@@ -39,6 +39,7 @@ impl FrictionIdentification {
                 ..self.clone()
             });
         }
+        listed.iter().try_for_each(|term| require_known(term))?;
         let meant = listed.iter().flat_map(|term| {
             let word = WORDS.iter().find(|(word, _)| term.eq_ignore_ascii_case(word));
             word.map_or_else(|| vec![*term], |(_, terms)| terms.to_vec())
@@ -47,6 +48,20 @@ impl FrictionIdentification {
         library.terms().iter().try_for_each(|term| require_generated(term))?;
         Ok(Self { library, ..self.clone() })
     }
+}
+
+/// A word alone is the speed or one of [`WORDS`].
+fn require_known(term: &str) -> Result<()> {
+    let is_word = term.chars().all(|c| c.is_ascii_alphabetic() || c == '_');
+    let known = || WORDS.iter().map(|(word, _)| *word).chain([STRIBECK, "v"]);
+    if !is_word || known().any(|word| term.eq_ignore_ascii_case(word)) {
+        return Ok(());
+    }
+    let message = gelenk_formula::nearest(term, known()).unwrap_or_default();
+    Err(IdentificationError::Expression {
+        text: term.into(),
+        message: format!("no term has this name; {message}"),
+    })
 }
 
 /// A law is written to a description: its terms have to be what that may hold.
@@ -103,6 +118,8 @@ mod tests {
         assert!(fault("").contains("the library of terms"), "{}", fault(""));
         assert!(fault("viscous,v").contains("twice"), "{}", fault("viscous,v"));
         assert!(fault("viscos").contains("viscos"), "{}", fault("viscos"));
+        assert!(fault("viscos").contains("did you mean `viscous`?"), "{}", fault("viscos"));
+        assert!(fault("dry").contains("known are `viscous`"), "{}", fault("dry"));
         assert!(fault("max(v, 0)").contains("max"), "{}", fault("max(v, 0)"));
         assert!(fault("tanh(v").contains("tanh(v"), "{}", fault("tanh(v"));
     }
