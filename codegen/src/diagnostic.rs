@@ -5,6 +5,7 @@
 //! build log, JSON.
 
 pub(crate) use crate::formula::nearest;
+use crate::remedies::remedy;
 use std::fmt;
 
 /// How bad it is.
@@ -293,11 +294,14 @@ impl Report {
         self.error_count() > 0
     }
 
-    /// Everything that was added.
+    /// Everything that was added; errors without advice have that of their kind.
     pub fn finish(mut self) -> Diagnostics {
         if self.dropped > 0 {
             let message = format!("{} more problems are not shown", self.dropped);
             self.entries.push(Diagnostic::error("too-many-problems", message));
+        }
+        for entry in self.entries.iter_mut().filter(|entry| entry.severity == Severity::Error) {
+            entry.help = entry.help.take().or_else(|| remedy(entry.code).map(str::to_owned));
         }
         Diagnostics::new(self.entries)
     }

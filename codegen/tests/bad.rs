@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use gelenk_codegen::diagnostic::Severity;
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use std::path::Path;
 
@@ -19,6 +20,10 @@ fn bad_descriptions_are_explained() {
             panic!("{name} was accepted")
         };
         assert!(diagnostics.has_errors(), "{name}");
+        let errors = diagnostics.entries().iter().filter(|entry| entry.severity == Severity::Error);
+        for error in errors {
+            assert!(error.help.is_some(), "{name}: nothing says what to do about: {error}");
+        }
         // Paths are shown as given; here they begin with this machine's checkout.
         let text = diagnostics.to_string().replace(&format!("{}/", folder.display()), "");
         let mut settings = insta::Settings::clone_current();

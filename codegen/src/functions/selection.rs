@@ -280,7 +280,7 @@ impl LeftOut {
                 "{} needs the inverse of the mass matrix, which is singular: nothing that has inertia moves with {listed}",
                 wanted.with_caller(name)
             );
-            Diagnostic::error("singular-mass-matrix", message)
+            Diagnostic::error("singular-mass-matrix", message).help(INERTIA)
         };
         or_problems(possible, asked.iter().map(problem).collect())
     }
@@ -369,6 +369,8 @@ impl LeftOut {
 }
 
 /// Why functions over a sample time are left out where joints are driven.
+const INERTIA: &str =
+    "describe the mass or the rotor that moves with it, or ask for functions without the inverse";
 const NEEDS_MOTION: &str = "it would need their motion all through the sample time";
 const INTEGRATE: &str = "`forward_dynamics` and `linearize` take the driven motion at one time; `DrivenRobot` of gelenk-runtime makes steps of them, with a motion over time";
 

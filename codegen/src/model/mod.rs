@@ -17,6 +17,7 @@ mod floating_base;
 mod frame_force;
 mod inertia;
 mod joint;
+mod key_examples;
 mod load;
 mod mjcf;
 mod name;

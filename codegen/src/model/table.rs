@@ -1,6 +1,7 @@
 //! TOML tables with places: every key is known or complained about, every value has the type that is asked
 //! for.
 
+use super::key_examples::example;
 use crate::diagnostic::{Report, Span, nearest};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -70,6 +71,16 @@ impl<'t> Table<'t> {
     }
 }
 
+/// What the value of a key may be where it is read as a table.
+fn table_or(key: &str) -> &'static str {
+    match key {
+        "base" => "the name of a link in quotes, or a table",
+        "spring" | "friction" => "a force law in quotes, or a table",
+        "drive" => "\"ideal\", \"none\", or a table",
+        _ => "a table",
+    }
+}
+
 /// What says the same here as a key of other formats or tables.
 fn foreign(key: &str, keys: &[&str]) -> Option<&'static str> {
     match key {
@@ -78,6 +89,9 @@ fn foreign(key: &str, keys: &[&str]) -> Option<&'static str> {
         }
         "stiffness" | "rest" | "damping" if keys.contains(&"law") && keys.contains(&"between") => Some(
             "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper over the distance l and its rate dl",
+        ),
+        "on" if keys.contains(&"gear_ratio") => Some(
+            "a drive that acts on several joints stands by itself: `[[drives]]` with `on = { pitch = 1, roll = -1 }`",
         ),
         _ => None,
     }
@@ -105,7 +119,14 @@ impl<'t> Item<'t> {
             "wrong-type",
             format!("`{}` must be {what}, not {} {found}", self.key, article(found)),
         );
-        if let Some(example) = example(self.key) {
+        self.help_by_example(what.starts_with("a list"), report);
+    }
+
+    /// Adds an example of the value to the last message.
+    ///
+    /// - `is_list`: whether the value has to be a list
+    pub fn help_by_example(&self, is_list: bool, report: &mut Report) {
+        if let Some(example) = example(self.key, is_list) {
             report.help(format!("for example {example}"));
         }
     }
@@ -148,7 +169,7 @@ impl<'t> Item<'t> {
         match self.value {
             DeValue::Table(table) => Some(Table::checked(table, self.span, what, keys, report)),
             _ => {
-                self.expected("a table", report);
+                self.expected(table_or(self.key), report);
                 None
             }
         }
@@ -161,48 +182,6 @@ impl<'t> Item<'t> {
         items.iter().filter_map(|item| item.table(what, keys, report)).collect()
     }
 }
-
-/// How the value of a key may be written, where its type says too little.
-pub(super) fn example(key: &str) -> Option<&'static str> {
-    Some(match key {
-        "gravity" => "`gravity = [0, 0, -9.81]`",
-        "axis" => "`axis = [0, 1, 0]`",
-        "origin" => "`origin = { xyz = [0, 0, 0.5], rpy = [0, 0, 0] }`",
-        "quaternion" => "`quaternion = { w = 1, x = 0, y = 0, z = 0 }`",
-        "dh" | "modified_dh" => "`{ a = 0.4, alpha = \"pi/2\", d = 0, theta = 0 }`",
-        "center_of_mass" => "`center_of_mass = [0, 0, 0.1]`",
-        "inertia" => INERTIA,
-        "limits" => "`limits = { position = [-1.5, 1.5], velocity = 2, effort = 40 }`",
-        "position" => "`position = [-1.5, 1.5]`",
-        "friction" => "`friction = { viscous = 0.4 }` or `friction = \"0.4*v + 0.2*sign(v)\"`",
-        "spring" => "`spring = { stiffness = 3, rest = 0.1 }`",
-        "drive" => "`drive = { gear_ratio = 100, rotor_inertia = 2e-5 }` or `drive = \"ideal\"`",
-        "joints" => "`[[joints]]`, in two brackets, before the keys of each joint",
-        "bodies" => "`[[bodies]]`, in two brackets, before the keys of each body",
-        "frames" => "`[[frames]]`, in two brackets, before the keys of each frame",
-        "parameters" => "`[parameters]`, and below it `m1 = 2.5`",
-        "name" => "`name = \"elbow\"`",
-        "held" => "`held = 0.5` or `held = \"pi/4\"`",
-        "mass" => "`mass = 2.5` or `mass = \"payload\"`",
-        "follows" => "`follows = { shoulder = -0.5 }`: the joints that are followed, with their ratios",
-        "on" => "`on = { pitch = 1, roll = -1 }`: the joints that the drive moves, with their weights",
-        "pitch" => "`pitch = \"0.02/(2*pi)\"`: metres for each radian, here 20 mm a turn",
-        "frame" => "`frame = \"tool\"`: the name of a frame or link",
-        "wrench" => "`wrench = [0, 0, 1, 0, 0, 0.02]`: the force of a unit input, then its moment",
-        "between" => "`between = [\"anchor\", \"hook\"]`: the names of two frames or links",
-        "carrier" => "`carrier = \"forearm\"`: the link that the motor sits on",
-        "torque" => "`torque = { nominal = 0.4, peak = 0.9 }`",
-        "nominal" | "peak" => "`torque = { nominal = 0.4, peak = 0.9 }`, in newton metres at the motor",
-        "stroke" => "`stroke = [0.8, 1.3]`: shortest and longest distance of the two frames, in m",
-        "speed" => "`speed = 300`: rad/s of a motor's shaft, m/s of a force between two frames",
-        "velocity" => "`velocity = 2`, in rad/s or m/s",
-        "effort" | "peak_effort" => "`effort = 40`, in N m or N",
-        _ => return None,
-    })
-}
-
-/// The forms of an inertia.
-const INERTIA: &str = "`0.1` for all axes, the principal moments `[0.1, 0.1, 0.02]`, or `{ xx = 0.1, yy = 0.1, zz = 0.02, xy = 0, xz = 0, yz = 0 }`";
 
 fn article(found: &str) -> &'static str {
     if found.starts_with(['a', 'i', 'o']) { "an" } else { "a" }

@@ -27,7 +27,9 @@ pub(super) fn followed_joints(
         let joint = At::new(term.key.to_owned(), term.key_span);
         Some(FollowsDescription { joint, ratio: At::new(ratio, term.span) })
     };
-    Some(terms.into_iter().filter_map(term).collect())
+    // All of them are read, so that all that is wrong is reported.
+    let terms: Vec<Option<FollowsDescription>> = terms.into_iter().map(term).collect();
+    terms.into_iter().collect()
 }
 
 /// The drives that stand apart from joints.

@@ -61,7 +61,7 @@ pub(super) fn parse<'t>(
         // What follows on the same line is usually a consequence of the first error.
         if line.is_none() || line != last_line {
             reader.report.error(span, "toml-syntax", wrong.message());
-            if let Some(help) = syntax_help(text, span.start) {
+            if let Some(help) = syntax_help(wrong.message(), text, span.start) {
                 reader.report.help(help);
             }
         }
@@ -70,8 +70,11 @@ pub(super) fn parse<'t>(
     wrong.is_empty().then_some(table)
 }
 
-/// Advice for numbers with units or a decimal comma, and for formulas without quotes.
-fn syntax_help(text: &str, at: usize) -> Option<String> {
+/// Advice for keys that stand twice, for numbers with units or a decimal comma, and for formulas without quotes.
+fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
+    if message.starts_with("duplicate key") {
+        return Some("each key stands once in its table: keep one of the two".to_owned());
+    }
     let line_start = text.get(..at)?.rfind('\n').map_or(0, |last| last + 1);
     let line = text.get(line_start..)?.lines().next()?;
     let (key, value) = line.split_once('=')?;
@@ -100,6 +103,7 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     if let [Some(_), Some(second)] = &extends {
         let message = "both `urdf` and `extends` name a base";
         reader.report.error(second.key_span, "conflicting-keys", message);
+        reader.report.help("keep one of them");
     }
     let extends = extends.into_iter().flatten().next();
     let extends = extends.and_then(|item| reader.name(item));
@@ -230,6 +234,7 @@ fn read_parameter(reader: &mut Reader, item: Item<'_>) {
     };
     if table.get("value").is_none() {
         reader.report.error(item.span, "missing-key", format!("parameter `{}` has no `value`", item.key));
+        reader.report.help(format!("write `{} = {{ value = 2.5 }}`, or `{} = 2.5`", item.key, item.key));
     }
     let value = table.get("value").and_then(|value| reader.number(value)).map_or(1.0, |number| number.value);
     reader.add_parameter(name, value, &table);
@@ -237,7 +242,7 @@ fn read_parameter(reader: &mut Reader, item: Item<'_>) {
 
 fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
     let Some(table) = item.table(
-        "what to generate",
+        "the choice of functions",
         &["functions", "lanes", "smooth_sign", "substeps"],
         &mut reader.report,
     ) else {
@@ -294,6 +299,7 @@ fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> 
     let name = table.get("name").and_then(|item| reader.name(item)).or_else(|| link.clone());
     let Some(name) = name else {
         reader.report.error(table.span, "missing-key", "a body needs `name` or `link`");
+        reader.report.help("`link = \"forearm\"` is the link that the body belongs to");
         return None;
     };
     let owner = name.value.clone();

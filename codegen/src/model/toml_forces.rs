@@ -232,6 +232,7 @@ fn torque(reader: &mut Reader, item: Item<'_>) -> Option<MotorTorque> {
     {
         let message = format!("nominal torque {nominal} exceeds the peak torque {peak}");
         reader.report.error(item.span, "limits-reversed", message);
+        reader.report.help("`nominal` is what the motor may give all the time, `peak` for a moment: exchange them, or correct one");
     }
     Some(torque)
 }

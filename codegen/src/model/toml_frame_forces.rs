@@ -83,7 +83,12 @@ fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInp
     let name = reader.required_name(table, "name")?;
     let frame = reader.required_name(table, "frame");
     let wrench = reader.required(table, "wrench");
-    let wrench = wrench.and_then(|item| Some(At::new(reader.formulas::<6>(item, &name.value)?, item.span)));
+    let wrench = wrench.and_then(|item| {
+        let errors = reader.report.error_count();
+        let parts = reader.formulas::<6>(item, &name.value)?;
+        // A part that could not be read counts as 0, and would make a wrench that is zero.
+        (reader.report.error_count() == errors).then(|| At::new(parts, item.span))
+    });
     let limits = table.get("limits").and_then(|item| reader.numbers::<2>(item));
     Some(WrenchInputDescription { name, frame: frame?, wrench: wrench?, limits })
 }

@@ -299,10 +299,12 @@ fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pos
     if let [first, second, ..] = given.as_slice() {
         let message = format!("both `{}` and `{}` place the joint", first.key, second.key);
         reader.report.error(second.key_span, "conflicting-keys", message);
+        reader.report.help("keep one of them");
     }
     if let (Some(row), Some(axis)) = (given.iter().find(|item| item.key != "origin"), table.get("axis")) {
         let message = format!("`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
         reader.report.error(axis.key_span, "conflicting-keys", message);
+        reader.report.help("remove `axis`, or place the joint by `origin`");
     }
     match given.first() {
         Some(item) if item.key == "origin" => (reader.pose(*item, owner), None),

@@ -4,10 +4,11 @@ use super::Parameter;
 use super::Pose;
 use super::angles::Angles;
 use super::description::Name;
+use super::key_examples::example;
 use super::name::{has_meaning, identifier, is_keyword};
 use super::pose::{IDENTITY, norm};
 use super::read_options::ReadOptions;
-use super::table::{Item, Table, example};
+use super::table::{Item, Table};
 use crate::diagnostic::{At, Report, Span};
 use crate::formula::{Allowed, Formula, LARGEST_NUMBER, parse, too_large};
 use crate::numeric;
@@ -53,7 +54,7 @@ impl Reader {
         }
         let message = format!("`{}` must be greater than 0, not {}", item.key, number.value);
         self.report.error(item.span, "not-positive", message);
-        self.help_by_example(item.key);
+        item.help_by_example(false, &mut self.report);
         None
     }
 
@@ -113,7 +114,7 @@ impl Reader {
             _ => {
                 let message = format!("`{}` must be finite, not {}", item.key, self.report.text(item.span));
                 self.report.error(item.span, "number-not-finite", message);
-                self.help_by_example(item.key);
+                item.help_by_example(false, &mut self.report);
                 None
             }
         }
@@ -230,16 +231,11 @@ impl Reader {
         let item = table.get(key);
         if item.is_none() {
             self.report.error(table.span, "missing-key", format!("{} needs `{key}`", table.what));
-            self.help_by_example(key);
+            if let Some(example) = example(key, false) {
+                self.report.help(format!("for example {example}"));
+            }
         }
         item
-    }
-
-    /// Adds an example of a key to the last message.
-    fn help_by_example(&mut self, key: &str) {
-        if let Some(example) = example(key) {
-            self.report.help(format!("for example {example}"));
-        }
     }
 
     /// A name that has to be there.
@@ -284,7 +280,7 @@ impl Reader {
         }
         let message = format!("`{}` must be {what}, not {}", item.key, entries.len());
         self.report.error(item.span, "wrong-length", message);
-        self.help_by_example(item.key);
+        item.help_by_example(true, &mut self.report);
         None
     }
 
@@ -300,6 +296,8 @@ impl Reader {
         if length > 0.0 && length.is_finite() {
             let unit = axis.map(|x| x / length);
             self.report.help(format!("write [{}]", join(&unit)));
+        } else {
+            item.help_by_example(true, &mut self.report);
         }
         None
     }

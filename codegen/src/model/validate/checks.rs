@@ -43,6 +43,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     amounts(&joint.limits, name, report);
     if joint.kind == Some(JointKind::Fixed) {
         fixed(joint, report);
+        note_limits_of_fixed(joint, report);
     } else if joint.follows.is_none()
         && let Some(offset) = &joint.offset
     {
@@ -75,6 +76,7 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
             as_written(peak.value)
         );
         report.error(peak.span, "limits-reversed", message);
+        report.help("`effort` is what the joint may bear all the time, `peak_effort` for a moment: exchange them, or correct one");
     }
 }
 
@@ -89,12 +91,26 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
         "a spring"
     } else if joint.friction.as_ref().is_some_and(|friction| !friction.value.is_empty()) {
         "friction"
+    } else if joint.offset.is_some() {
+        "`offset`"
     } else {
         return;
     };
     let message = format!("joint `{}` is fixed; {what} has no meaning there", joint.name.value);
     report.error(joint.name.span, "fixed-joint", message);
     report.help("remove it, or give the joint a type that moves");
+}
+
+/// A joint may have been fixed on top of a description that limits it.
+fn note_limits_of_fixed(joint: &JointDescription, report: &mut Report) {
+    let limits = &joint.limits;
+    let amounts = [&limits.velocity, &limits.effort, &limits.peak_effort].into_iter().flatten();
+    let mut spans = limits.position.iter().map(|limit| limit.span).chain(amounts.map(|limit| limit.span));
+    if let Some(span) = spans.next() {
+        let message = format!("joint `{}` is fixed: its limits have no effect", joint.name.value);
+        report.note(Some(span), "fixed-joint", message);
+        report.help("remove `limits`, or give the joint a type that moves");
+    }
 }
 
 pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report) {

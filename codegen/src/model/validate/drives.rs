@@ -112,8 +112,12 @@ impl Builder<'_, '_> {
                 Some((0, [0.0, 0.0, 1.0]))
             }
             None => {
-                let message =
-                    format!("the rotor of drive `{}` needs `carrier` and `axis`", described.name.value);
+                let missing = match (&motor.carrier, motor.axis) {
+                    (Some(_), None) => "`axis`",
+                    (None, Some(_)) => "`carrier`",
+                    _ => "`carrier` and `axis`",
+                };
+                let message = format!("the rotor of drive `{}` needs {missing}", described.name.value);
                 self.report.error(described.name.span, "missing-key", message);
                 self.report.help(
                     "`carrier` is the link that carries the rotor, `axis` its axis there; `coupling = \"diagonal\"` \
@@ -228,6 +232,7 @@ impl Builder<'_, '_> {
         {
             let message = format!("the motor constant is {}", as_written(value(constant)));
             self.report.error(motor.gear_ratio.span, "motor-constant", message);
+            self.report.help("newton metres at the motor for each ampere: finite and not 0");
         }
     }
 
