@@ -1,12 +1,12 @@
 //! Notes on what friction does to the functions that were generated.
 
 use crate::diagnostic::Diagnostic;
-use crate::formula::{Formula, Function as Call};
 use crate::functions::catalogue;
 use crate::functions::composition::Composition;
 use crate::functions::function::Function;
 use crate::model::{Joint, JointKind, Model};
 use crate::wording::{list, three_digits};
+use gelenk_formula::{Formula, Function as Call};
 
 /// Longest usual period of a control loop [s].
 const LONGEST_PERIOD: f64 = 0.02;

@@ -4,8 +4,8 @@
 //! carries its own copy of the offending source line, so that it can be shown wherever it ends up: terminal,
 //! build log, JSON.
 
-pub(crate) use crate::formula::nearest;
 use crate::remedies::remedy;
+pub(crate) use gelenk_formula::nearest;
 use std::fmt;
 
 /// How bad it is.

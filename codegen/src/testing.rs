@@ -1,7 +1,7 @@
 //! Models for tests: geometries from the literature with full inertias and general centres of mass.
 
-use crate::formula::Formula;
 use crate::model::*;
+use gelenk_formula::Formula;
 
 /// A row of modified Denavit–Hartenberg parameters: α [°], d, r (m).
 pub type Row = (f64, f64, f64);

@@ -1,8 +1,8 @@
 //! The imports of each crate: which file uses what another one defines.
 //!
 //! Sources are read as tokens, so that comments and texts do not count. Tests inside of sources do not count
-//! either. A path is followed through re-exports to the file that defines its item, and a re-export by itself
-//! imports nothing.
+//! either. A path is followed through re-exports to the file that defines its item, and it uses the rooms whose
+//! re-exports it takes on its way, too. A re-export by itself imports nothing, but for those of a crate's root.
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
@@ -178,18 +178,31 @@ impl Crate {
         found.or((!is_relative && here.uses.iter().all(|(known, _)| known != name)).then_some(&here.file))
     }
 
-    /// Pairs of files, of which the first uses what the second one defines, each with a path that does.
+    /// Pairs of files, of which the first uses what the second one defines or hands on, each with a path that does.
     fn edges(&self) -> BTreeMap<(PathBuf, PathBuf), String> {
         let mut edges = BTreeMap::new();
         for (name, module) in &self.modules {
-            for path in module.own.iter().chain(&module.paths) {
-                let Some(found) = self.defined_in(name, path, &mut BTreeSet::new()) else { continue };
-                if found != module.file {
-                    edges.insert((module.file.clone(), found.to_owned()), path.join("::"));
+            let handed_on = module.uses.iter().map(|(_, path)| path).filter(|_| name.is_empty());
+            for path in module.own.iter().chain(&module.paths).chain(handed_on) {
+                let mut passed = BTreeSet::new();
+                let found = self.defined_in(name, path, &mut passed);
+                let passed =
+                    passed.iter().filter_map(|(through, item)| self.handed_on_by(name, through, item));
+                for file in found.into_iter().chain(passed).filter(|file| *file != module.file) {
+                    edges.insert((module.file.clone(), file.to_owned()), path.join("::"));
                 }
             }
         }
         edges
+    }
+
+    /// The file of a module that hands on an item which a path of another one takes there. Below the root, a module
+    /// may take from those around it whatever they hand on.
+    fn handed_on_by(&self, from: &[String], through: &ModulePath, item: &String) -> Option<&Path> {
+        let is_around = !through.is_empty() && from.starts_with(through);
+        let module = self.modules.get(through).filter(|_| !is_around)?;
+        let hands_on = module.uses.iter().any(|(name, _)| name == item);
+        hands_on.then_some(&module.file)
     }
 }
 
@@ -363,9 +376,21 @@ fn circles_of_files_and_folders_are_found() {
     let c = ("c.rs", "");
     assert_eq!(
         circles_among(&[lib, a, b, ("b.rs", "pub struct B; fn f(a: &crate::a::A) {}"), c]),
-        ["a/, b.rs"]
+        ["a/, b.rs, lib.rs"]
     );
     assert!(circles_among(&[lib, a, b, ("b.rs", "pub struct B;"), c]).is_empty());
+    // A room takes from where its path leads, be the item of the room that hands it on or not; one below may take
+    // from those around it.
+    let far = ("b.rs", "pub use crate::c::C; fn f(a: &crate::a::A) {}");
+    let taken = |path: &str| format!("use {path}; pub struct A(C);");
+    let (through, straight) = (taken("crate::b::C"), taken("crate::c::C"));
+    let c = ("c.rs", "pub struct C;");
+    let lib_of_three = ("lib.rs", "mod a; mod b; mod c;");
+    assert_eq!(circles_among(&[lib_of_three, a, ("a/inner.rs", &through), far, c]), ["a/, b.rs"]);
+    assert!(circles_among(&[lib_of_three, a, ("a/inner.rs", &straight), far, c]).is_empty());
+    let around = ("a/mod.rs", "mod inner; pub use inner::A; pub use crate::c::C;");
+    assert!(circles_among(&[lib_of_three, around, ("a/inner.rs", &taken("super::C")), far, c]).is_empty());
+    let c = ("c.rs", "");
     // Tests, comments and emitted text import nothing.
     let quiet = "pub struct B; // crate::a::A\n#[cfg(test)] mod tests { use crate::a::A; }
                  fn f() { quote!(crate::a::A) }";

@@ -1,6 +1,7 @@
 //! Building, folding and evaluating formulas.
 
-use super::{Formula, Function};
+use super::formula::{Formula, LARGEST_NUMBER};
+use super::function::Function;
 
 impl Formula {
     /// The number 0.
@@ -84,9 +85,9 @@ impl Formula {
         !self.any(&|node| matches!(node, Self::Number(value) if !value.is_finite()))
     }
 
-    /// Tells whether a number in the formula is beyond [`LARGEST_NUMBER`](super::LARGEST_NUMBER).
+    /// Tells whether a number in the formula is beyond [`LARGEST_NUMBER`].
     pub fn is_too_large(&self) -> bool {
-        self.any(&|node| matches!(node, Self::Number(value) if value.abs() > super::LARGEST_NUMBER))
+        self.any(&|node| matches!(node, Self::Number(value) if value.abs() > LARGEST_NUMBER))
     }
 
     /// `a + b` with numbers added and zeros dropped.

@@ -1,6 +1,6 @@
 //! Formulas as text, in the syntax in which descriptions write them.
 
-use super::Formula;
+use super::formula::Formula;
 
 /// How tightly an operator binds.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,6 +1,6 @@
 //! Potential energy of force laws: antiderivatives of polynomials of the position.
 
-use super::Formula;
+use super::formula::Formula;
 
 /// Polynomials of a higher degree are not expanded.
 const HIGHEST_DEGREE: usize = 32;

@@ -1,6 +1,6 @@
 //! Expressions: what a text says before its names have a meaning.
 
-use super::Function;
+use super::function::Function;
 use std::ops::Range;
 
 /// A text that was read, with names that are not resolved and constants that are not folded.

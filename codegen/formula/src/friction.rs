@@ -1,6 +1,7 @@
 //! Friction laws as the key `friction` of a joint has them: what the generator reads and identification writes.
 
-use super::{Formula, Function};
+use super::formula::Formula;
+use super::function::Function;
 use std::fmt::Display;
 
 /// One term of a friction law, linear in its coefficient.

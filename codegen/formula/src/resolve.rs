@@ -1,7 +1,10 @@
 //! From expressions to formulas: what names mean, and what generated code does not have.
 
+use super::error::FormulaError;
+use super::expression::{Expression, Kind, Node, Operator, Unary};
+use super::formula::{Formula, too_large};
+use super::nearest::nearest;
 use super::syntax::known_functions;
-use super::{Expression, Formula, FormulaError, Kind, Node, Operator, Unary, nearest, too_large};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

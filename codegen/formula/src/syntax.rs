@@ -2,7 +2,11 @@
 //!
 //! syn descends recursively, so length, nesting and runs of operators are bounded before it sees the text.
 
-use super::{Expression, FormulaError, Function, Kind, Node, Operator, Unary, habits, nearest};
+use super::error::FormulaError;
+use super::expression::{Expression, Kind, Node, Operator, Unary};
+use super::function::Function;
+use super::habits;
+use super::nearest::nearest;
 use std::ops::Range;
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr, Ident, UnOp};

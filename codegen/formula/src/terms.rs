@@ -1,6 +1,6 @@
 //! Splitting a force law into terms that are linear in their coefficients.
 
-use super::Formula;
+use super::formula::Formula;
 
 impl Formula {
     /// The summands of the formula, each as (coefficient, basis).

@@ -8,7 +8,7 @@ use symbolica::atom::{Atom, AtomCore, Symbol};
 use symbolica::symbol;
 
 use super::lock::Instance;
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 /// A vector.
 pub(super) type Vector = [Atom; 3];

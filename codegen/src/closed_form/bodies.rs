@@ -4,9 +4,9 @@
 //! whatever holds parameters stays a mass of its own. Independent of the kinematics stage, which the result
 //! is compared with.
 
-use crate::formula::Formula;
 use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
 use crate::numeric::sin_cos;
+use gelenk_formula::Formula;
 
 type Matrix = [[f64; 3]; 3];
 

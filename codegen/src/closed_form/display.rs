@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 
 use super::symbols::Symbol;
 use super::terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Wave};
-use crate::formula::{Formula, Function};
 use crate::program::letters::greek_letter;
+use gelenk_formula::{Formula, Function};
 
 /// The equations as lines of text: entries, lumped constants, values of all letters.
 ///

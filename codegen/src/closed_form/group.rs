@@ -7,7 +7,7 @@ use symbolica::domains::rational::Rational;
 use super::fourier::Part;
 use super::symbols::Symbol;
 use super::terms::{Factor, Monomial, Number, Sum, Term, Wave};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 /// A product of constants with exponents.
 type Factors = Vec<(Factor, i32)>;

@@ -11,9 +11,9 @@ use symbolica::atom::Atom;
 use super::algebra::{self, Kind, Matrix, Variables, Vector};
 use super::bodies::{Bodies, Mass, MovingBody, PLACES};
 use super::symbols::{Symbol, Symbols};
-use crate::formula::Formula;
 use crate::model::{Input, Joint, JointKind, Model};
 use crate::numeric::{atan2, length};
+use gelenk_formula::Formula;
 
 /// Angles closer than this to a quarter turn are meant to be one.
 const QUARTER_ROUNDING: f64 = 1e-12;

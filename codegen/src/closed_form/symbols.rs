@@ -1,7 +1,7 @@
 //! The named constants of a closed form: where the description has a number, the formula has a letter.
 
-use crate::formula::Formula;
 use crate::model::Model;
+use gelenk_formula::Formula;
 
 /// A constant with its letter.
 #[derive(Debug, Clone, PartialEq)]

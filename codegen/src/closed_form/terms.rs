@@ -1,8 +1,8 @@
 //! Closed forms as data: sums of products, free of the computer algebra that made them.
 
 use super::symbols::Symbol;
-use crate::formula::Formula;
 use crate::numeric::{power, sin_cos};
+use gelenk_formula::Formula;
 
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` in closed form, with symbolic parameters.
 #[derive(Debug, Clone, PartialEq)]

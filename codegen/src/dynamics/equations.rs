@@ -14,11 +14,11 @@ use super::recursion::motion::MotionInput;
 use super::recursion::newton_euler;
 use super::search::routes::Formulations;
 use super::tangent::{differentiate_along, drift, gradient_along};
-use crate::formula::Function;
 use crate::graph::{Graph, Scalar, differentiate};
 use crate::kinematics::{Mechanism, RegroupChoice};
 use crate::model::Model;
 use crate::spatial::{Force, Vector3, rotate};
+use gelenk_formula::Function;
 
 /// The equations of motion of a model on one graph.
 #[derive(Debug, Clone, Copy)]

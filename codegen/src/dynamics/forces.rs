@@ -1,10 +1,10 @@
 //! Forces that act on single joints: springs, friction, drives.
 
-use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Transmission, lower, lower_followed, lower_with};
 use crate::model::{Drive, FrictionTerm, Input, Joint, Model, MovingJoint};
 use crate::program::{Instruction, Operation, Program};
+use gelenk_formula::{Formula, Function};
 
 /// Forces of springs and dampers by coordinate; they add to q.
 pub fn spring_forces<'g>(

@@ -9,11 +9,11 @@ use super::formulation::Formulation;
 use super::recursion::frame_motion::BasePoses;
 use super::recursion::placement::{Placement, place};
 use super::tangent::gradient_along;
-use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{JointAxis, Mechanism, lower, lower_pose, lower_with};
 use crate::model::{Attachment, ForceEffect, ForceInput, Model, PointForce, WrenchAxes, identifier};
 use crate::spatial::{Force, Pose, Vector3, rotate};
+use gelenk_formula::{Formula, Function};
 
 /// The bodies of a mechanism at some coordinates.
 pub struct FrameForces<'a, 'g> {

@@ -18,9 +18,9 @@
 //! there sign is 0, and the derivatives 1 of both, between those of either side, are inverse to each other.
 
 use super::forces::friction_sum;
-use crate::formula::Function;
 use crate::graph::{Graph, Scalar};
 use crate::model::Model;
+use gelenk_formula::Function;
 
 /// Tells whether friction of a joint grows with its load.
 pub fn is_there(model: &Model) -> bool {

@@ -1,9 +1,9 @@
 //! The numbers of a model as other formats want them.
 
-use crate::formula::{Formula, Function};
 use crate::model::{Body, FrictionTerm, Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::{atan2, length};
 use crate::spatial::rotation_about;
+use gelenk_formula::{Formula, Function};
 
 pub(super) type Matrix = [[f64; 3]; 3];
 

@@ -7,7 +7,7 @@ use indexmap::IndexSet;
 use rustc_hash::FxBuildHasher;
 
 use super::node::{Edge, Node};
-use crate::formula::Function;
+use gelenk_formula::Function;
 
 /// A growing set of nodes. Equal nodes exist once; operands stand before their users.
 #[derive(Debug, Default)]

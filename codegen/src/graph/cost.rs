@@ -2,7 +2,7 @@
 
 use super::build::Graph;
 use super::node::{Edge, Node};
-use crate::formula::Function;
+use gelenk_formula::Function;
 
 /// Operations of a computation. A subtraction is an addition, a negation nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

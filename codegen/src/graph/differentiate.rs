@@ -3,7 +3,7 @@
 use super::build::Graph;
 use super::node::{Edge, Node};
 use super::scalar::Scalar;
-use crate::formula::Function;
+use gelenk_formula::Function;
 
 /// Derivatives of `results` by one input entry or parameter, on the same graph.
 ///

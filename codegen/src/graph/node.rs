@@ -1,6 +1,6 @@
 //! Nodes and the signed edges between them.
 
-use crate::formula::Function;
+use gelenk_formula::Function;
 
 /// A signed reference to a node: the value of the node, or its negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -77,7 +77,7 @@ impl fmt::Debug for Nodes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formula::Function;
+    use gelenk_formula::Function;
 
     /// Operands of both orders, a folded sum, a difference and a node that nothing needs.
     fn built(graph: &Graph) -> [Scalar<'_>; 4] {

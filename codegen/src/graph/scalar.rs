@@ -5,7 +5,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use super::build::Graph;
 use super::node::{Edge, Node};
-use crate::formula::Function;
+use gelenk_formula::Function;
 
 /// A signed reference to a node together with its graph.
 #[derive(Clone, Copy)]

@@ -2,9 +2,9 @@
 
 use super::words::{number, text, weighted};
 use crate::dynamics::parameters::regressor::drives_with_rotor;
-use crate::formula::Formula;
 use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::wording::toml_text;
+use gelenk_formula::Formula;
 
 /// What was identified of the drive of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

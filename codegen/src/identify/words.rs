@@ -1,8 +1,8 @@
 //! Numbers and formulas as a description writes them.
 
-use crate::formula::Formula;
 use crate::model::FrictionTerm;
 use crate::wording::toml_text;
+use gelenk_formula::Formula;
 
 /// Nine digits: a thousand times finer than any estimate, and coarse enough that the last bits of two processors
 /// give the same text.

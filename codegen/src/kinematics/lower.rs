@@ -3,10 +3,10 @@
 use nalgebra::Matrix3;
 
 use super::transmission::{Followed, Transmission};
-use crate::formula::{Formula, Function};
 use crate::graph::{Graph, Scalar};
 use crate::model::{self, FollowedCoordinate};
 use crate::spatial::{Pose, Vector3};
+use gelenk_formula::{Formula, Function};
 
 /// A described pose.
 pub fn lower_pose<'g>(graph: &'g Graph, pose: &model::Pose) -> Pose<Scalar<'g>> {

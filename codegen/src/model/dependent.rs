@@ -1,7 +1,7 @@
 //! What moves by constant sums of coordinates and has limits of its own.
 
 use super::{FollowedCoordinate, Model};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 /// A joint that follows others, or the motor of a drive on several coordinates that has a highest speed.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use super::{
     WrenchAxes,
 };
 use crate::diagnostic::{At, Span};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 /// A name as described.
 pub(super) type Name = At<String>;

@@ -1,7 +1,7 @@
 //! Drives: motors behind gears, with rotors and inputs.
 
 use super::{FollowedCoordinate, FrictionTerm};
-use crate::formula::{Formula, Function};
+use gelenk_formula::{Formula, Function};
 
 /// A drive: one input, acting on one coordinate or on the sum of several.
 #[derive(Debug, Clone, PartialEq)]

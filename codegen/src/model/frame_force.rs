@@ -1,7 +1,7 @@
 //! Forces, wrenches and inputs at frames.
 
 use super::Pose;
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 /// Where a force acts: a frame fixed to a link.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! Joints: their types, limits and friction, and how they follow coordinates.
 
 use super::Pose;
-use crate::formula::{Formula, FrictionTerm, Function};
+use gelenk_formula::{Formula, FrictionTerm, Function};
 
 /// A joint that follows coordinates: `y_joint = Σ ratio · y[coordinate] + offset`.
 #[derive(Debug, Clone, PartialEq)]

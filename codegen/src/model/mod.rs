@@ -42,13 +42,13 @@ mod urdf_values;
 mod validate;
 mod xacro;
 
-pub use crate::formula::FrictionTerm;
 pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use definiteness::Definiteness;
 pub use dependent::Dependent;
 pub use description_files::{DescriptionFiles, read};
 pub use drive::{Drive, Input, MotorTorque, RotorCoupling};
 pub use frame_force::{Attachment, ForceEffect, ForceInput, PointForce, Wrench, WrenchAxes};
+pub use gelenk_formula::FrictionTerm;
 pub(crate) use inertia::principal_axes;
 pub use joint::{FollowedCoordinate, Follower, Joint, JointKind, Limits, Motion, MovingJoint};
 pub use load::Load;
@@ -59,7 +59,7 @@ pub use read::{Loaded, from_mjcf, from_toml, from_urdf};
 pub use read_options::ReadOptions;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 use std::collections::BTreeSet;
 
 /// A robot: one tree of links, its drives, force laws and named frames.

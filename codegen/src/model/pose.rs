@@ -1,7 +1,7 @@
 //! Poses: rotations from angles, exact where the angle is a multiple of 90°, and their products.
 
-use crate::formula::Formula;
 use crate::numeric;
+use gelenk_formula::Formula;
 use std::f64::consts::FRAC_PI_2;
 
 /// A rotation matrix, rows first.

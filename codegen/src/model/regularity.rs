@@ -164,7 +164,7 @@ fn armatures(model: &Model, defaults: &[f64]) -> Vec<f64> {
 fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
     let mut sum = [[0.0; 6]; 6];
     for body in &link.bodies {
-        let value = |formula: &crate::formula::Formula| formula.evaluate(defaults, 0.0, 0.0);
+        let value = |formula: &gelenk_formula::Formula| formula.evaluate(defaults, 0.0, 0.0);
         let m = value(&body.mass);
         let [x, y, z] = [0, 1, 2].map(|k| value(&body.center_of_mass[k]));
         let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|k| value(&body.inertia[k]));

@@ -8,8 +8,8 @@ use super::toml_joints::read_joints;
 use super::toml_values::Reader;
 use super::{Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
-use crate::formula::{self, Allowed, Formula};
 use crate::function_names;
+use gelenk_formula::{Allowed, Formula};
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -79,7 +79,7 @@ fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
     let line = text.get(line_start..)?.lines().next()?;
     let (key, value) = line.split_once('=')?;
     let (key, value) = (key.trim(), value.split('#').next()?.trim());
-    match formula::parse(value, Allowed::Motion, &BTreeMap::new()) {
+    match gelenk_formula::parse(value, Allowed::Motion, &BTreeMap::new()) {
         Ok(_) => Some(format!("a formula stands in quotes: `{key} = \"{value}\"`")),
         Err(wrong) if wrong.is_habit() => wrong.help,
         Err(_) => None,

@@ -5,7 +5,7 @@ use super::table::{Item, Table};
 use super::toml_values::Reader;
 use super::{Input, MotorTorque, RotorCoupling};
 use crate::diagnostic::At;
-use crate::formula::{Formula, FrictionPart, FrictionTerm};
+use gelenk_formula::{Formula, FrictionPart, FrictionTerm};
 use toml::de::DeValue;
 
 const FRICTION: [&str; 6] = ["viscous", "coulomb", "stribeck", "terms", "law", "load"];

@@ -7,8 +7,8 @@ use super::description::{
 use super::table::{Item, Table};
 use super::toml_values::Reader;
 use crate::diagnostic::At;
-use crate::formula::Formula;
 use crate::wording::as_written;
+use gelenk_formula::Formula;
 
 const FORCE: [&str; 7] = ["name", "between", "law", "input", "limits", "stroke", "speed"];
 const INPUT: [&str; 4] = ["name", "frame", "wrench", "limits"];

@@ -9,7 +9,7 @@ use super::toml_forces::{drive, friction, springs};
 use super::toml_values::Reader;
 use super::{JointKind, Pose};
 use crate::diagnostic::At;
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 const JOINT: [&str; 17] = [
     "name",

@@ -10,9 +10,9 @@ use super::pose::{IDENTITY, norm};
 use super::read_options::ReadOptions;
 use super::table::{Item, Table};
 use crate::diagnostic::{At, Report, Span};
-use crate::formula::{Allowed, Formula, LARGEST_NUMBER, parse, too_large};
 use crate::numeric;
 use crate::wording::{as_written, telling};
+use gelenk_formula::{Allowed, Formula, LARGEST_NUMBER, parse, too_large};
 use std::collections::BTreeMap;
 use toml::de::DeValue;
 

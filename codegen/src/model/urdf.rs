@@ -15,8 +15,8 @@ use super::urdf_notes::{Remark, UrdfNotes};
 use super::urdf_text::UrdfText;
 use super::{FrictionTerm, JointKind, Pose, QuaternionKind, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
-use crate::formula::{Formula, TermOf};
 use crate::wording::{as_written, listed, three_digits};
+use gelenk_formula::{Formula, TermOf};
 use roxmltree::{Document, Node};
 use std::path::Path;
 

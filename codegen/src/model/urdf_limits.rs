@@ -6,7 +6,7 @@ use super::description::{LimitsDescription, Name};
 use super::urdf::{Reader, XmlNode};
 use super::urdf_notes::Remark;
 use crate::diagnostic::At;
-use crate::formula::LARGEST_NUMBER;
+use gelenk_formula::LARGEST_NUMBER;
 
 /// What a file says about a limit.
 enum Limit<T> {

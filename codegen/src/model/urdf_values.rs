@@ -4,7 +4,7 @@ use super::description::Name;
 use super::urdf::{Reader, XmlNode};
 use super::urdf_notes::Remark;
 use crate::diagnostic::{At, Span};
-use crate::formula::{LARGEST_NUMBER, too_large};
+use gelenk_formula::{LARGEST_NUMBER, too_large};
 use roxmltree::{Attribute, Node};
 
 impl Reader<'_> {

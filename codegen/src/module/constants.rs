@@ -4,10 +4,10 @@ mod quaternions;
 
 pub(super) use quaternions::joint_positions;
 
-use crate::formula::Formula;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;
 use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
+use gelenk_formula::Formula;
 
 /// Names of all constants that a module can have beside those of its functions.
 pub const NAMES: [&str; 41] = [

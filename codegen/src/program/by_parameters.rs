@@ -1,9 +1,9 @@
 //! Derivatives of a program by the free parameters.
 
 use super::{GraphOutput, InputArray, Operand, Operation, Output, Program, Shape, lower};
-use crate::formula::Function;
 use crate::graph::{Graph, Scalar, differentiate};
 use crate::layout::{Dimension, Extent};
+use gelenk_formula::Function;
 
 /// The program that computes the derivatives of all results by the parameters: for each result a matrix with a row for
 /// each of its entries, rows first, and a column for each parameter.

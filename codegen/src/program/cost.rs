@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::{Operation, Program};
-use crate::formula::Function;
+use gelenk_formula::Function;
 
 /// Operation counts of a program.
 ///

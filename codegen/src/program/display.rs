@@ -7,7 +7,7 @@
 use super::flow::Flow;
 use super::letters::greek_letter;
 use super::{Operand, Operation, Output, Program, Shape};
-use crate::formula::Function;
+use gelenk_formula::Function;
 
 /// Names that a program refers to by number.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

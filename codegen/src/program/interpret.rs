@@ -7,7 +7,7 @@
 use core::fmt;
 
 use super::{Operand, Operation, Program};
-use crate::formula::Function;
+use gelenk_formula::Function;
 use gelenk_kernels::math;
 
 /// The functions of one argument that programs call.

@@ -9,8 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::angles::angles_first;
 use super::doubling::add_instead_of_doubling;
 use super::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
-use crate::formula::Function;
 use crate::graph::{Edge, Graph, Node, balanced};
+use gelenk_formula::Function;
 
 /// A result of a function: its name, shape and entries in the graph, rows first.
 #[derive(Debug, Clone)]

@@ -12,8 +12,8 @@ pub(crate) mod lanes;
 pub(crate) mod letters;
 pub(crate) mod split;
 
-use crate::formula::Function;
 use crate::layout::{Dimension, Extent};
+use gelenk_formula::Function;
 
 mod angles;
 mod by_parameters;

@@ -6,10 +6,10 @@ use gelenk_report::{
 
 use super::formula;
 use super::robot::Robot;
-use crate::formula::Formula;
 use crate::functions::function::Function;
 use crate::model::{FrictionTerm, Joint, JointKind};
 use crate::program::display::{self, Notation};
+use gelenk_formula::Formula;
 
 /// Closed forms in LaTeX, free of what made them.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -1,7 +1,7 @@
 //! Formulas of descriptions in LaTeX.
 
-use crate::formula::{Formula, Function};
 use crate::program::display::{latex_letters, latex_number};
+use gelenk_formula::{Formula, Function};
 
 /// A formula in LaTeX.
 ///

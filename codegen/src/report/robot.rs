@@ -3,13 +3,13 @@
 use std::cell::OnceCell;
 
 use crate::dynamics::load_friction;
-use crate::formula::Formula;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_functions;
 use crate::functions::size::MOST_OPERATIONS;
 use crate::layout::Dimension;
 use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model, PointForce};
 use crate::program::interpret::{Functions, interpret};
+use gelenk_formula::Formula;
 
 /// A robot with its functions, at the described values of its parameters.
 #[derive(Debug)]

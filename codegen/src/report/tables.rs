@@ -5,7 +5,6 @@ use gelenk_report::{Cell, Inline, Table};
 use super::formula;
 use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
-use crate::formula::Formula;
 use crate::functions::function::Function;
 use crate::model::{
     Actuator, Attachment, Drive, ForceEffect, Input, Joint, JointKind, Motion, Pose, RotorCoupling,
@@ -13,6 +12,7 @@ use crate::model::{
 };
 use crate::numeric::{atan2, length};
 use crate::program::cost;
+use gelenk_formula::Formula;
 
 /// Joints that are coordinates, with their limits.
 pub(super) fn coordinates(robot: &Robot<'_>) -> Table {

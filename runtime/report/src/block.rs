@@ -1,7 +1,12 @@
 //! Sections and what stands in them.
 
+use super::claim::Claim;
+use super::equation::Equation;
 use super::inline::{Inline, inlines};
-use super::{Claim, Equation, Figure, Pattern, Scene, Table};
+use super::pattern::Pattern;
+use super::plot::Figure;
+use super::scene::Scene;
+use super::table::Table;
 
 /// A section of the page.
 #[derive(Debug, Clone, PartialEq)]

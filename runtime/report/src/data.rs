@@ -2,13 +2,18 @@
 
 use serde_json::{Value, json};
 
-use super::block::Block;
+use super::block::{Block, Section};
+use super::claim::{Bound, Claim, Criterion};
+use super::error::ReportError;
 use super::inline::Inline;
-use super::{Bound, Cell, Claim, Criterion, Figure, Pattern, Plot, Report, ReportError, Table};
+use super::pattern::Pattern;
+use super::plot::{Figure, Plot};
+use super::report::Report;
+use super::table::{Cell, Table};
 
 /// The whole report as data.
 pub(super) fn json(report: &Report) -> Value {
-    let section = |section: &super::Section| {
+    let section = |section: &Section| {
         let parts: Vec<Value> = section.all_blocks().into_iter().filter_map(block).collect();
         json!({ "id": section.id, "title": section.title, "parts": parts })
     };

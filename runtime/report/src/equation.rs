@@ -3,7 +3,7 @@
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 
-use super::ReportError;
+use super::error::ReportError;
 
 /// An equation that can be set.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::{ReportError, data, page};
+use super::error::ReportError;
+use super::{data, page};
 use gelenk_files::Prepared;
 
 const PAGE: &str = "index.html";

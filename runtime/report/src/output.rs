@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Report, ReportError, Section, data, files, page};
+use super::block::Section;
+use super::error::ReportError;
+use super::report::Report;
+use super::{data, files, page};
 
 impl Report {
     /// The page: one self-contained HTML file.

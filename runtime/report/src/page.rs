@@ -3,12 +3,16 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::block::{Block, Section};
+use super::claim::{Claim, Criterion, Verdict};
+use super::equation::Equation;
+use super::error::ReportError;
 use super::inline::{Inline, inlines};
+use super::pattern::Pattern;
+use super::plot::{Figure, Plot};
+use super::report::Report;
 use super::scene::{Scene, SceneJoint};
-use super::{
-    Cell, Claim, Criterion, Equation, Figure, Pattern, Plot, Report, ReportError, Table, Verdict, diagram,
-    equation, number, pattern, plot,
-};
+use super::table::{Cell, Table};
+use super::{diagram, equation, number, pattern, plot};
 
 const STYLE: &str = include_str!("page.css");
 /// Moves the robot; written by hand, without libraries.

@@ -7,7 +7,7 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::ReportError;
+use super::error::ReportError;
 use super::inline::{Inline, inlines};
 
 /// Plots with a common caption.

@@ -1,7 +1,8 @@
 //! A report as a value.
 
+use super::block::{Block, Section};
+use super::claim::Claim;
 use super::inline::{Inline, inlines};
-use super::{Block, Claim, Section};
 
 /// A report: what its page, its JSON and its CSV are made of.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,7 +1,7 @@
 //! A simulated robot in the same process.
 
 use super::{Brakes, Reading, Transport, TransportError};
-use crate::control_loop::Clock;
+use crate::clock::Clock;
 use crate::dynamics::Dynamics;
 use crate::plant::Plant;
 use std::time::Duration;

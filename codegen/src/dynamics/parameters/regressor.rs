@@ -17,11 +17,11 @@ use crate::dynamics::matrix::Matrix;
 use crate::dynamics::recursion::motion::{BodyMotion, MotionInput, spread_of};
 use crate::dynamics::recursion::newton_euler::motions;
 use crate::dynamics::recursion::placement::{Placement, place};
-use crate::formula::Formula;
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, described_moments, lower, lower_followed};
 use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::spatial::{Matrix3, Motion, Vector3, rotate};
+use gelenk_formula::Formula;
 
 /// Parameters of a link.
 pub const PER_LINK: usize = 10;

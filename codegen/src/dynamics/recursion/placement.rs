@@ -1,10 +1,10 @@
 //! Working frames: where the equations of each body are written, and how they are reached from the parent's.
 
 use crate::dynamics::formulation::{Formulation, WorkingFrame};
-use crate::formula::Function;
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism, Transmission};
 use crate::spatial::{Angle, Attitude, MassMoments, Matrix3, Motion, Symmetric3, Twist, Vector3};
+use gelenk_formula::Function;
 
 /// Sine and cosine of an angle.
 pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);

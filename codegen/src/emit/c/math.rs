@@ -5,7 +5,7 @@ use gelenk_kernels::math::{C_BITS, C_BITS_F32, Kernel};
 use super::context::Context;
 use crate::emit::kernels;
 use crate::emit::options::Scalar;
-use crate::formula::Function as Call;
+use gelenk_formula::Function as Call;
 
 /// A function of one number. Sines and cosines are made in pairs.
 pub(super) fn callee(context: &Context<'_>, function: Call) -> String {

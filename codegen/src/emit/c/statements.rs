@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::body::Body;
 use super::{group, layout, math};
 use crate::emit::sequence::{self, Run};
-use crate::formula::Function as Call;
 use crate::program::{Operand, Operation};
+use gelenk_formula::Function as Call;
 
 impl Body<'_> {
     /// All statements, each entry of the results stored as soon as it is known, or the result returned.

@@ -9,8 +9,8 @@ use super::context::Context;
 use super::pasted;
 use crate::emit::kernels;
 use crate::emit::options::{Math, Scalar};
-use crate::formula::Function as Call;
 use crate::functions::function::Function;
+use gelenk_formula::Function as Call;
 use gelenk_kernels::math::Kernel;
 
 /// Names of the module's own functions: nothing else may be named like them.

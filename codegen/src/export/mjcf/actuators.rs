@@ -144,7 +144,7 @@ impl Writer<'_> {
 }
 
 /// A linear law over distance and rate; `None` for others. The force pulls: `k (l − l₀) + c dl`.
-fn spring(values: &Values, law: &crate::formula::Formula) -> Option<Attributes> {
+fn spring(values: &Values, law: &gelenk_formula::Formula) -> Option<Attributes> {
     let law = values.affine(law)?;
     let rest = if law.position == 0.0 { 0.0 } else { -law.constant / law.position };
     let fits = law.position >= 0.0 && law.velocity >= 0.0 && rest >= 0.0;

@@ -2,10 +2,10 @@
 //! coordinates.
 
 use super::otherwise::{Otherwise, Robots};
-use crate::formula::Formula;
 use crate::functions::function::Function;
 use crate::model::{Model, PointForce};
 use crate::wording;
+use gelenk_formula::Formula;
 
 /// Forces at frames act beyond joints.
 pub const BEYOND: Otherwise = Otherwise {

@@ -9,7 +9,7 @@ use super::super::{FrictionTerm, Input, MotorTorque, Pose, RotorCoupling};
 use super::files::{Element, Given};
 use super::{Placed, Reader, Remark, or};
 use crate::diagnostic::{At, Span, nearest};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 /// The weighted sum of positions that a fixed tendon is as long as.
 type Sum = Vec<FollowsDescription>;

@@ -5,7 +5,7 @@ use super::super::description::FollowsDescription;
 use super::files::Element;
 use super::{Placed, Reader, Remark};
 use crate::diagnostic::{At, nearest};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 impl<'a> Reader<'_, 'a> {
     pub(super) fn equalities(&mut self, section: Element<'a>) {

@@ -11,8 +11,8 @@ use super::files::Element;
 use super::place::z_to;
 use super::{Placed, Reader, Remark, or};
 use crate::diagnostic::At;
-use crate::formula::Formula;
 use crate::numeric::length;
+use gelenk_formula::Formula;
 
 /// Water, MuJoCo's default.
 const DENSITY: f64 = 1000.0;

@@ -7,7 +7,7 @@ use super::super::{FrictionTerm, JointKind, Pose, QuaternionKind};
 use super::place::by_axis;
 use super::{KnownJoint, Placed, Reader, Remark, or};
 use crate::diagnostic::At;
-use crate::formula::{Formula, TermOf};
+use gelenk_formula::{Formula, TermOf};
 
 /// Where a joint stands.
 struct Between {

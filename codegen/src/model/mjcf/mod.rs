@@ -21,10 +21,10 @@ use super::description::{DriveChoice, Name, RobotDescription};
 use super::load::Load;
 use super::{Pose, ReadOptions};
 use crate::diagnostic::{At, Report, Span, nearest};
-use crate::formula::{Formula, LARGEST_NUMBER, too_large};
 use classes::Classes;
 use compiler::Compiler;
 use files::{Element, Files, Given};
+use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
 use notes::{Notes, Remark};
 
 /// The link of all that does not move.

@@ -5,9 +5,9 @@ use super::super::pose::{IDENTITY, Rotation, about_x, about_y, about_z, product}
 use super::Reader;
 use super::files::{Element, Given};
 use crate::diagnostic::At;
-use crate::formula::Formula;
 use crate::numeric::length;
 use crate::spatial::rotation_about;
+use gelenk_formula::Formula;
 
 /// Where an attitude can come from: the element, and for some elements its class.
 type Find<'f, 'a> = dyn Fn(&str) -> Option<Given<'a>> + 'f;

@@ -102,7 +102,7 @@ fn add_column(
 
 /// `i² J_R` of what each drive acts on.
 fn add_rotors(model: &Model, described: &[f64], mass: &mut [Vec<f64>], sizes: &mut [f64]) {
-    let value = |formula: &crate::formula::Formula| formula.evaluate(described, 0.0, 0.0);
+    let value = |formula: &gelenk_formula::Formula| formula.evaluate(described, 0.0, 0.0);
     for drive in &model.drives {
         let ratio = value(&drive.gear_ratio);
         let inertia = ratio * ratio * value(&drive.rotor_inertia);

@@ -13,7 +13,7 @@ use super::frame_forces::{FrameForces, Resolver};
 use super::names::{Identifiers, report_duplicates};
 use super::quaternion_joints;
 use crate::diagnostic::{At, Report, nearest};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 use std::collections::BTreeMap;
 
 /// Gravity where none is described (m/s²).

@@ -3,8 +3,8 @@
 use super::super::JointKind;
 use super::super::description::{BodyDescription, JointDescription, LimitsDescription, Name};
 use crate::diagnostic::Report;
-use crate::formula::Formula;
 use crate::wording::as_written;
+use gelenk_formula::Formula;
 
 pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name;

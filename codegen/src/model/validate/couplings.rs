@@ -4,8 +4,8 @@ use super::super::description::{FollowsDescription, Name, RobotDescription};
 use super::super::tree::Tree;
 use super::super::{FollowedCoordinate, Follower, FrictionTerm};
 use crate::diagnostic::{At, Report, nearest};
-use crate::formula::{Formula, Function};
 use crate::wording::as_written;
+use gelenk_formula::{Formula, Function};
 use std::collections::BTreeMap;
 
 /// A row of G, and its offset.

@@ -9,8 +9,8 @@ use super::build::Builder;
 use super::couplings::Couplings;
 use super::driven_joints;
 use super::force_laws::check_shaft;
-use crate::formula::Formula;
 use crate::wording::as_written;
+use gelenk_formula::Formula;
 
 impl Builder<'_, '_> {
     /// Friction of the shaft of a drive on one coordinate is friction of its joint: with the gear ratio i,

@@ -8,9 +8,9 @@ use super::super::description::JointDescription;
 use super::super::{FrictionTerm, JointKind};
 use super::range::Range;
 use crate::diagnostic::{At, Report, Span};
-use crate::formula::Formula;
 use crate::numeric;
 use crate::wording::three_digits;
+use gelenk_formula::Formula;
 
 /// Largest speed [rad/s or m/s] looked at where a joint has no limit.
 const SPEED: f64 = 10.0;

@@ -5,8 +5,8 @@ use super::super::distances::Distances;
 use super::super::tree::Tree;
 use super::super::{Attachment, Drive, ForceEffect, ForceInput, Model, PointForce, Pose, Wrench};
 use crate::diagnostic::{At, Report, nearest};
-use crate::formula::{Formula, Function};
 use crate::wording::{as_written, list, three_digits};
+use gelenk_formula::{Formula, Function};
 
 /// Shorter distances are none [m].
 const SHORTEST: f64 = 1e-9;

@@ -9,8 +9,8 @@ use super::super::description::{JointDescription, RobotDescription};
 use super::super::name::identifier;
 use super::super::tree::Tree;
 use crate::diagnostic::{Report, Span};
-use crate::formula::Formula;
 use crate::wording::{as_written, list, listed, three_digits};
+use gelenk_formula::Formula;
 
 /// No link of a robot is so long [m]; a robot in millimetres has longer ones.
 const FAR: f64 = 50.0;

@@ -9,8 +9,8 @@ use super::super::inertia::{self, Flaw};
 use super::super::regularity::{Pivots, STATES};
 use super::super::tree::Tree;
 use crate::diagnostic::{Report, Span};
-use crate::formula::Formula;
 use crate::wording::listed;
+use gelenk_formula::Formula;
 
 /// A body and what is wrong with it.
 struct Finding<'d> {

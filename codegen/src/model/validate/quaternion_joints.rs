@@ -6,7 +6,7 @@ use super::super::description::{DriveChoice, JointDescription, Name, PartOf, Rob
 use super::super::tree::Tree;
 use super::inner_links;
 use crate::diagnostic::{Report, Span};
-use crate::formula::Formula;
+use gelenk_formula::Formula;
 
 /// Complains about what no velocity of a joint with a quaternion can have.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {

@@ -1,6 +1,6 @@
 //! Bounds of a force law over all positions and velocities, by interval arithmetic.
 
-use crate::formula::{Formula, Function};
+use gelenk_formula::{Formula, Function};
 
 /// The values of a formula lie between these, which may be infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,7 +102,7 @@ impl Range {
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-    use crate::formula::{Allowed, parse};
+    use gelenk_formula::{Allowed, parse};
     use std::collections::BTreeMap;
 
     fn force_law(text: &str) -> Formula {
