@@ -12,7 +12,7 @@
 use crate::dynamics::{Dynamics, Named, plain_entries};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
-use crate::pseudo_inverse::pseudo_inverse;
+use crate::pseudo_inverse::{dot, pseudo_inverse};
 use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
 use thiserror::Error;
 
@@ -240,10 +240,6 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     }
 }
 
-fn product<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 /// The positions closest to 0 within the limits, attitudes at the identity.
 pub(crate) fn closest_to_neutral<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
@@ -262,10 +258,10 @@ fn closest_to_zero<const N: usize>(limits: &[[f64; 2]; N]) -> [f64; N] {
 
 impl<const N: usize, const M: usize> Inverted<N, M> {
     fn inputs(&self, forces: &[f64; N]) -> [f64; M] {
-        self.inverse.map(|row| product(&row, forces))
+        self.inverse.map(|row| dot(&row, forces))
     }
 
     fn missed(&self, forces: &[f64; N], inputs: &[f64; M]) -> [f64; N] {
-        core::array::from_fn(|i| forces[i] - product(&self.input_matrix[i], inputs))
+        core::array::from_fn(|i| forces[i] - dot(&self.input_matrix[i], inputs))
     }
 }

@@ -74,7 +74,7 @@ fn turn<const L: usize, const M: usize>(
     }
 }
 
-fn dot<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
+pub(crate) fn dot<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

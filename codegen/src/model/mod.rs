@@ -21,6 +21,7 @@ mod key_examples;
 mod load;
 mod mjcf;
 mod name;
+mod notes;
 mod pose;
 mod quaternion_joint;
 mod read;

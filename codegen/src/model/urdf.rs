@@ -9,9 +9,10 @@ use super::description::{
     BodyDescription, DriveChoice, FollowsDescription, FrameDescription, FrictionDescription,
     JointDescription, Name, RobotDescription,
 };
+use super::notes::Notes;
 use super::pose::{IDENTITY, norm};
 use super::toml_values::join;
-use super::urdf_notes::{Remark, UrdfNotes};
+use super::urdf_notes::{HARMLESS, Remark};
 use super::urdf_text::UrdfText;
 use super::{FrictionTerm, JointKind, Pose, QuaternionKind, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
@@ -47,14 +48,14 @@ pub(super) fn description(
         report.error(Span::new(source, robot.range()), "not-a-robot", message);
         return None;
     }
-    let mut reader = Reader { report, angles, source, options: *options, notes: UrdfNotes::default() };
+    let mut reader = Reader { report, angles, source, options: *options, notes: Notes::new() };
     if let Some(macros) = xacro::first(robot) {
         let span = reader.span(macros);
         xacro::report(macros, span, file, reader.report);
         return None;
     }
     let description = reader.robot(robot, stem);
-    reader.notes.report(reader.report);
+    reader.notes.report(|what| HARMLESS.contains(&what), reader.report);
     Some(description)
 }
 
@@ -88,7 +89,7 @@ pub(super) struct Reader<'r> {
     angles: &'r mut Angles,
     pub(super) source: usize,
     options: ReadOptions,
-    pub(super) notes: UrdfNotes,
+    pub(super) notes: Notes<Remark>,
 }
 
 pub(super) type XmlNode<'a> = Node<'a, 'a>;

@@ -1,11 +1,10 @@
 //! What was skipped or changed in a URDF: one note for each kind.
 
-use crate::diagnostic::{Diagnostic, Report, Severity, Span};
-use crate::wording::listed;
-use std::collections::BTreeMap;
+use super::notes;
+use crate::diagnostic::Severity;
 
 /// Elements that never enter the dynamics; they share one note.
-const HARMLESS: [&str; 14] = [
+pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",
     "<material>",
@@ -36,7 +35,7 @@ pub(super) enum Remark {
     ReductionIgnored,
 }
 
-impl Remark {
+impl notes::Remark for Remark {
     fn code(self) -> &'static str {
         match self {
             Self::AxisNormalized => "axis-normalized",
@@ -78,62 +77,4 @@ impl Remark {
             Self::ReductionIgnored => "mechanical reductions were ignored, drives are ideal",
         }
     }
-}
-
-/// Collects remarks while a URDF is read.
-#[derive(Debug, Default)]
-pub(super) struct UrdfNotes {
-    /// Skipped elements and attributes: first place and count.
-    skipped: BTreeMap<String, (Span, usize)>,
-    /// First place and owners.
-    remarks: BTreeMap<Remark, (Span, Vec<String>)>,
-}
-
-impl UrdfNotes {
-    pub(super) fn skip(&mut self, what: String, span: Span) {
-        self.skipped.entry(what).or_insert((span, 0)).1 += 1;
-    }
-
-    pub(super) fn remark(&mut self, remark: Remark, span: Span, owner: String) {
-        let entry = self.remarks.entry(remark);
-        entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
-    }
-
-    pub(super) fn report(self, report: &mut Report) {
-        let (harmless, unknown): (Vec<_>, Vec<_>) =
-            self.skipped.into_iter().partition(|(what, _)| HARMLESS.contains(&what.as_str()));
-        note_skipped(harmless, report);
-        note_unknown(unknown, report);
-        for (remark, (span, owners)) in self.remarks {
-            let message = format!("{}: {}", remark.text(), listed(owners.into_iter()));
-            let entry =
-                Diagnostic { severity: remark.severity(), ..Diagnostic::note(remark.code(), message) };
-            report.push(Some(span), entry);
-        }
-    }
-}
-
-pub(super) fn note_skipped(harmless: Vec<(String, (Span, usize))>, report: &mut Report) {
-    let spans = harmless.iter().map(|(_, (span, _))| *span);
-    let Some(first) = spans.min_by_key(|span| span.start) else {
-        return;
-    };
-    let counts = harmless.iter();
-    let counts = counts.map(|(what, (_, count))| format!("{count} {what}"));
-    let counts = counts.collect::<Vec<_>>().join(", ");
-    let message = format!("skipped: {counts}; they do not enter the dynamics");
-    report.note(Some(first), "skipped", message);
-}
-
-fn note_unknown(unknown: Vec<(String, (Span, usize))>, report: &mut Report) {
-    let spans = unknown.iter().map(|(_, (span, _))| *span);
-    let Some(first) = spans.min_by_key(|span| span.start) else {
-        return;
-    };
-    let entries = unknown.iter().map(|(what, (_, count))| match count {
-        1 => what.clone(),
-        count => format!("{what} ({count} times)"),
-    });
-    let message = format!("not known and skipped: {}", listed(entries));
-    report.note(Some(first), "unknown-tag", message);
 }

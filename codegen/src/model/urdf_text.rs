@@ -4,7 +4,8 @@
 //! prefixes that nothing declares are common in published files. Such places are overwritten byte by byte, so
 //! that positions stay what they are.
 
-use roxmltree::{Document, Error};
+use crate::diagnostic::Span;
+use roxmltree::{Document, Error, Node};
 
 /// A file may use so many prefixes that it does not declare.
 const MOST_PREFIXES: usize = 16;
@@ -129,6 +130,14 @@ impl UrdfText {
             }
         }
     }
+}
+
+/// The opening tag of an element, which may be the whole file.
+pub(super) fn opening_tag(node: Node<'_, '_>, source: usize) -> Span {
+    let range = node.range();
+    let text = node.document().input_text().get(range.clone()).unwrap_or("");
+    let length = text.find(['>', '\n']).map_or(text.len(), |at| at + 1);
+    Span::new(source, range.start..range.start + length)
 }
 
 #[cfg(test)]

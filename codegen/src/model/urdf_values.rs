@@ -3,17 +3,14 @@
 use super::description::Name;
 use super::urdf::{Reader, XmlNode};
 use super::urdf_notes::Remark;
+use super::urdf_text::opening_tag;
 use crate::diagnostic::{At, Span};
 use gelenk_formula::{LARGEST_NUMBER, too_large};
 use roxmltree::{Attribute, Node};
 
 impl Reader<'_> {
     pub(super) fn span(&self, node: XmlNode<'_>) -> Span {
-        let range = node.range();
-        // The opening tag is enough: an element may be the whole file.
-        let text = node.document().input_text().get(range.clone()).unwrap_or("");
-        let length = text.find(['>', '\n']).map_or(text.len(), |at| at + 1);
-        Span::new(self.source, range.start..range.start + length)
+        opening_tag(node, self.source)
     }
 
     pub(super) fn attribute_span(&self, attribute: Attribute<'_, '_>) -> Span {

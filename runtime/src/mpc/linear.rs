@@ -1,13 +1,12 @@
 //! Linear time-varying model predictive control.
 
-use super::DisturbanceObserver;
 use super::error::MpcError;
 use super::horizon::Horizon;
 use super::integrate::discretize;
 use super::node::{Node, Prediction};
-use super::note::MpcNote;
+use super::of_the_horizon::{of_the_horizon, plan_of_the_horizon};
 use super::options::{LinearizationPoint, MpcOptions};
-use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
+use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::{Sample, Trajectory};
@@ -63,10 +62,7 @@ where
         Ok(Self { horizon: Horizon::new(model, trajectory, options)? })
     }
 
-    /// The model.
-    pub fn model(&self) -> &D {
-        self.horizon.model()
-    }
+    of_the_horizon!();
 
     /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
     /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
@@ -76,17 +72,6 @@ where
     /// [`FeedForwardError::InputMatrix`]; the model then stays.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.horizon.set_model(model)
-    }
-
-    /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
-    /// the soft limits or a row, terminal weights of few digits. Empty where all is well.
-    pub fn notes(&self) -> &[MpcNote] {
-        &self.horizon.notes
-    }
-
-    /// The observer with its estimates.
-    pub fn observer(&self) -> &DisturbanceObserver<N, M, NY> {
-        &self.horizon.observer
     }
 
     /// Linearizes and discretizes the horizon that begins at `start`.
@@ -150,13 +135,7 @@ where
         self.horizon.solve(start, &state)
     }
 
-    fn planned(&self, periods: u32) -> Option<[f64; M]> {
-        self.horizon.planned(periods)
-    }
-
-    fn estimate(&self) -> Option<Estimate<N, NY>> {
-        Some(self.horizon.estimate())
-    }
+    plan_of_the_horizon!();
 
     /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {

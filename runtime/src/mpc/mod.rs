@@ -47,6 +47,7 @@ mod node;
 mod nonlinear;
 mod note;
 mod observer;
+mod of_the_horizon;
 mod options;
 mod row;
 #[doc = include_str!("tune.md")]

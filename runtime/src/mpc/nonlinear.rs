@@ -1,13 +1,12 @@
 //! Nonlinear model predictive control.
 
-use super::DisturbanceObserver;
 use super::error::MpcError;
 use super::horizon::Horizon;
 use super::integrate::{Span, integrate};
 use super::node::{Node, Prediction};
-use super::note::MpcNote;
+use super::of_the_horizon::{of_the_horizon, plan_of_the_horizon};
 use super::options::MpcOptions;
-use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
+use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::Trajectory;
@@ -52,10 +51,7 @@ where
         Ok(Self { horizon: Horizon::new(model, trajectory, options)?, prepared: f64::NAN })
     }
 
-    /// The model.
-    pub fn model(&self) -> &D {
-        self.horizon.model()
-    }
+    of_the_horizon!();
 
     /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
     /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
@@ -66,17 +62,6 @@ where
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.prepared = f64::NAN;
         self.horizon.set_model(model)
-    }
-
-    /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
-    /// the soft limits or a row, terminal weights of few digits. Empty where all is well.
-    pub fn notes(&self) -> &[MpcNote] {
-        &self.horizon.notes
-    }
-
-    /// The observer with its estimates.
-    pub fn observer(&self) -> &DisturbanceObserver<N, M, NY> {
-        &self.horizon.observer
     }
 
     /// Prepares the next period, which follows `time` (s), the one of the last [`feedback`](Self::feedback).
@@ -141,13 +126,7 @@ where
         self.feedback(cycle)
     }
 
-    fn planned(&self, periods: u32) -> Option<[f64; M]> {
-        self.horizon.planned(periods)
-    }
-
-    fn estimate(&self) -> Option<Estimate<N, NY>> {
-        Some(self.horizon.estimate())
-    }
+    plan_of_the_horizon!();
 
     /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay, and
     /// stages that [`prepare`](Nmpc::prepare) has set.

@@ -44,7 +44,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates],
         results: &[("q_gravity", VECTOR, "positive where gravity drives the joint forwards; −∂V/∂y")],
-        notes: &[],
         build: |equations, arguments| vec![vector(equations.gravity_forces(&arguments.y))],
         ..Quantity::PLAIN
     },
@@ -54,7 +53,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
         results: &[("q_springs", VECTOR, "positive where a spring drives the joint forwards")],
-        notes: &[],
         build: |equations, arguments| vec![vector(equations.spring_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -65,7 +63,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
         results: &[("q", VECTOR, "on the right-hand side, without the inputs")],
-        notes: &[],
         otherwise: &[load_friction::APART],
         build: |equations, arguments| vec![vector(equations.applied_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
@@ -87,7 +84,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[],
         results: &[("B", BY_INPUTS, "gear ratios, times motor constants where inputs are currents")],
-        notes: &[],
         otherwise: &[load_friction::EQUATIONS],
         build: |equations, _| vec![matrix(equations.input_matrix(&[]))],
         ..Quantity::PLAIN
@@ -131,7 +127,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "ÿ = M⁻¹ (q + B u − k)",
         arguments: &[Coordinates, Velocities, Inputs],
         results: &[("ÿ", VECTOR, "accelerations")],
-        notes: &[],
         otherwise: &[load_friction::FORWARD_DYNAMICS],
         build: |equations, arguments| {
             vec![vector(equations.forward_dynamics(&arguments.y, &arguments.v, &arguments.u))]
@@ -252,7 +247,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "T = ½ ẏᵀ M ẏ",
         arguments: &[Coordinates, Velocities],
         results: &[("T", SCALAR, "energy [J]")],
-        notes: &[],
         otherwise: &[driven::ENERGY],
         build: |equations, arguments| vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
@@ -267,7 +261,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             SCALAR,
             "energy [J], of the moving bodies, zero with their masses at the height of the base frame; springs not included",
         )],
-        notes: &[],
         build: |equations, arguments| vec![scalar(equations.potential_energy(&arguments.y))],
         describe: frame_inputs::describe_energy,
         ..Quantity::PLAIN
@@ -281,7 +274,6 @@ const FRICTION_TORQUES: Quantity = Quantity {
     equation: "q = gravity_forces + spring_forces − friction_torques",
     arguments: &[Velocities],
     results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
-    notes: &[],
     otherwise: &[load_friction::APART],
     build: friction_torques,
     ..Quantity::PLAIN
@@ -357,7 +349,6 @@ pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
         "generalized forces of a unit of each input: for drives gear ratios, times motor constants where inputs are \
          currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` of the distance that they pull together",
     )],
-    notes: &[],
     otherwise: &[load_friction::EQUATIONS],
     build: |equations, arguments| vec![matrix(equations.input_matrix(&arguments.y))],
     ..Quantity::PLAIN

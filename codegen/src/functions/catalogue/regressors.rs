@@ -19,7 +19,6 @@ pub const QUANTITIES: &[Quantity] = &[
         equation: "W(y, ẏ, ÿ) π = M ÿ + k − q_gravity",
         arguments: &[],
         results: &[("π", PARAMETERS, "in the order of `INERTIAL_PARAMETER_NAMES`")],
-        notes: &[],
         build: |equations, _| {
             let parameters = regressor::inertial_parameters(equations.graph, equations.model);
             vec![vector(parameters)]
@@ -77,7 +76,6 @@ const FRICTION_PARAMETERS: Quantity = Quantity {
     equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
     arguments: &[],
     results: &[("φ", PARAMETERS, "in the order of `FRICTION_PARAMETER_NAMES`")],
-    notes: &[],
     otherwise: &[load_friction::APART],
     build: friction_parameters,
     constants: |model, _, _| vec![module_constants::friction_names(model)],

@@ -17,7 +17,6 @@ pub const QUANTITIES: &[Quantity] = &[
         equation: "Σ Jᵀ w over the wrenches, J the Jacobian of each one's frame",
         arguments: &[Coordinates, Wrenches],
         results: &[("q_w", VECTOR, "positive where the wrenches drive the joint forwards")],
-        notes: &[],
         build: |equations, Arguments { y, w, .. }| vec![vector(equations.wrench_forces(y, w))],
         ..Quantity::PLAIN
     },
@@ -30,7 +29,6 @@ pub const QUANTITIES: &[Quantity] = &[
             ("q_w", VECTOR, "positive where the wrenches drive the joint forwards"),
             ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
         ],
-        notes: &[],
         otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, w, .. }| {
             let (forces, by_coordinates) = equations.wrench_forces_derivatives(y, w);
@@ -44,7 +42,6 @@ pub const QUANTITIES: &[Quantity] = &[
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ) − wrench_forces(y, w)",
         arguments: &[Coordinates, Velocities, Accelerations, Wrenches],
         results: &[("B u", VECTOR, "what the drives exert at the joints")],
-        notes: &[],
         build: |equations, Arguments { y, v, a, w, .. }| {
             vec![vector(equations.inverse_dynamics_with_wrenches(MotionInput { y, v, a }, w))]
         },
@@ -56,7 +53,6 @@ pub const QUANTITIES: &[Quantity] = &[
         equation: MOTION,
         arguments: &[Coordinates, Velocities, Inputs, Wrenches],
         results: &[("ÿ", VECTOR, "accelerations")],
-        notes: &[],
         build: |equations, Arguments { y, v, u, w, .. }| {
             vec![vector(equations.forward_dynamics_with_wrenches(y, v, u, w))]
         },
@@ -76,7 +72,6 @@ pub const QUANTITIES: &[Quantity] = &[
             ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
             ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
         ],
-        notes: &[],
         otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, a, w, .. }| {
             let result = equations.inverse_dynamics_derivatives_with_wrenches(MotionInput { y, v, a }, w);
@@ -99,7 +94,6 @@ pub const QUANTITIES: &[Quantity] = &[
             ("∂ÿ/∂ẏ", SQUARE, "row i = acceleration i"),
             ("M⁻¹", SQUARE, "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
         ],
-        notes: &[],
         otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, u, w, .. }| {
             let result = equations.forward_dynamics_derivatives_with_wrenches(y, v, u, w);

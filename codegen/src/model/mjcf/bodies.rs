@@ -92,7 +92,7 @@ impl<'a> Reader<'_, 'a> {
     fn unread(&mut self, placed: &Placed<'a>) {
         match GENERATORS.contains(&placed.element.tag()) {
             true => self.refuse(placed.element),
-            false => self.notes.skip(placed.element.tag(), placed.element.span()),
+            false => self.notes.skip(format!("<{}>", placed.element.tag()), placed.element.span()),
         }
     }
 

@@ -15,7 +15,7 @@ impl<'a> Reader<'_, 'a> {
             let active = element.attribute("active");
             let active = active.or_else(|| self.classes.attribute(class, "equality", "active"));
             if active.is_some_and(|given| given.text == "false") || self.options.ignore_mimic {
-                self.notes.skip(element.tag(), element.span());
+                self.notes.skip(format!("<{}>", element.tag()), element.span());
                 continue;
             }
             match element.tag() {

@@ -5,7 +5,7 @@ use std::path::Path;
 use roxmltree::{Attribute, Document, Node};
 
 use super::super::load::Load;
-use super::super::urdf_text::UrdfText;
+use super::super::urdf_text::{UrdfText, opening_tag};
 use crate::diagnostic::{At, Report, Span};
 
 /// So many files may include each other.
@@ -144,10 +144,7 @@ impl<'a> Element<'a> {
 
     /// The opening tag.
     pub(super) fn span(self) -> Span {
-        let range = self.node.range();
-        let text = self.node.document().input_text().get(range.clone()).unwrap_or("");
-        let length = text.find(['>', '\n']).map_or(text.len(), |at| at + 1);
-        Span::new(self.source, range.start..range.start + length)
+        opening_tag(self.node, self.source)
     }
 }
 

@@ -19,13 +19,14 @@ use std::path::Path;
 use super::angles::Angles;
 use super::description::{DriveChoice, Name, RobotDescription};
 use super::load::Load;
+use super::notes::Notes;
 use super::{Pose, ReadOptions};
 use crate::diagnostic::{At, Report, Span, nearest};
 use classes::Classes;
 use compiler::Compiler;
 use files::{Element, Files, Given};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
-use notes::{Notes, Remark};
+use notes::Remark;
 
 /// The link of all that does not move.
 const WORLD: &str = "world";
@@ -62,7 +63,7 @@ pub(super) struct Reader<'r, 'a> {
     classes: Classes<'a>,
     compiler: Compiler,
     gravity: [f64; 3],
-    notes: Notes,
+    notes: Notes<Remark>,
     robot: RobotDescription,
     /// By their names in the file.
     joints: BTreeMap<String, KnownJoint>,
@@ -111,7 +112,7 @@ pub(super) fn description(
         files: &files,
         compiler: Compiler::default(),
         gravity: [0.0, 0.0, -9.81],
-        notes: Notes::default(),
+        notes: Notes::new(),
         robot: RobotDescription {
             name: At::new(stem.to_owned(), root.span()),
             default_drive: DriveChoice::Passive,
@@ -125,7 +126,7 @@ pub(super) fn description(
         drive_names: BTreeSet::new(),
     };
     reader.model(root, &sections);
-    reader.notes.report(reader.report);
+    reader.notes.report(|_| true, reader.report);
     Some(reader.robot)
 }
 
@@ -150,7 +151,7 @@ impl<'a> Reader<'_, 'a> {
             if !HARMLESS.contains(&section.tag()) {
                 self.refuse(*section);
             } else {
-                self.notes.skip(section.tag(), section.span());
+                self.notes.skip(format!("<{}>", section.tag()), section.span());
             }
         }
     }

@@ -1,10 +1,7 @@
 //! What was skipped or changed in an MJCF: one note for each kind.
 
-use std::collections::BTreeMap;
-
-use super::super::urdf_notes::note_skipped;
-use crate::diagnostic::{Diagnostic, Report, Severity, Span};
-use crate::wording::listed;
+use super::super::notes;
+use crate::diagnostic::Severity;
 
 /// Something about a description that is worth a note, once for all places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,7 +21,7 @@ pub(super) enum Remark {
     TendonForce,
 }
 
-impl Remark {
+impl notes::Remark for Remark {
     fn code(self) -> &'static str {
         match self {
             Self::Actuator => "actuator-skipped",
@@ -80,34 +77,6 @@ impl Remark {
                 "springs given by time constants (`springdamper`), and others that are not linear, were left out"
             }
             Self::TendonForce => "springs, limits and spatial paths of tendons were left out",
-        }
-    }
-}
-
-/// Collects remarks while an MJCF is read.
-#[derive(Debug, Default)]
-pub(super) struct Notes {
-    skipped: BTreeMap<String, (Span, usize)>,
-    remarks: BTreeMap<Remark, (Span, Vec<String>)>,
-}
-
-impl Notes {
-    pub(super) fn skip(&mut self, tag: &str, span: Span) {
-        self.skipped.entry(format!("<{tag}>")).or_insert((span, 0)).1 += 1;
-    }
-
-    pub(super) fn remark(&mut self, remark: Remark, span: Span, owner: String) {
-        let entry = self.remarks.entry(remark);
-        entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
-    }
-
-    pub(super) fn report(self, report: &mut Report) {
-        note_skipped(self.skipped.into_iter().collect(), report);
-        for (remark, (span, owners)) in self.remarks {
-            let message = format!("{}: {}", remark.text(), listed(owners.into_iter()));
-            let entry =
-                Diagnostic { severity: remark.severity(), ..Diagnostic::note(remark.code(), message) };
-            report.push(Some(span), entry);
         }
     }
 }

@@ -42,13 +42,24 @@ fn note_degrees(robot: &RobotDescription, report: &mut Report) {
             found.push((joint.name.span, format!("{name} held at {}", as_written(held))));
         }
     }
-    let Some((first, _)) = found.first() else {
-        return;
-    };
-    let (first, entries) = (*first, found.iter().map(|(_, entry)| entry.clone()));
-    let message = format!("positions look like degrees: {}; they are taken as radians", listed(entries));
-    report.note(Some(first), "looks-like-degrees", message);
-    report.help("90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
+    let message = |entries| format!("positions look like degrees: {entries}; they are taken as radians");
+    let help = "90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML";
+    note_found(found, "looks-like-degrees", message, help, report);
+}
+
+/// One note, at the first place, for all entries that were found.
+fn note_found(
+    found: Vec<(Span, String)>,
+    code: &'static str,
+    message: impl Fn(String) -> String,
+    help: &str,
+    report: &mut Report,
+) {
+    if let Some(&(first, _)) = found.first() {
+        let entries = listed(found.into_iter().map(|(_, entry)| entry));
+        report.note(Some(first), code, message(entries));
+        report.help(help);
+    }
 }
 
 fn are_degrees(limits: [f64; 2]) -> bool {
@@ -86,13 +97,8 @@ fn note_lengths(
             found.push((joint.name.span, entry));
         }
     }
-    let Some((first, _)) = found.first() else {
-        return;
-    };
-    let (first, entries) = (*first, found.iter().map(|(_, entry)| entry.clone()));
-    let message = format!("far from the frame of its link: {}; are lengths in millimetres?", listed(entries));
-    report.note(Some(first), "far-away", message);
-    report.help("lengths are in metres, inertias in kg m²");
+    let message = |entries| format!("far from the frame of its link: {entries}; are lengths in millimetres?");
+    note_found(found, "far-away", message, "lengths are in metres, inertias in kg m²", report);
 }
 
 /// Two legs at least: a leg alone is tested on a stand.

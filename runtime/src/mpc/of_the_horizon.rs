@@ -1,0 +1,37 @@
+//! The methods of predictive controllers that are those of their `horizon`.
+
+/// The methods of the controllers themselves.
+macro_rules! of_the_horizon {
+    () => {
+        /// The model.
+        pub fn model(&self) -> &D {
+            self.horizon.model()
+        }
+
+        /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
+        /// the soft limits or a row, terminal weights of few digits. Empty where all is well.
+        pub fn notes(&self) -> &[$crate::mpc::MpcNote] {
+            &self.horizon.notes
+        }
+
+        /// The observer with its estimates.
+        pub fn observer(&self) -> &$crate::mpc::DisturbanceObserver<N, M, NY> {
+            &self.horizon.observer
+        }
+    };
+}
+pub(super) use of_the_horizon;
+
+/// The methods of [`Controller`](crate::control_loop::Controller).
+macro_rules! plan_of_the_horizon {
+    () => {
+        fn planned(&self, periods: u32) -> Option<[f64; M]> {
+            self.horizon.planned(periods)
+        }
+
+        fn estimate(&self) -> Option<$crate::control_loop::Estimate<N, NY>> {
+            Some(self.horizon.estimate())
+        }
+    };
+}
+pub(super) use plan_of_the_horizon;
