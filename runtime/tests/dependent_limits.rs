@@ -12,7 +12,9 @@ use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::limits::{Quantity, Rating, Violation, violations};
 use gelenk_runtime::mpc::{LtvMpc, MpcError, MpcNote, MpcOptions, MpcRow, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
-use gelenk_runtime::trajectory::{MotionLimits, RestToRest, Trajectory};
+use gelenk_runtime::trajectory::{
+    MotionLimits, OnlineTarget, RestToRest, Trajectory, TrajectoryError, ViaPoints,
+};
 use gelenk_runtime::transport::InProcess;
 
 const FREE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -257,4 +259,79 @@ fn a_joint_that_follows_a_driven_one_is_judged_beside_its_motion() {
     let notes: Vec<String> = mpc.notes().iter().map(ToString::to_string).collect();
     assert!(notes.iter().any(|note| note.contains("joint rod follows a driven joint")), "{notes:?}");
     assert_eq!(MpcRow::of_dependent_joints(&away), [] as [MpcRow<2, 2>; 0]);
+}
+
+/// Largest and least position of the forearm along a motion, and its largest speed.
+fn of_forearm(motion: &impl Trajectory<4>) -> [f64; 3] {
+    let forearm = Palletizer.limits().dependent[FOREARM];
+    let mut extremes = [f64::INFINITY, f64::NEG_INFINITY, 0.0];
+    for k in 0..=20_000 {
+        let sample = motion.sample(motion.duration() * f64::from(k) / 20_000.0);
+        let [position, speed] = forearm.motion(&sample.positions, &sample.velocities, &[]);
+        extremes = [extremes[0].min(position), extremes[1].max(position), speed.abs().max(extremes[2])];
+    }
+    extremes
+}
+
+/// The coordinates move against each other, so that the forearm is faster than both.
+#[test]
+fn a_motion_through_points_keeps_the_speed_of_a_joint_that_follows_several_coordinates() {
+    let points = [[0.0, 0.4, 0.6, 0.0], [0.1, 0.1, 0.9, 0.0], [0.2, 0.0, 1.1, 0.3], [0.0, 0.3, 0.7, 0.0]];
+    let limits = MotionLimits::of(&SlowPalletizer.limits(), 0.5, [6.0; 4]);
+    let [.., speed] = of_forearm(&ViaPoints::within(&points, &limits).unwrap());
+    assert!(speed <= 0.3 * (1.0 + 1e-9), "{speed}");
+    assert!(speed > 0.3 * 0.999, "it is what limits this motion: {speed}");
+    let others = MotionLimits { dependent: &[], ..limits };
+    let [.., speed] = of_forearm(&ViaPoints::within(&points, &others).unwrap());
+    assert!(speed > 0.6, "without its limit it is faster than it may be: {speed}");
+}
+
+/// In both points in the middle the forearm stands just below its highest position, 1.5 rad; both coordinates are far from their
+/// limits.
+#[test]
+fn a_motion_through_points_keeps_the_position_of_a_joint_that_follows_several_coordinates() {
+    let points =
+        [[0.0, -0.1, 0.4, 0.0], [0.0, -0.3, 1.19, 0.0], [0.0, -0.3, 1.19, 1.5], [0.0, -0.1, 0.4, 0.0]];
+    let limits = MotionLimits::of(&Palletizer.limits(), 0.5, [6.0; 4]);
+    let motion = ViaPoints::within(&points, &limits).unwrap();
+    let [_, highest, _] = of_forearm(&motion);
+    assert!((1.49 - 1e-9..=1.5).contains(&highest), "{highest}");
+    assert!((motion.sample(motion.times()[1]).positions[2] - 1.19).abs() < 1e-9);
+    let others = MotionLimits { dependent: &[], ..limits };
+    let [_, highest, _] = of_forearm(&ViaPoints::within(&points, &others).unwrap());
+    assert!(highest > 1.5, "a spline leads it beyond: {highest}");
+
+    let beyond = [points[0], [0.0, -0.4, 1.2, 0.0]];
+    let error = ViaPoints::within(&beyond, &limits).unwrap_err();
+    assert!(matches!(error, TrajectoryError::DependentOutside { joint: "forearm", point: 1, .. }), "{error}");
+    assert!(error.to_string().starts_with("point 2 has joint forearm, which follows several"), "{error}");
+}
+
+/// From the second to the third point, where the forearm stands below its highest position, the crank moves first and the lower
+/// arm after it, each of them monotone.
+#[test]
+fn a_joint_that_would_leave_its_limits_between_two_points_is_refused() {
+    let points =
+        [[0.0, -0.6, 0.59, 0.0], [0.0, -0.6, 0.89, 0.0], [0.0, -0.3, 1.19, 0.0], [0.0, 0.0, 1.19, 0.0]];
+    let limits = MotionLimits::of(&Palletizer.limits(), 0.5, [6.0; 4]);
+    let error = ViaPoints::within(&points, &limits).unwrap_err();
+    let is_between = matches!(error, TrajectoryError::DependentOvershoot { joint: "forearm", point: 1, .. });
+    assert!(is_between, "{error}");
+    assert!(error.to_string().contains("between points 2 and 3"), "{error}");
+    let between = [points[0], points[1], [0.0, -0.31, 0.95, 0.0], points[2], points[3]];
+    let motion = ViaPoints::within(&between, &limits).unwrap();
+    assert!(of_forearm(&motion)[1] <= 1.5);
+}
+
+#[test]
+fn a_target_that_changes_is_refused_where_it_would_not_keep_them() {
+    let limits = MotionLimits { jerks: [50.0; 4], ..MotionLimits::of(&Palletizer.limits(), 0.5, [6.0; 4]) };
+    let error = OnlineTarget::new([0.0, 0.3, 0.8, 0.0], &limits).unwrap_err();
+    assert_eq!(error, TrajectoryError::DependentNotKept { joint: "forearm" });
+    assert!(error.to_string().contains("MotionLimits::dependent"), "{error}");
+    let narrowed = MotionLimits { dependent: &[], ..limits };
+    assert!(OnlineTarget::new([0.0, 0.3, 0.8, 0.0], &narrowed).is_ok());
+    // Fingers that follow one coordinate count by its limits.
+    let limits = MotionLimits { jerks: [50.0; 2], ..MotionLimits::of(&Gripper.limits(), 0.5, [6.0; 2]) };
+    assert!(OnlineTarget::new([0.0, 0.1], &limits).is_ok());
 }

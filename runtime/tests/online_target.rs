@@ -61,6 +61,7 @@ fn limits_hold_and_nothing_jumps_whatever_is_asked() {
             speeds: [decade(-1.0, 0.5), decade(-1.0, 0.5), decade(-1.0, 0.5)],
             accelerations: [decade(-0.5, 1.0), decade(-0.5, 1.0), decade(-0.5, 1.0)],
             jerks: [decade(0.5, 2.0), decade(0.5, 2.0), decade(0.5, 2.0)],
+            ..MotionLimits::default()
         };
         let motion = OnlineTarget::new([0.0; 3], &limits).unwrap();
         let period = 0.01;

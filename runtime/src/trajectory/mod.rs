@@ -18,6 +18,7 @@ mod sine;
 #[cfg(feature = "std")]
 mod smoothing;
 mod spline;
+mod sums;
 mod via_points;
 
 pub use along::Along;
@@ -36,7 +37,7 @@ pub use sine::{IdentificationMotion, IdentificationSine};
 pub use smoothing::{Smoothed, Smoothing};
 pub use via_points::ViaPoints;
 
-use crate::dynamics::{AttitudeError, Limits, Named};
+use crate::dynamics::{AttitudeError, DependentJoint, Limits, Named};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 use thiserror::Error;
@@ -78,6 +79,11 @@ pub struct MotionLimits<const N: usize> {
     pub accelerations: [f64; N],
     /// Largest jerk [rad/s³ or m/s³]. [`ViaPoints`] has none.
     pub jerks: [f64; N],
+    /// Joints that follow several coordinates and have limits of position or speed. [`ViaPoints`] keeps them. Those that
+    /// follow one coordinate count by its limits, and those that follow driven joints are not known here.
+    pub dependent: &'static [DependentJoint<N>],
+    /// Share (0 to 1) of the speeds of these joints.
+    pub dependent_share: f64,
 }
 
 impl<const N: usize> Default for MotionLimits<N> {
@@ -87,18 +93,27 @@ impl<const N: usize> Default for MotionLimits<N> {
             speeds: [f64::INFINITY; N],
             accelerations: [f64::INFINITY; N],
             jerks: [f64::INFINITY; N],
+            dependent: &[],
+            dependent_share: 1.0,
         }
     }
 }
 
 impl<const N: usize> MotionLimits<N> {
     /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations of your own: models
-    /// have none. Those of joints that follow one coordinate narrow its own; whether joints that follow several keep
-    /// theirs says [`violations`](crate::limits::violations).
+    /// have none. Those of joints that follow one coordinate narrow its own, and those of joints that follow several are
+    /// taken over. Whether joints that follow driven ones keep theirs says [`violations`](crate::limits::violations).
     #[must_use]
     pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
         let Limits { position, velocity, .. } = limits.narrowed();
-        Self { positions: position, speeds: velocity.map(|v| v * share), accelerations, ..Self::default() }
+        Self {
+            positions: position,
+            speeds: velocity.map(|v| v * share),
+            accelerations,
+            dependent: limits.dependent,
+            dependent_share: share,
+            ..Self::default()
+        }
     }
 
     /// - `point`: its index, for messages
@@ -141,7 +156,7 @@ impl<const N: usize> MotionLimits<N> {
                 });
             }
         }
-        Ok(())
+        require_positive("share of the speeds of dependent joints", self.dependent_share)
     }
 }
 
@@ -238,6 +253,47 @@ pub enum TrajectoryError {
         position: f64,
         /// Limits [rad or m].
         limits: [f64; 2],
+    },
+    /// At a point, a joint that follows several coordinates is outside its position limits.
+    #[error(
+        "point {} has joint {}, which follows several coordinates, at {position}, outside its limits {} to {}",
+        .point + 1, Named(.joint), .limits[0], .limits[1]
+    )]
+    DependentOutside {
+        /// Name of the joint.
+        joint: &'static str,
+        /// Index of the point; messages count from 1.
+        point: usize,
+        /// Position of the joint [rad or m].
+        position: f64,
+        /// Limits [rad or m].
+        limits: [f64; 2],
+    },
+    /// Between two points, a joint that follows several coordinates leaves its position limits.
+    #[error(
+        "joint {}, which follows several coordinates, would reach {position} between points {} and {}, outside its limits \
+         {} to {}: put a point between that leads its coordinates inside",
+        Named(.joint), .point + 1, .point + 2, .limits[0], .limits[1]
+    )]
+    DependentOvershoot {
+        /// Name of the joint.
+        joint: &'static str,
+        /// Index of the point before; messages count from 1.
+        point: usize,
+        /// Farthest position of the joint [rad or m].
+        position: f64,
+        /// Limits [rad or m].
+        limits: [f64; 2],
+    },
+    /// A joint that follows several coordinates has limits, which a motion cannot keep that knows limits of coordinates alone.
+    #[error(
+        "joint {} follows several coordinates, and a target that changes keeps limits of single ones alone: narrow these, so \
+         that it stays within its own, and leave it out of `MotionLimits::dependent`; or move by `ViaPoints`",
+        Named(.joint)
+    )]
+    DependentNotKept {
+        /// Name of the joint.
+        joint: &'static str,
     },
     /// Two points in a row are the same: a motion that does not stop cannot pass both.
     #[error(

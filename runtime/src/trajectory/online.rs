@@ -1,5 +1,6 @@
 //! A target that may change while the robot moves, approached with limited jerk.
 
+use super::sums;
 use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
 use rsruckig::prelude::{DataArrayOrVec, InputParameter, Ruckig, RuckigErrorHandler, RuckigResult};
 use rsruckig::trajectory::Trajectory as Profile;
@@ -123,9 +124,13 @@ impl<const N: usize> OnlineTarget<N> {
     ///
     /// # Errors
     /// Limits of speed, acceleration or jerk that are not 1e-4 to 1e4, with which the generator's equations
-    /// are well scaled; a start that is not finite, outside the position limits, or beyond 1e4.
+    /// are well scaled; a joint among [`MotionLimits::dependent`] that follows several coordinates, whose limits this motion
+    /// does not keep; a start that is not finite, outside the position limits, or beyond 1e4.
     pub fn new(start: [f64; N], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
+        if let Some(joint) = sums::of(limits).next() {
+            return Err(TrajectoryError::DependentNotKept { joint: joint.name });
+        }
         require_scaled("speed limit", &limits.speeds, 1.0 / LARGEST)?;
         require_scaled("acceleration limit", &limits.accelerations, 1.0 / LARGEST)?;
         require_scaled("jerk limit", &limits.jerks, 1.0 / LARGEST)?;

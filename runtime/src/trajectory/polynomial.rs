@@ -36,6 +36,12 @@ impl Quintic {
         Self { coefficients: [c0, c1, c2, c3, 0.0, 0.0] }
     }
 
+    /// This polynomial and `factor` times another one.
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+        let sum = |k: usize| self.coefficients[k] + factor * other.coefficients[k];
+        Self { coefficients: core::array::from_fn(sum) }
+    }
+
     /// Least and largest position, velocity and acceleration between 0 and `duration`, to rounding: between
     /// two roots of its derivative a polynomial is monotone and has one root at most, which bisection finds.
     pub fn extremes(&self, duration: f64) -> [[f64; 2]; 3] {

@@ -32,7 +32,7 @@ pub(super) fn way_of(span: usize, ways: usize) -> usize {
 }
 
 /// Polynomials of all joints through `points`, in the times of `ways` and `spans`: cubic splines, or, for
-/// joints whose spline leaves their limits, monotone ones.
+/// joints whose spline leaves their limits and those of `is_monotone`, monotone ones.
 ///
 /// # Errors
 /// Times and distances with which numbers overflow.
@@ -41,11 +41,13 @@ pub(super) fn through<const N: usize>(
     ways: &[f64],
     spans: &[f64],
     limits: &[[f64; 2]; N],
+    is_monotone: &[bool; N],
 ) -> Result<Vec<Piece<N>>, TrajectoryError> {
     let mut pieces = vec![[Quintic::default(); N]; spans.len()];
     for i in 0..N {
         let values: Vec<f64> = points.iter().map(|point| point[i]).collect();
-        let spline = cubic(&values, spans).filter(|spline| keeps_within(spline, spans, limits[i]));
+        let spline = if is_monotone[i] { None } else { cubic(&values, spans) };
+        let spline = spline.filter(|spline| keeps_within(spline, spans, limits[i]));
         let joint = match spline {
             Some(spline) => spline,
             None => monotone(&values, ways, spans),

@@ -2,6 +2,7 @@
 
 use super::polynomial::Quintic;
 use super::spline::{self, Piece};
+use super::sums;
 use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -22,7 +23,8 @@ use crate::no_std::*;
 ///
 /// Times are shared out among the ways in a few rounds, and then stretched by one factor, so that a limit is
 /// reached somewhere and exceeded nowhere: extremes are found from the roots of the derivatives, not by
-/// sampling. The result is not the fastest possible. To stop in each point, take a
+/// sampling. Joints that follow several coordinates ([`MotionLimits::dependent`]) keep their limits likewise: all their
+/// coordinates take the monotone polynomials where splines lead them outside. The result is not the fastest possible. To stop in each point, take a
 /// [`PointSequence`](super::PointSequence).
 ///
 /// ```
@@ -57,7 +59,8 @@ impl<const N: usize> ViaPoints<N> {
     ///
     /// # Errors
     /// Fewer than two points; two equal ones in a row; a point that is not finite or outside the position
-    /// limits; limits that are not positive; no finite limit of speed or acceleration for a joint that moves;
+    /// limits, or leads a dependent joint outside its own; a dependent joint that leaves its limits between two points also
+    /// along monotone polynomials; limits that are not positive; no finite limit of speed or acceleration for a joint that moves;
     /// numbers with which times overflow.
     pub fn within(points: &[[f64; N]], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
@@ -67,7 +70,7 @@ impl<const N: usize> ViaPoints<N> {
         let mut best_ways = ways.clone();
         for _ in 0..ROUNDS {
             let spans = spline::spans(&ways);
-            let pieces = spline::through(points, &ways, &spans, &limits.positions)?;
+            let pieces = through(points, &ways, &spans, limits)?;
             let ratios = ratios(&pieces, &spans, limits, ways.len());
             let stretch = ratios.iter().copied().fold(0.0, f64::max) * (1.0 + MARGIN);
             let total = stretch * ways.iter().sum::<f64>();
@@ -85,7 +88,8 @@ impl<const N: usize> ViaPoints<N> {
 
     fn build(points: &[[f64; N]], ways: &[f64], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         let spans = spline::spans(ways);
-        let pieces = spline::through(points, ways, &spans, &limits.positions)?;
+        let pieces = through(points, ways, &spans, limits)?;
+        sums::check(&pieces, &spans, limits, ways.len())?;
         let beyond = ratios(&pieces, &spans, limits, ways.len());
         let kept = beyond.iter().all(|ratio| *ratio <= 1.0 + MARGIN);
         if !kept {
@@ -156,7 +160,7 @@ fn check_points<const N: usize>(
             return Err(TrajectoryError::RepeatedPoint { point: k });
         }
     }
-    Ok(())
+    sums::check_points(points, limits)
 }
 
 /// Times of the ways with which no joint would be too fast on average, nor from rest to rest.
@@ -180,6 +184,25 @@ fn first_guess<const N: usize>(
     Ok(ways)
 }
 
+/// Splines, or monotone polynomials of all coordinates of a joint that would leave its limits with splines.
+fn through<const N: usize>(
+    points: &[[f64; N]],
+    ways: &[f64],
+    spans: &[f64],
+    limits: &MotionLimits<N>,
+) -> Result<Vec<Piece<N>>, TrajectoryError> {
+    let pieces = spline::through(points, ways, spans, &limits.positions, &[false; N])?;
+    let mut is_monotone = [false; N];
+    for joint in sums::of(limits).filter(|joint| sums::first_outside(joint, &pieces, spans).is_some()) {
+        let followed = joint.ratios.map(|ratio| ratio != 0.0);
+        is_monotone.iter_mut().zip(followed).for_each(|(is, follows)| *is |= follows);
+    }
+    if is_monotone.contains(&true) {
+        return spline::through(points, ways, spans, &limits.positions, &is_monotone);
+    }
+    Ok(pieces)
+}
+
 /// For each way how much slower it must become, at least, for the limits to hold on it.
 fn ratios<const N: usize>(
     pieces: &[Piece<N>],
@@ -197,6 +220,7 @@ fn ratios<const N: usize>(
             let harder = (largest(acceleration) / limits.accelerations[i]).sqrt();
             *ratio = ratio.max(faster).max(harder);
         }
+        *ratio = ratio.max(sums::largest_ratio(piece, *span, limits));
     }
     ratios
 }
