@@ -189,7 +189,7 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
             &["--reduce", "--output", "log.moments"],
             "logs are not reduced to moments where a joint is floating",
         ),
-        (&["--plan"], "joint base_x has no drive"),
+        (&["--plan"], "joint base: no motion is planned where a joint is floating"),
     ];
     for (more, words) in cases {
         fs::write(folder.path().join("log.csv"), &text).unwrap();
@@ -201,5 +201,22 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
         let output = command.args(more).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && said.contains(words), "{words}\n{said}");
+    }
+}
+
+/// Each of its velocities has a drive, so that nothing but the quaternion stands against a plan.
+#[test]
+fn a_plan_for_a_driven_ball_joint_is_refused_with_a_remedy() {
+    const BALL: &str = "[[joints]]\nname = \"hip\"\ntype = \"spherical\"\ndrive = \"ideal\"\n\
+        [[bodies]]\nlink = \"hip\"\nmass = 1\ninertia = 0.1\n";
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("ball.toml"), BALL).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    let output =
+        command.current_dir(folder.path()).args(["identify", "--plan", "ball.toml"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    for words in ["joint hip: no motion is planned where a joint is spherical", "describe it as fixed"] {
+        assert!(said.contains(words), "{said}");
     }
 }

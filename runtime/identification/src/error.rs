@@ -112,7 +112,9 @@ pub enum IdentificationError {
         largest: f64,
     },
     /// A joint that no input moves.
-    #[error("joint {joint} has no drive: no motion of it can be planned")]
+    #[error(
+        "joint {joint} has no drive: no motion of it can be planned; describe its drive, or hold it (`held = 0`) for the plan and its logs"
+    )]
     NotDriven {
         /// Name of the joint.
         joint: String,

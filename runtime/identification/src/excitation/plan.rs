@@ -2,7 +2,7 @@
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::random::SplitMix64;
-use super::super::robot::{FollowerLimits, JointLimits, Robot, narrowed_limits};
+use super::super::robot::{FollowerLimits, JointLimits, Robot, narrowed_limits, require_no_quaternions};
 use super::super::shafts::{RobotRows, ShaftRows};
 use super::search::condition_of_scaled;
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
@@ -101,9 +101,10 @@ const STATES: usize = 60;
 /// meet each other, are not known here.
 ///
 /// # Errors
-/// Shares out of range, a joint without a drive, or a robot for which no motion tried shows all parameters within its efforts.
+/// Shares out of range, a joint with a quaternion or without a drive, or a robot for which no motion tried shows all parameters within its efforts.
 pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
     check(settings)?;
+    require_no_quaternions(robot, "no motion is planned", HOLD_IT)?;
     require_driven(robot)?;
     let (limits, notes) = usable(robot, settings);
     let shafts = ShaftRows::of(robot);
@@ -224,6 +225,11 @@ fn assumptions(robot: &dyn Robot, settings: &PlanSettings) -> Vec<String> {
     });
     ranges.into_iter().chain(speeds).flatten().collect()
 }
+
+/// What is done instead of planning the motion of a joint with a quaternion.
+const HOLD_IT: &str = "a plan moves each coordinate along a sum of sines, and a quaternion has no coordinates that move by themselves. Clamp what \
+    this joint carries, describe it as fixed for the plan and its logs (a base without --base floating, a joint by `type = \"fixed\"`), and \
+    identify what then stays unknown from logs of free motions";
 
 /// Fails with the first joint that no input moves.
 fn require_driven(robot: &dyn Robot) -> Result<()> {
