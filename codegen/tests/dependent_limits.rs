@@ -141,7 +141,7 @@ fn a_module_has_the_ratios_to_driven_joints() {
 fn what_keeps_limits_is_said() {
     let limits = "limits = { position = [-0.2, 0.8] }";
     let (said, _) = generated(&robot(&format!("follows = {{ crank = 1, arm = -1 }}\n{limits}")));
-    assert!(flat(&said).contains("takes its rows by `MpcRow::of_dependent_joints`"), "{said}");
+    assert!(flat(&said).contains("predictive controllers keep them by rows, `MpcRow::of_limits`"), "{said}");
     let (said, _) = generated(&robot(&format!("follows = {{ crank = 1 }}\n{limits}")));
     assert!(flat(&said).contains("narrows the limits of the joint that is followed"), "{said}");
     let free = format!("follows = {{ crank = {{ free = 0.5, name = \"ratio\" }} }}\n{limits}");

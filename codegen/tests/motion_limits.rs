@@ -199,3 +199,42 @@ fn cylinders_behind_other_joints_are_kept_too() {
     assert!(limits(&found, "stick").velocity.unwrap() < 1.2);
     assert_eq!(limits(&found, "boom"), limits(&loaded(&text), "boom"));
 }
+
+/// Robots of models/ with limits of motors on two joints, and of a joint that follows two: the rows with which the runtime tests
+/// controllers, checks and the loop (`runtime/tests/dependent_limits.rs`), and which plans and checks of logs take.
+#[test]
+fn limits_of_motors_and_followers_of_the_models_are_rows() {
+    let level = "\n[[joints]]\nname = \"level\"\nparent = \"undercarriage\"\naxis = [0, 0, 1]\nfollows = { boom = 1, stick = 1 }\noffset = -1\n\
+                 limits = { position = [-0.5, 0.12] }\n\n[[bodies]]\nlink = \"level\"\nmass = 0.1\ninertia = 1e-4\n\n[[forces]]\n";
+    let speed = |name: &str, speed: &str| {
+        let key = format!("name = \"{name}\"\n");
+        (key.clone(), format!("{key}speed = {speed}\n"))
+    };
+    let cases = [
+        ("differential_wrist", speed("left_motor", "350"), vec![0.0, 0.0, 80.0, 80.0], 350.0),
+        ("tx40_like", speed("motor_6", "120"), vec![0.0, 0.0, 0.0, 0.0, 32.0, 32.0], 120.0),
+        ("scara", speed("screw_nut", "60"), vec![0.0, 0.0, 1.0, -314.159_265_358_979_3, 0.0], 60.0),
+        (
+            "excavator",
+            ("\n[[forces]]\n".to_owned(), level.to_owned()),
+            vec![0.0, 1.0, 1.0, 0.0],
+            f64::INFINITY,
+        ),
+    ];
+    for (name, (from, to), ratios, velocity) in cases {
+        let file = [env!("CARGO_MANIFEST_DIR"), "/../models/", name, ".toml"].concat();
+        let text = fs::read_to_string(file).unwrap();
+        assert!(text.contains(&from), "{name}");
+        let found = loaded(&text.replacen(&from, &to, 1));
+        let rows = found.model.dependent(&[]);
+        let [row] = &rows[..] else { panic!("{name}: {rows:?}") };
+        assert_eq!((row.ratios.as_ref(), row.velocity), (Some(&ratios), velocity), "{name}");
+        let robot = InterpretedRobot::new(&found.model).unwrap();
+        let [limits] = &robot.followers()[..] else { panic!("{name}: {:?}", robot.followers()) };
+        assert_eq!(
+            (&limits.ratios, limits.velocity, limits.position),
+            (&ratios, velocity, row.position),
+            "{name}"
+        );
+    }
+}

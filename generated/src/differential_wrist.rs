@@ -55,6 +55,19 @@ pub const INPUT_LIMITS: [f64; M] = [0.6, 0.35, 0.1, 0.1];
 /// one where no peak is described.
 pub const PEAK_INPUT_LIMITS: [f64; M] = [1.2, 0.7, 0.2, 0.2];
 
+/// C in `|u + C ẏ| ≤ limit`, the torque–speed lines of the motors: a row for each input, in its unit; 0 where not
+/// described.
+pub const TORQUE_SPEED_SLOPES: [[f64; N]; 4] = [
+    [0.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, 0.032, 0.032],
+    [0.0, 0.0, 0.032, -0.032],
+];
+
+/// The limits there, by input: what its motor gives at rest, in the unit of the input; infinite where not
+/// described.
+pub const TORQUE_SPEED_LIMITS: [f64; M] = [f64::INFINITY, f64::INFINITY, 0.24, 0.24];
+
 /// Gear ratio of each drive: motor angle over joint angle.
 pub const GEAR_RATIOS: [f64; M] = [120.0, 100.0, 80.0, 80.0];
 

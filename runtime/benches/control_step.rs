@@ -11,7 +11,7 @@
 //! states, 6 inputs). Over all periods the ratio depends on how often the bounds of each motion are active.
 
 use gelenk_runtime::control_loop::{Controller, Cycle, LogRecord, LogSink, Source, log_to};
-use gelenk_runtime::dynamics::{Discretizable, PhaseSpace};
+use gelenk_runtime::dynamics::{Discretizable, LimitRows, PhaseSpace};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
@@ -244,7 +244,7 @@ fn print_linear(name: &str, linear: &Loop, Stages { observing, looking, logging 
 }
 
 /// Limits of the inputs' magnitudes, and as much noise of the disturbance as they call for.
-fn options<D: Discretizable<N, M>, const N: usize, const M: usize>(
+fn options<D: Discretizable<N, M> + LimitRows<0>, const N: usize, const M: usize>(
     model: &D,
     torque: [f64; M],
 ) -> MpcOptions<N, M> {

@@ -5,7 +5,7 @@
 //! inputs that are reached on the way. All arrays that cross the interface have their rows first.
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
-use gelenk_runtime::dynamics::{Discretizable, PhaseSpace};
+use gelenk_runtime::dynamics::{Discretizable, LimitRows, PhaseSpace};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
@@ -175,7 +175,7 @@ fn contest<D, const N: usize, const M: usize, const NX: usize>(
     is_nonlinear: bool,
 ) -> Result<Box<dyn Contender>, Box<dyn Error>>
 where
-    D: Discretizable<N, M> + PhaseSpace<NX> + Copy + 'static,
+    D: Discretizable<N, M> + PhaseSpace<NX> + LimitRows<0> + Copy + 'static,
 {
     let mut options = MpcOptions::new(&model, PERIOD, HORIZON);
     options.input_limits = most.map(|u| [-u, u]);

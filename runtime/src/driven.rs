@@ -39,8 +39,8 @@
 //! begins later than the plant, [`DrivenRobot::beginning_at`] says when on either clock the motion begins.
 
 use crate::dynamics::{
-    self, DependentRows, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives,
-    InputLimits, Limits, Linearization, PhaseSpace, Step,
+    self, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives, InputLimits, LimitRows,
+    Limits, Linearization, PhaseSpace, Step,
 };
 use crate::trajectory::Trajectory;
 
@@ -183,4 +183,4 @@ where
 }
 
 impl<R: PhaseSpace<NX>, T, const K: usize, const NX: usize> PhaseSpace<NX> for DrivenRobot<R, T, K> {}
-impl<R: DependentRows<NR>, T, const K: usize, const NR: usize> DependentRows<NR> for DrivenRobot<R, T, K> {}
+impl<R: LimitRows<NR>, T, const K: usize, const NR: usize> LimitRows<NR> for DrivenRobot<R, T, K> {}

@@ -1,4 +1,6 @@
-//! What limits of inputs have to be, for the loop and the plant alike.
+//! What limits of inputs have to be, and what motors give at speed, for the loop and the plant alike.
+
+use crate::dynamics::TorqueSpeedLine;
 
 /// A part of the limits that has to lie in a range: its name, its value for each input, the range in words, and
 /// whether a value lies in it.
@@ -13,4 +15,26 @@ pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requireme
             x > 0.0
         }),
     ]
+}
+
+/// Part of a limit that is rounding: a controller that keeps a line computes it otherwise.
+const ROUNDING: f64 = 1e-9;
+
+/// Cuts inputs off at the torque–speed lines of their motors; returns how many were. Inputs must be finite; speeds that are no
+/// numbers cut nothing off.
+pub(crate) fn limit_torques<const N: usize, const M: usize>(
+    inputs: &mut [f64; M],
+    lines: &[TorqueSpeedLine<N>],
+    velocities: &[f64; N],
+) -> u64 {
+    let mut limited = 0;
+    for line in lines {
+        let ([low, high], u) = (line.range(velocities), &mut inputs[line.input]);
+        let slack = ROUNDING * line.limit;
+        if *u < low - slack || *u > high + slack {
+            *u = u.max(low).min(high);
+            limited += 1;
+        }
+    }
+    limited
 }

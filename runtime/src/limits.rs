@@ -28,6 +28,8 @@ pub enum Quantity {
     Effort,
     /// Input, in its unit.
     Input,
+    /// Sum `u + C ẏ` of an input and what the speeds take from it, the torque–speed line of a motor, in the input's unit.
+    TorqueSpeed,
     /// Force on a coordinate that no input can make [N m or N]: the trajectory is not feasible there.
     Unreachable,
 }
@@ -61,6 +63,7 @@ impl fmt::Display for Violation {
             Quantity::Velocity => "velocity",
             Quantity::Effort => "joint effort",
             Quantity::Input => "input",
+            Quantity::TorqueSpeed => "torque with what its speed takes",
             Quantity::Unreachable => "force that no input makes",
         };
         write!(
@@ -99,7 +102,7 @@ pub enum CheckError {
 const FEASIBLE: f64 = 1e-6;
 
 /// Where `trajectory`, seen every `period` (s), breaks position, speed and torque limits of `model`; empty
-/// where it keeps them all. Joints that follow coordinates have theirs too. Torques are those of the feed-forward. Joints
+/// where it keeps them all. Joints that follow coordinates have theirs too, and motors their torque–speed lines. Torques are those of the feed-forward. Joints
 /// with quaternions have no position limits.
 ///
 /// # Errors
@@ -143,6 +146,10 @@ pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const N
             watch.see(Quantity::Velocity, place, sample.velocities[i], bound(limits.velocity[i]));
             watch.see(Quantity::Effort, place, force, bound(effort[i]));
             watch.see(Quantity::Unreachable, place, command.residual[i], bound(FEASIBLE));
+        }
+        for line in limits.torque_speed {
+            let value = line.value(command.inputs[line.input], &sample.velocities);
+            watch.see(Quantity::TorqueSpeed, (line.input, line.name), value, bound(line.limit));
         }
         for j in 0..M {
             watch.see(Quantity::Input, (j, inputs[j]), command.inputs[j], input[j]);

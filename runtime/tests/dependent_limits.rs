@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use gelenk_runtime::control_loop::{
-    ControlLoop, Controller, Cycle, End, JointGains, JointPd, LawController, LimitFault, LoopSettings,
-    Refusal, StopReason, VirtualClock,
+    AccelerationGains, ComputedTorque, ControlLoop, Controller, Cycle, End, JointGains, JointLaw, JointPd,
+    LawController, LimitFault, LoopSettings, Refusal, StopReason, VirtualClock,
 };
 use gelenk_runtime::driven::DrivenRobot;
-use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::dynamics::{DependentJoint, Discretizable, Dynamics, LimitRows, PhaseSpace};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::limits::{Quantity, Rating, Violation, violations};
 use gelenk_runtime::mpc::{LtvMpc, MpcError, MpcNote, MpcOptions, MpcRow, Nmpc};
@@ -45,6 +45,45 @@ mod limited_rail_arm {
     pub const DEPENDENT_VELOCITY_LIMITS: [f64; 1] = [f64::INFINITY];
 }
 
+/// The wrist like a TX40's, the differential wrist and the SCARA, with a highest speed of a motor that moves two joints, and the
+/// excavator with a joint that follows boom and stick, as the generator writes their constants.
+mod limited_tx40 {
+    pub use gelenk_generated::tx40_like::*;
+    pub const DEPENDENT_JOINT_NAMES: [&str; 1] = ["motor_6"];
+    pub const DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[0.0, 0.0, 0.0, 0.0, 32.0, 32.0]];
+    pub const DEPENDENT_JOINT_OFFSETS: [f64; 1] = [0.0];
+    pub const DEPENDENT_POSITION_LIMITS: [[f64; 2]; 1] = [super::FREE];
+    pub const DEPENDENT_VELOCITY_LIMITS: [f64; 1] = [120.0];
+}
+mod limited_wrist {
+    pub use gelenk_generated::differential_wrist::*;
+    pub const DEPENDENT_JOINT_NAMES: [&str; 1] = ["left_motor"];
+    pub const DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[0.0, 0.0, 80.0, 80.0]];
+    pub const DEPENDENT_JOINT_OFFSETS: [f64; 1] = [0.0];
+    pub const DEPENDENT_POSITION_LIMITS: [[f64; 2]; 1] = [super::FREE];
+    pub const DEPENDENT_VELOCITY_LIMITS: [f64; 1] = [350.0];
+}
+mod limited_scara {
+    pub use gelenk_generated::scara::*;
+    pub const DEPENDENT_JOINT_NAMES: [&str; 1] = ["screw_nut"];
+    pub const DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[0.0, 0.0, 1.0, -314.1592653589793, 0.0]];
+    pub const DEPENDENT_JOINT_OFFSETS: [f64; 1] = [0.0];
+    pub const DEPENDENT_POSITION_LIMITS: [[f64; 2]; 1] = [super::FREE];
+    pub const DEPENDENT_VELOCITY_LIMITS: [f64; 1] = [60.0];
+}
+mod limited_excavator {
+    pub use gelenk_generated::excavator::*;
+    pub const DEPENDENT_JOINT_NAMES: [&str; 1] = ["level"];
+    pub const DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[0.0, 1.0, 1.0, 0.0]];
+    pub const DEPENDENT_JOINT_OFFSETS: [f64; 1] = [-1.0];
+    pub const DEPENDENT_POSITION_LIMITS: [[f64; 2]; 1] = [[-0.5, 0.12]];
+    pub const DEPENDENT_VELOCITY_LIMITS: [f64; 1] = [f64::INFINITY];
+}
+
+gelenk_runtime::dynamics!(struct Tx40 = limited_tx40);
+gelenk_runtime::dynamics!(struct Wrist = limited_wrist);
+gelenk_runtime::dynamics!(struct Scara = limited_scara);
+gelenk_runtime::dynamics!(struct Excavator = limited_excavator);
 gelenk_runtime::dynamics!(struct Gripper = limited_gripper);
 gelenk_runtime::dynamics!(struct Palletizer = gelenk_generated::palletizer);
 gelenk_runtime::dynamics!(struct SlowPalletizer = limited_palletizer);
@@ -89,7 +128,7 @@ fn both_predictive_controllers_keep_the_limits_of_sums() {
     let forearm = Palletizer.limits().dependent[FOREARM];
     assert_eq!((forearm.name, forearm.ratios), ("forearm", [0.0, -1.0, 1.0, 0.0]));
     let options = || MpcOptions::new(&Palletizer, PERIOD, 15);
-    let rows = MpcRow::of_dependent_joints(&Palletizer);
+    let rows = MpcRow::of_limits(&Palletizer);
     let linear = LtvMpc::new(Palletizer, motion, options().with_rows(rows)).unwrap();
     assert!(linear.notes().iter().any(|note| matches!(note, MpcNote::Row { row: "forearm", .. })));
     let nonlinear = Nmpc::new(Palletizer, motion, options().with_rows(rows)).unwrap();
@@ -106,7 +145,7 @@ fn a_limit_of_speed_of_a_sum_is_kept() {
     let (start, _) = beyond_the_forearm();
     // Within 1 s at up to 0.94 rad/s.
     let motion = RestToRest::new(start, [0.0, 0.05, 1.05, 0.0], 1.0).unwrap();
-    let rows = MpcRow::of_dependent_joints(&SlowPalletizer);
+    let rows = MpcRow::of_limits(&SlowPalletizer);
     assert_eq!(rows.map(|row| row.name), ["forearm", "forearm"]);
     let options = MpcOptions::new(&SlowPalletizer, PERIOD, 15).with_rows(rows);
     let mut controller = LtvMpc::new(SlowPalletizer, motion, options).unwrap();
@@ -119,10 +158,10 @@ fn a_limit_of_speed_of_a_sum_is_kept() {
 #[test]
 fn a_predictive_controller_without_these_rows_is_refused() {
     let (_, motion) = beyond_the_forearm();
-    let options = || MpcOptions::new(&Palletizer, PERIOD, 15);
+    let options = || MpcOptions::new(&Palletizer, PERIOD, 15).with_rows([]);
     let error = LtvMpc::new(Palletizer, motion, options()).unwrap_err();
     assert_eq!(error, MpcError::Dependent { joint: "forearm" });
-    assert!(error.to_string().contains("MpcRow::of_dependent_joints"), "{error}");
+    assert!(error.to_string().contains("MpcRow::of_limits"), "{error}");
     assert!(Nmpc::new(Palletizer, motion, options()).is_err());
     // Bounds within which the forearm keeps its limits, or a row of its name, do as well.
     let mut within = options();
@@ -165,16 +204,25 @@ fn a_finger_narrows_the_limits_of_its_drive() {
 /// Runs the loop with a law that keeps no limits.
 fn end<const N: usize>(model: impl Dynamics<N, N> + Copy, motion: RestToRest<N>) -> End {
     let start = motion.sample(0.0);
+    let law = || {
+        let gains = JointGains::from_bandwidth(&model, &start.positions, 15.0, 0.8);
+        JointPd::new(model, gains).unwrap()
+    };
+    end_with(model, motion, law)
+}
+
+fn end_with<L: JointLaw<N, N>, const N: usize>(
+    model: impl Dynamics<N, N> + Copy,
+    motion: RestToRest<N>,
+    law: impl Fn() -> L,
+) -> End {
+    let start = motion.sample(0.0);
     let settings = LoopSettings { warm_up: 0.0, ..LoopSettings::for_robot(1.0 / PERIOD, &model) };
     let mut plant = Plant::new(model, PlantOptions::default()).unwrap();
     plant.reset(start.positions, [0.0; N]).unwrap();
     plant.preload(FeedForward::new(model).unwrap().at_time(0.0, &start).inputs);
     let clock = VirtualClock::new();
     let transport = InProcess::new(plant, clock.clone(), settings.period());
-    let law = || {
-        let gains = JointGains::from_bandwidth(&model, &start.positions, 15.0, 0.8);
-        JointPd::new(model, gains).unwrap()
-    };
     let controller = LawController::new(law(), motion, PERIOD, 0.01).unwrap();
     let mut control = ControlLoop::new(settings, law(), motion, controller, transport, clock).unwrap();
     control.run().end
@@ -258,7 +306,76 @@ fn a_joint_that_follows_a_driven_one_is_judged_beside_its_motion() {
     let mpc = LtvMpc::new(away, motion, MpcOptions::new(&away, PERIOD, 5)).unwrap();
     let notes: Vec<String> = mpc.notes().iter().map(ToString::to_string).collect();
     assert!(notes.iter().any(|note| note.contains("joint rod follows a driven joint")), "{notes:?}");
-    assert_eq!(MpcRow::of_dependent_joints(&away), [] as [MpcRow<2, 2>; 0]);
+    assert_eq!(MpcRow::of_limits(&away), [] as [MpcRow<2, 2>; 0]);
+}
+
+/// Beyond the limit of the one joint or motor that follows, as a part of it; not positive within.
+fn excess<const N: usize>(joint: &DependentJoint<N>, y: &[f64; N], v: &[f64; N]) -> f64 {
+    let [position, speed] = joint.motion(y, v, &[]);
+    let [low, high] = joint.position;
+    if joint.has_velocity_limit() {
+        speed.abs() / joint.velocity - 1.0
+    } else {
+        (low - position).max(position - high)
+    }
+}
+
+/// That controllers, checks and the loop know the limit of the one joint or motor that follows, which the motion leaves.
+fn check<D, L, const N: usize, const NX: usize, const NR: usize>(
+    model: D,
+    motion: RestToRest<N>,
+    law: impl Fn(D) -> L,
+) where
+    D: Discretizable<N, N> + PhaseSpace<NX> + LimitRows<NR> + Copy,
+    L: JointLaw<N, N>,
+{
+    let [joint] = model.limits().dependent else { panic!("one joint or motor follows") };
+    let shown = |y: &[f64; N], v: &[f64; N]| excess(joint, y, v);
+    let options = || MpcOptions::new(&model, PERIOD, 15);
+    assert_eq!(options().rows[0].name, joint.name);
+    let free = options().rows.map(|row| MpcRow { lower: f64::NEG_INFINITY, upper: f64::INFINITY, ..row });
+    let mut without = LtvMpc::new(model, motion, options().with_rows(free)).unwrap();
+    let beyond = run(model, &mut without, motion, shown);
+    let mut linear = LtvMpc::new(model, motion, options()).unwrap();
+    let mut nonlinear = Nmpc::new(model, motion, options()).unwrap();
+    let kept = [&mut linear as &mut dyn Controller<N, N>, &mut nonlinear];
+    let kept = kept.map(|controller| run(model, controller, motion, shown));
+    println!("{}: {beyond:.3} without its row, {kept:?} with it", joint.name);
+    assert!(beyond > 0.05 && kept.iter().all(|kept| *kept < 0.01 && *kept > -0.2), "{}", joint.name);
+    let quantity = if joint.has_velocity_limit() { Quantity::Velocity } else { Quantity::Position };
+    let all = violations(&motion, model, Rating::Peak, PERIOD).unwrap();
+    assert_eq!(found(&all, joint.name, quantity).len(), 1, "{all:?}");
+    let stopped = end_with(model, motion, || law(model));
+    let of_joint = matches!(
+        stopped,
+        End::Stopped(StopReason::Limit(LimitFault::Position { name, .. } | LimitFault::Speed { name, .. })) if name == joint.name
+    );
+    assert!(of_joint, "{}: {stopped}", joint.name);
+}
+
+fn joint_pd<const N: usize, D: Dynamics<N, N>>(model: D) -> JointPd<D, N, N> {
+    let gains = JointGains::from_bandwidth(&model, &[0.0; N], 15.0, 0.8);
+    JointPd::new(model, gains).unwrap()
+}
+
+#[test]
+fn speeds_of_motors_on_two_joints_reach_controllers_checks_and_the_loop() {
+    let [start, goal] = [[0.2, 0.6, -0.4, 0.0], [0.2, 0.6, 0.4, 0.9]];
+    check(Wrist, RestToRest::new(start, goal, 0.6).unwrap(), joint_pd);
+    let [start, goal] = [[0.0, 0.3, 0.8, 0.0, -0.4, 0.0], [0.1, 0.3, 0.8, 0.2, 0.4, 1.4]];
+    let motion = RestToRest::new(start, goal, 0.7).unwrap();
+    check(Tx40, motion, joint_pd);
+    let [start, goal] = [[0.2, 0.4, 0.0, -0.02, 0.0], [0.1, 0.5, 0.4, -0.1, 0.0]];
+    check(Scara, RestToRest::new(start, goal, 0.6).unwrap(), joint_pd);
+}
+
+/// Cylinders move what is followed.
+#[test]
+fn a_limit_of_a_joint_that_follows_boom_and_stick_reaches_an_excavators_controllers() {
+    let motion = RestToRest::new([0.0, -0.2, 1.2, 0.6], [0.0, -0.3, 1.55, 0.9], 2.0).unwrap();
+    check(Excavator, motion, |model| {
+        ComputedTorque::new(model, AccelerationGains::from_bandwidth(10.0, 1.0)).unwrap()
+    });
 }
 
 /// Largest and least position of the forearm along a motion, and its largest speed.

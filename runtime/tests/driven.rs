@@ -7,7 +7,7 @@ use gelenk_runtime::control_loop::{
     JointLaw, JointPd, LoopSettings, VirtualClock,
 };
 use gelenk_runtime::driven::DrivenRobot;
-use gelenk_runtime::dynamics::{Dynamics, PhaseSpace};
+use gelenk_runtime::dynamics::{Dynamics, LimitRows, PhaseSpace};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcError, MpcOptions, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -63,7 +63,7 @@ fn tracked(mut controller: impl Controller<2, 2>) -> f64 {
     worst
 }
 
-fn options<D: Dynamics<2, 2>>(model: &D) -> MpcOptions<2, 2> {
+fn options<D: Dynamics<2, 2> + LimitRows<0>>(model: &D) -> MpcOptions<2, 2> {
     MpcOptions::new(model, PERIOD, 20)
 }
 

@@ -138,6 +138,7 @@ impl Dynamics<1, 1> for Rod {
             input: [[-1.0, 1.0]],
             peak_input: [[-1.0, 1.0]],
             dependent: &[],
+            torque_speed: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {

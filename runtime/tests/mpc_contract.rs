@@ -7,7 +7,7 @@ mod tracking;
 
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
 use gelenk_runtime::dynamics::{
-    Differentiable, Discretizable, Dynamics, ForceDerivatives, Limits, Linearization, PhaseSpace,
+    Differentiable, Discretizable, Dynamics, ForceDerivatives, LimitRows, Limits, Linearization, PhaseSpace,
 };
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{
@@ -354,6 +354,7 @@ impl Dynamics<2, 2> for LightWrist {
             input: [[-1e6, 1e6]; 2],
             peak_input: [[-1e6, 1e6]; 2],
             dependent: &[],
+            torque_speed: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {
@@ -401,6 +402,8 @@ impl Differentiable<2, 2> for LightWrist {
 impl Discretizable<2, 2> for LightWrist {}
 
 impl PhaseSpace<4> for LightWrist {}
+
+impl LimitRows<0> for LightWrist {}
 
 /// Rates of 1e9 1/s over 0.1 s have no zero-order hold: the controller is refused, or faults where its model
 /// is replaced in operation, by joint, slope and period. Rates of 1e8 1/s have one.

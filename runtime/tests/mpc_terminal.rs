@@ -4,7 +4,7 @@
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::dynamics::{
-    Differentiable, Discretizable, Dynamics, ForceDerivatives, Limits, Linearization, PhaseSpace,
+    Differentiable, Discretizable, Dynamics, ForceDerivatives, LimitRows, Limits, Linearization, PhaseSpace,
 };
 use gelenk_runtime::mpc::{LtvMpc, MpcError, MpcOptions, Nmpc, TerminalWeight};
 use gelenk_runtime::trajectory::RestToRest;
@@ -28,6 +28,7 @@ impl Dynamics<2, 1> for FreeHull {
             input: [[-1.0, 1.0]],
             peak_input: [[-1.0, 1.0]],
             dependent: &[],
+            torque_speed: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 2]) -> [[f64; 2]; 2] {
@@ -76,6 +77,8 @@ impl Differentiable<2, 1> for FreeHull {
 impl Discretizable<2, 1> for FreeHull {}
 
 impl PhaseSpace<4> for FreeHull {}
+
+impl LimitRows<0> for FreeHull {}
 
 /// The hull alone is asked for.
 fn options(terminal_weight: TerminalWeight) -> MpcOptions<2, 1> {

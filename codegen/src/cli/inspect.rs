@@ -152,10 +152,29 @@ fn model_text(model: &Model) -> String {
         ]
     });
     text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
+    text.push_str(&lines_text(model));
     if !model.parameters.is_empty() {
         text.push_str(&format!("\n{}", parameters_text(model)));
     }
     text
+}
+
+/// Motors whose torque falls with their speed; empty where there are none.
+fn lines_text(model: &Model) -> String {
+    let head = ["motor", "stall torque [N m]", "no-load speed [rad/s]"].map(str::to_owned).to_vec();
+    let rows = model.drives.iter().filter_map(|drive| {
+        let line = drive.line?;
+        Some(vec![
+            drive.name.clone(),
+            format!("{:?}", line.stall_torque),
+            format!("{:?}", line.no_load_speed),
+        ])
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }
 
 fn parameters_text(model: &Model) -> String {
@@ -224,6 +243,9 @@ fn model_json(model: &Model) -> Value {
         "description": model.description,
         "links": model.links.iter().map(link).collect::<Vec<_>>(),
         "drives": model.drives.iter().map(|drive| &drive.name).collect::<Vec<_>>(),
+        "torque_speed_lines": model.drives.iter().filter_map(|drive| drive.line.map(|line| json!({
+            "drive": drive.name, "stall_torque": line.stall_torque, "no_load_speed": line.no_load_speed,
+        }))).collect::<Vec<_>>(),
         "frames": model.frames.iter().map(|frame| &frame.name).collect::<Vec<_>>(),
         "parameters": model.parameters.iter().map(|p| json!({
             "name": p.name, "default": p.default, "unit": p.unit, "description": p.description,

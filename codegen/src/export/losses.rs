@@ -3,6 +3,9 @@
 use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
+/// Of motors whose torque falls with their speed.
+pub(super) const LINE: &str = "has no torque–speed lines of motors; left out at";
+
 /// Losses in the order in which they were found.
 pub(super) struct Losses {
     format: Format,

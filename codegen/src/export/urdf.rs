@@ -3,7 +3,7 @@
 //! A frame becomes a link without mass on a fixed joint, as ROS has them; the slide of a screw a joint that mimics its turn.
 
 use super::format::{Exported, Format};
-use super::losses::Losses;
+use super::losses::{LINE, Losses};
 use super::names::{distinct, slide_name};
 use super::numbers::{Placed, Values};
 use super::xml::{Attributes, Xml, numbers};
@@ -260,6 +260,8 @@ impl Writer<'_> {
             }
             if drive.acts_on.len() > 1 {
                 losses.add("has no drives that act on several joints; left out", &drive.name);
+            } else if drive.line.is_some() {
+                losses.add(LINE, &drive.name);
             }
         }
         for (coordinate, joint) in model.joints().enumerate() {

@@ -103,6 +103,10 @@ pub(super) fn entries(
     }
     entries.extend(torques(drive));
     entries.extend(drive.speed.map(|speed| format!("speed = {speed:?}")));
+    entries.extend(drive.line.iter().flat_map(|line| {
+        let (torque, speed) = (line.stall_torque, line.no_load_speed);
+        [format!("stall_torque = {torque:?}"), format!("no_load_speed = {speed:?}")]
+    }));
     let described = match &drive.input {
         Input::Torque | Input::None => None,
         Input::Current(constant) => Some(formula(constant)),

@@ -7,7 +7,7 @@
 use super::pose::rotate_inertia;
 use super::{
     FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, QuaternionKind, RotorCoupling,
-    WrenchAxes,
+    TorqueSpeedLine, WrenchAxes,
 };
 use crate::diagnostic::{At, Span};
 use gelenk_formula::Formula;
@@ -71,6 +71,17 @@ impl RobotDescription {
             None if joint.is_follower() || self.is_acted_on(joint) => &DriveChoice::Passive,
             None => &self.default_drive,
         }
+    }
+
+    /// All motors, of joints and apart from them, with the names of their drives.
+    pub fn motors(&self) -> impl Iterator<Item = (&str, &DriveDescription)> {
+        let of_joints = self.joints.iter().filter_map(|joint| match self.drive_of(joint) {
+            DriveChoice::Motor(motor) => {
+                Some((&motor.name.as_ref().unwrap_or(&joint.name).value[..], &**motor))
+            }
+            DriveChoice::Ideal | DriveChoice::Passive => None,
+        });
+        of_joints.chain(self.drives.iter().map(|drive| (&drive.name.value[..], &drive.motor)))
     }
 
     fn is_acted_on(&self, joint: &JointDescription) -> bool {
@@ -272,6 +283,8 @@ pub(super) struct DriveDescription {
     pub torque: MotorTorque,
     /// Highest speed of the shaft (rad/s).
     pub speed: Option<At<f64>>,
+    /// Torque at rest and speed without load.
+    pub line: Option<At<TorqueSpeedLine>>,
     /// Friction of the shaft, over the motor's angle and speed.
     pub friction: Option<At<Vec<FrictionTerm>>>,
 }

@@ -29,6 +29,8 @@ pub struct Drive {
     pub torque: MotorTorque,
     /// Highest speed of its shaft (rad/s). Where it moves one coordinate, that coordinate's limit contains it.
     pub speed: Option<f64>,
+    /// What it gives less the faster it turns.
+    pub line: Option<TorqueSpeedLine>,
     /// Friction of the shaft over its angle `y` and speed `v`, where the drive acts on several coordinates; that of a
     /// drive on one coordinate is part of its joint's.
     pub friction: Vec<FrictionTerm>,
@@ -61,6 +63,15 @@ pub struct MotorTorque {
     pub nominal: Option<f64>,
     /// The torque that the motor bears for a short time.
     pub peak: Option<f64>,
+}
+
+/// The torque–speed line of a motor, `|τ + τ₀ ω/ω₀| ≤ τ₀` at its shaft: what its supply leaves to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TorqueSpeedLine {
+    /// τ₀: torque at rest (N m).
+    pub stall_torque: f64,
+    /// ω₀: speed without load (rad/s).
+    pub no_load_speed: f64,
 }
 
 /// How the rotor enters the equations of motion.

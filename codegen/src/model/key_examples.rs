@@ -1,7 +1,7 @@
 //! How the values of keys are written, for messages about values that are not.
 
 /// A key with an example of its value, in the order of models/README.md.
-const EXAMPLES: [(&str, &str); 80] = [
+const EXAMPLES: [(&str, &str); 82] = [
     ("name", "`name = \"elbow\"`"),
     ("description", "`description = \"An arm with two joints\"`"),
     ("urdf", "`urdf = \"arm.urdf\"`: the file that this description extends"),
@@ -70,6 +70,8 @@ const EXAMPLES: [(&str, &str); 80] = [
     ("nominal", TORQUE),
     ("peak", TORQUE),
     ("speed", "`speed = 300`: rad/s of a motor's shaft, m/s of a force between two frames"),
+    ("stall_torque", LINE),
+    ("no_load_speed", LINE),
     ("bodies", "`[[bodies]]`, in two brackets, before the keys of each body"),
     ("link", "`link = \"forearm\"`"),
     ("mass", "`mass = 2.5` or `mass = \"payload\"`"),
@@ -92,6 +94,7 @@ const DH: &str = "`{ a = 0.4, alpha = \"pi/2\", d = 0, theta = 0 }`";
 const SPRING: &str = "`spring = { stiffness = 3, rest = 0.1, damping = 0.2 }`";
 const EFFORT: &str = "`effort = 40`, in N m or N";
 const TORQUE: &str = "`torque = { nominal = 0.4, peak = 0.9 }`, in newton metres at the motor";
+const LINE: &str = "`stall_torque = 1.2` and `no_load_speed = 600`, in newton metres and rad/s at the motor";
 
 /// The forms of an inertia.
 const INERTIA: &str = "`0.1` for all axes, the principal moments `[0.1, 0.1, 0.02]`, or `{ xx = 0.1, yy = 0.1, zz = 0.02, xy = 0, xz = 0, yz = 0 }`";

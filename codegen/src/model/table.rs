@@ -87,6 +87,12 @@ fn foreign(key: &str, keys: &[&str]) -> Option<&'static str> {
         "mimic" if keys.contains(&"follows") => {
             Some("a joint follows others with `follows = { shoulder = -0.5 }`")
         }
+        "gear_ratio" | "rotor_inertia" | "motor_constant" | "torque" | "speed" | "stall_torque"
+        | "no_load_speed"
+            if keys.contains(&"drive") =>
+        {
+            Some("a motor's keys stand in `drive = { gear_ratio = 100, … }` of its joint")
+        }
         "stiffness" | "rest" | "damping" if keys.contains(&"law") && keys.contains(&"between") => Some(
             "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper over the distance l and its rate dl",
         ),

@@ -3,7 +3,7 @@
 use super::description::{DriveChoice, DriveDescription, FrictionDescription};
 use super::table::{Item, Table};
 use super::toml_values::Reader;
-use super::{Input, MotorTorque, RotorCoupling};
+use super::{Input, MotorTorque, RotorCoupling, TorqueSpeedLine};
 use crate::diagnostic::At;
 use gelenk_formula::{Formula, FrictionPart, FrictionTerm};
 use toml::de::DeValue;
@@ -138,7 +138,7 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     Some(Formula::difference(Formula::negation(elastic), damping))
 }
 
-pub(super) const DRIVE: [&str; 10] = [
+pub(super) const DRIVE: [&str; 12] = [
     "name",
     "gear_ratio",
     "rotor_inertia",
@@ -147,6 +147,8 @@ pub(super) const DRIVE: [&str; 10] = [
     "coupling",
     "torque",
     "speed",
+    "stall_torque",
+    "no_load_speed",
     "motor_constant",
     "friction",
 ];
@@ -189,8 +191,35 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         input: current.map_or(Input::Torque, Input::Current),
         torque: table.get("torque").and_then(|item| torque(reader, item)).unwrap_or_default(),
         speed: table.get("speed").and_then(|item| reader.positive(item)),
+        line: torque_speed_line(reader, table),
         friction: shaft,
     }
+}
+
+/// Torque at rest and speed without load, of which neither says anything alone.
+fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<TorqueSpeedLine>> {
+    let keys @ [torque, speed] = ["stall_torque", "no_load_speed"].map(|key| table.get(key));
+    let [stall_torque, no_load_speed] = keys.map(|item| item.and_then(|item| reader.positive(item)));
+    let (present, missing) = match (torque, speed) {
+        (Some(present), None) => (present, "no_load_speed"),
+        (None, Some(present)) => (present, "stall_torque"),
+        _ => {
+            let (stall_torque, no_load_speed) = (stall_torque?, no_load_speed?);
+            let line =
+                TorqueSpeedLine { stall_torque: stall_torque.value, no_load_speed: no_load_speed.value };
+            return Some(At::new(line, stall_torque.span));
+        }
+    };
+    reader.report.error(
+        present.span,
+        "missing-key",
+        format!("`{}` needs `{missing}` beside it", present.key),
+    );
+    reader.report.help(
+        "a motor's torque falls from `stall_torque` at rest to 0 at `no_load_speed`; a limit of speed alone is `speed`, one of \
+         torque alone `torque`",
+    );
+    None
 }
 
 /// Friction of a motor's shaft, over its angle and speed.

@@ -10,7 +10,7 @@ use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
 use gelenk_formula::Formula;
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 41] = [
+pub const NAMES: [&str; 43] = [
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -41,6 +41,8 @@ pub const NAMES: [&str; 41] = [
     "INPUT_LIMITS",
     "PEAK_INPUT_LIMITS",
     "INPUT_RANGES",
+    "TORQUE_SPEED_SLOPES",
+    "TORQUE_SPEED_LIMITS",
     "WRENCHES",
     "WRENCH_NAMES",
     "DRIVEN",
@@ -63,6 +65,7 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     constants.extend(joint_limits(&joints));
     constants.extend(dependent(model));
     constants.extend(input_limits(model, &inputs));
+    constants.extend(torque_speed_lines(model).into_iter().flatten());
     constants.extend(drives(model));
     constants.push(friction_jumps(model));
     constants.extend(gravity(model));
@@ -296,6 +299,35 @@ fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Consta
     let ranges = inputs.iter().zip(peak).map(range).collect();
     let summary = "Lowest and highest value of each input, in its unit; infinite where not described.";
     Some(constant("INPUT_RANGES", summary, ConstantValue::Ranges(Dimension::Inputs, ranges)))
+}
+
+/// What motors give less the faster they turn, by input. Nothing where no motor has a line.
+fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
+    let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let lines = model.limited_inputs(&described);
+    if lines.is_empty() {
+        return None;
+    }
+    let (mut slopes, mut limits) = (vec![vec![0.0; model.coordinates.len()]; model.inputs().count()], vec![]);
+    limits.resize(slopes.len(), f64::INFINITY);
+    for line in lines {
+        slopes[line.input] = line.slopes;
+        limits[line.input] = line.limit;
+    }
+    Some([
+        constant(
+            "TORQUE_SPEED_SLOPES",
+            "C in `|u + C ẏ| ≤ limit`, the torque–speed lines of the motors: a row for each input, in its unit; 0 where \
+             not described.",
+            ConstantValue::Rows(Dimension::Coordinates, slopes),
+        ),
+        constant(
+            "TORQUE_SPEED_LIMITS",
+            "The limits there, by input: what its motor gives at rest, in the unit of the input; infinite where not \
+             described.",
+            ConstantValue::Numbers(Dimension::Inputs, limits),
+        ),
+    ])
 }
 
 /// Constants of the drives. Those that depend on free parameters are left out.

@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostics;
 use crate::functions::function::Function;
 use crate::model::{
     Actuator, Attachment, Drive, ForceEffect, Input, Joint, JointKind, Motion, Pose, RotorCoupling,
-    WrenchAxes,
+    TorqueSpeedLine, WrenchAxes,
 };
 use crate::numeric::{atan2, length};
 use crate::program::cost;
@@ -98,6 +98,12 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     if have_speeds {
         table = table.column("highest speed", "highest speed of the motor", "rad/s");
     }
+    let have_lines = drives.iter().any(|drive| drive.line.is_some());
+    if have_lines {
+        table = table
+            .column("stall torque", "torque of the motor at rest, none at its no-load speed", "N m")
+            .column("no-load speed", "no-load speed of the motor", "rad/s");
+    }
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
         let index = match inputs.position(|input| input.name() == drive.name) {
@@ -105,7 +111,12 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
             None => Cell::Empty,
         };
         let speed = have_speeds.then(|| Cell::exact_or_empty(drive.speed));
-        std::iter::once(index).chain(drive_row(robot, drive)).chain(speed).collect()
+        let line = have_lines.then(|| {
+            let number = |of: fn(&TorqueSpeedLine) -> f64| Cell::exact_or_empty(drive.line.as_ref().map(of));
+            [number(|line| line.stall_torque), number(|line| line.no_load_speed)]
+        });
+        let line = line.into_iter().flatten();
+        std::iter::once(index).chain(drive_row(robot, drive)).chain(speed).chain(line).collect()
     });
     Some(table.rows(rows))
 }

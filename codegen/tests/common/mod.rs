@@ -62,6 +62,7 @@ pub fn chain(name: &str, joints: &[(&str, JointKind)]) -> Model {
             input: Input::Torque,
             torque: MotorTorque::default(),
             speed: None,
+            line: None,
             friction: Vec::new(),
         });
     }

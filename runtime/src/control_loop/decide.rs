@@ -10,6 +10,7 @@ use super::stage::STAGES;
 use super::unrolled::Unrolled;
 use crate::clock::Clock;
 use crate::dynamics::DependentJoint;
+use crate::input_limits::limit_torques;
 use crate::trajectory::{Sample, Trajectory};
 use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;
@@ -193,7 +194,9 @@ where
 
     /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
     pub(super) fn check(&mut self, mut inputs: [f64; M]) -> [f64; M] {
-        self.state.counts.limited_inputs += limit_inputs(&mut inputs, &self.settings.input_limits);
+        let limited = limit_inputs(&mut inputs, &self.settings.input_limits);
+        let beyond = limit_torques(&mut inputs, self.settings.torque_speed, &self.velocities());
+        self.state.counts.limited_inputs += limited + beyond;
         let (positions, age) = self.state.guard.believed();
         let velocities = self.state.filter.velocities();
         let (believed, desired) = (&self.state.believed.positions, &self.state.desired.positions);

@@ -206,6 +206,7 @@ mod tests {
                 input: [[-1.0, 1.0]],
                 peak_input: [[-2.0, 2.0]],
                 dependent: &[],
+                torque_speed: &[],
             },
             [[-2.0, 2.0]],
         )

@@ -2,7 +2,7 @@
 
 use super::guard::GuardSettings;
 use super::stage::{STAGES, Stage};
-use crate::dynamics::{DependentJoint, Dynamics, Limits, Named, QuaternionJoint};
+use crate::dynamics::{DependentJoint, Dynamics, Limits, Named, QuaternionJoint, TorqueSpeedLine};
 use crate::input_limits;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -43,6 +43,9 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     /// Lowest and highest value of each input, in its unit; what is beyond is cut off, whatever the controller
     /// says. 0 is between the two.
     pub input_limits: [[f64; 2]; M],
+    /// Torque–speed lines of motors: what is beyond them at the controller's estimate of the speeds, or at the loop's own, is cut
+    /// off too, because the motor does not give it.
+    pub torque_speed: &'static [TorqueSpeedLine<N>],
     /// The guard's tolerances for encoders.
     pub guard: GuardSettings<N>,
     /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). Without
@@ -107,6 +110,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
             following_error: [0.1; N],
             start_tolerance: [0.05; N],
             input_limits,
+            torque_speed: limits.torque_speed,
             guard: GuardSettings {
                 jump_speed: fastest.map(|v| 2.0 * v),
                 jump_margin: [1e-3; N],

@@ -34,12 +34,22 @@ pub enum MpcError {
     /// A joint follows several coordinates, and their bounds allow what its limits do not. A row keeps these.
     #[error(
         "joint {} follows others and can leave its limits within theirs: give the options rows for it, \
-         `.with_rows(MpcRow::of_dependent_joints(&robot))`, or rows of your own that have its name",
+         `.with_rows(MpcRow::of_limits(&robot))`, or rows of your own that have its name",
         Named(.joint)
     )]
     Dependent {
         /// The joint.
         joint: &'static str,
+    },
+    /// A motor gives less the faster it turns, and no row says so.
+    #[error(
+        "motor {} gives less torque the faster it turns, and no row keeps its torque–speed line: give the options all rows of the \
+         robot, `.with_rows(MpcRow::of_limits(&robot))`, or rows of your own that have its name",
+        Named(.motor)
+    )]
+    TorqueSpeed {
+        /// The motor, as its input is called.
+        motor: &'static str,
     },
     /// Positions of a joint with a quaternion have no limits.
     #[error(

@@ -78,7 +78,7 @@ where
         const { assert!(NX == 2 * N, "NX must be 2 N") };
         options.check()?;
         options.check_quaternions(model.quaternion_joints())?;
-        options.check_dependent(model.limits().dependent)?;
+        options.check_sums(&model.limits())?;
         let stages = options.horizon;
         let neutral = Node { positions: model.neutral(), velocities: [0.0; N] };
         let mut horizon = Self {

@@ -3,7 +3,7 @@
 use super::error::{MpcError, require};
 use super::observer::ObserverOptions;
 use super::row::{MpcRow, RowFault, range};
-use crate::dynamics::{DependentJoint, Dynamics, Named, QuaternionJoint};
+use crate::dynamics::{DependentJoint, Dynamics, LimitRows, Limits, Named, QuaternionJoint};
 use crate::qp::{Penalty, QpSettings};
 
 /// Where the linear predictions are taken.
@@ -89,12 +89,16 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub qp: QpSettings,
 }
 
-impl<const N: usize, const M: usize> MpcOptions<N, M> {
+impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     /// Options with the model's limits (inputs up to the peak of motor and joint, [`Dynamics::input_limits`];
-    /// positions; speeds; both narrowed to what joints that follow one of them allow) and weights for a robot in SI units: position errors 1e4, velocity errors 1e2
-    /// (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input. QP to
-    /// a millionth of its cost. No delay, linearization around the plan.
-    pub fn new<const NY: usize>(model: &impl Dynamics<N, M, NY>, period: f64, horizon: usize) -> Self {
+    /// positions; speeds; both narrowed to what joints that follow one of them allow; rows of joints that follow several and of
+    /// motors whose torque falls with their speed, [`MpcRow::of_limits`]) and weights for a robot in SI units: position errors
+    /// 1e4, velocity errors 1e2 (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input.
+    /// QP to a millionth of its cost. No delay, linearization around the plan.
+    pub fn new<D, const NY: usize>(model: &D, period: f64, horizon: usize) -> Self
+    where
+        D: Dynamics<N, M, NY> + LimitRows<NR>,
+    {
         let limits = model.limits().narrowed();
         let inputs = model.input_limits().peak;
         let scale = inputs.map(|[low, high]| {
@@ -112,7 +116,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             input_limits: inputs,
             position_limits: limits.position,
             velocity_limits: limits.velocity,
-            rows: [],
+            rows: MpcRow::of_limits(model),
             limit_penalty: Penalty { linear: 1e4, quadratic: 1e5 },
             linearization: LinearizationPoint::Plan,
             delay: false,
@@ -121,10 +125,10 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
         }
     }
 
-    /// The same options with rows: torque–speed lines of motors, limits of dependent joints, any others. A robot whose
-    /// joints follow several coordinates and have limits needs theirs, [`MpcRow::of_dependent_joints`].
+    /// The same options with these rows in place of theirs: torque–speed lines of motors, limits of dependent joints, any others.
+    /// A robot that has limits of sums needs theirs among them, [`MpcRow::of_limits`].
     #[must_use]
-    pub fn with_rows<const NR: usize>(self, rows: [MpcRow<N, M>; NR]) -> MpcOptions<N, M, NR> {
+    pub fn with_rows<const ROWS: usize>(self, rows: [MpcRow<N, M>; ROWS]) -> MpcOptions<N, M, ROWS> {
         MpcOptions {
             rows,
             period: self.period,
@@ -144,9 +148,7 @@ impl<const N: usize, const M: usize> MpcOptions<N, M> {
             qp: self.qp,
         }
     }
-}
 
-impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     /// # Errors
     /// [`MpcError::Option`] for the first value out of its range, [`MpcError::Row`] for the first row that
     /// cannot be used.
@@ -179,13 +181,22 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     }
 
     /// # Errors
-    /// [`MpcError::Dependent`] for the first joint whose limits neither bounds nor a row of its name keep. Those of joints that
+    /// [`MpcError::Dependent`] for the first joint whose limits neither bounds nor a row of its name keep, and
+    /// [`MpcError::TorqueSpeed`] for the first motor whose line no row of its name with its input keeps. Limits of joints that
     /// follow driven ones, which change with time, are no rows.
-    pub(super) fn check_dependent(&self, joints: &[DependentJoint<N>]) -> Result<(), MpcError> {
+    pub(super) fn check_sums(&self, limits: &Limits<N, M>) -> Result<(), MpcError> {
+        // A motor may be called as a joint is: rows with inputs are those of motors.
         let has_row = |name: &str, of: fn(&MpcRow<N, M>) -> &[f64; N]| {
-            self.rows.iter().any(|row| row.name == name && of(row).iter().any(|c| *c != 0.0))
+            let keeps = |row: &MpcRow<N, M>| !row.has_inputs() && of(row).iter().any(|c| *c != 0.0);
+            self.rows.iter().any(|row| row.name == name && keeps(row))
         };
-        for joint in joints.iter().filter(|joint| !joint.follows_driven_joints()) {
+        for line in limits.torque_speed {
+            let keeps = |row: &MpcRow<N, M>| row.name == line.name && row.inputs[line.input] != 0.0;
+            if !self.rows.iter().any(keeps) {
+                return Err(MpcError::TorqueSpeed { motor: line.name });
+            }
+        }
+        for joint in limits.dependent.iter().filter(|joint| !joint.follows_driven_joints()) {
             let name = joint.name;
             let is_kept = (self.keep_position(joint) || has_row(name, |row| &row.positions))
                 && (self.keep_velocity(joint) || has_row(name, |row| &row.velocities));

@@ -1,6 +1,6 @@
 //! Rows: limits of sums of positions, velocities and inputs.
 
-use crate::dynamics::{DependentJoint, DependentRows, Dynamics, Named};
+use crate::dynamics::{DependentJoint, Dynamics, LimitRows, Named, TorqueSpeedLine};
 use crate::qp::{Penalty, QpProblem};
 use crate::trajectory::Sample;
 use std::fmt;
@@ -90,7 +90,8 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
     ///
     /// A DC motor of torque constant k (N m/A), speed constant k (V s/rad), resistance R (Ω) at the voltage U
     /// (V) has limit = k U/R and, at the gear ratio i, c = i k²/R: with speed ω, |R I + k ω| ≤ U. From a data
-    /// sheet: the stall torque, and i times stall torque over no-load speed.
+    /// sheet: the stall torque, and i times stall torque over no-load speed. A description has these as `stall_torque` and
+    /// `no_load_speed` of a drive; its module then has the row, [`Self::of_limits`].
     pub const fn torque_speed_line(
         name: &'static str,
         inputs: [f64; M],
@@ -110,8 +111,9 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self::new(name, ratios, [0.0; N], [0.0; M], [lower - offset, upper - offset])
     }
 
-    /// The rows of a robot whose joints follow several coordinates and have limits: of positions and of speeds, with the
-    /// names of the joints; none for other robots. Beside rows of your own, take them apart: `let [forearm] = …`.
+    /// The rows of a robot that has limits of sums, with the names of their joints and motors: of positions, then of speeds of
+    /// joints that follow several coordinates, then the torque–speed lines of motors; none for other robots.
+    /// [`MpcOptions::new`](super::MpcOptions::new) takes them. Beside rows of your own, take them apart: `let [forearm] = …`.
     ///
     /// ```
     /// use gelenk_runtime::mpc::{LtvMpc, MpcOptions, MpcRow};
@@ -120,24 +122,32 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
     /// gelenk_runtime::dynamics!(pub struct Palletizer = gelenk_generated::palletizer);
     ///
     /// let motion = RestToRest::new([0.0, 0.3, 0.8, 0.0], [0.4, 0.3, 1.2, 0.5], 2.0)?;
-    /// let rows = MpcRow::of_dependent_joints(&Palletizer);
-    /// assert_eq!(rows[0].name, "forearm");
-    /// let options = MpcOptions::new(&Palletizer, 0.01, 15).with_rows(rows);
+    /// let [forearm] = MpcRow::of_limits(&Palletizer);
+    /// assert_eq!(forearm.name, "forearm");
+    /// let supply = MpcRow::new("supply", [0.0; 4], [0.0; 4], [1.0, 1.0, 0.0, 0.0], [-900.0, 900.0]);
+    /// let options = MpcOptions::new(&Palletizer, 0.01, 15).with_rows([forearm, supply]);
     /// let mpc = LtvMpc::new(Palletizer, motion, options)?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn of_dependent_joints<D, const NR: usize, const NY: usize>(model: &D) -> [Self; NR]
+    pub fn of_limits<D, const NR: usize, const NY: usize>(model: &D) -> [Self; NR]
     where
-        D: Dynamics<N, M, NY> + DependentRows<NR>,
+        D: Dynamics<N, M, NY> + LimitRows<NR>,
     {
-        let joints = || model.limits().dependent.iter().filter(|joint| joint.is_sum());
-        let positions = joints().filter(|joint| joint.has_position_limit());
-        let velocities = joints().filter(|joint| joint.has_velocity_limit());
-        let mut rows = positions.map(Self::of_position).chain(velocities.map(Self::of_velocity));
+        let limits = model.limits();
+        let joints = || limits.dependent.iter().filter(|joint| joint.is_sum());
+        let positions = joints().filter(|joint| joint.has_position_limit()).map(Self::of_position);
+        let velocities = joints().filter(|joint| joint.has_velocity_limit()).map(Self::of_velocity);
+        let mut rows = positions.chain(velocities).chain(limits.torque_speed.iter().map(Self::of_line));
         // A robot written by hand may say that it has more rows than it has.
         let free = Self::new("free", [0.0; N], [0.0; N], [0.0; M], [f64::NEG_INFINITY, f64::INFINITY]);
         core::array::from_fn(|_| rows.next().unwrap_or(free))
+    }
+
+    fn of_line(line: &TorqueSpeedLine<N>) -> Self {
+        let mut inputs = [0.0; M];
+        inputs[line.input] = 1.0;
+        Self::torque_speed_line(line.name, inputs, line.slopes, line.limit)
     }
 
     fn of_position(joint: &DependentJoint<N>) -> Self {
@@ -167,7 +177,7 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         Self { kind: RowKind::Penalized(penalty), ..self }
     }
 
-    const fn has_inputs(&self) -> bool {
+    pub(super) const fn has_inputs(&self) -> bool {
         let mut i = 0;
         while i < M {
             if self.inputs[i] != 0.0 {

@@ -19,6 +19,7 @@ mod options;
 pub use options::{PlantError, PlantOptions};
 
 use crate::dynamics::{Dynamics, plain_entries};
+use crate::input_limits::limit_torques;
 use dry_friction::{Joints, Mode};
 use integrator::{Integrator, MAX_PERIOD_STEPS, Motion};
 use rand::RngExt;
@@ -275,12 +276,14 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         if self.brakes_engaged {
             return [0.0; M];
         }
-        core::array::from_fn(|i| {
+        let mut applied = core::array::from_fn(|i| {
             let noisy = self.received[i] + self.options.input_noise[i] * noise[i];
             let [low, high] = self.options.input_limits[i];
             // The limit last: rounding must not exceed it.
             quantized(noisy, self.options.input_resolution[i]).clamp(low, high)
-        })
+        });
+        limit_torques(&mut applied, self.options.torque_speed, &self.motion.velocities);
+        applied
     }
 
     fn read_encoders(&mut self) -> Measurement<N, NY> {

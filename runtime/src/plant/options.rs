@@ -1,6 +1,6 @@
 //! What a plant does to inputs and measurements, and what can go wrong.
 
-use crate::dynamics::{AttitudeError, Named, QuaternionJoint, plain_entries};
+use crate::dynamics::{AttitudeError, Named, QuaternionJoint, TorqueSpeedLine, plain_entries};
 use crate::input_limits;
 use thiserror::Error;
 
@@ -25,6 +25,9 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     /// Lowest and highest value of each input, in its unit; what is beyond is cut off. 0 is between the two. Infinite:
     /// no limit.
     pub input_limits: [[f64; 2]; M],
+    /// Torque–speed lines of motors, `model.limits().torque_speed`: an input beyond what its line leaves at the speed with which
+    /// the period begins is cut off, after `input_limits`. Empty: none.
+    pub torque_speed: &'static [TorqueSpeedLine<N>],
     /// Standard deviation of the normal noise on each input, drawn once a period, before the limit.
     pub input_noise: [f64; M],
     /// Periods between [`Plant::apply`](super::Plant::apply) and the effect of its input.
@@ -56,6 +59,7 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
             torque_noise: None,
             input_resolution: [0.0; M],
             input_limits: [[f64::NEG_INFINITY, f64::INFINITY]; M],
+            torque_speed: &[],
             input_noise: [0.0; M],
             delay: 0,
             input_loss: 0.0,

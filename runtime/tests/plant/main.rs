@@ -30,6 +30,7 @@ impl Dynamics<1, 1> for Slider {
             input: [[-5.0, 5.0]],
             peak_input: [[-10.0, 10.0]],
             dependent: &[],
+            torque_speed: &[],
         }
     }
     fn mass_matrix(&self, _: &[f64; 1]) -> [[f64; 1]; 1] {

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
-use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::dynamics::{Dynamics, LimitRows};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, MpcOptions};
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -35,7 +35,10 @@ pub fn smoothed(recording: &Recording<2>) -> Sampled<2> {
 }
 
 /// Options for tracking: velocity errors weigh so little that positions return within about a period.
-pub fn options(model: &impl Dynamics<2, 2>, period: f64, horizon: usize) -> MpcOptions<2, 2> {
+pub fn options<D>(model: &D, period: f64, horizon: usize) -> MpcOptions<2, 2>
+where
+    D: Dynamics<2, 2> + LimitRows<0>,
+{
     let mut options = MpcOptions::new(model, period, horizon);
     options.velocity_weight = [5.0, 3.5];
     options.linearization = LinearizationPoint::Reference;

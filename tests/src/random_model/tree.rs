@@ -247,6 +247,7 @@ pub(super) fn drive(rng: &mut Rng, joint: &Joint, acts_on: Vec<FollowedCoordinat
         input: if chance(rng, 0.7) { Input::Torque } else { Input::Current(number(0.05)) },
         torque: MotorTorque::default(),
         speed: None,
+        line: None,
         friction: Vec::new(),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::joints::SPEED;
 use super::writer::{Tendon, Writer};
+use crate::export::losses::LINE;
 use crate::export::names::distinct;
 use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, numbers};
@@ -20,6 +21,9 @@ impl Writer<'_> {
         let model = self.model;
         for drive in &model.drives {
             self.note_rotor(drive);
+            if drive.line.is_some() {
+                self.losses.add(LINE, &drive.name);
+            }
         }
         for drive in model.input_drives() {
             let (key, target, gear) = self.transmission(drive);

@@ -41,6 +41,7 @@ impl Motor {
             input: self.input,
             torque: self.torque,
             speed: None,
+            line: None,
             friction,
         }
     }

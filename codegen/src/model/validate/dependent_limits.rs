@@ -94,8 +94,8 @@ impl<'d> Limited<'d> {
             }
             [_] => "the runtime narrows the limits of the joint that is followed: the loop, predictive controllers and planned motions keep them",
             _ => {
-                "the loop brakes there, and checks of trajectories tell of it; a predictive controller takes its rows by \
-                 `MpcRow::of_dependent_joints`"
+                "the loop brakes there, and checks of trajectories tell of it; predictive controllers keep them by rows, \
+                 `MpcRow::of_limits`"
             }
         });
     }

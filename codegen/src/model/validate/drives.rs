@@ -83,6 +83,7 @@ impl Builder<'_, '_> {
             input: described.motor.input.clone(),
             torque: described.motor.torque,
             speed: described.motor.speed.as_ref().map(|speed| speed.value),
+            line: described.motor.line.as_ref().map(|line| line.value),
         })
     }
 
@@ -201,6 +202,7 @@ impl Builder<'_, '_> {
             input: motor.input.clone(),
             torque: motor.torque,
             speed: motor.speed.as_ref().map(|speed| speed.value),
+            line: motor.line.as_ref().map(|line| line.value),
             friction: Vec::new(), // part of the joint's
         })
     }
@@ -251,6 +253,7 @@ impl Builder<'_, '_> {
             input: Input::Torque,
             torque: MotorTorque::default(),
             speed: None,
+            line: None,
             friction: Vec::new(),
         }
     }

@@ -17,6 +17,7 @@ mod motion_limits;
 mod names;
 mod quaternion_joints;
 mod range;
+mod torque_speed;
 
 use super::Model;
 use super::description::RobotDescription;
@@ -53,6 +54,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
     let mut model = model.filter(|_| !report.has_errors());
     if let Some(model) = &mut model {
         motion_limits::narrow(robot, model, report);
+        torque_speed::check(robot, model, report);
         frame_forces::check(robot, model, report);
         coupling_hints::note(robot, model, report);
     }

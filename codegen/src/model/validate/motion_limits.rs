@@ -1,9 +1,9 @@
 //! Limits of what moves with one coordinate, as limits of that coordinate: speeds of motors, and length and speed of a force
 //! between two frames.
 
-use super::super::description::{DriveChoice, PointForceDescription, RobotDescription};
+use super::super::description::{PointForceDescription, RobotDescription};
 use super::super::distances::Distances;
-use super::super::{Attachment, Limits, Model};
+use super::super::{Attachment, Limits, Model, Motion};
 use super::frame_forces::between;
 use crate::diagnostic::{At, Report, Span};
 use crate::wording::{as_written, list, three_digits};
@@ -18,8 +18,10 @@ const FINENESS: f64 = 1e6;
 /// Narrows limits of coordinates, so that all who keep these keep what follows from them too. Motors that move several
 /// coordinates have rows of their own ([`Model::dependent`]).
 pub(super) fn narrow(robot: &RobotDescription, model: &mut Model, report: &mut Report) {
-    for (name, speed) in motors(robot) {
-        narrow_by_motor(name, speed, model, report);
+    for (name, motor) in robot.motors() {
+        if let Some(speed) = &motor.speed {
+            narrow_by_motor(name, speed, model, report);
+        }
     }
     for force in &robot.point_forces {
         let Some(span) = force.stroke.as_ref().map(|l| l.span).or(force.speed.as_ref().map(|l| l.span))
@@ -31,18 +33,6 @@ pub(super) fn narrow(robot: &RobotDescription, model: &mut Model, report: &mut R
             narrow_by_force(force, &between, &found, model, report);
         }
     }
-}
-
-/// Motors with a highest speed: name of the drive, and the speed.
-fn motors(robot: &RobotDescription) -> impl Iterator<Item = (&str, &At<f64>)> {
-    let of_joints = robot.joints.iter().filter_map(|joint| match robot.drive_of(joint) {
-        DriveChoice::Motor(motor) => {
-            Some((&motor.name.as_ref().unwrap_or(&joint.name).value[..], motor.speed.as_ref()?))
-        }
-        DriveChoice::Ideal | DriveChoice::Passive => None,
-    });
-    let apart = robot.drives.iter();
-    of_joints.chain(apart.filter_map(|drive| Some((&drive.name.value[..], drive.motor.speed.as_ref()?))))
 }
 
 fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut Report) {
@@ -58,9 +48,25 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
         report.help("a limit of a motor's speed is one of its joints' for a known ratio: give the ratio a number, or limit the joint's `velocity`");
         return;
     };
-    let [(coordinate, ratio)] = ratios[..] else { return };
+    let [(coordinate, ratio)] = ratios[..] else {
+        return refuse_name_of_follower(name, speed.span, model, report);
+    };
     let Some(link) = model.link_of(coordinate) else { return };
     narrow_speed(model, link, speed.value / ratio.abs(), (&format!("motor `{name}`"), speed.span), report);
+}
+
+/// The speed of such a motor stands beside the limits of joints that follow, found by name.
+fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut Report) {
+    let mut joints = model.links.iter().filter_map(|link| link.joint.as_ref());
+    if joints.any(|joint| joint.name == name && matches!(joint.motion, Motion::Follower(_))) {
+        let message = format!(
+            "motor `{name}` has a highest speed, and a joint that follows others is called `{name}` too"
+        );
+        report.error(span, "duplicate-name", message);
+        report.help(
+            "controllers and messages know limits of both by their names: give the drive another `name`",
+        );
+    }
 }
 
 /// Lowers the limit of a coordinate's speed, and says so where another one was described.

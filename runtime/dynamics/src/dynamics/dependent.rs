@@ -106,7 +106,7 @@ pub(super) fn narrowed<const N: usize>(
     }
 }
 
-/// Number of rows that joints take, see [`DependentRows`].
+/// Number of rows that joints take, see [`LimitRows`].
 pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
     let (mut i, mut rows) = (0, 0);
     while i < joints.len() {
@@ -118,12 +118,13 @@ pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
     rows
 }
 
-/// The number NR of rows `lower ≤ G y + g₀ ≤ upper` and `|G ẏ| ≤ limit` that keep the limits of joints which follow several
-/// coordinates. [`dynamics!`](crate::dynamics!) implements it, so that predictive controllers are given all of these rows.
+/// The number NR of rows that keep limits of sums: `lower ≤ G y + g₀ ≤ upper` and `|G ẏ| ≤ limit` of joints which follow several
+/// coordinates, and `|u + C ẏ| ≤ limit` of motors. [`dynamics!`](crate::dynamics!) implements it, so that predictive controllers
+/// have all of these rows.
 #[diagnostic::on_unimplemented(
-    note = "a robot that is written by hand says how many limits its joints have that follow several coordinates: `impl DependentRows<0> for Robot {{}}`"
+    note = "a robot that is written by hand says how many limits of sums it has, of joints that follow several coordinates and of torques with speeds: `impl LimitRows<0> for Robot {{}}`"
 )]
-pub trait DependentRows<const NR: usize> {}
+pub trait LimitRows<const NR: usize> {}
 
 /// The constants of a module as joints: none where it lacks the ratios, because all of these depend on free parameters. One whose
 /// ratios are NaN for the same reason has no limits.

@@ -1,4 +1,4 @@
-//! The part of [`dynamics!`](crate::dynamics!) about joints that follow.
+//! The part of [`dynamics!`](crate::dynamics!) about joints that follow, and about torque–speed lines.
 
 /// The joints that follow, which most modules do not have. Without ratios there are none.
 #[doc(hidden)]
@@ -21,6 +21,26 @@ macro_rules! dependent_joints_of {
                     (&DEPENDENT_POSITION_LIMITS, &DEPENDENT_VELOCITY_LIMITS),
                 );
             &JOINTS
+        }
+    }};
+}
+
+/// The torque–speed lines of the motors, which most modules do not have.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! torque_speed_lines_of {
+    ([$($module:ident)::+]) => {{
+        #[allow(unused_imports, reason = "only modules without such motors need it")]
+        use $crate::dynamics::{NO_NUMBERS as TORQUE_SPEED_LIMITS, NO_ROWS as TORQUE_SPEED_SLOPES};
+        {
+            $crate::dynamics!(@import [$($module)::+]);
+            const LINES: [$crate::dynamics::TorqueSpeedLine<{ $($module)::+::N }>;
+                $crate::dynamics::count_lines(&TORQUE_SPEED_LIMITS)] = $crate::dynamics::torque_speed_lines(
+                &$($module)::+::INPUT_NAMES,
+                TORQUE_SPEED_SLOPES.as_flattened(),
+                &TORQUE_SPEED_LIMITS,
+            );
+            &LINES
         }
     }};
 }

@@ -230,6 +230,7 @@ macro_rules! dynamics {
                     input: $crate::dynamics!(@ranges [$($module)::+], INPUT_LIMITS),
                     peak_input: $crate::dynamics!(@ranges [$($module)::+], PEAK_INPUT_LIMITS),
                     dependent: $crate::dependent_joints_of!([$($module)::+]),
+                    torque_speed: $crate::torque_speed_lines_of!([$($module)::+]),
                 }
             }
 
@@ -261,8 +262,9 @@ macro_rules! dynamics {
             $crate::dynamics!(@provided kinetic_energy, [$($module)::+], $p, (y: NY, v: N), scalar);
         }
         impl $crate::dynamics::PhaseSpace<{ 2 * $($module)::+::N }> for $name {}
-        impl $crate::dynamics::DependentRows<{
+        impl $crate::dynamics::LimitRows<{
             $crate::dynamics::count_rows($crate::dependent_joints_of!([$($module)::+]))
+                + $crate::torque_speed_lines_of!([$($module)::+]).len()
         }> for $name {}
     };
     (@differentiable $name:ident, [$($module:ident)::+], $p:tt) => {

@@ -24,11 +24,12 @@ mod parameters;
 mod solve;
 #[cfg(test)]
 mod tests;
+mod torque_speed;
 mod traits;
 mod types;
 
 pub use at_rest::{JUST_MOVING, jumps};
-pub use dependent::{DependentJoint, DependentRows};
+pub use dependent::{DependentJoint, LimitRows};
 #[doc(hidden)]
 pub use dependent::{NO_NAMES, NO_NUMBERS, NO_RANGES, NO_ROWS, count_rows, dependent_joints};
 pub use driven::DrivenJoints;
@@ -53,6 +54,9 @@ pub use manifold::{
 };
 pub use names::{Named, numbered};
 pub use parameters::{NoFreeParameters, without_parameters};
+pub use torque_speed::TorqueSpeedLine;
+#[doc(hidden)]
+pub use torque_speed::{count_lines, torque_speed_lines};
 pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};
 #[doc(hidden)]
 pub use types::OfResults;

@@ -276,6 +276,7 @@ fn limits<const N: usize, const M: usize>(motors: [f64; M], efforts: [f64; N]) -
         input: motors.map(|u| [-0.1 * u, 0.1 * u]),
         peak_input: motors.map(|u| [-u, u]),
         dependent: &[],
+        torque_speed: &[],
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::dependent::{self, DependentJoint};
 use super::solve::product;
+use super::torque_speed::TorqueSpeedLine;
 use gelenk_kernels::discrete_time;
 
 /// Inverse dynamics and its derivatives.
@@ -154,6 +155,8 @@ pub struct Limits<const N: usize, const M: usize> {
     pub peak_input: [[f64; 2]; M],
     /// The joints that follow coordinates, with limits of their own.
     pub dependent: &'static [DependentJoint<N>],
+    /// The inputs whose motors give less the faster they turn.
+    pub torque_speed: &'static [TorqueSpeedLine<N>],
 }
 
 impl<const N: usize, const M: usize> Limits<N, M> {

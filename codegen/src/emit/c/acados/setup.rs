@@ -187,8 +187,10 @@ impl<'a> Robot<'a> {
             (has_efforts && self.input_matrix.is_none()).then_some("limits of forces at the joints");
         let is_missing = self.value("DEPENDENT_JOINT_NAMES").is_some() && !self.has_constant_ratios();
         let followers = is_missing.then_some("limits of joints that follow others");
+        let has_lines = self.value("TORQUE_SPEED_LIMITS").is_some();
+        let lines = has_lines.then_some("torque–speed lines of motors");
         let about = "Limits of the description that are no constant bounds of x and u.";
-        entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
+        entry("LEFT_OUT", strings(efforts.into_iter().chain(followers).chain(lines)), about)
     }
 
     /// Tells whether joints that follow are constant sums of the coordinates.

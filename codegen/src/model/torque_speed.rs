@@ -1,0 +1,41 @@
+//! Torque–speed lines of motors, as limits of inputs and velocities.
+
+use super::{Drive, Input, Model};
+
+/// An input that is limited with the velocities, `|u + C ẏ| ≤ limit`, in the unit of the input.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitedInput {
+    /// Its index.
+    pub input: usize,
+    /// C, by coordinate.
+    pub slopes: Vec<f64>,
+    /// Its limit at rest.
+    pub limit: f64,
+}
+
+impl Model {
+    /// The inputs whose motors have a torque–speed line: `|K u + c i wᵀ ẏ| ≤ τ₀` with c = τ₀/ω₀, divided by K, the torque for a
+    /// unit of the input. A line whose ratio needs parameters that are not given is left out; a description has none.
+    ///
+    /// - `parameters`: values of the free parameters
+    #[must_use]
+    pub fn limited_inputs(&self, parameters: &[f64]) -> Vec<LimitedInput> {
+        let drives = self.input_drives().enumerate();
+        drives.filter_map(|(input, drive)| self.limited_input(input, drive, parameters)).collect()
+    }
+
+    fn limited_input(&self, input: usize, drive: &Drive, parameters: &[f64]) -> Option<LimitedInput> {
+        let line = drive.line?;
+        let torque = match &drive.input {
+            Input::Torque | Input::None => 1.0,
+            Input::Current(constant) => constant.value(parameters)?,
+        };
+        let slope = line.stall_torque / line.no_load_speed * drive.gear_ratio.value(parameters)? / torque;
+        let mut slopes = vec![0.0; self.coordinates.len()];
+        for moved in &drive.acts_on {
+            // A motor that turns with a driven joint has no line.
+            *slopes.get_mut(moved.coordinate)? += slope * moved.ratio.value(parameters)?;
+        }
+        Some(LimitedInput { input, slopes, limit: line.stall_torque / torque.abs() })
+    }
+}

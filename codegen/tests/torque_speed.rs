@@ -1,0 +1,126 @@
+//! Torque–speed lines of motors, from the description to the constants of modules, tables and exported files.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Two joints: the first has a motor in amperes behind a gear that turns it around, both are moved by another motor.
+const ROBOT: &str = r#"
+name = "two_joints"
+
+[[joints]]
+name = "shoulder"
+axis = [0, 1, 0]
+drive = { gear_ratio = -100, motor_constant = 0.5, stall_torque = 0.6, no_load_speed = 300 }
+
+[[joints]]
+name = "elbow"
+axis = [0, 1, 0]
+origin = { xyz = [0, 0, 0.3] }
+
+[[drives]]
+name = "both"
+on = { shoulder = 1, elbow = -0.5 }
+gear_ratio = 40
+coupling = "diagonal"
+stall_torque = 1.5
+no_load_speed = 200
+
+[[drives]]
+name = "elbow"
+on = { elbow = 2 }
+gear_ratio = 10
+coupling = "diagonal"
+
+[[bodies]]
+link = "shoulder"
+mass = 1
+inertia = 0.1
+
+[[bodies]]
+link = "elbow"
+mass = 1
+inertia = 0.1
+
+[generate]
+functions = ["mass_matrix"]
+"#;
+
+/// Runs the program in a folder with the robot, and returns what it printed.
+fn run(folder: &Path, arguments: &[&str]) -> String {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    let output = program.current_dir(folder).args(arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    [said, String::from_utf8_lossy(&output.stdout).into_owned()].concat()
+}
+
+fn folder(description: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_owned();
+    fs::write(path.join("robot.toml"), description).unwrap();
+    (folder, path)
+}
+
+/// Words without their line breaks.
+fn flat(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn without_lines() -> String {
+    let lines = ROBOT.lines().filter(|line| !line.starts_with("stall_") && !line.starts_with("no_load_"));
+    let text: String = lines.map(|line| [line, "\n"].concat()).collect();
+    text.replace(", stall_torque = 0.6, no_load_speed = 300", "")
+}
+
+/// The slope at the first joint's input: 0.6/300 N m s/rad · (−100) over 0.5 N m/A; at the motor of both 1.5/200 · 40 times the
+/// weights.
+#[test]
+fn a_module_has_them_in_the_units_of_its_inputs() {
+    let (_kept, path) = folder(ROBOT);
+    run(&path, &["generate", "robot.toml", "-o", "robot.rs"]);
+    let module = flat(&fs::read_to_string(path.join("robot.rs")).unwrap());
+    let slopes = "TORQUE_SPEED_SLOPES: [[f64; N]; 3] = [[-0.4, 0.0], [0.3, -0.15], [0.0, 0.0]];";
+    assert!(module.contains(slopes), "{module}");
+    assert!(module.contains("TORQUE_SPEED_LIMITS: [f64; M] = [1.2, 1.5, f64::INFINITY];"), "{module}");
+    run(&path, &["generate", "robot.toml", "--language", "c"]);
+    let header = flat(&fs::read_to_string(path.join("two_joints.h")).unwrap());
+    assert!(header.contains("TORQUE_SPEED_LIMITS"), "{header}");
+}
+
+#[test]
+fn a_module_without_them_has_no_such_constants() {
+    let (_kept, path) = folder(&without_lines());
+    run(&path, &["generate", "robot.toml", "-o", "robot.rs"]);
+    let module = fs::read_to_string(path.join("robot.rs")).unwrap();
+    assert!(!module.contains("TORQUE_SPEED"), "{module}");
+    let said = run(&path, &["inspect", "model", "robot.toml"]);
+    assert!(!said.contains("stall torque"), "{said}");
+}
+
+#[test]
+fn inspect_and_report_show_them() {
+    let (_kept, path) = folder(ROBOT);
+    let said = flat(&run(&path, &["inspect", "model", "robot.toml"]));
+    let table = "motor stall torque [N m] no-load speed [rad/s] shoulder 0.6 300.0 both 1.5 200.0";
+    assert!(said.contains(table), "{said}");
+    let json = run(&path, &["inspect", "model", "robot.toml", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&json[json.find('{').unwrap()..]).unwrap();
+    assert_eq!(json["torque_speed_lines"][1]["drive"], "both");
+    assert_eq!(json["torque_speed_lines"][1]["no_load_speed"], 200.0);
+    run(&path, &["report", "robot.toml", "--output", "page"]);
+    let page = fs::read_to_string(path.join("page/index.html")).unwrap();
+    assert!(page.contains("stall torque") && page.contains("no-load speed"), "no columns");
+}
+
+/// No format has them, and it is said at whose cost.
+#[test]
+fn exported_files_say_that_they_are_left_out() {
+    let (_kept, path) = folder(ROBOT);
+    let said = flat(&run(&path, &["export", "robot.toml", "--mjcf", "--output", "robot.xml"]));
+    assert!(said.contains("has no torque–speed lines of motors; left out at: `shoulder`, `both`"), "{said}");
+    let said = flat(&run(&path, &["export", "robot.toml", "--urdf", "--output", "robot.urdf"]));
+    assert!(said.contains("has no torque–speed lines of motors; left out at: `shoulder`"), "{said}");
+}
