@@ -8,7 +8,7 @@ use gelenk_runtime::control_loop::{
     AccelerationGains, ComputedTorque, ControlLoop, Controller, End, JointGains, JointLaw, JointPd,
     LoopSettings, VirtualClock, log_to_file,
 };
-use gelenk_runtime::dynamics::Dynamics;
+use gelenk_runtime::dynamics::{Dynamics, Limits};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
@@ -138,6 +138,59 @@ fn a_regulator_holds_an_excavator_in_cylinder_forces() {
         y.iter().zip(rest).map(|(y, rest)| (y - rest).abs()).fold(0.0, f64::max)
     });
     assert!(held > 0.02 && regulated < 1e-3, "{held} {regulated}");
+}
+
+/// The wrist with so much dry friction on the shaft [N m], as a free parameter may say.
+#[derive(Debug, Clone, Copy)]
+struct FreeWrist(f64);
+
+impl Dynamics<4, 4> for FreeWrist {
+    fn joint_names(&self) -> [&'static str; 4] {
+        Wrist.joint_names()
+    }
+    fn input_names(&self) -> [&'static str; 4] {
+        Wrist.input_names()
+    }
+    fn limits(&self) -> Limits<4, 4> {
+        Wrist.limits()
+    }
+    fn mass_matrix(&self, y: &[f64; 4]) -> [[f64; 4]; 4] {
+        Wrist.mass_matrix(y)
+    }
+    fn coriolis_forces(&self, y: &[f64; 4], v: &[f64; 4]) -> [f64; 4] {
+        Wrist.coriolis_forces(y, v)
+    }
+    fn gravity_forces(&self, y: &[f64; 4]) -> [f64; 4] {
+        Wrist.gravity_forces(y)
+    }
+    fn spring_forces(&self, _: &[f64; 4], _: &[f64; 4]) -> [f64; 4] {
+        [0.0; 4]
+    }
+    fn friction_torques(&self, _: &[f64; 4], v: &[f64; 4]) -> [f64; 4] {
+        let dry = if v[2] + v[3] == 0.0 { 0.0 } else { self.0 * (v[2] + v[3]).signum() };
+        [v[0], v[1], 0.2 * v[2] + dry, 0.2 * v[3] + dry]
+    }
+    fn friction_jumps(&self) -> &'static [[usize; 2]] {
+        &rubbing_wrist::FRICTION_JUMPS
+    }
+    fn input_matrix(&self, y: &[f64; 4]) -> [[f64; 4]; 4] {
+        Wrist.input_matrix(y)
+    }
+}
+
+/// A jump that a parameter makes 0 is none, until a model with another value takes its place.
+#[test]
+fn friction_on_a_shaft_that_a_parameter_makes_zero_is_smooth() {
+    let is_refused = |error| matches!(error, Err(PlantError::SharedFriction { .. }));
+    assert!(is_refused(Plant::new(FreeWrist(0.1), PlantOptions::default()).map(|_| ())));
+    let mut plant = Plant::new(FreeWrist(0.0), PlantOptions::default()).unwrap();
+    plant.reset([0.1, 0.3, 0.2, 0.0], [0.0, 0.0, 0.5, 0.4]).unwrap();
+    plant.apply(&[0.0; 4], PERIOD).unwrap();
+    let moved = plant.state();
+    assert!(moved.0[2] > 0.2, "{moved:?}");
+    plant.set_model(FreeWrist(0.1));
+    assert!(is_refused(plant.apply(&[0.0; 4], PERIOD)));
+    assert_eq!(plant.state(), moved, "it has not moved");
 }
 
 /// The plant knows of single joints whether they stick: it does not drive on without such friction at rest.

@@ -18,7 +18,7 @@ mod options;
 
 pub use options::{PlantError, PlantOptions};
 
-use crate::dynamics::{Dynamics, plain_entries};
+use crate::dynamics::{Dynamics, jumps_with, plain_entries};
 use crate::input_limits::limit_torques;
 use dry_friction::{Joints, Mode};
 use integrator::{Integrator, MAX_PERIOD_STEPS, Motion};
@@ -94,7 +94,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         options.check(&model.joint_names(), &model.input_names())?;
         options.check_quaternions(&model.joint_names(), model.quaternion_joints())?;
         let start = model.neutral();
-        refuse_shared_friction(&model)?;
+        refuse_shared_friction(&model, (0.0, &start))?;
         let brake_torque = options.brake_torque.unwrap_or_else(|| default_brakes(&model));
         // Separate streams: an option that draws more does not change what the others see.
         let stream = |number| {
@@ -310,6 +310,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     }
 
     fn integrate(&mut self, inputs: &[f64; M], period: f64) -> Result<Motion<N, NY>, PlantError> {
+        // Another model, or another place, may have a jump where the first had none.
+        refuse_shared_friction(&self.model, (self.time, &self.motion.positions))?;
         let brakes = if self.brakes_engaged { self.brake_torque } else { [0.0; N] };
         let mut joints = Joints {
             model: &self.model,
@@ -346,14 +348,22 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     }
 }
 
-/// Fails where friction jumps with the motion of one joint and acts on another: modes are those of single joints.
+/// Fails where friction jumps with the motion of one joint and acts on another: modes are those of single joints. Where free
+/// parameters or the positions make such a jump 0, there is none.
 fn refuse_shared_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
+    (time, positions): (f64, &[f64; NY]),
 ) -> Result<(), PlantError> {
-    let names = model.joint_names();
-    match model.friction_jumps().iter().find(|[i, j]| i != j) {
+    let mut shared = model.friction_jumps().iter().filter(|[i, j]| i != j);
+    let jumping = shared.find(|pair| {
+        model.at_time(time, |model| jumps_with(**pair, |v| model.friction_torques(positions, v)))
+    });
+    match jumping {
         None => Ok(()),
-        Some(&[i, j]) => Err(PlantError::SharedFriction { first: names[i], second: names[j] }),
+        Some(&[i, j]) => {
+            let names = model.joint_names();
+            Err(PlantError::SharedFriction { first: names[i], second: names[j] })
+        }
     }
 }
 

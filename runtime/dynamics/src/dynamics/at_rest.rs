@@ -14,6 +14,18 @@ pub fn jumps([backward, forward]: [f64; 2]) -> bool {
     backward < forward
 }
 
+/// True if friction at i jumps where velocity j changes its sign and all others are 0, as on a shaft that both turn. NaN counts as a
+/// jump.
+pub fn jumps_with<const N: usize>([i, j]: [usize; 2], friction: impl Fn(&[f64; N]) -> [f64; N]) -> bool {
+    let [backward, forward] = [-JUST_MOVING, JUST_MOVING].map(|speed| {
+        let mut velocities = [0.0; N];
+        velocities[j] = speed;
+        friction(&velocities)[i]
+    });
+    let is_smooth = (forward - backward).abs() <= OF_SLOPES;
+    !is_smooth
+}
+
 /// Friction before and after rest. Where it does not jump the two are the same.
 pub(super) fn either_side<const N: usize>(
     jumps: &[[usize; 2]],

@@ -28,7 +28,7 @@ mod torque_speed;
 mod traits;
 mod types;
 
-pub use at_rest::{JUST_MOVING, jumps};
+pub use at_rest::{JUST_MOVING, jumps, jumps_with};
 pub use dependent::{DependentJoint, LimitRows};
 #[doc(hidden)]
 pub use dependent::{NO_NAMES, NO_NUMBERS, NO_RANGES, NO_ROWS, count_rows, dependent_joints};
