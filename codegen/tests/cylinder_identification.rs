@@ -166,3 +166,77 @@ fn its_log_reduces_to_moments() {
     excavator.identify(&["--merge", "log.moments", "--output", "merged.toml"]);
     excavator.assert_found("merged.toml");
 }
+
+/// The planned motion in rows of the file: y, ẏ and ÿ.
+fn planned(file: &Path) -> Vec<[[f64; 4]; 3]> {
+    let text = fs::read_to_string(file).unwrap();
+    let rows = text.lines().skip(1).map(|line| {
+        let numbers: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        std::array::from_fn(|k| std::array::from_fn(|joint| numbers[1 + 4 * k + joint]))
+    });
+    rows.collect()
+}
+
+/// Runs the program in a folder of its own; whether it succeeded, and what it said.
+fn plan(description: &Path, more: &[&str]) -> (TempDir, bool, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    let output = program
+        .current_dir(folder.path())
+        .args(["identify", "--plan"])
+        .arg(description)
+        .args(["--harmonics", "3"])
+        .args(more)
+        .output()
+        .unwrap();
+    let said = [output.stderr, output.stdout].concat();
+    (folder, output.status.success(), String::from_utf8(said).unwrap())
+}
+
+#[test]
+fn a_plan_keeps_the_limits_of_cylinders() {
+    let truth = robot(&excavator());
+    let (folder, succeeded, said) = plan(&excavator(), &["--format", "json"]);
+    assert!(succeeded, "{said}");
+    // The bucket's cylinder is longest at 1.63 rad, within the limits of −0.4 … 2.2 rad.
+    let words =
+        "bucket_cylinder has a dead centre within the limits of joint bucket, which is moved from -0.27 to ";
+    assert!(said.contains(words), "{said}");
+    let found: serde_json::Value = serde_json::from_str(&said[said.find("{\n").unwrap()..]).unwrap();
+    let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
+    for [y, v, a] in planned(&folder.path().join("plan.csv")) {
+        let mut forces = [0.0; 4];
+        truth.rigid_forces(&y, &v, &a, &mut forces);
+        let inputs = inputs(&truth, &y, Vector4::from(forces));
+        for (range, u) in range.iter_mut().zip(inputs.iter()) {
+            *range = [range[0].min(*u), range[1].max(*u)];
+        }
+    }
+    for (input, range) in found["inputs"].as_array().unwrap().iter().zip(range) {
+        let number = |key: &str, end: usize| input[key][end].as_f64().unwrap_or(f64::INFINITY);
+        for (end, reached) in range.into_iter().enumerate() {
+            // The file has more rows than the search has instants.
+            let size = range[1] - range[0];
+            assert!((number("range", end) - reached).abs() < 0.02 * size, "{input} {range:?}");
+            assert!(reached.abs() <= 0.71 * number("limits", end).abs(), "{input} {range:?}");
+        }
+    }
+    // No motion is slow enough for a boom that its cylinder cannot hold.
+    let text =
+        fs::read_to_string(excavator()).unwrap().replace("limits = [-60e3, 35e3]", "limits = [-6e2, 35e2]");
+    let weak = folder.path().join("weak.toml");
+    fs::write(&weak, text).unwrap();
+    let (_, succeeded, said) = plan(&weak, &[]);
+    assert!(!succeeded && said.contains("within the efforts of joints and inputs"), "{said}");
+}
+
+#[test]
+fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
+    let text = fs::read_to_string(excavator()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("loose.toml");
+    fs::write(&file, text.replace("input = \"bucket_cylinder\"\nlimits = [-35e3, 22e3]\n", "")).unwrap();
+    let (_, succeeded, said) = plan(&file, &[]);
+    let words = "joint bucket has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it";
+    assert!(!succeeded && said.contains(words), "{said}");
+}

@@ -12,7 +12,7 @@ use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{Dependent, FrictionTerm, Joint, Model, Motion, QuaternionKind};
+use crate::model::{Actuator, Dependent, FrictionTerm, Input, Joint, Model, Motion, QuaternionKind};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
 /// those of `INERTIAL_PARAMETER_NAMES`.
@@ -214,6 +214,21 @@ impl Robot for InterpretedRobot {
 
     fn input_matrix(&self) -> Vec<f64> {
         self.input_matrix.clone()
+    }
+
+    fn input_limits(&self) -> Vec<[f64; 2]> {
+        let limits = self.model.inputs().map(|input| match input {
+            Actuator::Force(force) => force.limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+            Actuator::Drive(drive) => {
+                let constant = match &drive.input {
+                    Input::Torque | Input::None => 1.0,
+                    Input::Current(constant) => constant.evaluate(&self.free, 0.0, 0.0).abs(),
+                };
+                let most = drive.torque.peak.or(drive.torque.nominal).map_or(f64::INFINITY, |t| t / constant);
+                [-most, most]
+            }
+        });
+        limits.collect()
     }
 
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {

@@ -113,7 +113,8 @@ pub enum IdentificationError {
     },
     /// A joint that no input moves.
     #[error(
-        "joint {joint} has no drive: no motion of it can be planned; describe its drive, or hold it (`held = 0`) for the plan and its logs"
+        "joint {joint} has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it (`drive`, \
+         `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs"
     )]
     NotDriven {
         /// Name of the joint.

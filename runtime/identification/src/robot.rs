@@ -53,6 +53,11 @@ pub trait Robot {
         false
     }
 
+    /// Lowest and highest value of each input, in its unit; infinite where not described.
+    fn input_limits(&self) -> Vec<[f64; 2]> {
+        vec![[f64::NEG_INFINITY, f64::INFINITY]; self.input_names().len()]
+    }
+
     /// `B(y) u`, inputs at frames included.
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
         let _ = y;
@@ -284,6 +289,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot fo
         let Limits { position, velocity, effort, .. } = self.model.limits();
         let of = |j: usize| JointLimits { position: position[j], velocity: velocity[j], effort: effort[j] };
         (0..N).map(of).collect()
+    }
+
+    fn input_limits(&self) -> Vec<[f64; 2]> {
+        self.model.limits().peak_input.to_vec()
     }
 
     fn followers(&self) -> Vec<FollowerLimits> {

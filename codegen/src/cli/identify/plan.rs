@@ -99,11 +99,30 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text.push('\n');
     text.push_str(&print::table(&std::iter::once(head).chain(rows).chain(shafts).collect::<Vec<_>>()));
     text.push('\n');
+    text.push_str(&inputs_text(plan, robot));
     plan.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
     text.push_str(
         "note: obstacles, and links that meet each other, are not known here: look at the motion before the robot makes it\n",
     );
     text
+}
+
+/// What the motion asks of inputs, where some of them act at frames; else nothing.
+fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
+    if plan.inputs.is_empty() {
+        return String::new();
+    }
+    let head = ["input", "lowest", "highest", "described limits"].map(str::to_owned).to_vec();
+    let model = robot.model();
+    let rows = plan.inputs.iter().zip(model.inputs()).map(|(input, described)| {
+        let (unit, [low, high]) = (model.input_unit(described), input.range);
+        let limits = match input.limits.iter().all(|end| end.is_infinite()) {
+            true => "none".to_owned(),
+            false => format!("{} … {} {unit}", input.limits[0], input.limits[1]),
+        };
+        vec![input.name.clone(), format!("{low:.1} {unit}"), format!("{high:.1} {unit}"), limits]
+    });
+    format!("{}\n", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }
 
 fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {
@@ -125,6 +144,14 @@ fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {
             |shaft| json!({"name": shaft.name, "largest_speed": shaft.speed, "largest_torque": shaft.torque}),
         );
         found["shafts"] = shafts.collect();
+    }
+    if !plan.inputs.is_empty() {
+        let finite = |ends: [f64; 2]| ends.map(|end| end.is_finite().then_some(end));
+        let inputs = plan
+            .inputs
+            .iter()
+            .map(|input| json!({"name": input.name, "range": input.range, "limits": finite(input.limits)}));
+        found["inputs"] = inputs.collect();
     }
     found
 }

@@ -4,6 +4,7 @@ use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::random::SplitMix64;
 use super::super::robot::{FollowerLimits, JointLimits, Robot, narrowed_limits, require_no_quaternions};
 use super::super::shafts::{RobotRows, ShaftRows};
+use super::inputs::{FrameInputs, PlannedInput, keep_sides, require_driven};
 use super::search::condition_of_scaled;
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
@@ -64,6 +65,8 @@ pub struct Plan {
     pub largest: [Vec<f64>; 2],
     /// The shafts of drives that act on several joints.
     pub shafts: Vec<PlannedShaft>,
+    /// All inputs, where some of them act at frames.
+    pub inputs: Vec<PlannedInput>,
     /// What was assumed, in sentences.
     pub notes: Vec<String>,
 }
@@ -87,6 +90,8 @@ const ROUNDING: f64 = 1e-9;
 const FRICTION: usize = 3;
 /// Speed within which Coulomb friction changes its sign, as a share of the joint's largest.
 const SIGN_SHARE: f64 = 0.02;
+/// So many times as many instants as the search has show what a motion asks of inputs at frames, whose levers change on the way.
+const SHOWN: usize = 10;
 /// States that tell dependent columns of the regressor from independent ones.
 const STATES: usize = 60;
 
@@ -97,7 +102,8 @@ const STATES: usize = 60;
 /// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint. Shafts of drives that
 /// act on several joints take rows of joints ([`crate::shafts`]), with the torque of their motors.
 ///
-/// The motion keeps the joints' limits, and its forces those of the described robot and of such motors. Obstacles, and links that
+/// The motion keeps the joints' limits, and its forces those of the described robot and of such motors. Where inputs act at
+/// frames, as cylinders do, it keeps their share of the limits of the inputs. Obstacles, and links that
 /// meet each other, are not known here.
 ///
 /// # Errors
@@ -105,11 +111,13 @@ const STATES: usize = 60;
 pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
     check(settings)?;
     require_no_quaternions(robot, "no motion is planned", HOLD_IT)?;
-    require_driven(robot)?;
-    let (limits, notes) = usable(robot, settings);
+    let (mut limits, mut notes) = usable(robot, settings);
+    notes.extend(keep_sides(robot, &mut limits));
+    let states = random_states(&limits);
+    require_driven(robot, &states)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
-    let design = Design::new(robot, rows, &limits, settings);
+    let design = Design::new(robot, rows, (&limits, &states), settings);
     progress(&format!(
         "searching a motion for {} base parameters and {} of friction",
         design.independent.len(),
@@ -129,7 +137,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let best = best.ok_or_else(|| IdentificationError::NotConverged {
         what: "the search for a motion".into(),
         iterations: settings.excitation.starts * settings.excitation.iterations,
-        detail: "no motion tried shows all parameters within the joints' efforts, and within the limits of joints that follow others: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that are followed".into(),
+        detail: "no motion tried shows all parameters within the efforts of joints and inputs, and within the limits of joints that follow others: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that are followed".into(),
     })?;
     let instants = best.motion.instants(settings.excitation.samples);
     Ok(Plan {
@@ -138,6 +146,9 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         start: best.start,
         largest: largest(robot, &instants),
         shafts: design.shafts(&instants),
+        inputs: design.inputs.as_ref().map_or_else(Vec::new, |inputs| {
+            inputs.planned(&best.motion.instants(SHOWN * settings.excitation.samples))
+        }),
         motion: best.motion,
         notes,
     })
@@ -231,21 +242,6 @@ const HOLD_IT: &str = "a plan moves each coordinate along a sum of sines, and a 
     this joint carries, describe it as fixed for the plan and its logs (a base without --base floating, a joint by `type = \"fixed\"`), and \
     identify what then stays unknown from logs of free motions";
 
-/// Fails with the first joint that no input moves.
-fn require_driven(robot: &dyn Robot) -> Result<()> {
-    let inputs = robot.input_names().len();
-    let matrix = robot.input_matrix();
-    let mut rows = matrix.chunks_exact(inputs.max(1));
-    match robot
-        .joint_names()
-        .into_iter()
-        .find(|_| rows.next().is_none_or(|row| row.iter().all(|b| *b == 0.0)))
-    {
-        Some(joint) => Err(IdentificationError::NotDriven { joint }),
-        None => Ok(()),
-    }
-}
-
 /// What the score is made of.
 struct Design<'a> {
     robot: &'a dyn Robot,
@@ -261,6 +257,8 @@ struct Design<'a> {
     sign_speeds: Vec<f64>,
     /// Joints that follow others.
     followers: Vec<FollowerLimits>,
+    /// Where some inputs act at frames.
+    inputs: Option<FrameInputs<'a>>,
     velocity_share: f64,
     positions: Vec<[f64; 2]>,
 }
@@ -269,10 +267,10 @@ impl<'a> Design<'a> {
     fn new(
         robot: &'a dyn Robot,
         rows: RobotRows<'a>,
-        limits: &[ExcitationLimits],
+        (limits, states): (&[ExcitationLimits], &[Instant]),
         settings: &PlanSettings,
     ) -> Self {
-        let states: Vec<Instant> = random_states(limits).iter().map(|state| rows.instant(state)).collect();
+        let states: Vec<Instant> = states.iter().map(|state| rows.instant(state)).collect();
         let usable = |robot: &dyn Robot| -> Vec<f64> {
             robot.limits().iter().map(|limit| settings.effort_share * limit.effort).collect()
         };
@@ -297,6 +295,7 @@ impl<'a> Design<'a> {
             efforts,
             torques,
             followers: robot.followers(),
+            inputs: FrameInputs::of(robot, settings.effort_share),
             velocity_share: settings.velocity_share,
             positions: limits.iter().map(|limit| limit.position).collect(),
             sign_speeds: rows.speeds(&speeds).into_iter().map(|speed| SIGN_SHARE * speed).collect(),
@@ -358,7 +357,9 @@ impl<'a> Design<'a> {
             return f64::INFINITY;
         }
         let exceed = |forces: Vec<f64>, limits: &[f64]| forces.iter().zip(limits).any(|(f, limit)| f > limit);
-        if exceed(largest_forces(self.robot, instants), &self.efforts) {
+        if exceed(largest_forces(self.robot, instants), &self.efforts)
+            || self.inputs.as_ref().is_some_and(|inputs| inputs.exceed(instants))
+        {
             return f64::INFINITY;
         }
         if self.torques.iter().any(|torque| torque.is_finite()) {

@@ -1,0 +1,179 @@
+//! Inputs that act at frames, as cylinders do: what a planned motion asks of them.
+
+use super::{ExcitationLimits, Instant};
+use crate::error::{IdentificationError, Result};
+use crate::robot::Robot;
+use nalgebra::{DMatrix, DVector};
+
+/// What a planned motion asks of an input, by the described robot without friction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedInput {
+    /// Name of the input.
+    pub name: String,
+    /// Lowest and highest value, in the input's unit.
+    pub range: [f64; 2],
+    /// Described limits; infinite where there are none.
+    pub limits: [f64; 2],
+}
+
+/// Part of the largest force that no inputs need to make up.
+const RESIDUAL: f64 = 1e-9;
+/// Singular values of B below this part of the largest count as none: a cylinder at its dead centre.
+const SINGULAR: f64 = 1e-9;
+
+/// So many intervals of a joint's range are looked at for dead centres.
+const PLACES: u32 = 200;
+/// Part of the longest lever of a cylinder below which a lever counts as short, near a dead centre.
+const SHORT: f64 = 0.25;
+
+/// The inputs of a robot of which some act at frames.
+pub(super) struct FrameInputs<'a> {
+    robot: &'a dyn Robot,
+    /// Lowest and highest values that the motion may need.
+    usable: Vec<[f64; 2]>,
+}
+
+impl<'a> FrameInputs<'a> {
+    /// `None` where all inputs are drives: what they bear stands at the joints and shafts.
+    ///
+    /// - `share`: of the described limits
+    pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
+        let usable = robot.input_limits().iter().map(|limits| limits.map(|end| share * end)).collect();
+        robot.has_inputs_at_frames().then_some(Self { robot, usable })
+    }
+
+    /// Tells whether a motion needs more than its inputs may give, or passes a dead centre, where they need whatever they have.
+    pub(super) fn exceed(&self, instants: &[Instant]) -> bool {
+        let within = |inputs: &[f64]| {
+            let mut limits = inputs.iter().zip(&self.usable);
+            limits.all(|(u, [low, high])| (*low..=*high).contains(u))
+        };
+        let mut side = 0.0;
+        instants.iter().any(|instant| {
+            let matrix = input_matrix(self.robot, &instant[0]);
+            // Other numbers of inputs than of joints have no sides.
+            let now = if matrix.is_square() { matrix.determinant().signum() } else { 0.0 };
+            let turned = side * now < 0.0;
+            side = now;
+            turned || !inputs(self.robot, &matrix, instant).is_some_and(|inputs| within(&inputs))
+        })
+    }
+
+    /// What a motion asks of the inputs.
+    pub(super) fn planned(&self, instants: &[Instant]) -> Vec<PlannedInput> {
+        let needed: Vec<Vec<f64>> = instants
+            .iter()
+            .filter_map(|each| inputs(self.robot, &input_matrix(self.robot, &each[0]), each))
+            .collect();
+        let names = self.robot.input_names().into_iter().zip(self.robot.input_limits()).enumerate();
+        let planned = names.map(|(input, (name, limits))| {
+            let values = needed.iter().map(|inputs| inputs[input]);
+            let range =
+                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], u| [low.min(u), high.max(u)]);
+            PlannedInput { name, range, limits }
+        });
+        planned.collect()
+    }
+}
+
+/// The smallest inputs with B(y) u = M ÿ + k − q; `None` where no inputs have these forces.
+fn inputs(robot: &dyn Robot, matrix: &DMatrix<f64>, [y, v, a]: &Instant) -> Option<Vec<f64>> {
+    let mut forces = vec![0.0; v.len()];
+    robot.rigid_forces(y, v, a, &mut forces);
+    let forces = DVector::from_vec(forces);
+    let decomposed = matrix.clone().svd(true, true);
+    let inputs = decomposed.solve(&forces, SINGULAR * decomposed.singular_values.max()).ok()?;
+    let residual = (matrix * &inputs - &forces).amax();
+    (residual <= RESIDUAL * forces.amax()).then(|| inputs.as_slice().to_vec())
+}
+
+/// B(y): the forces of unit inputs at the joints.
+fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
+    let (joints, count) = (robot.joint_names().len(), robot.input_names().len());
+    let mut matrix = DMatrix::zeros(joints, count);
+    let (mut unit, mut forces) = (vec![0.0; count], vec![0.0; joints]);
+    for input in 0..count {
+        unit[input] = 1.0;
+        robot.input_forces(y, &unit, &mut forces);
+        unit[input] = 0.0;
+        matrix.column_mut(input).copy_from_slice(&forces);
+    }
+    matrix
+}
+
+/// Keeps joints to one side of the dead centre of their cylinder, where its lever is at least a part of its longest one; says of
+/// which joints.
+pub(super) fn keep_sides(robot: &dyn Robot, limits: &mut [ExcitationLimits]) -> Vec<String> {
+    if !robot.has_inputs_at_frames() {
+        return Vec::new();
+    }
+    let (joints, inputs) = (robot.joint_names(), robot.input_names());
+    let middle: Vec<f64> = limits.iter().map(|limit| 0.5 * (limit.position[0] + limit.position[1])).collect();
+    let mut notes = Vec::new();
+    for (joint, limit) in limits.iter_mut().enumerate() {
+        let [low, high] = limit.position;
+        let places = (0..=PLACES).map(|k| low + (high - low) * f64::from(k) / f64::from(PLACES));
+        let places: Vec<f64> = places.collect();
+        let rows = places.iter().map(|place| {
+            let mut y = middle.clone();
+            y[joint] = *place;
+            input_matrix(robot, &y).row(joint).iter().copied().collect::<Vec<f64>>()
+        });
+        let rows: Vec<Vec<f64>> = rows.collect();
+        let mut acting = (0..inputs.len()).filter(|input| rows.iter().any(|row| row[*input] != 0.0));
+        let (Some(input), None) = (acting.next(), acting.next()) else { continue };
+        let levers: Vec<f64> = rows.iter().map(|row| row[input]).collect();
+        if let Some([first, last]) = longest_side(&levers) {
+            limit.position = [places[first], places[last]];
+            notes.push(format!(
+                "{} has a dead centre within the limits of joint {}, which is moved from {:.2} to {:.2} therefore",
+                inputs[input], joints[joint], places[first], places[last]
+            ));
+        }
+    }
+    notes
+}
+
+/// First and last place of the longest run of levers of one sign that are not short; `None` where all have one sign.
+fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
+    let longest = levers.iter().fold(0.0_f64, |most, lever| most.max(lever.abs()));
+    let has_both = levers.iter().any(|lever| *lever > 0.0) && levers.iter().any(|lever| *lever < 0.0);
+    let side = |lever: f64| if lever.abs() < SHORT * longest { 0.0 } else { lever.signum() };
+    let mut runs: Vec<[usize; 2]> = Vec::new();
+    for (place, lever) in levers.iter().enumerate().filter(|(_, lever)| side(**lever) != 0.0) {
+        match runs.last_mut() {
+            Some([_, last]) if *last + 1 == place && side(levers[*last]) == side(*lever) => *last = place,
+            _ => runs.push([place, place]),
+        }
+    }
+    let found = runs.into_iter().max_by_key(|[first, last]| last - first);
+    found.filter(|[first, last]| has_both && last > first)
+}
+
+/// Fails with the first joint that no input moves, at any of these states.
+pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()> {
+    let count = robot.input_names().len();
+    let matrices: Vec<DMatrix<f64>> = match robot.has_inputs_at_frames() {
+        true => states.iter().map(|[y, ..]| input_matrix(robot, y)).collect(),
+        false => vec![DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())],
+    };
+    let is_moved = |joint: usize| matrices.iter().any(|matrix| matrix.row(joint).iter().any(|b| *b != 0.0));
+    match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
+        Some((_, joint)) => Err(IdentificationError::NotDriven { joint }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_side_of_a_dead_centre_is_kept() {
+        assert_eq!(longest_side(&[0.2, 0.5, 1.0, 0.5, 0.1, -0.1, -0.5]), Some([1, 3]));
+        assert_eq!(longest_side(&[0.4, -0.5, -0.6, -0.7]), Some([1, 3]));
+        assert_eq!(longest_side(&[0.1, 0.5, 1.0]), None, "one side");
+        assert_eq!(longest_side(&[1.0, -1.0]), None, "no side is long");
+        assert_eq!(longest_side(&[]), None);
+    }
+}
