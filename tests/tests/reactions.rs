@@ -1,12 +1,13 @@
 //! The wrenches of joints against Lagrange's equations: a joint with another axis is put behind the joint, at rest, and
-//! the force that keeps it there is one component of the wrench.
+//! the force that keeps it there is one component of the wrench. What the base exerts is also the rate of the robot's momentum.
 
 use fastrand::Rng;
 use gelenk_codegen::formula::Formula;
-use gelenk_codegen::model::{Joint, JointKind, Limits, Link, Model, Motion, Pose};
-use gelenk_tests::Robot;
-use gelenk_tests::oracle::Oracle;
+use gelenk_codegen::model::{Joint, JointKind, Limits, Link, Model, Motion, Pose, ReadOptions, read};
+use gelenk_tests::oracle::{Oracle, value};
 use gelenk_tests::random_model::{random_coupled_model, random_helical_model, random_model, random_sample};
+use gelenk_tests::{Robot, workspace};
+use num_dual::Dual64;
 
 const WRENCHES: &str = "joint_wrenches";
 
@@ -95,6 +96,102 @@ fn wrenches_hold_joints_that_are_put_behind() {
         check(seed, random_model(seed, 5));
         check(seed, random_coupled_model(seed, 5));
         check(seed, random_helical_model(seed, 5));
+    }
+}
+
+type Vector = [Dual64; 3];
+
+fn cross(a: &Vector, b: &Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn times(a: &[Vector; 3], b: &Vector) -> Vector {
+    a.each_ref().map(|row| row[0] * b[0] + row[1] * b[1] + row[2] * b[2])
+}
+
+fn plus(a: &Vector, b: &Vector) -> Vector {
+    [0, 1, 2].map(|i| a[i] + b[i])
+}
+
+/// What acts on all moving bodies besides gravity: the rate of their momentum less their weight, then that of their angular
+/// momentum about the base's origin less the moment of the weight. Derivatives by time are the dual parts.
+fn base_wrench(model: &Model, [y, v, a]: [&[f64]; 3], parameters: &[f64]) -> [f64; 6] {
+    let along = |x: &[f64], rate: &[f64]| -> Vec<Dual64> {
+        x.iter().zip(rate).map(|(x, rate)| Dual64::new(*x, *rate)).collect()
+    };
+    let states = Oracle { model, parameters }.links(&along(y, v), &along(v, a));
+    let number = |formula: &Formula| Dual64::from(value(formula, parameters, 0.0, 0.0));
+    let gravity = model.gravity.each_ref().map(number);
+    let mut total = [0.0; 6];
+    for (link, state) in model.links.iter().zip(&states).filter(|(_, state)| state.moves) {
+        for body in &link.bodies {
+            let arm = times(&state.rotation, &body.center_of_mass.each_ref().map(number));
+            let (place, mass) = (plus(&state.origin, &arm), number(&body.mass));
+            let momentum = plus(&state.velocity, &cross(&state.spin, &arm)).map(|v| v * mass);
+            let [xx, xy, xz, yy, yz, zz] = body.inertia.each_ref().map(number);
+            let turned = [0, 1, 2].map(|i| [0, 1, 2].map(|j| state.rotation[j][i]));
+            let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+            let spin = times(&state.rotation, &times(&inertia, &times(&turned, &state.spin)));
+            let angular = plus(&cross(&place, &momentum), &spin);
+            let weight = gravity.map(|g| g * mass);
+            let moment = cross(&place, &weight);
+            for i in 0..3 {
+                total[i] += momentum[i].eps - weight[i].re;
+                total[3 + i] += angular[i].eps - moment[i].re;
+            }
+        }
+    }
+    total
+}
+
+/// The wrenches of the joints that stand on the base, in its axes and about its origin.
+fn exerted_by_base(robot: &Robot, found: &[f64], y: &[f64], parameters: &[f64]) -> [f64; 6] {
+    let still = vec![Dual64::from(0.0); y.len()];
+    let y: Vec<Dual64> = y.iter().map(|y| Dual64::from(*y)).collect();
+    let states = Oracle { model: &robot.model, parameters }.links(&y, &still);
+    let mut total = [0.0; 6];
+    for (moving, wrench) in robot.model.moving_joints().iter().zip(found.chunks(6)) {
+        if states[moving.joint.parent].moves {
+            continue;
+        }
+        let state = &states[moving.link];
+        let part = |first: usize| times(&state.rotation, &[0, 1, 2].map(|i| Dual64::from(wrench[first + i])));
+        let force = part(0);
+        let moment = plus(&part(3), &cross(&state.origin, &force));
+        for i in 0..3 {
+            total[i] += force[i].re;
+            total[3 + i] += moment[i].re;
+        }
+    }
+    total
+}
+
+/// Rotors stand still here: those that sit on the base have momentum, and no joint carries them.
+#[test]
+fn the_base_exerts_the_rate_of_the_whole_momentum() {
+    let mut models: Vec<Model> = (10..14)
+        .flat_map(|seed| {
+            [random_model(seed, 5), random_coupled_model(seed, 5), random_helical_model(seed, 5)]
+        })
+        .collect();
+    for name in ["tx40_like", "palletizer", "scara", "gripper"] {
+        let path = workspace().join("models").join([name, ".toml"].concat());
+        models.push(read(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model);
+    }
+    for mut model in models {
+        model.drives.iter_mut().for_each(|drive| drive.rotor_inertia = Formula::ZERO);
+        let robot = Robot::of_model(model, &[WRENCHES]);
+        let state = random_sample(&mut Rng::with_seed(7), &robot.model);
+        let inputs: [&[f64]; 3] = [&state.y, &state.v, &state.a];
+        let found = robot.call_with(WRENCHES, &inputs, &state.parameters).swap_remove(0);
+        let exerted = exerted_by_base(&robot, &found, &state.y, &state.parameters);
+        let expected = base_wrench(&robot.model, inputs, &state.parameters);
+        let largest = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        assert!(largest > 1.0, "{}: it moves, and weighs something", robot.model.name);
+        for (k, (exerted, expected)) in exerted.into_iter().zip(expected).enumerate() {
+            let error = (exerted - expected).abs();
+            assert!(error <= TOLERANCE * largest, "{}, {k}: {exerted} is not {expected}", robot.model.name);
+        }
     }
 }
 
