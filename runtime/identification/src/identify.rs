@@ -167,7 +167,11 @@ pub(crate) fn read_and_prepare(
     let recording = or_noted(recording, || findings.iter().map(ToString::to_string).collect(), progress)?;
     or_noted(require_sides(&recording, &settings.columns), || notes(&recording, None), progress)?;
     progress("smoothing");
-    let prepared = prepare_all(&recording.runs, Some(robot), &settings.preparation);
+    let preparation = PreparationSettings {
+        gravity_compensated: settings.estimation.gravity_compensated,
+        ..settings.preparation.clone()
+    };
+    let prepared = prepare_all(&recording.runs, Some(robot), &preparation);
     let (prepared, preparation) = or_noted(prepared, || notes(&recording, None), progress)?;
     or_noted(require_efforts(&preparation), || notes(&recording, Some(&preparation)), progress)?;
     Ok((recording, prepared, preparation))

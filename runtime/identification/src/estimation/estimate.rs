@@ -161,7 +161,8 @@ impl Task<'_> {
         Some((0..self.layout.joints).map(share).collect())
     }
 
-    /// The task with the compensation of gravity that the data ask for, and its sums.
+    /// The task with the compensation of gravity that the data ask for, and its sums. Offsets of runs would take up what bodies
+    /// weigh beyond a compensation: both are judged with common ones.
     fn with_its_compensation(self, progress: &mut dyn FnMut(&str)) -> Result<(Self, Sums)> {
         let sums = self.sums(None);
         if self.gravity != Gravity::Compensated {
@@ -170,7 +171,9 @@ impl Task<'_> {
         let as_described = Self { gravity: Gravity::CompensatedAsDescribed, ..self.clone() };
         let other_sums = as_described.sums(None);
         let is_better = {
-            let (own, mut other) = (self.choose(&sums)?, as_described.choose(&other_sums)?);
+            let offsets = self.settings.offsets.or(Some(Offsets::Common));
+            let own = self.choose_with(&sums, offsets)?;
+            let mut other = as_described.choose_with(&other_sums, offsets)?;
             // Errors can be compared where they are in the same units.
             other.weighting.sigma.clone_from(&own.weighting.sigma);
             let (excess, deviation) = other.held_out(self.prior)?.excess(&own.held_out(self.prior)?);
@@ -185,16 +188,19 @@ impl Task<'_> {
         Ok((as_described, other_sums))
     }
 
-    /// How offsets are estimated, where that is decided. What bodies weigh beyond a compensation differs between runs, and
-    /// offsets of runs would take it up.
+    /// How offsets are estimated, where that is decided.
     fn offsets(&self) -> Option<Offsets> {
         let weighs = self.gravity == Gravity::CompensatedAsDescribed;
         self.settings.offsets.or(weighs.then_some(Offsets::Common))
     }
 
     fn choose<'s>(&'s self, sums: &'s Sums) -> Result<Chosen<'s>> {
+        self.choose_with(sums, self.offsets())
+    }
+
+    fn choose_with<'s>(&'s self, sums: &'s Sums, offsets: Option<Offsets>) -> Result<Chosen<'s>> {
         let freedom = Freedom {
-            offsets: self.offsets(),
+            offsets,
             terms: self.settings.optional_terms,
             consistent: self.settings.consistent,
             loads: self.loads.map_or(&[], |loads| &loads.joints),

@@ -1,22 +1,21 @@
-//! The order of the preparation: channels, noise, bandwidth, delay, and the bandwidth that efforts confirm.
+//! The order of the preparation: channels, noise, bandwidth, delay, and then the bandwidth that efforts confirm.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun, Run};
-use super::bandwidth::{PositionQuality, candidates, from_positions, speed_noise};
+use super::bandwidth::{PositionQuality, from_positions, speed_noise};
 use super::channel::Channel;
 use super::check::{check, effort_fault};
 use super::delay::{DelayEstimate, Delays, estimate};
 use super::filter::Filter;
 use super::grid::{Piece, interpolate, pieces};
-use super::regression::{Columns, problems, spread};
+use super::regression::Columns;
 use super::rest::Speeds;
 use super::result::{Delay, PreparationReport};
 use super::settings::PreparationSettings;
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
-use nalgebra::DVector;
 
 /// Log samples in a pause that is interpolated in any case.
 const SHORT_PAUSE: f64 = 3.5;
@@ -36,24 +35,15 @@ const KEPT: f64 = 0.6;
 /// Highest bandwidth as a share of the rate at which the slowest channel has new samples.
 const HIGHEST: f64 = 0.2;
 
-/// Relative growth of what the motion leaves unexplained of the efforts that a lower bandwidth may cost.
-const LOSS: f64 = 0.02;
-
-/// Growth after which still lower bandwidths are not tried.
-const HOPELESS: f64 = 0.5;
-
 /// Least relative fall of the residual sum of squares by which a common delay counts, and one of an effort's own:
 /// errors of the model imitate delays, and then the fall is small although it is significant.
 const DROPS: [f64; 2] = [0.02, 0.1];
-
-/// Samples in the regressions that compare bandwidths.
-const SAMPLES: usize = 1500;
 
 /// Runs as signals, and what is known of them before a bandwidth is chosen.
 pub(super) struct Recorded<'a> {
     pub(super) signals: Vec<Signals>,
     pub(super) robot: Option<&'a dyn Robot>,
-    settings: &'a PreparationSettings,
+    pub(super) settings: &'a PreparationSettings,
     pub(super) quality: Vec<PositionQuality>,
     pub(super) faults: Vec<Option<String>>,
     pub(super) step: f64,
@@ -204,12 +194,12 @@ impl<'a> Recorded<'a> {
         Ok(())
     }
 
-    fn output_step(&self, bandwidth: f64) -> f64 {
+    pub(super) fn output_step(&self, bandwidth: f64) -> f64 {
         let rate = self.settings.rate.unwrap_or(OVERSAMPLING * bandwidth);
         self.step * (1.0 / (self.step * rate)).floor().max(1.0)
     }
 
-    fn smoothing(&self, bandwidth: f64, delays: Vec<f64>) -> Smoothing {
+    pub(super) fn smoothing(&self, bandwidth: f64, delays: Vec<f64>) -> Smoothing {
         Smoothing {
             bandwidth,
             lowest: bandwidth,
@@ -221,7 +211,7 @@ impl<'a> Recorded<'a> {
     }
 
     /// All pieces as `split` makes them, smoothed.
-    fn smooth(&self, how: &Smoothing, split: f64) -> Result<Vec<Smoothed>> {
+    pub(super) fn smooth(&self, how: &Smoothing, split: f64) -> Result<Vec<Smoothed>> {
         let mut all = Vec::new();
         for signals in &self.signals {
             for piece in self.pieces(signals, split) {
@@ -231,58 +221,23 @@ impl<'a> Recorded<'a> {
         Ok(all)
     }
 
+    /// Columns that explain the efforts of `runs`.
+    pub(super) fn columns(
+        &self,
+        robot: &'a dyn Robot,
+        runs: &[&PreparedRun],
+        filter: Option<&Filter>,
+    ) -> Columns<'a> {
+        Columns::new(robot, runs, (filter, self.settings.gravity_compensated))
+    }
+
     fn delays_at(&self, bandwidth: f64) -> Result<Option<Delays>> {
         let (None, Some(robot)) = (self.settings.delay, self.robot) else { return Ok(None) };
         let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
         let filter = Filter::new(how.bandwidth, how.step)?;
-        Ok(estimate(&Columns::new(robot, &runs, Some(&filter)), &runs, how.step))
-    }
-
-    /// The widest bandwidth, up to `widest`, at which the motion explains the efforts as well as at any other.
-    ///
-    /// What the positions show above their noise need not be motion of a rigid robot: gears vibrate. Efforts are
-    /// taken as they were measured, so that bandwidths compare. Among equals the widest rounds the steps of
-    /// friction least.
-    fn confirmed(&self, robot: &dyn Robot, widest: f64, delays: &[Delay]) -> Result<f64> {
-        let tried = candidates(self.lowest(widest).min(widest), widest, 2.0);
-        let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
-        let (mut least, mut scores) = (f64::INFINITY, Vec::new());
-        for bandwidth in tried.iter().rev() {
-            let mut how = self.smoothing(*bandwidth, delays.iter().map(|d| d.removed).collect());
-            // The same samples for all, so that their residuals compare.
-            (how.cut, how.step, how.lowest) = (cut, self.output_step(widest), tried[0]);
-            let unexplained = self.unexplained(robot, &how, widest)?;
-            least = least.min(unexplained);
-            scores.push(unexplained);
-            if unexplained > least + HOPELESS {
-                break;
-            }
-        }
-        let chosen = tried.iter().rev().zip(scores).find(|(_, score)| *score <= least + LOSS);
-        Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))
-    }
-
-    /// Mean over the efforts of the logarithm of 1 − R²: parameters by least squares on the filtered efforts, judged
-    /// on the efforts as they were measured.
-    fn unexplained(&self, robot: &dyn Robot, how: &Smoothing, split: f64) -> Result<f64> {
-        let smoothed = self.smooth(how, split)?;
-        let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        let samples = spread(&runs, SAMPLES, 0);
-        let problems = problems(&Columns::new(robot, &runs, None), &runs, &samples);
-        let score = |m: usize| {
-            let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
-                DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
-            };
-            let problem = problems[m].as_ref()?;
-            let (filtered, measured) = (column(&|s| &s.run.efforts[m]), column(&|s| &s.measured[m]));
-            let error = problem.energy(&(&measured - problem.explained(&filtered)));
-            let all = problem.variation(&measured);
-            (error / all).is_finite().then(|| (error / all).max(1e-12).ln())
-        };
-        let scores: Vec<f64> = (0..problems.len()).filter_map(score).collect();
-        Ok(if scores.is_empty() { 0.0 } else { scores.iter().sum::<f64>() / scores.len() as f64 })
+        Ok(estimate(&self.columns(robot, &runs, Some(&filter)), &runs, how.step))
     }
 }
 

@@ -4,12 +4,14 @@
 //! reduced to its informative samples, put onto an even grid by cubic interpolation, and passed
 //! through one linear zero-phase filter ([`Filter`]), whose derivatives give ẏ and ÿ. Efforts pass through the same
 //! filter. Its bandwidth is the least that keeps what the positions show above their noise and what helps to
-//! explain the efforts; the delay of the efforts is the one at which the motion explains them best.
+//! explain the efforts, all of them by one set of parameters; the delay of the efforts is the one at which the motion
+//! explains them best.
 
 mod bandwidth;
 mod channel;
 mod check;
 mod choice;
+mod confirmation;
 mod delay;
 mod filter;
 mod grid;
@@ -23,6 +25,7 @@ mod signals;
 mod spectrum;
 #[cfg(test)]
 mod study;
+mod together;
 
 pub use filter::Filter;
 pub use result::{Delay, JointPreparation, PreparationReport, Prepared, VelocityCheck};

@@ -1,5 +1,5 @@
 //! Efforts explained by a robot's regressor, with friction and an offset for each joint: the judge of delays and
-//! bandwidths.
+//! bandwidths. Here each effort has parameters of its own.
 
 use super::super::moments::contiguous_blocks;
 use super::super::pose::rows_of;
@@ -24,12 +24,19 @@ pub(super) struct Columns<'a> {
     signs: Vec<Vec<Vec<f64>>>,
     /// Rows of joints with a quaternion, which have neither friction nor an offset here.
     exact: Vec<bool>,
+    /// The robot compensates gravity. What it takes the bodies to weigh is unknown: inertial forces and weight have
+    /// parameters of their own.
+    is_compensated: bool,
 }
 
 impl<'a> Columns<'a> {
     /// Columns for the efforts of `runs`; a `filter` that rounded the steps of Coulomb friction in the efforts
     /// rounds the signs of the velocities too.
-    pub fn new(robot: &'a dyn Robot, runs: &[&PreparedRun], filter: Option<&Filter>) -> Self {
+    pub fn new(
+        robot: &'a dyn Robot,
+        runs: &[&PreparedRun],
+        (filter, is_compensated): (Option<&Filter>, bool),
+    ) -> Self {
         let joints = robot.joint_names().len();
         let inputs = runs.first().is_some_and(|r| r.effort != Effort::Joint);
         let inverse = || {
@@ -43,7 +50,7 @@ impl<'a> Columns<'a> {
         };
         let signs = runs.iter().map(|r| r.velocities.iter().zip(&slow).map(sign).collect()).collect();
         let exact = rows_of(&robot.quaternion_joints(), joints);
-        Self { robot, inverse: if inputs { inverse() } else { None }, signs, exact }
+        Self { robot, inverse: if inputs { inverse() } else { None }, signs, exact, is_compensated }
     }
 
     /// Whether a joint rests that an effort acts on.
@@ -63,18 +70,11 @@ impl<'a> Columns<'a> {
         let run = runs[r];
         let state = |all: &[Vec<f64>]| -> Vec<f64> { all.iter().map(|c| c[i]).collect() };
         let (y, v, a) = (state(run.coordinates()), state(&run.velocities), state(&run.accelerations));
-        let (joints, parameters) = (v.len(), self.robot.parameter_names().len());
-        let mut regressor = vec![0.0; joints * parameters];
-        self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
-        let mut all = DMatrix::zeros(joints, parameters + 3 * joints);
-        for j in 0..joints {
-            for k in 0..parameters {
-                all[(j, k)] = regressor[j * parameters + k];
-            }
-            if self.exact[j] {
-                continue;
-            }
-            let friction = parameters + 3 * j;
+        let joints = v.len();
+        let inertial = self.inertial(&y, &v, &a);
+        let mut all = inertial.clone().resize_horizontally(inertial.ncols() + 3 * joints, 0.0);
+        for j in (0..joints).filter(|j| !self.exact[*j]) {
+            let friction = inertial.ncols() + 3 * j;
             all[(j, friction)] = v[j];
             all[(j, friction + 1)] = self.signs[r][j][i];
             all[(j, friction + 2)] = 1.0;
@@ -83,6 +83,24 @@ impl<'a> Columns<'a> {
             Some(inverse) => inverse * all,
             None => all,
         }
+    }
+
+    /// Columns of the inertial parameters, one row for each joint.
+    fn inertial(&self, y: &[f64], v: &[f64], a: &[f64]) -> DMatrix<f64> {
+        let (joints, parameters) = (v.len(), self.robot.parameter_names().len());
+        let regressor = |v: &[f64], a: &[f64]| {
+            let mut columns = vec![0.0; joints * parameters];
+            self.robot.inertial_regressor(y, v, a, &mut columns);
+            DMatrix::from_row_slice(joints, parameters, &columns)
+        };
+        let all = regressor(v, a);
+        if !self.is_compensated {
+            return all;
+        }
+        let weight = regressor(&vec![0.0; joints], &vec![0.0; joints]);
+        let mut apart = (all - &weight).resize_horizontally(2 * parameters, 0.0);
+        apart.columns_mut(parameters, parameters).copy_from(&weight);
+        apart
     }
 }
 
@@ -117,20 +135,35 @@ pub(super) struct Problem {
     moving: DVector<f64>,
 }
 
-/// One problem for each effort; `None` where its columns have no factor.
-pub(super) fn problems(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Option<Problem>> {
-    let blocks: Vec<DMatrix<f64>> = samples.iter().map(|sample| columns.at(runs, *sample)).collect();
-    let Some(first) = blocks.first() else { return Vec::new() };
-    let of_effort = |m: usize| {
-        let moves = |(r, i): &Sample| f64::from(u8::from(!columns.rests(runs[*r], m, *i)));
-        let moving = DVector::from_iterator(samples.len(), samples.iter().map(moves));
-        let all = DMatrix::from_fn(first.ncols(), blocks.len(), |k, i| blocks[i][(m, k)] * moving[i]);
-        Problem::new(&all, moving)
-    };
-    (0..first.nrows()).map(of_effort).collect()
+/// Equations of one effort over the chosen samples.
+pub(super) struct Equations {
+    /// Columns × samples, zero where a joint rests that the effort acts on.
+    pub rows: DMatrix<f64>,
+    /// 0 at these samples, 1 at the others.
+    pub moving: DVector<f64>,
 }
 
-fn ridged(mut gram: DMatrix<f64>) -> DMatrix<f64> {
+impl Equations {
+    /// Those of each effort.
+    pub fn of_efforts(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Self> {
+        let blocks: Vec<DMatrix<f64>> = samples.iter().map(|sample| columns.at(runs, *sample)).collect();
+        let Some(first) = blocks.first() else { return Vec::new() };
+        let of_effort = |m: usize| {
+            let moves = |(r, i): &Sample| f64::from(u8::from(!columns.rests(runs[*r], m, *i)));
+            let moving = DVector::from_iterator(samples.len(), samples.iter().map(moves));
+            let rows = DMatrix::from_fn(first.ncols(), blocks.len(), |k, i| blocks[i][(m, k)] * moving[i]);
+            Self { rows, moving }
+        };
+        (0..first.nrows()).map(of_effort).collect()
+    }
+}
+
+/// One problem for each effort; `None` where its columns have no factor.
+pub(super) fn problems(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Option<Problem>> {
+    Equations::of_efforts(columns, runs, samples).into_iter().map(Problem::new).collect()
+}
+
+pub(super) fn ridged(mut gram: DMatrix<f64>) -> DMatrix<f64> {
     for k in 0..gram.nrows() {
         gram[(k, k)] += RIDGE;
     }
@@ -138,7 +171,7 @@ fn ridged(mut gram: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl Problem {
-    fn new(columns: &DMatrix<f64>, moving: DVector<f64>) -> Option<Self> {
+    fn new(Equations { rows: columns, moving }: Equations) -> Option<Self> {
         let norms: Vec<f64> = columns.row_iter().map(|c| c.norm()).collect();
         let largest = norms.iter().copied().fold(0.0, f64::max);
         let used: Vec<usize> = (0..norms.len()).filter(|k| norms[*k] > 1e-9 * largest).collect();
@@ -165,25 +198,10 @@ impl Problem {
         contiguous_blocks(self.moving.len(), folds).map(errors).collect()
     }
 
-    /// What the columns explain of `target`.
-    pub fn explained(&self, target: &DVector<f64>) -> DVector<f64> {
-        self.basis.tr_mul(&(&self.basis * target))
-    }
-
     /// What the columns cannot explain of `target`.
     pub fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
-        (target - self.explained(target)).component_mul(&self.moving)
-    }
-
-    /// Sum of the squares of what is left of a target.
-    pub fn energy(&self, left: &DVector<f64>) -> f64 {
-        left.component_mul(&self.moving).norm_squared()
-    }
-
-    /// Sum of the squares of a target without its mean.
-    pub fn variation(&self, target: &DVector<f64>) -> f64 {
-        let mean = target.dot(&self.moving) / self.moving.sum();
-        self.energy(&target.add_scalar(-mean))
+        let explained = self.basis.tr_mul(&(&self.basis * target));
+        (target - explained).component_mul(&self.moving)
     }
 
     /// Squares of what the columns cannot explain of each column of `targets`.

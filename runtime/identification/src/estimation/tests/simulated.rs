@@ -39,22 +39,32 @@ fn friction_offset_and_base_parameters_come_back() {
     assert!((found.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.02);
 }
 
-/// The estimate of a log whose efforts lack the weight of `compensated`.
-fn without_the_weight_of(compensated: &Pendulum, truth: &Pendulum, random: &mut SplitMix64) -> Estimate {
-    let (mut run, _) = simulate(truth, &Experiment::default(), random);
-    for sample in 0..run.times.len() {
-        let y = [run.positions[0][sample], run.positions[1][sample]];
-        let mut weight = [0.0; 2];
-        compensated.rigid_forces(&y, &[0.0; 2], &[0.0; 2], &mut weight);
-        run.efforts.iter_mut().zip(weight).for_each(|(column, weight)| column[sample] -= weight);
-    }
+/// The estimate of runs whose efforts lack the weight of `compensated`, and whose sensor at the shoulder has these zeros.
+fn without_the_weight_of(
+    compensated: &Pendulum,
+    truth: &Pendulum,
+    zeros: &[f64],
+    random: &mut SplitMix64,
+) -> Estimate {
+    let mut run = |zero: &f64| {
+        let (mut run, _) = simulate(truth, &Experiment::default(), random);
+        for sample in 0..run.times.len() {
+            let y = [run.positions[0][sample], run.positions[1][sample]];
+            let mut weight = [0.0; 2];
+            compensated.rigid_forces(&y, &[0.0; 2], &[0.0; 2], &mut weight);
+            run.efforts.iter_mut().zip(weight).for_each(|(column, weight)| column[sample] -= weight);
+            run.efforts[0][sample] += zero;
+        }
+        run
+    };
+    let runs: Vec<PreparedRun> = zeros.iter().map(&mut run).collect();
     let settings = EstimationSettings {
         steepness: Some(vec![STEEPNESS; 2]),
         folds: 5,
         gravity_compensated: true,
         ..EstimationSettings::default()
     };
-    quietly(&Pendulum::described(), &[run], &settings)
+    quietly(&Pendulum::described(), &runs, &settings)
 }
 
 /// A controller that carries the described bodies leaves what the real ones weigh beyond them.
@@ -63,17 +73,30 @@ fn weight_is_compensated_as_described_or_as_it_is() {
     let mut random = SplitMix64::new(3);
     let described = Pendulum::described();
     let truth = described.other(0.1, &mut random);
-    let by_model = without_the_weight_of(&described, &truth, &mut random);
+    let by_model = without_the_weight_of(&described, &truth, &[0.0], &mut random);
     assert_eq!(by_model.gravity, Gravity::CompensatedAsDescribed);
     assert!(by_model.choices.iter().any(|said| said.contains("as described")), "{:?}", by_model.choices);
     // The moment of the second link, which its weight tells best.
     assert!((by_model.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.02);
-    let in_full = without_the_weight_of(&truth, &truth, &mut random);
+    let in_full = without_the_weight_of(&truth, &truth, &[0.0], &mut random);
     assert_eq!(in_full.gravity, Gravity::Compensated);
     for found in [by_model, in_full] {
         assert!(found.consistent && found.warnings.is_empty(), "{:?}", found.warnings);
         assert!(found.joints.iter().all(|joint| joint.held_out_r_squared > 0.98));
     }
+}
+
+/// What a sensor's zero adds to each run is no weight, and what bodies weigh is no zero.
+#[test]
+fn zeros_that_move_are_told_from_weight_that_is_left() {
+    let mut random = SplitMix64::new(5);
+    let described = Pendulum::described();
+    let truth = described.other(0.1, &mut random);
+    let zeros = [0.0, 2.0, -1.0, 0.5];
+    let in_full = without_the_weight_of(&truth, &truth, &zeros, &mut random);
+    assert_eq!((in_full.gravity, in_full.offsets), (Gravity::Compensated, Offsets::ByRun));
+    let by_model = without_the_weight_of(&described, &truth, &[0.0; 4], &mut random);
+    assert_eq!((by_model.gravity, by_model.offsets), (Gravity::CompensatedAsDescribed, Offsets::Common));
 }
 
 #[test]
