@@ -25,6 +25,8 @@ use super::task::Task;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+/// Level of the test of least squares against instrumental variables.
+const LEVEL: f64 = 0.05;
 /// Cosines for each tested direction.
 const COSINES_FOR_EACH: usize = 3;
 /// Share of the largest difference between X and Z below which a direction is not tested.
@@ -40,6 +42,21 @@ pub(super) struct Endogeneity {
     /// Degrees of freedom of the covariance.
     pub(super) freedom: usize,
     pub(super) test: Test,
+}
+
+impl Endogeneity {
+    /// Whether least squares differs from instrumental variables by more than chance.
+    pub(super) fn rejects(&self) -> bool {
+        self.test.p_value < LEVEL
+    }
+
+    /// Standard error of an unknown; zero where it is not estimated.
+    ///
+    /// - `active`: the unknowns that are estimated
+    pub(super) fn deviation(&self, active: &[usize], global: usize) -> f64 {
+        let place = active.iter().position(|&active| active == global);
+        place.map_or(0.0, |i| self.covariance[(i, i)].max(0.0).sqrt())
+    }
 }
 
 /// A statistic with its distribution where least squares is not biased.
@@ -93,8 +110,19 @@ pub(super) fn endogeneity(
         return Ok(None);
     }
     let equations = pass.equations(layout, of);
-    let metric = of.weighting.metric(task.prior, &of.solved.active);
-    Ok(equations.compare(of, &metric, spread, cosines, instruments.source))
+    let description = (&of.weighting.metric(task.prior, &of.solved.active), spread);
+    let Some(found) = equations.compare(of, description, cosines, instruments.source) else {
+        return Ok(None);
+    };
+    if !found.rejects() {
+        return Ok(Some(found));
+    }
+    // Residuals of a biased fit hold the bias times the motion, which is no error of the instruments' estimate.
+    let offsets = (0..layout.joints).map(|j| of.centred.offsets(&found.values, j)).collect();
+    let own = Fitted { values: &found.values, offsets: &offsets, ..*of };
+    let moments = Pass::new(task, &own, &instruments, correlation_time).equations(layout, &own).z;
+    let covariance = equations.covariance(of, description, &moments, cosines);
+    Ok(covariance.map(|covariance| Endogeneity { covariance, ..found }))
 }
 
 /// One pass along the runs.
@@ -267,8 +295,7 @@ impl Equations {
     fn compare(
         &self,
         of: &Fitted,
-        metric: &DMatrix<f64>,
-        spread: f64,
+        description: (&DMatrix<f64>, f64),
         cosines: usize,
         source: InstrumentSource,
     ) -> Option<Endogeneity> {
@@ -283,20 +310,43 @@ impl Equations {
         let moments = &self.z - &projection * &self.x;
         let left = &self.zz - &projection * self.zx.transpose();
         let test = test(&factor, &left, moments, cosines)?;
-        let total = self.z.column_sum();
-        let system = factor.both_sides(&self.zx + metric).lu();
-        let invert = |right: DMatrix<f64>| Some(factor.scaled(system.solve(&factor.scaled(right))?));
-        let right = total - metric * &change;
-        let step = invert(DMatrix::from_column_slice(right.len(), 1, right.as_slice()))?;
+        let (metric, _) = description;
+        let right = self.z.column_sum() - metric * &change;
+        let step =
+            self.inverted(&factor, metric, DMatrix::from_column_slice(right.len(), 1, right.as_slice()))?;
         let mut values = of.values.clone();
         solved.active.iter().zip(step.iter()).for_each(|(&global, step)| values.unknowns[global] += step);
-        let projected = projections(&self.z, cosines);
-        let deviations = invert(projected)?;
-        // How far descriptions are from robots is in the estimate too.
-        let of_description = invert(metric.clone())?;
-        let described = invert(of_description.transpose())?.transpose() * spread;
-        let covariance = &deviations * deviations.transpose() / cosines as f64 + described;
+        let covariance = self.covariance(of, description, &self.z, cosines)?;
         Some(Endogeneity { source, values, covariance, freedom: cosines, test })
+    }
+
+    /// Covariance of the estimate by instrumental variables.
+    ///
+    /// - `metric`, `spread`: of the description, and how far descriptions are from robots, which is in the estimate too
+    /// - `moments`: `ZᵀΩr` of the blocks
+    fn covariance(
+        &self,
+        of: &Fitted,
+        (metric, spread): (&DMatrix<f64>, f64),
+        moments: &DMatrix<f64>,
+        cosines: usize,
+    ) -> Option<DMatrix<f64>> {
+        let factor = Factor::new(&of.solved.regularized).ok()?;
+        let deviations = self.inverted(&factor, metric, projections(moments, cosines))?;
+        let of_description = self.inverted(&factor, metric, metric.clone())?;
+        let described = self.inverted(&factor, metric, of_description.transpose())?.transpose() * spread;
+        Some(&deviations * deviations.transpose() / cosines as f64 + described)
+    }
+
+    /// `(ZᵀΩX + Λ)⁻¹` times columns.
+    fn inverted(
+        &self,
+        factor: &Factor,
+        metric: &DMatrix<f64>,
+        columns: DMatrix<f64>,
+    ) -> Option<DMatrix<f64>> {
+        let system = factor.both_sides(&self.zx + metric).lu();
+        Some(factor.scaled(system.solve(&factor.scaled(columns))?))
     }
 }
 

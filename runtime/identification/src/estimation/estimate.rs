@@ -259,6 +259,7 @@ impl Task<'_> {
                 chosen: last,
                 solved: &solved,
                 covariance: &covariance,
+                instead: endogeneity.as_ref().filter(|found| found.rejects()),
             },
             runs: self.runs,
             forces: &forces,

@@ -1,12 +1,13 @@
 //! What an estimate says, whether it was made of samples or of sums: parameters, friction terms and gains with their
 //! intervals, and the choices in words.
 
-use super::super::confidence::quantile;
+use super::super::confidence::{half_width_around, quantile};
 use super::super::error::{IdentificationError, Result};
 use super::super::inertial::PER_BODY;
 use super::super::library::smooth_sign;
 use super::super::robot::Robot;
 use super::choice::Chosen;
+use super::endogeneity::Endogeneity;
 use super::fit::Solved;
 use super::gains::{Gain, UNTOLD};
 use super::intervals::Covariance;
@@ -25,6 +26,8 @@ pub(super) struct Estimated<'a> {
     pub(super) chosen: &'a Chosen<'a>,
     pub(super) solved: &'a Solved,
     pub(super) covariance: &'a Covariance,
+    /// The estimate by instrumental variables, where least squares differs from it by more than chance.
+    pub(super) instead: Option<&'a Endogeneity>,
 }
 
 /// How well a joint's force is explained.
@@ -94,10 +97,30 @@ impl Estimated<'_> {
         std::iter::once(weight).chain(doubted)
     }
 
-    /// An unknown beyond `base`, with its interval.
+    /// An unknown beyond `base`, with its interval. Where least squares is biased, the interval reaches as far as instrumental
+    /// variables ask for.
     pub(super) fn uncertain(&self, global: usize, base: f64) -> Uncertain {
         let error = self.covariance.deviation(self.solved, global);
-        self.with_interval(base + self.solved.values.unknowns[global], error, self.covariance.freedom)
+        let unknown = self.solved.values.unknowns[global];
+        let by_itself = self.with_interval(base + unknown, error, self.covariance.freedom);
+        let other = self.instead.map(|other| {
+            let distance = other.values.unknowns[global] - unknown;
+            self.around(
+                by_itself.value,
+                [distance, other.deviation(&self.solved.active, global)],
+                other.freedom,
+            )
+        });
+        other.filter(|other| other.standard_error > error).unwrap_or(by_itself)
+    }
+
+    /// The interval about a value that holds what another estimate says.
+    ///
+    /// - `distance`: of the other estimate, and its standard error
+    fn around(&self, value: f64, [distance, error]: [f64; 2], freedom: usize) -> Uncertain {
+        let half = half_width_around(distance, error, self.settings.confidence, freedom.max(1) as f64);
+        let half = half.unwrap_or(f64::INFINITY);
+        Uncertain { value, standard_error: distance.hypot(error), interval: [value - half, value + half] }
     }
 
     /// Student's interval. The settings are checked, and there is one degree of freedom.

@@ -6,9 +6,6 @@ use super::estimated::{Estimated, JointFit};
 use super::residuals::{Forces, RunOffsets};
 use super::result::{Estimate, Gravity, InstrumentalEstimate, Offsets};
 
-/// Level of the test of least squares against instrumental variables.
-const LEVEL: f64 = 0.05;
-
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
     pub(super) fitted: Estimated<'a>,
@@ -104,18 +101,18 @@ impl Report<'_> {
 
     /// Whether noise of the motion biases least squares.
     fn endogeneity_said(&self) -> String {
-        let Some(Endogeneity { source, test: Test { statistic, freedoms: [q, rest], p_value }, .. }) =
-            self.endogeneity
-        else {
+        let Some(found) = self.endogeneity else {
             return "The logs hold no instruments (commanded positions, or repeats of a motion), or are too short for \
                     them: whether noise of the positions biases the estimate in closed loop is not known."
                 .into();
         };
+        let Endogeneity { source, test: Test { statistic, freedoms: [q, rest], p_value }, .. } = found;
         let numbers = format!("F({q}, {rest}) = {statistic:.2}, p = {p_value:.2e}, instruments are {source}");
-        if *p_value < LEVEL {
+        if found.rejects() {
             format!(
                 "Least squares differs from instrumental variables by more than chance ({numbers}): noise of the \
-                 positions biases it in closed loop, or what the model lacks follows the control error."
+                 positions biases it in closed loop, or what the model lacks follows the control error. Intervals reach from \
+                 each value as far as instrumental variables put the true one."
             )
         } else {
             format!("Least squares is not biased in closed loop as far as the data tell ({numbers}).")
@@ -125,8 +122,7 @@ impl Report<'_> {
     fn instrumental(&self, found: &Endogeneity) -> InstrumentalEstimate {
         let (fitted, active) = (&self.fitted, &self.fitted.solved.active);
         let uncertain = |global: usize, base: f64| {
-            let place = active.iter().position(|&active| active == global);
-            let error = place.map_or(0.0, |i| found.covariance[(i, i)].max(0.0).sqrt());
+            let error = found.deviation(active, global);
             fitted.with_interval(base + found.values.unknowns[global], error, found.freedom)
         };
         let terms = |joint: usize| fitted.terms(joint, |global| uncertain(global, 0.0));

@@ -101,12 +101,14 @@ pub struct InstrumentalEstimate {
     pub p_value: f64,
 }
 
-/// A value with its interval, which holds under correlated residuals.
+/// A value with its interval, which holds under correlated residuals. Where least squares differs from instrumental variables by
+/// more than chance, the interval holds what these say of the true value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
     /// The estimate.
     pub value: f64,
-    /// Standard error; zero where the data may not change the value.
+    /// Standard error; zero where the data may not change the value. Where least squares is biased, the root of the mean square
+    /// distance from the true value.
     pub standard_error: f64,
     /// Ends of the interval at the estimate's level.
     pub interval: [f64; 2],

@@ -264,6 +264,8 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
             chosen: &chosen,
             solved: &solved,
             covariance: &covariance,
+            // Moments hold no instruments.
+            instead: None,
         },
         held_out,
     };

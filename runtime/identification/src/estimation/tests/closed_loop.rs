@@ -48,7 +48,8 @@ struct Study {
     rejected: f64,
     /// Sums of errors and of their squares, of least squares and of instruments, for each value.
     sums: Vec<[[f64; 2]; 2]>,
-    covered: f64,
+    /// How often intervals of least squares and of instruments held the truth, over logs and values.
+    covered: [f64; 2],
 }
 
 impl Study {
@@ -66,8 +67,12 @@ impl Study {
                 for (sums, value) in sums.iter_mut().zip([least.value, other.value]) {
                     *sums = [sums[0] + value - truth, sums[1] + (value - truth).powi(2)];
                 }
-                let hit = other.interval[0] <= *truth && *truth <= other.interval[1];
-                study.covered += f64::from(u8::from(hit)) / triples.len() as f64;
+                for (covered, Uncertain { interval: [low, high], .. }) in
+                    study.covered.iter_mut().zip([least, other])
+                {
+                    let hit = low <= truth && truth <= high;
+                    *covered += f64::from(u8::from(hit)) / triples.len() as f64 / study.logs;
+                }
             }
         }
         study
@@ -84,9 +89,10 @@ impl Study {
 
     fn print(&self, what: &str) {
         println!(
-            "{what}: rejected {:.2}, covered {:.3}",
+            "{what}: rejected {:.2}, covered {:.3} by least squares and {:.3} by instruments",
             self.rejected / self.logs,
-            self.covered / self.logs
+            self.covered[0],
+            self.covered[1]
         );
         self.biases().iter().for_each(|[least, other]| println!("  {least:+6.1} {other:+6.1}"));
     }
@@ -109,11 +115,14 @@ fn instruments_are_unbiased_and_the_test_rejects_as_often_as_it_says() {
     // Two standard deviations of the share are 0.06.
     assert!((0.04..=0.16).contains(&(quiet.rejected / quiet.logs)));
     assert!(quiet.biases().iter().flatten().all(|bias| bias.abs() < 3.0));
+    assert!(quiet.covered.iter().all(|share| (0.85..=0.95).contains(share)));
     let noisy = Study::new(&noisy(), 0..100);
     noisy.print("with noise of the positions");
     assert!(noisy.rejected > 0.9 * noisy.logs);
     assert!(noisy.biases().iter().any(|[least, _]| least.abs() > 10.0));
     assert!(noisy.biases().iter().all(|[_, other]| other.abs() < 3.0));
+    // The intervals of least squares count its bias.
+    assert!(noisy.covered.iter().all(|share| (0.85..=0.95).contains(share)));
 }
 
 #[test]
@@ -125,6 +134,8 @@ fn noise_of_the_positions_biases_least_squares_and_not_instruments() {
     // The inertia of the second link suffers most.
     let [least, other] = noisy.sums[6].map(|sums| sums[0] / noisy.logs);
     assert!(other.abs() < 0.5 * least.abs(), "{least} {other}");
+    // The bias is in the intervals: without it they hold a third.
+    assert!(noisy.covered[0] > 0.8, "{}", noisy.covered[0]);
     let quiet = Study::new(&short(quiet()), 0..3);
     quiet.print("without noise of the positions");
     assert!(quiet.rejected <= 1.0);
