@@ -335,6 +335,10 @@ pub(super) struct Identify {
     /// Sines of each joint's planned motion
     #[arg(long, value_name = "COUNT", requires = "plan", default_value_t = 8, value_parser = clap::value_parser!(u16).range(2..=50))]
     pub(super) harmonics: u16,
+    /// Posture that the plan begins in, from which the robot goes to the motion, e.g. 'shoulder=0.3,elbow=-1.2' [rad or
+    /// m; default: where the motion begins]
+    #[arg(long, value_name = "JOINT=POSITION,…", requires = "plan")]
+    pub(super) start: Option<String>,
     /// Seed of the search: another one gives another motion
     #[arg(long, value_name = "NUMBER", requires = "plan", default_value_t = 1)]
     pub(super) seed: u64,

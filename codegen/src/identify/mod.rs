@@ -9,12 +9,14 @@ pub mod page;
 mod parameters;
 mod robot;
 mod shafts;
+mod terms;
 mod words;
 
 pub use bodies::{BodyValues, bodies};
 pub use drives::{IdentifiedDrive, drives, rotors};
 pub use robot::{InterpretedRobot, RobotChoices};
 pub use shafts::{IdentifiedShaft, drive_table, joint_tables, kept_friction, shaft_rotor};
+pub use terms::terms_as_json;
 
 #[cfg(test)]
 mod tests {

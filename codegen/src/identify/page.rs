@@ -7,6 +7,8 @@ use gelenk_identification::run::PreparedRun;
 use gelenk_identification::subset::{SubsetValidation, ValidatedSubset};
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, plain, text};
 
+use super::terms;
+
 /// Most points of a curve; of longer ones every k-th is drawn.
 const MOST_POINTS: usize = 1500;
 /// What rows are where shafts take those of joints.
@@ -148,7 +150,7 @@ fn friction(found: &Identification, units: &[&str]) -> Section {
     for joint in &found.friction {
         section = section.block(Block::Figure(friction_figure(joint, units[joint.joint])));
     }
-    section
+    section.block(Block::Table(terms::table(found)))
 }
 
 fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
@@ -270,10 +272,11 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
     .column("lowest", "lowest", "")
     .column("highest", "highest", "");
     let described = robot.parameter_names().into_iter().zip(robot.parameters());
-    for ((name, described), Uncertain { value, interval, .. }) in described.zip(&found.estimate.parameters) {
-        let [low, high] = *interval;
-        let cells = [described, *value, low, high].map(|x| Cell::Rounded(x, 4));
-        table = table.row([Cell::Code(name)].into_iter().chain(cells));
+    for ((name, described), Uncertain { value, standard_error, interval: [low, high] }) in
+        described.zip(&found.estimate.parameters)
+    {
+        let cells = [*value, *low, *high].map(|x| terms::measured(x, Some(*standard_error)));
+        table = table.row([Cell::Code(name), Cell::Rounded(described, 4)].into_iter().chain(cells));
     }
     let instrumental = found.estimate.instrumental.as_ref().map(|other| instrumental(robot, found, other));
     Section::new("parameters", "Inertial parameters").block(Block::Table(table)).blocks(instrumental)

@@ -133,6 +133,68 @@ fn torques_off(folder: &Path, sizes: [f64; 3]) -> [f64; 2] {
     [before, after]
 }
 
+/// Each friction term has a probability, those that were left out too, in JSON, on the page and in the file.
+fn says_how_sure_terms_are(result: &serde_json::Value, folder: &Path) {
+    let page = fs::read_to_string(folder.join("page/friction_terms.csv")).unwrap();
+    for (joint, viscous) in [(0, 4.0), (1, 1.5)] {
+        let terms = result["joints"][joint]["friction_terms"].as_array().unwrap();
+        let chosen = |term: &&serde_json::Value| !term["coefficient"].is_null();
+        assert!(terms.iter().any(|term| !chosen(&term)), "{terms:#?}");
+        assert!(terms.iter().all(|term| term["probability"].is_f64() && term["inclusion"].is_f64()));
+        let of = terms.iter().find(|term| term["term"] == "v").unwrap();
+        let end = |k: usize| of["interval"][k].as_f64().unwrap();
+        assert!(end(0) < end(1) && (end(0) + end(1) - 2.0 * viscous).abs() < 0.2 * viscous, "{of:#}");
+        assert!(of["probability"].as_f64().unwrap() > 0.99, "{of:#}");
+        let name = ["shoulder", "elbow"][joint];
+        assert_eq!(page.lines().filter(|line| line.starts_with(name)).count(), terms.len(), "{page}");
+    }
+    let text = fs::read_to_string(folder.join("arm_identified.toml")).unwrap();
+    assert!(text.contains(", in the law with a probability of 100 %"), "{text}");
+}
+
+#[test]
+fn a_plan_begins_where_the_robot_stands() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("arm.toml"), ARM).unwrap();
+    let plan = |start: &[&str]| {
+        let arguments =
+            ["identify", "--plan", "arm.toml", "--rate", "100", "--seconds", "8", "--format", "json"];
+        gelenk(folder.path(), &[&arguments[..], start].concat())
+    };
+    let rows = |output: &std::process::Output| -> (serde_json::Value, Vec<Vec<f64>>) {
+        assert!(output.status.success(), "{}", shown(output));
+        let text = fs::read_to_string(folder.path().join("plan.csv")).unwrap();
+        let row = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect();
+        (serde_json::from_slice(&output.stdout).unwrap(), text.lines().skip(1).map(row).collect())
+    };
+    let (_, alone) = rows(&plan(&[]));
+    let (said, from) = rows(&plan(&["--start", "elbow=-0.2, shoulder=0.3"]));
+    assert_eq!(from[0], [0.0, 0.3, -0.2, 0.0, 0.0, 0.0, 0.0]);
+    let lead = from.len() - alone.len();
+    let seconds = said["approach"]["seconds"].as_f64().unwrap();
+    assert!(seconds > 0.1 && (0.0..0.01 + 1e-9).contains(&(0.01 * lead as f64 - seconds)), "{said:#}");
+    for (row, motion) in from[lead..].iter().zip(&alone) {
+        assert_eq!(row[1..], motion[1..]);
+    }
+    for pair in from.windows(2) {
+        assert!((pair[1][0] - pair[0][0] - 0.01).abs() < 1e-9);
+        for joint in [1, 2] {
+            let slope = (pair[1][joint] - pair[0][joint]) / 0.01;
+            assert!((slope - 0.5 * (pair[0][joint + 2] + pair[1][joint + 2])).abs() < 0.01, "{pair:?}");
+        }
+    }
+    for (start, reason) in [
+        ("shoulder=0.3", "elbow missing"),
+        ("shoulder=0.3,wrist=1", "there is no joint 'wrist'; the joints are shoulder, elbow"),
+        ("shoulder=0.3,elbow=up", "'elbow=up' has no number"),
+        ("shoulder=1,shoulder=2", "joint shoulder stands twice"),
+        ("shoulder=99,elbow=0", "start of joint shoulder = 99 is not possible"),
+    ] {
+        let refused = plan(&["--start", start]);
+        assert!(!refused.status.success() && shown(&refused).contains(reason), "{}", shown(&refused));
+    }
+}
+
 #[test]
 fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -151,6 +213,7 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
         assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.999, "{result:#}");
     }
     assert!(at("page/index.html").exists());
+    says_how_sure_terms_are(&result, folder.path());
     let [before, after] = torques_off(folder.path(), [1.2, 1.0, 3.0]);
     assert!(before > 2.0 && after < 0.1);
     // A joint whose efforts cannot be used is named with its row, the other goes on, and the file says so.

@@ -258,7 +258,12 @@ mod tests {
         assert_eq!(terms[0][0].as_str(), Some("v"));
         assert_eq!(terms[0][1].as_float(), Some(76.5561));
         assert_eq!(terms[1][1].as_float(), Some(-3.9245));
-        assert!(text.contains("# v: 76.556 ± 0.031, 95 % interval 76.494 … 76.619\n"), "{text}");
+        assert!(
+            text.contains(
+                "# v: 76.556 ± 0.031, 95 % interval 76.494 … 76.619, in the law with a probability of 75 %\n"
+            ),
+            "{text}"
+        );
         assert!(text.contains("# two lines\n") && text.contains("sha256 00ff"));
     }
 

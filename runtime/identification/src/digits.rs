@@ -46,6 +46,13 @@ pub fn with_error(value: f64, error: Option<f64>) -> String {
     }
 }
 
+/// Significant digits that [`rounded`] leaves a value, at least one; `None` where the error is not known.
+pub fn significant(value: f64, error: Option<f64>) -> Option<usize> {
+    let decimals = decimals(error).filter(|_| value.is_finite())?;
+    let digits = if value == 0.0 { 1 } else { magnitude(value) + 1 + decimals };
+    Some(digits.clamp(1, MOST_DIGITS).unsigned_abs() as usize)
+}
+
 /// Whether nothing is left of `value` after [`rounded`].
 pub fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
@@ -95,6 +102,14 @@ mod tests {
         }
         assert_eq!(with_error(2.5, None), "2.5");
         assert_eq!(rounded(1.0 / 3.0, Some(1e-16)).parse::<f64>(), Ok(1.0 / 3.0));
+    }
+
+    #[test]
+    fn significant_digits_are_those_that_are_written() {
+        let of = |value: f64, error: f64| significant(value, Some(error));
+        assert_eq!([of(76.556, 0.0312), of(12_345.0, 123.0), of(-3.9, 2.0)], [Some(5), Some(4), Some(2)]);
+        assert_eq!([of(0.003, 0.1), of(0.0, 0.1), of(1.0, 1e-30)], [Some(1), Some(1), Some(17)]);
+        assert_eq!([significant(2.5, None), of(2.5, 0.0), of(f64::NAN, 1.0)], [None; 3]);
     }
 
     #[test]

@@ -145,11 +145,18 @@ impl FrictionTerm {
         )
     }
 
+    /// Ends of the interval; `None` where the error is not known.
+    ///
+    /// - `t`: half its width in standard errors, [`FrictionResult::interval_factor`]
+    pub fn ends(&self, t: f64) -> Option<[f64; 2]> {
+        let error = self.standard_error.filter(|error| error.is_finite() && *error > 0.0)?;
+        Some([-t, t].map(|t| self.coefficient + t * error))
+    }
+
     /// `low … high`.
     fn interval(&self, t: f64) -> Option<String> {
-        let error = self.standard_error.filter(|e| e.is_finite() && *e > 0.0)?;
-        let bound = |sign: f64| rounded(self.coefficient + sign * t * error, Some(error));
-        Some(format!("{} … {}", bound(-1.0), bound(1.0)))
+        let [low, high] = self.ends(t)?.map(|end| rounded(end, self.standard_error));
+        Some(format!("{low} … {high}"))
     }
 }
 
@@ -254,14 +261,17 @@ impl FrictionResult {
         quantile(CONFIDENCE, freedom).unwrap_or(f64::INFINITY)
     }
 
-    /// One line for each coefficient: name, value with standard error, interval.
+    /// One line for each coefficient: name, value with standard error, interval, probability.
     pub fn coefficient_lines(&self) -> Vec<String> {
         let t = self.interval_factor();
         let line = |(name, term): (String, &FrictionTerm)| {
             let range = term
                 .interval(t)
                 .map_or_else(String::new, |i| format!(", {:.0} % interval {i}", 100.0 * CONFIDENCE));
-            format!("{name}: {}{range}", with_error(term.coefficient, term.standard_error))
+            let probability = term.probability.map_or_else(String::new, |p| {
+                format!(", in the law with a probability of {:.0} %", 100.0 * p)
+            });
+            format!("{name}: {}{range}{probability}", with_error(term.coefficient, term.standard_error))
         };
         self.named().map(line).collect()
     }

@@ -154,6 +154,7 @@ def plan(
     speed_share: float | None = None,
     effort_share: float | None = None,
     harmonics: int | None = None,
+    start: str | None = None,
     seed: int | None = None,
     friction_on: str | None = None,
     snap_angles: float | None = None,
@@ -165,8 +166,8 @@ def plan(
     """Plans a motion that shows the parameters, as `gelenk identify --plan` does; the CSV file."""
     options = {
         "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration, "position_share": position_share,
-        "speed_share": speed_share, "effort_share": effort_share, "harmonics": harmonics, "seed": seed,
-        "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
+        "speed_share": speed_share, "effort_share": effort_share, "harmonics": harmonics, "start": start,
+        "seed": seed, "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
         "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     found = _program.run(["identify", "--plan", description, *_program.switches(options)])

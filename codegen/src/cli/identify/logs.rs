@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_identification::description::{Identified, write_identified};
-use gelenk_identification::estimation::{Gravity, InstrumentalEstimate, JointEstimate, Uncertain};
+use gelenk_identification::estimation::JointEstimate;
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
@@ -14,12 +14,12 @@ use gelenk_identification::robot::Robot;
 use gelenk_identification::run::Effort;
 use gelenk_identification::shafts::ShaftRows;
 use gelenk_identification::validation::{JointValidation, validate};
-use serde_json::{Value, json};
 
 use super::super::arguments::{EffortName, Format, FrictionPlace, Identify};
 use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
+use super::found_json;
 use super::motor_constants::{self, motor_constant};
 use super::read::{read, say};
 use crate::dynamics::parameters::regressor::PER_LINK;
@@ -71,7 +71,7 @@ pub(super) fn finish(
         None => Vec::new(),
     };
     match format {
-        Format::Json => print::json(&as_json(&loaded.model, found, validation, output, &files)),
+        Format::Json => print::json(&found_json::as_json(&loaded.model, found, validation, output, &files)),
         Format::Text => {
             print::out(&as_text(&loaded.model, found, validation, output, &files)).map(|()| ExitCode::SUCCESS)
         }
@@ -421,85 +421,4 @@ fn validated(validation: &[JointValidation]) -> String {
         std::iter::once(joint.name.clone()).chain(shares).chain([residual]).collect()
     });
     format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
-}
-
-fn uncertain(p: &Uncertain) -> Value {
-    json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
-}
-
-/// The estimate by instrumental variables and its test; friction terms of each joint.
-fn instrumental(found: &InstrumentalEstimate) -> Value {
-    let terms = found.terms.iter().map(|terms| {
-        let terms = terms.iter();
-        terms.map(|t| json!({"term": t.basis, "coefficient": uncertain(&t.coefficient)})).collect::<Value>()
-    });
-    json!({
-        "instruments": found.source.to_string(),
-        "statistic": found.statistic,
-        "degrees_of_freedom": found.degrees_of_freedom,
-        "p_value": found.p_value,
-        "inertial_parameters": found.parameters.iter().map(uncertain).collect::<Value>(),
-        "friction": terms.collect::<Value>(),
-    })
-}
-
-/// Who carries the weight.
-fn gravity(gravity: Gravity) -> &'static str {
-    match gravity {
-        Gravity::Recorded => "recorded",
-        Gravity::Compensated => "compensated",
-        Gravity::CompensatedAsDescribed => "compensated as described",
-    }
-}
-
-fn as_json(
-    model: &Model,
-    found: &Identification,
-    validation: &[JointValidation],
-    output: &Path,
-    files: &[PathBuf],
-) -> Value {
-    let joints = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
-        let mut joint = json!({
-            "name": joint.name,
-            "moves": joint.moves,
-            "measured": joint.measured,
-            "r_squared_held_out": joint.held_out_r_squared,
-            "r_squared_with_rest": joint.held_out_with_rest,
-            "rest": joint.rest,
-            "r_squared": joint.r_squared,
-            "residual": joint.sigma,
-            "unit": joint.unit,
-            "friction": page::law(found, index),
-            "load_friction": joint.load.as_ref().map(|term| json!({
-                "term": term.basis, "coefficient": uncertain(&term.coefficient),
-            })),
-        });
-        if found.estimate.joints[index].gain.is_some() {
-            joint["motor_constant"] = motor_constants::as_json(model, found, index);
-        }
-        if found.shafts.is_some() {
-            joint["is_shaft"] = json!(found.shaft(index).is_some());
-        }
-        joint
-    });
-    let parameters = found.estimate.parameters.iter();
-    let files = files.iter().map(|file| file.display().to_string());
-    json!({
-        "description": output.display().to_string(),
-        "files": files.collect::<Value>(),
-        "gravity": gravity(found.estimate.gravity),
-        "joints": joints.collect::<Value>(),
-        "inertial_parameters": parameters.map(uncertain).collect::<Value>(),
-        "validation": validation.iter().map(|joint| json!({
-            "name": joint.name, "r_squared": joint.r_squared, "r_squared_with_rest": joint.r_squared_with_rest,
-            "residual": joint.residual,
-        })).collect::<Value>(),
-        "mapping": found.recording.mapping,
-        "unused_columns": found.recording.unused,
-        "findings": found.recording.findings.iter().map(ToString::to_string).collect::<Value>(),
-        "instrumental_variables": found.estimate.instrumental.as_ref().map(instrumental),
-        "choices": found.estimate.choices,
-        "warnings": page::warnings(found),
-    })
 }

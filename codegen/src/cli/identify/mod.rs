@@ -1,5 +1,6 @@
 //! `gelenk identify`.
 
+mod found_json;
 mod logs;
 mod moments;
 mod motor_constants;

@@ -38,6 +38,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         velocity_share: arguments.speed_share,
         effort_share: arguments.effort_share,
         acceleration: arguments.acceleration,
+        start: arguments.start.as_deref().map(|text| posture(text, &robot.joint_names())).transpose()?,
         ..default
     };
     let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("plan.csv"));
@@ -49,6 +50,48 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     match format {
         Format::Json => print::json(&as_json(&found, &robot, &path)),
         Format::Text => print::out(&as_text(&found, &robot, &path)).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+/// The positions of all joints by `joint=position,…`.
+fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
+    let fault = |message: String| Failure::Usage(format!("--start '{text}': {message}"));
+    let mut positions = vec![None; names.len()];
+    for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
+        let (name, value) =
+            part.split_once('=').ok_or_else(|| fault(format!("'{part}' is no JOINT=POSITION")))?;
+        let place = names.iter().position(|joint| joint == name.trim());
+        let place = place.ok_or_else(|| {
+            fault(format!("there is no joint '{}'; the joints are {}", name.trim(), names.join(", ")))
+        })?;
+        let value: Option<f64> = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        let value = value.ok_or_else(|| fault(format!("'{part}' has no number [rad or m]")))?;
+        if positions[place].replace(value).is_some() {
+            return Err(fault(format!("joint {} stands twice", name.trim())));
+        }
+    }
+    let without = names.iter().zip(&positions).filter(|(_, position)| position.is_none());
+    let without: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
+    match without.as_slice() {
+        [] => Ok(positions.into_iter().flatten().collect()),
+        missing => {
+            Err(fault(format!("a posture has a position for each joint; {} missing", missing.join(", "))))
+        }
+    }
+}
+
+/// How the robot comes to the motion.
+fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
+    let [start, ..] = plan.motion.instant(0.0);
+    let joints = robot.joint_names();
+    let listed = joints.iter().zip(&start).map(|(name, y)| format!("{name}={y:.4}"));
+    let listed = listed.collect::<Vec<_>>().join(",");
+    match &plan.approach {
+        Some(approach) => format!(
+            "the first {:.2} s lead on a straight way of the joints from the given start to where the motion begins: {listed}\n",
+            approach.seconds
+        ),
+        None => format!("the motion begins at {listed}; bring the robot there first, or say --start\n"),
     }
 }
 
@@ -73,6 +116,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
         plan.motion.period,
         plan.condition,
     );
+    text.push_str(&beginning(plan, robot));
     let [speeds, efforts] = &plan.largest;
     let what = if plan.shafts.is_empty() { "joint" } else { "joint or shaft" };
     let head = [what, "largest speed", "largest effort", "described limit"].map(str::to_owned).to_vec();
@@ -137,6 +181,10 @@ fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {
         "condition": plan.condition,
         "largest_speeds": speeds,
         "largest_efforts": efforts,
+        "begins_at": plan.motion.instant(0.0)[0],
+        "approach": plan.approach.as_ref().map(|approach| json!({
+            "from": approach.from, "to": approach.to, "seconds": approach.seconds,
+        })),
         "notes": plan.notes,
     });
     if !plan.shafts.is_empty() {

@@ -7,12 +7,14 @@
 //! starts. Every candidate is first shrunk and shifted into the limits, so each is a motion that the robot
 //! can make; the search needs no derivatives of the regressor and finds a good motion, not a proven best one.
 
+mod approach;
 mod inputs;
 mod motion;
 mod plan;
 mod search;
 
 pub use super::robot::Instant;
+pub use approach::Approach;
 pub use inputs::PlannedInput;
 pub use motion::FourierMotion;
 pub use plan::{Plan, PlanSettings, PlannedShaft, plan};

@@ -4,6 +4,7 @@ use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::random::SplitMix64;
 use super::super::robot::{FollowerLimits, JointLimits, Robot, narrowed_limits, require_no_quaternions};
 use super::super::shafts::{RobotRows, ShaftRows};
+use super::approach::{Approach, require_posture};
 use super::inputs::{FrameInputs, PlannedInput, keep_sides, require_driven};
 use super::search::condition_of_scaled;
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
@@ -27,6 +28,8 @@ pub struct PlanSettings {
     pub velocity: f64,
     /// Range of positions \[m\] of prismatic joints without described ones; revolute ones may turn by ±π.
     pub travel: f64,
+    /// Posture from which the robot goes to the beginning of the motion [rad or m], by joint.
+    pub start: Option<Vec<f64>>,
 }
 
 impl Default for PlanSettings {
@@ -46,6 +49,7 @@ impl Default for PlanSettings {
             acceleration: None,
             velocity: 1.0,
             travel: 0.2,
+            start: None,
         }
     }
 }
@@ -55,13 +59,15 @@ impl Default for PlanSettings {
 pub struct Plan {
     /// The motion; it begins and ends each period at rest.
     pub motion: FourierMotion,
+    /// The way from the given posture to the beginning of the motion.
+    pub approach: Option<Approach>,
     /// Number of base parameters and of friction parameters that the plan asks for.
     pub parameters: [usize; 2],
     /// Condition number of their regressor, rows by the joints' efforts, columns scaled to unit length.
     pub condition: f64,
     /// The same for the best random motion before the search.
     pub start: f64,
-    /// Largest speeds and efforts of the motion by joint, by the described robot.
+    /// Largest speeds and efforts of the motion and of the way to it by joint, by the described robot.
     pub largest: [Vec<f64>; 2],
     /// The shafts of drives that act on several joints.
     pub shafts: Vec<PlannedShaft>,
@@ -90,6 +96,8 @@ const ROUNDING: f64 = 1e-9;
 const FRICTION: usize = 3;
 /// Speed within which Coulomb friction changes its sign, as a share of the joint's largest.
 const SIGN_SHARE: f64 = 0.02;
+/// Parts of the approach at which its forces are looked at.
+const ALONG: usize = 100;
 /// So many times as many instants as the search has show what a motion asks of inputs at frames, whose levers change on the way.
 const SHOWN: usize = 10;
 /// States that tell dependent columns of the regressor from independent ones.
@@ -107,10 +115,11 @@ const STATES: usize = 60;
 /// meet each other, are not known here.
 ///
 /// # Errors
-/// Shares out of range, a joint with a quaternion or without a drive, or a robot for which no motion tried shows all parameters within its efforts.
+/// Shares out of range, a start beyond the described limits, a joint with a quaternion or without a drive, or a robot for which no motion tried shows all parameters within its efforts.
 pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
     check(settings)?;
     require_no_quaternions(robot, "no motion is planned", HOLD_IT)?;
+    settings.start.as_ref().map_or(Ok(()), |start| require_posture(robot, start))?;
     let (mut limits, mut notes) = usable(robot, settings);
     notes.extend(keep_sides(robot, &mut limits));
     let states = random_states(&limits);
@@ -140,16 +149,22 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         detail: "no motion tried shows all parameters within the efforts of joints and inputs, and within the limits of joints that follow others: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that are followed".into(),
     })?;
     let instants = best.motion.instants(settings.excitation.samples);
+    let approach =
+        settings.start.as_ref().map(|start| Approach::new(start, &best.motion.instant(0.0)[0], &limits));
+    let along: Vec<Instant> = approach.iter().flat_map(along).collect();
+    notes.extend(design.doubts_about(&along));
+    let all = [&instants[..], &along].concat();
     Ok(Plan {
         parameters: [design.independent.len(), design.friction()],
         condition: condition_of_scaled(&design.information(&instants)),
         start: best.start,
-        largest: largest(robot, &instants),
-        shafts: design.shafts(&instants),
+        largest: largest(robot, &all),
+        shafts: design.shafts(&all),
         inputs: design.inputs.as_ref().map_or_else(Vec::new, |inputs| {
             inputs.planned(&best.motion.instants(SHOWN * settings.excitation.samples))
         }),
         motion: best.motion,
+        approach,
         notes,
     })
 }
@@ -164,19 +179,27 @@ impl Plan {
     }
 
     /// The motion as CSV, `t [s]`, then `q_`, `dq_`, `ddq_` and the joint's name: what
-    /// `gelenk_runtime::trajectory::Recording::open` reads, and what a log of it is compared with.
+    /// `gelenk_runtime::trajectory::Recording::open` reads, and what a log of it is compared with. The approach comes first.
     ///
     /// - `period`: of the rows (s); `periods`: how often the motion is repeated
     pub fn csv(&self, joints: &[String], period: f64, periods: usize) -> String {
         let mut text = Self::header(joints);
         let rows = (self.motion.period * periods as f64 / period).round() as usize;
-        for row in 0..=rows {
-            let t = row as f64 * period;
-            let columns = self.motion.instant(t).into_iter().flatten();
+        let approach = self.approach.as_ref().map_or(Vec::new(), |approach| approach.rows(period));
+        let motion = (0..=rows).map(|row| self.motion.instant(row as f64 * period));
+        for (row, instant) in approach.into_iter().chain(motion).enumerate() {
+            let (t, columns) = (row as f64 * period, instant.into_iter().flatten());
             text.push_str(&format!("{t:.6}{}\n", columns.map(|x| format!(",{x:.9}")).collect::<String>()));
         }
         text
     }
+}
+
+/// Instants along the approach.
+fn along(approach: &Approach) -> Vec<Instant> {
+    let moves = approach.seconds > 0.0;
+    let share = |i: usize| i as f64 / ALONG as f64;
+    (0..=ALONG).filter(|_| moves).map(|i| approach.instant(share(i), approach.seconds)).collect()
 }
 
 fn check(settings: &PlanSettings) -> Result<()> {
@@ -396,6 +419,20 @@ impl<'a> Design<'a> {
             }
         }
         &matrix * matrix.transpose()
+    }
+
+    /// Joints whose efforts the way to the motion would exceed, as a sentence.
+    fn doubts_about(&self, approach: &[Instant]) -> Option<String> {
+        let forces = largest_forces(self.robot, approach);
+        let names = self.robot.joint_names().into_iter().zip(forces.iter().zip(&self.efforts));
+        let beyond: Vec<String> =
+            names.filter(|(_, (force, most))| force > most).map(|(name, _)| name).collect();
+        (!beyond.is_empty()).then(|| {
+            format!(
+                "the way from the start needs more effort than the share that the plan may use: {}; go there more slowly, or start nearer",
+                beyond.join(", ")
+            )
+        })
     }
 
     /// What the motion asks of the motors of shafts.

@@ -29,7 +29,7 @@ mod tests;
 
 pub use super::drift::{Drift, Trend};
 pub use filtered::{Filtered, FilteredRun};
-pub use report::FrictionReport;
+pub use report::{Candidate, FrictionReport};
 pub(crate) use shares::SharedFriction;
 pub use task::{
     FrictionData, FrictionIdentification, FrictionMethod, LEAST_R_SQUARED, LambdaChoice, Offsets,

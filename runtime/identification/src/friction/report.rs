@@ -4,7 +4,7 @@ use super::super::confidence::quantile;
 use super::super::cross_validation::{CrossValidation, ParetoPoint};
 use super::super::ensemble::Ensemble;
 use super::super::error::Result;
-use super::super::result::FrictionResult;
+use super::super::result::{FrictionResult, FrictionTerm};
 use super::super::subset::{ModelAverage, SubsetValidation};
 use nalgebra::{DMatrix, DVector};
 
@@ -36,7 +36,40 @@ pub struct FrictionReport {
     pub residuals: Vec<f64>,
 }
 
+/// A term that a law has, or could have had, with what the data say for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate<'a> {
+    /// The term in the velocity v, or the name of a Stribeck parameter.
+    pub basis: &'a str,
+    /// Its coefficient, where the law has it.
+    pub chosen: Option<&'a FrictionTerm>,
+    /// Share of the bootstrap draws in which it was chosen.
+    pub inclusion: Option<f64>,
+    /// Its probability: the weight of all subsets of the candidates that have it, see [`ModelAverage`].
+    pub probability: Option<f64>,
+}
+
 impl FrictionReport {
+    /// The terms of the law, then those that were left out. Friction under load is in neither.
+    pub fn candidates(&self) -> Vec<Candidate<'_>> {
+        let law = self.result.law.coefficients();
+        let chosen = law.iter().map(|term| Candidate {
+            basis: &term.basis,
+            chosen: Some(term),
+            inclusion: term.inclusion,
+            probability: term.probability,
+        });
+        let others = self.terms.iter().enumerate();
+        let others = others.filter(|(_, basis)| law.iter().all(|term| term.basis != **basis));
+        let others = others.map(|(i, basis)| Candidate {
+            basis,
+            chosen: None,
+            inclusion: self.ensemble.as_ref().map(|ensemble| ensemble.inclusion[i]),
+            probability: self.average.as_ref().map(|average| average.inclusion[i]),
+        });
+        chosen.chain(others).collect()
+    }
+
     /// A report of nothing but the law.
     pub(super) fn alone(result: FrictionResult, residuals: Vec<f64>) -> Self {
         Self {

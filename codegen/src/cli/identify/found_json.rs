@@ -1,0 +1,102 @@
+//! An identification as JSON.
+
+use std::path::{Path, PathBuf};
+
+use gelenk_identification::estimation::{Gravity, InstrumentalEstimate, Uncertain};
+use gelenk_identification::identify::Identification;
+use gelenk_identification::validation::JointValidation;
+use serde_json::{Value, json};
+
+use super::motor_constants;
+use crate::identify::{page, terms_as_json};
+use crate::model::Model;
+
+fn uncertain(p: &Uncertain) -> Value {
+    json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
+}
+
+/// The estimate by instrumental variables and its test; friction terms of each joint.
+fn instrumental(found: &InstrumentalEstimate) -> Value {
+    let terms = found.terms.iter().map(|terms| {
+        let terms = terms.iter();
+        terms.map(|t| json!({"term": t.basis, "coefficient": uncertain(&t.coefficient)})).collect::<Value>()
+    });
+    json!({
+        "instruments": found.source.to_string(),
+        "statistic": found.statistic,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "p_value": found.p_value,
+        "inertial_parameters": found.parameters.iter().map(uncertain).collect::<Value>(),
+        "friction": terms.collect::<Value>(),
+    })
+}
+
+/// Who carries the weight.
+fn gravity(gravity: Gravity) -> &'static str {
+    match gravity {
+        Gravity::Recorded => "recorded",
+        Gravity::Compensated => "compensated",
+        Gravity::CompensatedAsDescribed => "compensated as described",
+    }
+}
+
+/// Terms of a row's friction law; null where there is none.
+fn terms(found: &Identification, row: usize) -> Value {
+    let of_row = found.friction.iter().find(|law| law.joint == row);
+    let report = of_row.and_then(|law| law.report.as_ref().ok());
+    report.map_or(Value::Null, terms_as_json)
+}
+
+/// What was found, and where it was written.
+pub(super) fn as_json(
+    model: &Model,
+    found: &Identification,
+    validation: &[JointValidation],
+    output: &Path,
+    files: &[PathBuf],
+) -> Value {
+    let joints = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
+        let mut joint = json!({
+            "name": joint.name,
+            "moves": joint.moves,
+            "measured": joint.measured,
+            "r_squared_held_out": joint.held_out_r_squared,
+            "r_squared_with_rest": joint.held_out_with_rest,
+            "rest": joint.rest,
+            "r_squared": joint.r_squared,
+            "residual": joint.sigma,
+            "unit": joint.unit,
+            "friction": page::law(found, index),
+            "load_friction": joint.load.as_ref().map(|term| json!({
+                "term": term.basis, "coefficient": uncertain(&term.coefficient),
+            })),
+        });
+        joint["friction_terms"] = terms(found, index);
+        if found.estimate.joints[index].gain.is_some() {
+            joint["motor_constant"] = motor_constants::as_json(model, found, index);
+        }
+        if found.shafts.is_some() {
+            joint["is_shaft"] = json!(found.shaft(index).is_some());
+        }
+        joint
+    });
+    let parameters = found.estimate.parameters.iter();
+    let files = files.iter().map(|file| file.display().to_string());
+    json!({
+        "description": output.display().to_string(),
+        "files": files.collect::<Value>(),
+        "gravity": gravity(found.estimate.gravity),
+        "joints": joints.collect::<Value>(),
+        "inertial_parameters": parameters.map(uncertain).collect::<Value>(),
+        "validation": validation.iter().map(|joint| json!({
+            "name": joint.name, "r_squared": joint.r_squared, "r_squared_with_rest": joint.r_squared_with_rest,
+            "residual": joint.residual,
+        })).collect::<Value>(),
+        "mapping": found.recording.mapping,
+        "unused_columns": found.recording.unused,
+        "findings": found.recording.findings.iter().map(ToString::to_string).collect::<Value>(),
+        "instrumental_variables": found.estimate.instrumental.as_ref().map(instrumental),
+        "choices": found.estimate.choices,
+        "warnings": page::warnings(found),
+    })
+}

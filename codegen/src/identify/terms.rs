@@ -1,0 +1,67 @@
+//! Friction terms with what speaks for each, for the page and for JSON.
+
+use gelenk_identification::digits::significant;
+use gelenk_identification::friction::{Candidate, FrictionReport};
+use gelenk_identification::identify::Identification;
+use gelenk_report::{Cell, Table};
+use serde_json::{Value, json};
+
+/// Digits of numbers whose error is not known.
+const DIGITS: usize = 4;
+
+/// The terms of all laws with intervals, and how sure it is that a law has them.
+pub(super) fn table(found: &Identification) -> Table {
+    let mut table = Table::new(
+        "friction_terms",
+        "Terms that the laws were chosen from, those that were left out without a coefficient. Drawn: share of the bootstrap's draws that \
+         choose the term. Probability: the weight of all subsets of the terms that have it, by the Bayesian information criterion.",
+    )
+    .column("joint", "joint", "")
+    .column("term", "term", "")
+    .column("coefficient", "coefficient", "")
+    .column("lowest", "lowest", "")
+    .column("highest", "highest", "")
+    .column("drawn", "inclusion", "")
+    .column("probability", "probability", "");
+    for joint in &found.friction {
+        let Ok(report) = &joint.report else { continue };
+        let t = report.result.interval_factor();
+        table = table.rows(report.candidates().iter().map(|candidate| row(&joint.name, candidate, t)));
+    }
+    table
+}
+
+fn row(joint: &str, candidate: &Candidate, t: f64) -> Vec<Cell> {
+    let share = |share: Option<f64>| share.map_or(Cell::Empty, |share| Cell::Rounded(share, 3));
+    let error = candidate.chosen.and_then(|term| term.standard_error);
+    let ends = candidate.chosen.and_then(|term| term.ends(t));
+    let numbers =
+        [candidate.chosen.map(|term| term.coefficient), ends.map(|[low, _]| low), ends.map(|[_, high]| high)];
+    let numbers = numbers.map(|number| number.map_or(Cell::Empty, |number| measured(number, error)));
+    let names = [Cell::text(joint), Cell::Code(candidate.basis.to_owned())];
+    let shares = [candidate.inclusion, candidate.probability].map(share);
+    names.into_iter().chain(numbers).chain(shares).collect()
+}
+
+/// A number with the digits that its error leaves it.
+pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
+    Cell::Rounded(value, significant(value, error).unwrap_or(DIGITS))
+}
+
+/// The terms of a law for JSON, those that were left out without a coefficient.
+#[must_use]
+pub fn terms_as_json(report: &FrictionReport) -> Value {
+    let t = report.result.interval_factor();
+    let of = |candidate: &Candidate| {
+        let term = candidate.chosen;
+        json!({
+            "term": candidate.basis,
+            "coefficient": term.map(|term| term.coefficient),
+            "standard_error": term.and_then(|term| term.standard_error),
+            "interval": term.and_then(|term| term.ends(t)),
+            "inclusion": candidate.inclusion,
+            "probability": candidate.probability,
+        })
+    };
+    report.candidates().iter().map(of).collect()
+}

@@ -1,0 +1,116 @@
+//! The way from a given posture to the beginning of a planned motion.
+
+use super::super::error::{IdentificationError, Result, require_length};
+use super::super::robot::{Instant, Robot, narrowed_limits};
+use super::ExcitationLimits;
+
+/// Largest speed and acceleration of the way from 0 to 1 in one second.
+const PEAKS: [f64; 2] = [1.875, 5.773_502_691_896_258];
+/// Part of a range by which a posture may lie beside it: postures are typed with a few digits.
+const ROUNDING: f64 = 1e-6;
+
+/// A straight way between two postures, at rest without acceleration at both ends: `s(τ) = 10 τ³ − 15 τ⁴ + 6 τ⁵`, the
+/// motion with the least jerk (Flash and Hogan 1985). All joints move together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Approach {
+    /// Posture that it begins in [rad or m], by joint.
+    pub from: Vec<f64>,
+    /// Posture that it leads to.
+    pub to: Vec<f64>,
+    /// Shortest time that keeps the limits of speed and acceleration (s); 0 where both postures are one.
+    pub seconds: f64,
+}
+
+impl Approach {
+    /// The fastest way within the limits.
+    pub(super) fn new(from: &[f64], to: &[f64], limits: &[ExcitationLimits]) -> Self {
+        let seconds = |((from, to), limit): ((&f64, &f64), &ExcitationLimits)| {
+            let way = (to - from).abs();
+            (PEAKS[0] * way / limit.velocity).max((PEAKS[1] * way / limit.acceleration).sqrt())
+        };
+        let seconds = from.iter().zip(to).zip(limits).map(seconds).fold(0.0, f64::max);
+        Self { from: from.to_vec(), to: to.to_vec(), seconds }
+    }
+
+    /// y, ẏ, ÿ at a share τ of the way that takes `seconds`.
+    pub(super) fn instant(&self, share: f64, seconds: f64) -> Instant {
+        let t = share.clamp(0.0, 1.0);
+        let s = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
+        let ds = 30.0 * t * t * (1.0 - t).powi(2) / seconds;
+        let dds = 60.0 * t * (1.0 - t) * (1.0 - 2.0 * t) / (seconds * seconds);
+        let way = || self.from.iter().zip(&self.to);
+        [
+            way().map(|(from, to)| from + s * (to - from)).collect(),
+            way().map(|(from, to)| ds * (to - from)).collect(),
+            way().map(|(from, to)| dds * (to - from)).collect(),
+        ]
+    }
+
+    /// Rows of the way at a period, the last one left out: there the motion begins. Whole rows take a little longer than
+    /// the shortest time.
+    pub(super) fn rows(&self, period: f64) -> Vec<Instant> {
+        let rows = (self.seconds / period - 1e-9).ceil().max(0.0) as usize;
+        let seconds = rows as f64 * period;
+        (0..rows).map(|row| self.instant(row as f64 / rows as f64, seconds)).collect()
+    }
+}
+
+/// Refuses a posture that is not one of the robot.
+///
+/// # Errors
+/// Another number of joints, and a joint, or one that follows others, beyond its described limits.
+pub(super) fn require_posture(robot: &dyn Robot, start: &[f64]) -> Result<()> {
+    let names = robot.joint_names();
+    require_length("positions of the start", names.len(), start.len())?;
+    let own = narrowed_limits(robot).into_iter().zip(names).zip(start);
+    let own = own.map(|((limits, name), y)| (name, limits.position, *y));
+    let followers = robot.followers().into_iter();
+    let followers = followers.map(|joint| {
+        let y = joint.sum(start.iter().copied(), joint.offset);
+        (joint.name, joint.position, y)
+    });
+    for (name, [low, high], y) in own.chain(followers) {
+        let slack = if (high - low).is_finite() { ROUNDING * (high - low) } else { 0.0 };
+        if y.is_nan() || y < low - slack || y > high + slack {
+            return Err(IdentificationError::Setting {
+                name: format!("start of joint {name}"),
+                value: y,
+                requirement: format!("it must lie within its described limits, {low} to {high}"),
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_keeps_speed_and_acceleration_and_no_less_time_would() {
+        let limits = |velocity: f64, acceleration: f64| ExcitationLimits {
+            position: [-3.0, 3.0],
+            velocity,
+            acceleration,
+        };
+        for limits in [[limits(1.0, 9.0), limits(0.5, 2.0)], [limits(2.0, 1.0), limits(9.0, 9.0)]] {
+            let approach = Approach::new(&[0.5, -1.0], &[-0.7, 0.2], &limits);
+            let rows = approach.rows(0.001);
+            let mut shares: Vec<f64> = Vec::new();
+            for (joint, limit) in limits.iter().enumerate() {
+                let largest = |k: usize| rows.iter().map(|row| row[k][joint].abs()).fold(0.0, f64::max);
+                shares.extend([largest(1) / limit.velocity, largest(2) / limit.acceleration]);
+                // Differences of the positions are the speeds.
+                for (i, pair) in rows.windows(2).enumerate() {
+                    let slope = (pair[1][0][joint] - pair[0][0][joint]) / 0.001;
+                    assert!((slope - 0.5 * (pair[0][1][joint] + pair[1][1][joint])).abs() < 1e-4, "{i}");
+                }
+                assert_eq!(rows[0][0][joint], approach.from[joint]);
+                assert!((rows.last().unwrap()[0][joint] - approach.to[joint]).abs() < 1e-6);
+            }
+            let most = shares.into_iter().fold(0.0, f64::max);
+            assert!((0.99..1.0 + 1e-9).contains(&most), "{most}");
+        }
+        assert!(Approach::new(&[0.5], &[0.5], &[limits(1.0, 1.0)]).rows(0.01).is_empty());
+    }
+}
