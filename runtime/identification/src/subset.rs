@@ -207,6 +207,8 @@ impl ModelAverage {
                 (best, best_weight) = (active.clone(), weight);
             }
         }
+        // Shares that rounding adds up to a little more than one.
+        inclusion.iter_mut().for_each(|share| *share = share.min(1.0));
         Self { inclusion, coefficients, best, best_weight, effective_samples }
     }
 }
