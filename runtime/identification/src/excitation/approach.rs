@@ -6,6 +6,8 @@ use super::ExcitationLimits;
 
 /// Largest speed and acceleration of the way from 0 to 1 in one second.
 const PEAKS: [f64; 2] = [1.875, 5.773_502_691_896_258];
+/// Parts of the way at which its forces are looked at.
+const PARTS: usize = 100;
 /// Part of a range by which a posture may lie beside it: postures are typed with a few digits.
 const ROUNDING: f64 = 1e-6;
 
@@ -33,7 +35,7 @@ impl Approach {
     }
 
     /// y, ẏ, ÿ at a share τ of the way that takes `seconds`.
-    pub(super) fn instant(&self, share: f64, seconds: f64) -> Instant {
+    fn instant(&self, share: f64, seconds: f64) -> Instant {
         let t = share.clamp(0.0, 1.0);
         let s = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
         let ds = 30.0 * t * t * (1.0 - t).powi(2) / seconds;
@@ -44,6 +46,13 @@ impl Approach {
             way().map(|(from, to)| ds * (to - from)).collect(),
             way().map(|(from, to)| dds * (to - from)).collect(),
         ]
+    }
+
+    /// Instants along the way; none where both postures are one.
+    pub(super) fn instants(&self) -> Vec<Instant> {
+        let share = |i: usize| i as f64 / PARTS as f64;
+        let moves = self.seconds > 0.0;
+        (0..=PARTS).filter(|_| moves).map(|i| self.instant(share(i), self.seconds)).collect()
     }
 
     /// Rows of the way at a period, the last one left out: there the motion begins. Whole rows take a little longer than

@@ -96,8 +96,6 @@ const ROUNDING: f64 = 1e-9;
 const FRICTION: usize = 3;
 /// Speed within which Coulomb friction changes its sign, as a share of the joint's largest.
 const SIGN_SHARE: f64 = 0.02;
-/// Parts of the approach at which its forces are looked at.
-const ALONG: usize = 100;
 /// So many times as many instants as the search has show what a motion asks of inputs at frames, whose levers change on the way.
 const SHOWN: usize = 10;
 /// States that tell dependent columns of the regressor from independent ones.
@@ -151,7 +149,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let instants = best.motion.instants(settings.excitation.samples);
     let approach =
         settings.start.as_ref().map(|start| Approach::new(start, &best.motion.instant(0.0)[0], &limits));
-    let along: Vec<Instant> = approach.iter().flat_map(along).collect();
+    let along: Vec<Instant> = approach.iter().flat_map(Approach::instants).collect();
     notes.extend(design.doubts_about(&along));
     let all = [&instants[..], &along].concat();
     Ok(Plan {
@@ -193,13 +191,6 @@ impl Plan {
         }
         text
     }
-}
-
-/// Instants along the approach.
-fn along(approach: &Approach) -> Vec<Instant> {
-    let moves = approach.seconds > 0.0;
-    let share = |i: usize| i as f64 / ALONG as f64;
-    (0..=ALONG).filter(|_| moves).map(|i| approach.instant(share(i), approach.seconds)).collect()
 }
 
 fn check(settings: &PlanSettings) -> Result<()> {
