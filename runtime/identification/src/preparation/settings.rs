@@ -15,7 +15,7 @@ pub struct PreparationSettings {
     /// Time cut off at either end of a piece \[s\], where the filter sees one side only; by itself one period of
     /// the bandwidth.
     pub cut: Option<f64>,
-    /// The robot compensates gravity: efforts are what moves it beyond its weight. [`identify`](super::super::identify())
+    /// The robot compensates gravity: efforts are what moves it beyond its weight. The call from logs to a robot
     /// takes it from the settings of the estimation too.
     pub gravity_compensated: bool,
 }
