@@ -312,8 +312,8 @@ impl Equations {
         let test = test(&factor, &left, moments, cosines)?;
         let (metric, _) = description;
         let right = self.z.column_sum() - metric * &change;
-        let step =
-            self.inverted(&factor, metric, DMatrix::from_column_slice(right.len(), 1, right.as_slice()))?;
+        let right = DMatrix::from_column_slice(right.len(), 1, right.as_slice());
+        let step = self.inverse(&factor, metric)(right)?;
         let mut values = of.values.clone();
         solved.active.iter().zip(step.iter()).for_each(|(&global, step)| values.unknowns[global] += step);
         let covariance = self.covariance(of, description, &self.z, cosines)?;
@@ -332,21 +332,21 @@ impl Equations {
         cosines: usize,
     ) -> Option<DMatrix<f64>> {
         let factor = Factor::new(&of.solved.regularized).ok()?;
-        let deviations = self.inverted(&factor, metric, projections(moments, cosines))?;
-        let of_description = self.inverted(&factor, metric, metric.clone())?;
-        let described = self.inverted(&factor, metric, of_description.transpose())?.transpose() * spread;
+        let inverted = self.inverse(&factor, metric);
+        let deviations = inverted(projections(moments, cosines))?;
+        let of_description = inverted(metric.clone())?;
+        let described = inverted(of_description.transpose())?.transpose() * spread;
         Some(&deviations * deviations.transpose() / cosines as f64 + described)
     }
 
     /// `(ZᵀΩX + Λ)⁻¹` times columns.
-    fn inverted(
+    fn inverse<'f>(
         &self,
-        factor: &Factor,
+        factor: &'f Factor,
         metric: &DMatrix<f64>,
-        columns: DMatrix<f64>,
-    ) -> Option<DMatrix<f64>> {
+    ) -> impl Fn(DMatrix<f64>) -> Option<DMatrix<f64>> + use<'f> {
         let system = factor.both_sides(&self.zx + metric).lu();
-        Some(factor.scaled(system.solve(&factor.scaled(columns))?))
+        move |columns| Some(factor.scaled(system.solve(&factor.scaled(columns))?))
     }
 }
 

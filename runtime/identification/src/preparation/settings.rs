@@ -15,7 +15,7 @@ pub struct PreparationSettings {
     /// Time cut off at either end of a piece \[s\], where the filter sees one side only; by itself one period of
     /// the bandwidth.
     pub cut: Option<f64>,
-    /// The robot compensates gravity: efforts are what moves it beyond its weight. The call from logs to a robot
-    /// takes it from the settings of the estimation too.
+    /// The robot compensates gravity: efforts are what moves it beyond its weight. The call from logs to a robot takes the
+    /// setting of the estimation in its place.
     pub gravity_compensated: bool,
 }
