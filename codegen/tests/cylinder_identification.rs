@@ -230,6 +230,14 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     assert!(!succeeded && said.contains("within the efforts of joints and inputs"), "{said}");
 }
 
+/// Cylinders cannot lead a joint through their dead centre, and a way is no better than a motion.
+#[test]
+fn a_way_to_the_motion_through_a_dead_centre_is_told() {
+    let words = "the way from the start needs more effort than the share that the plan may use: the inputs at frames, or a dead centre";
+    let (_, succeeded, said) = plan(&excavator(), &["--start", "swing=0, boom=0.5, stick=1, bucket=2.1"]);
+    assert!(succeeded && said.contains(words), "{said}");
+}
+
 #[test]
 fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
     let text = fs::read_to_string(excavator()).unwrap();

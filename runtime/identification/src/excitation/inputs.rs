@@ -59,7 +59,7 @@ impl<'a> FrameInputs<'a> {
         })
     }
 
-    /// What a motion asks of the inputs.
+    /// What a motion, and the way to it, asks of the inputs.
     pub(super) fn planned(&self, instants: &[Instant]) -> Vec<PlannedInput> {
         let needed: Vec<Vec<f64>> = instants
             .iter()

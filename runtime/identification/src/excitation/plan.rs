@@ -113,7 +113,8 @@ const STATES: usize = 60;
 /// meet each other, are not known here.
 ///
 /// # Errors
-/// Shares out of range, a start beyond the described limits, a joint with a quaternion or without a drive, or a robot for which no motion tried shows all parameters within its efforts.
+/// Shares out of range, a start beyond the described limits, a joint with a quaternion or without a drive, or a robot for which
+/// no motion tried shows all parameters within its efforts.
 pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
     check(settings)?;
     require_no_quaternions(robot, "no motion is planned", HOLD_IT)?;
@@ -159,7 +160,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         largest: largest(robot, &all),
         shafts: design.shafts(&all),
         inputs: design.inputs.as_ref().map_or_else(Vec::new, |inputs| {
-            inputs.planned(&best.motion.instants(SHOWN * settings.excitation.samples))
+            inputs.planned(&[&best.motion.instants(SHOWN * settings.excitation.samples)[..], &along].concat())
         }),
         motion: best.motion,
         approach,
@@ -370,17 +371,8 @@ impl<'a> Design<'a> {
         if instants.iter().any(|instant| self.leaves_limits(instant)) {
             return f64::INFINITY;
         }
-        let exceed = |forces: Vec<f64>, limits: &[f64]| forces.iter().zip(limits).any(|(f, limit)| f > limit);
-        if exceed(largest_forces(self.robot, instants), &self.efforts)
-            || self.inputs.as_ref().is_some_and(|inputs| inputs.exceed(instants))
-        {
+        if self.beyond(instants).next().is_some() {
             return f64::INFINITY;
-        }
-        if self.torques.iter().any(|torque| torque.is_finite()) {
-            let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
-            if exceed(largest_forces(&self.rows, &along), &self.torques) {
-                return f64::INFINITY;
-            }
         }
         match self.information(instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
@@ -412,12 +404,25 @@ impl<'a> Design<'a> {
         &matrix * matrix.transpose()
     }
 
-    /// Joints whose efforts the way to the motion would exceed, as a sentence.
+    /// Joints, inputs at frames and shafts of which a motion asks more than it may, each found when it is asked for.
+    fn beyond<'b>(&'b self, instants: &'b [Instant]) -> impl Iterator<Item = String> + use<'a, 'b> {
+        let joints = || named_beyond(self.robot, instants, &self.efforts);
+        let inputs = || self.inputs.as_ref().is_some_and(|inputs| inputs.exceed(instants));
+        let shafts = || {
+            let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
+            named_beyond(&self.rows, &along, &self.torques)
+        };
+        let have_torques = self.torques.iter().any(|torque| torque.is_finite());
+        let inputs = std::iter::once_with(inputs).filter(|exceed| *exceed);
+        std::iter::once_with(joints)
+            .flatten()
+            .chain(inputs.map(|_| "the inputs at frames, or a dead centre of theirs".to_owned()))
+            .chain(have_torques.then(|| std::iter::once_with(shafts)).into_iter().flatten().flatten())
+    }
+
+    /// What the way to the motion asks too much of, as a sentence.
     fn doubts_about(&self, approach: &[Instant]) -> Option<String> {
-        let forces = largest_forces(self.robot, approach);
-        let names = self.robot.joint_names().into_iter().zip(forces.iter().zip(&self.efforts));
-        let beyond: Vec<String> =
-            names.filter(|(_, (force, most))| force > most).map(|(name, _)| name).collect();
+        let beyond: Vec<String> = self.beyond(approach).collect();
         (!beyond.is_empty()).then(|| {
             format!(
                 "the way from the start needs more effort than the share that the plan may use: {}; go there more slowly, or start nearer",
@@ -444,6 +449,13 @@ impl<'a> Design<'a> {
 fn largest(robot: &dyn Robot, instants: &[Instant]) -> [Vec<f64>; 2] {
     let speed = |i: usize| instants.iter().map(|[_, v, _]| v[i].abs()).fold(0.0, f64::max);
     [(0..robot.joint_names().len()).map(speed).collect(), largest_forces(robot, instants)]
+}
+
+/// Names of the rows whose largest forces exceed their limits.
+fn named_beyond(robot: &dyn Robot, instants: &[Instant], limits: &[f64]) -> Vec<String> {
+    let forces = largest_forces(robot, instants).into_iter().zip(limits);
+    let names = robot.joint_names().into_iter().zip(forces);
+    names.filter(|(_, (force, most))| force > most).map(|(name, _)| name).collect()
 }
 
 fn largest_forces(robot: &dyn Robot, instants: &[Instant]) -> Vec<f64> {
