@@ -20,11 +20,12 @@ pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requireme
 /// Part of a limit that is rounding: a controller that keeps a line computes it otherwise.
 const ROUNDING: f64 = 1e-9;
 
-/// Cuts inputs off at the torque–speed lines of their motors; returns how many were. Inputs must be finite; speeds that are no
-/// numbers cut nothing off.
+/// Cuts inputs off at the torque–speed lines of their motors, within the limits of the inputs; returns how many were. A motor
+/// that turns faster than without load brakes, by no more than its input may. Inputs must be finite; speeds that are no numbers
+/// cut nothing off.
 pub(crate) fn limit_torques<const N: usize, const M: usize>(
     inputs: &mut [f64; M],
-    lines: &[TorqueSpeedLine<N>],
+    (lines, limits): (&[TorqueSpeedLine<N>], &[[f64; 2]; M]),
     velocities: &[f64; N],
 ) -> u64 {
     let mut limited = 0;
@@ -32,9 +33,32 @@ pub(crate) fn limit_torques<const N: usize, const M: usize>(
         let ([low, high], u) = (line.range(velocities), &mut inputs[line.input]);
         let slack = ROUNDING * line.limit;
         if *u < low - slack || *u > high + slack {
-            *u = u.max(low).min(high);
+            let [lowest, highest] = limits[line.input];
+            *u = u.max(low).min(high).max(lowest).min(highest);
             limited += 1;
         }
     }
     limited
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motor_faster_than_without_load_brakes_by_no_more_than_its_input_may() {
+        let lines = [TorqueSpeedLine { name: "motor", input: 0, slopes: [0.1], limit: 1.0 }];
+        let cut = |u: f64, speed: f64, limits: [f64; 2]| {
+            let mut inputs = [u];
+            let limited = limit_torques(&mut inputs, (&lines, &[limits]), &[speed]);
+            (inputs[0], limited)
+        };
+        assert_eq!(cut(0.8, 5.0, [-1.0, 1.0]), (0.5, 1));
+        assert_eq!(cut(0.4, 5.0, [-1.0, 1.0]), (0.4, 0));
+        // −3 … −1 is left at twice the speed without load.
+        assert_eq!(cut(0.8, 20.0, [-2.0, 2.0]), (-1.0, 1));
+        assert_eq!(cut(0.8, 20.0, [-0.5, 0.5]), (-0.5, 1));
+        assert_eq!(cut(0.8, f64::INFINITY, [-0.5, 0.5]), (-0.5, 1));
+        assert_eq!(cut(0.8, f64::NAN, [-0.5, 0.5]), (0.8, 0));
+    }
 }

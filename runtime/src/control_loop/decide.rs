@@ -195,7 +195,11 @@ where
     /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
     pub(super) fn check(&mut self, mut inputs: [f64; M]) -> [f64; M] {
         let limited = limit_inputs(&mut inputs, &self.settings.input_limits);
-        let beyond = limit_torques(&mut inputs, self.settings.torque_speed, &self.velocities());
+        let beyond = limit_torques(
+            &mut inputs,
+            (self.settings.torque_speed, &self.settings.input_limits),
+            &self.velocities(),
+        );
         self.state.counts.limited_inputs += limited + beyond;
         let (positions, age) = self.state.guard.believed();
         let velocities = self.state.filter.velocities();

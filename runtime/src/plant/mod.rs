@@ -282,7 +282,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
             // The limit last: rounding must not exceed it.
             quantized(noisy, self.options.input_resolution[i]).clamp(low, high)
         });
-        limit_torques(&mut applied, self.options.torque_speed, &self.motion.velocities);
+        let options = &self.options;
+        limit_torques(&mut applied, (options.torque_speed, &options.input_limits), &self.motion.velocities);
         applied
     }
 

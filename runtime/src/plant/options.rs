@@ -26,7 +26,7 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     /// no limit.
     pub input_limits: [[f64; 2]; M],
     /// Torque–speed lines of motors, `model.limits().torque_speed`: an input beyond what its line leaves at the speed with which
-    /// the period begins is cut off, after `input_limits`. Empty: none.
+    /// the period begins is cut off, within `input_limits`. Empty: none.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
     /// Standard deviation of the normal noise on each input, drawn once a period, before the limit.
     pub input_noise: [f64; M],
