@@ -31,7 +31,8 @@ def test_generate_and_report_return_what_they_wrote(arm_file: Path, tmp_path: Pa
 
 # Switches that are functions of their own or belong to others, and those of the command line alone.
 ALONE = {"format", "help"}
-OF_PLANS = {"seconds", "rate", "acceleration", "position_share", "speed_share", "effort_share", "harmonics", "seed"}
+OF_PLANS = {"seconds", "rate", "acceleration", "position_share", "speed_share", "effort_share", "harmonics", "seed",
+            "start"}
 OF_ANOTHER_FUNCTION = {
     "generate": set(),
     "load": {"output", "language", "for", "self_test", "control_model"},
