@@ -3,6 +3,7 @@
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
 mod coordinates;
+mod layouts;
 mod reference;
 
 use coordinates::State;
