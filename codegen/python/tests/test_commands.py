@@ -41,9 +41,9 @@ OF_ANOTHER_FUNCTION = {
     "plan": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
              "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", "base"},
     "reduce": {"plan", "reduce", "merge", "report", "validate", "payload", "payload_on", "load_friction", "friction",
-               "accept_poor", "base", *OF_PLANS},
+               "accept_poor", *OF_PLANS},
     "merge": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
-              "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", "base", *OF_PLANS},
+              "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", *OF_PLANS},
 }
 
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 mod logs;
+mod moments;
 mod quadrotor;
 mod quadruped;
 mod satellite;

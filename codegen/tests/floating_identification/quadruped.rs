@@ -7,6 +7,7 @@ use std::path::Path;
 
 use gelenk_codegen::identify::InterpretedRobot;
 use gelenk_identification::estimation::Estimate;
+use gelenk_identification::fleet::{LogMoments, identify_moments, reduce};
 use gelenk_identification::identify::{IdentificationSettings, identify};
 use gelenk_identification::robot::Robot;
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
@@ -217,4 +218,27 @@ fn torques_of_the_joints_tell_more() {
             joint.held_out_r_squared
         );
     }
+}
+
+/// Nothing is known of the legs' torques, in any log: their rows are in no sum.
+#[test]
+fn moments_hold_the_rows_of_the_base_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [described, truth] = robots(folder.path());
+    let path = folder.path().join("log.csv");
+    fs::write(&path, record(&truth, 20.0, 0, false).text).unwrap();
+    let settings = IdentificationSettings::new().unwrap();
+    let parts: &[&[u8]] = &[b"feet"];
+    let moments = reduce(&described, parts, &path, &settings, &mut |_| ()).unwrap();
+    let copied = LogMoments::from_bytes(&moments.bytes(), "log").unwrap();
+    let found = identify_moments(&described, parts, &copied, &settings, &mut |_| ()).unwrap().estimate;
+    let [before, after] = base_errors(&described, &truth, &found);
+    println!("moments of base rows alone: {before:.4} as described, {after:.4} as estimated");
+    assert!(before > 0.1 && after < 0.01, "{before} {after}");
+    assert!(found.joints[6..].iter().all(|joint| !joint.measured && joint.terms.is_empty()));
+    assert!(
+        found.warnings.iter().any(|warning| warning.contains("_calf has no measured effort")),
+        "{:?}",
+        found.warnings
+    );
 }

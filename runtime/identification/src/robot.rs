@@ -141,14 +141,13 @@ pub struct JointTerm {
     pub coefficient: f64,
 }
 
-/// Refuses robots with quaternions, and those of which something else moves a joint.
+/// Refuses robots of which something else moves a joint.
 ///
 /// - `what`: what is not done for them, as the beginning of a sentence
 ///
 /// # Errors
 /// [`IdentificationError::File`] with the name of such a joint.
-pub(crate) fn require_plain(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
-    require_no_quaternions(robot, what, help)?;
+pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let names = robot.joint_names().into_iter().zip(robot.unmeasured());
     match names.filter(|(_, unmeasured)| *unmeasured).map(|(name, _)| name).next() {
         Some(joint) => Err(IdentificationError::File {

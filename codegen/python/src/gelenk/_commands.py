@@ -189,6 +189,7 @@ def reduce(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
 ) -> Path:
@@ -199,7 +200,7 @@ def reduce(
     options = {
         "output": output, "columns": _patterns(columns), "separator": separator, "effort": effort,
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay, "friction_on": friction_on,
-        "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
+        "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
         "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     found = _program.run(["identify", "--reduce", description, *_paths(logs), *_program.switches(options)])
@@ -215,6 +216,7 @@ def merge(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
 ) -> Path:
@@ -226,7 +228,7 @@ def merge(
         raise ValueError(f"merge writes *.moments, not {os.fspath(output)}: identify(..., merge=True) writes a description")
     options = {
         "output": output, "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction,
-        "ignore_mimic": ignore_mimic, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     found = _program.run(["identify", "--merge", description, *_paths(moments), *_program.switches(options)])
     return Path(found["moments"])

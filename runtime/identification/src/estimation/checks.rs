@@ -33,10 +33,7 @@ impl Checked<'_> {
                 continue;
             }
             if !self.layout.measured[joint] {
-                warnings.push(format!(
-                    "Joint {name} has no measured effort: its friction, drive and offset stay as described, and its \
-                     body is known from the efforts of other joints alone."
-                ));
+                warnings.push(no_effort(name));
                 continue;
             }
             if !self.layout.moves[joint] && !self.layout.exact[joint] {
@@ -197,6 +194,14 @@ impl Checked<'_> {
         let usable = variance > 1e-12 * xx && energy > 0.0;
         usable.then(|| (covariance / variance, covariance * covariance / (variance * energy)))
     }
+}
+
+/// What is said of a joint whose effort no log has.
+pub(super) fn no_effort(name: &str) -> String {
+    format!(
+        "Joint {name} has no measured effort: its friction, drive and offset stay as described, and its body is known from \
+         the efforts of other joints alone."
+    )
 }
 
 fn is_beyond_chance(share: f64, correlation_time: f64, samples: usize) -> bool {

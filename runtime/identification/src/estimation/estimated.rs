@@ -13,7 +13,7 @@ use super::gains::{Gain, UNTOLD};
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::prior::Prior;
-use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Uncertain};
+use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
 use super::settings::EstimationSettings;
 
 /// The last fit, and what it was made with.
@@ -77,6 +77,21 @@ impl Estimated<'_> {
     /// A value for each inertial parameter, by its number and its described value.
     pub(super) fn parameters(&self, of: impl Fn(usize, f64) -> Uncertain) -> Vec<Uncertain> {
         self.robot.parameters().into_iter().enumerate().map(|(i, described)| of(i, described)).collect()
+    }
+
+    /// How the offsets of forces are estimated.
+    ///
+    /// - `measured`: those of measured forces
+    pub(super) fn offsets_said(&self, measured: Offsets) -> impl Iterator<Item = String> {
+        let said = match measured {
+            Offsets::None => "Forces have no offset.",
+            Offsets::Common => "Each joint's force has one offset.",
+            Offsets::ByRun => "Each joint's force has an offset in each run.",
+        };
+        let exact = "Forces in the rows of spherical and floating joints are those of the inputs alone: no offset and no friction \
+                     is estimated there.";
+        let said = [(false, said), (true, exact)];
+        said.into_iter().filter(|(kind, _)| self.layout.exact.contains(kind)).map(|(_, said)| said.to_owned())
     }
 
     /// How much the description weighs, and which of its bodies the data contradict.

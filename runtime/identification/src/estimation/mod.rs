@@ -35,7 +35,6 @@ pub use result::{
 pub use settings::EstimationSettings;
 pub(crate) use {
     intervals::correlation_time,
-    layout::STANDSTILL,
     residuals::{huber, robust_deviation},
     shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
 };

@@ -4,7 +4,7 @@ use super::super::run::PreparedRun;
 use super::endogeneity::{Endogeneity, Test};
 use super::estimated::{Estimated, JointFit};
 use super::residuals::{Forces, RunOffsets};
-use super::result::{Estimate, Gravity, InstrumentalEstimate, Offsets};
+use super::result::{Estimate, Gravity, InstrumentalEstimate};
 
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
@@ -63,19 +63,8 @@ impl Report<'_> {
 
     /// What was chosen, in sentences.
     fn choices(&self) -> Vec<String> {
-        let offsets = match self.fitted.chosen.model.offsets {
-            Offsets::None => "Forces have no offset.",
-            Offsets::Common => "Each joint's force has one offset.",
-            Offsets::ByRun => "Each joint's force has an offset in each run.",
-        };
-        let rows = &self.fitted.layout.exact;
-        let exact = rows.contains(&true).then(|| {
-            "Forces in the rows of spherical and floating joints are those of the inputs alone: no offset and no friction \
-             is estimated there."
-                .to_string()
-        });
-        let offsets = rows.contains(&false).then(|| offsets.to_string());
-        let said = offsets.into_iter().chain(exact).chain(self.gravity_said()).chain(self.fitted.choices());
+        let offsets = self.fitted.offsets_said(self.fitted.chosen.model.offsets);
+        let said = offsets.chain(self.gravity_said()).chain(self.fitted.choices());
         said.chain(self.pull_said()).chain([self.endogeneity_said()]).collect()
     }
 

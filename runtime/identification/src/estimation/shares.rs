@@ -1,7 +1,8 @@
 //! The same estimate from sums of products by share, where the samples are gone.
 //!
 //! The columns' means over each run are taken off before they are multiplied: so each run has an offset of its own,
-//! and sums of any logs add up. A share is a fold of the held-out error and a block of the covariance.
+//! and sums of any logs add up. The rows of joints with a quaternion have no offset: their columns keep their means. A share
+//! is a fold of the held-out error and a block of the covariance.
 
 use super::super::error::{Result, require_finite};
 use super::super::kernel::{BLOCK, add_products};
@@ -10,12 +11,12 @@ use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::alternatives::signs;
-use super::checks::{acceleration_doubt_of, unit_doubt};
+use super::checks::{acceleration_doubt_of, no_effort, unit_doubt};
 use super::choice::{Chosen, Freedom, choose};
 use super::estimated::{Estimated, JointFit, require_explained};
 use super::fit::{HeldOut, fit};
 use super::intervals::{Fitted, Scores, covariance};
-use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
+use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, STANDSTILL, TERMS, VISCOUS};
 use super::normal::{force_vector, residual_vector};
 use super::prior::Prior;
 use super::result::{Estimate, Gravity, Offsets};
@@ -27,11 +28,12 @@ use std::ops::Range;
 
 /// Factors k of the terms tanh(k v): those of the friction library, so that no log decides them for others.
 const STEEPNESS: [f64; 4] = [100.0, 20.0, 10.0, 5.0];
-/// Columns behind those of the estimate: sign v and |tanh 20 v|, which only the friction law asks for.
-const EXTRA: usize = 2;
+/// Columns behind those of the estimate: sign v and |tanh 20 v|, which only the friction law asks for. A joint with a
+/// quaternion has a column of ones in their place, which tells the sums of its other columns.
+const EXTRA: [usize; 2] = [2, 1];
 
 /// Columns of each joint's equation: inertial parameters, candidate terms, described force, measured force, and
-/// the two terms that only the friction law asks for.
+/// those of [`EXTRA`].
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     layout: Layout,
@@ -43,7 +45,7 @@ pub(crate) struct ShareSums {
     pub(crate) samples: usize,
     /// Σ w of each joint.
     pub(crate) weights: Vec<f64>,
-    /// Σ w (x − x̄)(x − x̄)ᵀ of each joint.
+    /// Σ w (x − x̄)(x − x̄)ᵀ of each joint; Σ w x xᵀ of one with a quaternion.
     pub(crate) products: Vec<DMatrix<f64>>,
     /// What outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint.
     pub(crate) lost: Vec<[f64; 2]>,
@@ -63,19 +65,28 @@ pub(crate) struct Weighted<'a> {
 }
 
 impl Columns {
-    /// - `moves`: whether each joint moves in any log
+    /// - `spans`: the range of positions of each joint in any log
+    /// - `measured`: whether any log has its effort
     ///
     /// # Errors
     /// Currents of a robot whose joints have no inputs of their own.
-    pub(crate) fn new(robot: &dyn Robot, effort: Effort, moves: Vec<bool>) -> Result<Self> {
+    pub(crate) fn new(
+        robot: &dyn Robot,
+        effort: Effort,
+        (spans, measured): (&[f64], Vec<bool>),
+    ) -> Result<Self> {
+        let joints = spans.iter().zip(robot.speed_scales()).zip(&measured);
+        let moves = joints.map(|((span, scale), measured)| *measured && *span > STANDSTILL * scale).collect();
         let scales = robot.speed_scales().into_iter();
         let steepness = scales.map(|scale| STEEPNESS.map(|factor| slope(factor, scale))).collect();
-        Ok(Self { layout: Layout::without_data(robot, effort, steepness, moves, false)? })
+        let layout = Layout::without_data(robot, effort, steepness, moves, false)?;
+        Ok(Self { layout: Layout { measured, ..layout } })
     }
 
     /// Number of columns of each joint.
     pub(crate) fn widths(&self) -> Vec<usize> {
-        (0..self.layout.joints).map(|joint| self.layout.width(joint) + EXTRA).collect()
+        let extra = |joint: usize| EXTRA[usize::from(self.layout.exact[joint])];
+        (0..self.layout.joints).map(|joint| self.layout.width(joint) + extra(joint)).collect()
     }
 
     /// Terms of the friction law, with the place of their columns.
@@ -95,7 +106,7 @@ impl Columns {
         ]
     }
 
-    /// Sums over each piece, the means of its run's columns taken off.
+    /// Sums over each piece, the means of its run's columns taken off where forces are measured.
     ///
     /// - `filter`: what the efforts passed; friction passes it too
     pub(crate) fn sums(
@@ -154,9 +165,13 @@ impl Columns {
             for (joint, products) in products.iter_mut().enumerate() {
                 let weights = &weights[joint][block.clone()];
                 let mut columns = self.columns(rows, joint);
-                centre(&mut columns, &means[joint]);
-                let measured = &columns[self.layout.width(joint) - 1];
-                add_lost(&mut lost[joint], weights, [&residuals[joint][block.clone()], measured]);
+                let force = self.layout.width(joint) - 1;
+                let mut measured = columns[force].clone();
+                subtract(&mut measured, means[joint][force]);
+                add_lost(&mut lost[joint], weights, [&residuals[joint][block.clone()], &measured]);
+                if !self.layout.exact[joint] {
+                    columns.iter_mut().zip(&means[joint]).for_each(|(column, mean)| subtract(column, *mean));
+                }
                 columns.iter_mut().for_each(|column| scale(column, weights));
                 add_products(&columns.iter().map(Vec::as_slice).collect::<Vec<_>>(), products);
             }
@@ -174,6 +189,10 @@ impl Columns {
     /// Columns of a joint at the samples evaluated last.
     fn columns(&self, rows: &Rows, joint: usize) -> Vec<Vec<f64>> {
         let mut columns: Vec<Vec<f64>> = rows.joint(joint).into_iter().map(<[f64]>::to_vec).collect();
+        if self.layout.exact[joint] {
+            columns.push(vec![1.0; columns[0].len()]);
+            return columns;
+        }
         let first = self.layout.local[joint].len() - TERMS;
         let sign = |v: &f64| if *v == 0.0 { 0.0 } else { v.signum() };
         let signs = columns[first + VISCOUS].iter().map(sign).collect();
@@ -183,10 +202,8 @@ impl Columns {
     }
 }
 
-fn centre(columns: &mut [Vec<f64>], means: &[f64]) {
-    for (column, mean) in columns.iter_mut().zip(means) {
-        column.iter_mut().for_each(|x| *x -= mean);
-    }
+fn subtract(column: &mut [f64], mean: f64) {
+    column.iter_mut().for_each(|x| *x -= mean);
 }
 
 fn scale(column: &mut [f64], weights: &[f64]) {
@@ -276,7 +293,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     })
 }
 
-/// Sums as the fit takes them: their columns have no mean left.
+/// Sums as the fit takes them: columns of measured forces have no mean left.
 fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
     let of_estimate = |share: &ShareSums| -> Vec<DMatrix<f64>> {
         let part = |(joint, products): (usize, &DMatrix<f64>)| {
@@ -285,11 +302,15 @@ fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
         };
         share.products.iter().enumerate().map(part).collect()
     };
+    let columns = |(joint, products): (usize, &DMatrix<f64>)| match layout.exact[joint] {
+        true => products.view((0, layout.width(joint)), (layout.width(joint), 1)).column(0).into_owned(),
+        false => DVector::zeros(layout.width(joint)),
+    };
     let piece = |(fold, share): (usize, &ShareSums)| PieceSums {
         run: 0,
         fold,
         weight: share.weights.clone(),
-        columns: (0..layout.joints).map(|joint| DVector::zeros(layout.width(joint))).collect(),
+        columns: share.products.iter().enumerate().map(columns).collect(),
     };
     Sums {
         folds: shares.iter().map(of_estimate).collect(),
@@ -334,21 +355,23 @@ impl Found<'_> {
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))
     }
 
-    /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run, outliers counted in full.
+    /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run where runs have offsets, outliers counted in full; NaN where nothing acts.
     fn r_squared(&self, joint: usize, rss: f64) -> f64 {
-        let products = self.products(joint);
-        let last = products.nrows() - 1;
+        let variation = self.fitted.chosen.centred.variation(joint);
         let [residual, total] = self.lost(joint);
-        1.0 - (rss + residual) / (self.gain(joint).powi(2) * products[(last, last)] + total)
+        1.0 - (rss + residual) / (self.gain(joint).powi(2) * variation + total)
     }
 
     fn estimate(&self) -> Estimate {
         let Estimated { robot, chosen, solved, .. } = self.fitted;
+        let driven = robot.unmeasured();
         let warnings = robot.joint_names().into_iter().enumerate().flat_map(|(joint, name)| {
-            self.doubts_of(joint).into_iter().map(move |doubt| format!("Joint {name}: {doubt}"))
+            let is_missing = !self.fitted.layout.measured[joint] && !driven[joint];
+            let missing = is_missing.then(|| no_effort(&name));
+            let doubts = self.doubts_of(joint).into_iter().map(move |doubt| format!("Joint {name}: {doubt}"));
+            missing.into_iter().chain(doubts)
         });
-        let offsets = "Each joint's force has an offset in each run.".to_owned();
-        let choices = std::iter::once(offsets).chain(self.fitted.choices());
+        let choices = self.fitted.offsets_said(Offsets::ByRun).chain(self.fitted.choices());
         let rss = chosen.centred.residuals(&chosen.centred.all, &solved.values);
         let fit = |joint: usize| JointFit {
             offsets: Vec::new(),
@@ -366,10 +389,11 @@ impl Found<'_> {
         }
     }
 
-    /// Doubts about a moving joint: its sign, its unit, and a residual that follows the acceleration.
+    /// Doubts about a moving joint: its sign, its unit, and a residual that follows the acceleration. Forces in the rows of a
+    /// joint with a quaternion have no sensor to be doubted: only their unit.
     fn doubts_of(&self, joint: usize) -> Vec<String> {
         let Estimated { layout, chosen, solved, .. } = self.fitted;
-        if !layout.moves[joint] {
+        if !layout.moves[joint] && !layout.exact[joint] {
             return Vec::new();
         }
         let products = self.products(joint);
@@ -384,9 +408,10 @@ impl Found<'_> {
         let sums =
             [sum(&acceleration, &acceleration), sum(&acceleration, &residual), sum(&residual, &residual)];
         let (time, samples) = (self.data.correlation_time, chosen.centred.sums.samples);
-        let doubts =
-            [self.doubts[joint].clone(), unit_doubt(sizes), acceleration_doubt_of(sums, time, samples)];
-        doubts.into_iter().flatten().collect()
+        let of_sensor = (!layout.exact[joint])
+            .then(|| [self.doubts[joint].clone(), acceleration_doubt_of(sums, time, samples)]);
+        let [sign, acceleration] = of_sensor.unwrap_or_default();
+        [sign, unit_doubt(sizes), acceleration].into_iter().flatten().collect()
     }
 
     /// Measured force minus the rigid body's and an added inertia's, as factors of a joint's columns.
@@ -396,6 +421,6 @@ impl Found<'_> {
         let first = layout.first_term(joint);
         (VISCOUS..=ASYMMETRY).for_each(|term| factors[first + term] = 0.0);
         let width = factors.len();
-        factors.resize_vertically(width + EXTRA, 0.0)
+        factors.resize_vertically(width + EXTRA[usize::from(layout.exact[joint])], 0.0)
     }
 }

@@ -336,11 +336,10 @@ impl JointSums {
                 products.push(product);
             }
         }
-        (weight.value() > 0.0 && lost.iter().all(|x| x.value() >= 0.0)).then_some(Self {
-            weight,
-            lost,
-            products,
-        })
+        // Without weight there is nothing: the effort of the joint is in no log.
+        let is_empty = || products.iter().all(|product| product.value() == 0.0);
+        let weighs = weight.value() > 0.0 || weight.value() == 0.0 && is_empty();
+        (weighs && lost.iter().all(|x| x.value() >= 0.0)).then_some(Self { weight, lost, products })
     }
 }
 

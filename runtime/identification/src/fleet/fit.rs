@@ -2,7 +2,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
-    Columns, Estimate, Gravity, STANDSTILL, ShareSums, SharedData, SharedEstimate, estimate_shares,
+    Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
 use super::super::friction::{FrictionData, SharedFriction};
 use super::super::identify::{
@@ -101,9 +101,13 @@ impl LogMoments {
     /// # Errors
     /// Sums of other columns, and currents of a robot whose joints have no inputs of their own.
     fn columns(&self, robot: &dyn Robot) -> Result<Columns> {
-        let spans = self.joints.iter().map(|joint| joint.span);
-        let moving = spans.zip(robot.speed_scales()).map(|(span, scale)| span > STANDSTILL * scale);
-        let columns = Columns::new(robot, self.about.effort, moving.collect())?;
+        let spans: Vec<f64> = self.joints.iter().map(|joint| joint.span).collect();
+        let weighs = |joint: usize| {
+            let mut sums = self.shares.iter().filter_map(|share| share.joints.get(joint));
+            sums.any(|sums| sums.weight.value() > 0.0)
+        };
+        let measured = (0..spans.len()).map(weighs).collect();
+        let columns = Columns::new(robot, self.about.effort, (&spans, measured))?;
         if columns.widths() == self.about.widths {
             return Ok(columns);
         }
@@ -127,14 +131,16 @@ impl LogMoments {
         )))
     }
 
-    /// Friction of the joints that moved.
+    /// Friction of the joints that moved; those with a quaternion have none that is estimated.
     fn friction(
         &self,
         data: &SharedData,
         settings: &IdentificationSettings,
         found: &SharedEstimate,
     ) -> Vec<JointFriction> {
-        let moving = (0..found.friction.len()).filter(|joint| found.estimate.joints[*joint].moves);
+        let rubs =
+            |joint: &usize| found.estimate.joints[*joint].moves && !found.estimate.joints[*joint].exact;
+        let moving = (0..found.friction.len()).filter(rubs);
         let (source, notes) = (self.source(), self.notes());
         let friction = moving.map(|joint| {
             let of_joint = JointMoments {

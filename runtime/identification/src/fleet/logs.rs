@@ -103,7 +103,7 @@ pub(super) struct JointSums {
     pub(super) weight: Exact,
     /// What outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort.
     pub(super) lost: [Exact; 2],
-    /// Σ w (x − x̄)(x − x̄)ᵀ, rows of the lower triangle.
+    /// Σ w (x − x̄)(x − x̄)ᵀ, or Σ w x xᵀ in the row of a joint with a quaternion: rows of the lower triangle.
     pub(super) products: Vec<Exact>,
 }
 

@@ -2,13 +2,13 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
-    Columns, Estimate, Gravity, JointEstimate, RunPiece, STANDSTILL, ShareSums, Weighted, correlation_time,
-    estimate, huber, robust_deviation,
+    Columns, Estimate, Gravity, JointEstimate, RunPiece, ShareSums, Weighted, correlation_time, estimate,
+    huber, robust_deviation,
 };
 use super::super::identify::{IdentificationSettings, faults, read_and_prepare};
 use super::super::moments::contiguous_blocks;
 use super::super::preparation::PreparationReport;
-use super::super::robot::{Robot, require_plain};
+use super::super::robot::{Robot, require_no_driven};
 use super::super::run::PreparedRun;
 use super::super::shafts::{RobotRows, ShaftRows};
 use super::exact::Exact;
@@ -20,9 +20,9 @@ use std::path::Path;
 /// Length of a piece, in correlation times of the residuals: pieces are nearly independent then.
 const PIECE: f64 = 10.0;
 
-/// Moments hold every joint: a log without the efforts of one cannot be added to others.
-fn require_all_efforts(preparation: &PreparationReport) -> Result<()> {
-    match faults(preparation).next() {
+/// A log of an arm without the efforts of a joint is one with the wrong columns. The rows of a base are fitted alone, too.
+fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Result<()> {
+    match faults(preparation).next().filter(|_| robot.quaternion_joints().is_empty()) {
         None => Ok(()),
         Some(message) => Err(IdentificationError::File { place: "the log".into(), message }),
     }
@@ -47,11 +47,11 @@ pub fn reduce(
     progress: &mut dyn FnMut(&str),
 ) -> Result<LogMoments> {
     let help = "identify from the logs themselves, all of them in one call";
-    require_plain(robot, "logs are not reduced to moments", help)?;
+    require_no_driven(robot, "logs are not reduced to moments", help)?;
     let logs = [log.to_owned()];
     let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
     recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
-    require_all_efforts(&preparation)?;
+    require_all_efforts(robot, &preparation)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
     let (robot, runs): (&dyn Robot, _) = (&rows, rows.along(runs));
@@ -63,8 +63,9 @@ pub fn reduce(
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
     let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);
     let facts = fitted.facts(robot)?;
-    let moving = facts.iter().zip(robot.speed_scales()).map(|(row, scale)| row.span > STANDSTILL * scale);
-    let columns = Columns::new(robot, recording.effort, moving.collect())?;
+    let spans: Vec<f64> = facts.iter().map(|row| row.span).collect();
+    let measured = estimate.joints.iter().map(|joint| joint.measured).collect();
+    let columns = Columns::new(robot, recording.effort, (&spans, measured))?;
     let reduced = ReducedLog {
         name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
@@ -164,7 +165,8 @@ impl<'a> Fitted<'a> {
         let weigh = |(run, residuals): (&PreparedRun, &Vec<Vec<f64>>)| {
             let joints = residuals.iter().zip(&deviations).enumerate();
             let weights = |(joint, (residuals, deviation)): (usize, (&Vec<f64>, &f64))| {
-                weights(residuals, *deviation, &stretches(estimate, run, joint))
+                let known = Some(stretches(estimate, run, joint)).filter(|_| estimate.joints[joint].measured);
+                weights(residuals, *deviation, &known.unwrap_or_default())
             };
             joints.map(weights).collect()
         };
@@ -225,7 +227,7 @@ fn stretches(estimate: &Estimate, run: &PreparedRun, joint: usize) -> Vec<Range<
     }
 }
 
-/// Weights of a joint's samples: none at rest, less for outliers.
+/// Weights of a joint's samples: none at rest and where the effort is not known, less for outliers.
 fn weights(residuals: &[f64], deviation: f64, stretches: &[Range<usize>]) -> Vec<f64> {
     let mut weights = vec![0.0; residuals.len()];
     for rows in stretches {

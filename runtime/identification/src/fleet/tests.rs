@@ -212,7 +212,7 @@ fn sums_are_those_of_the_centred_columns() {
         effort: Effort::Joint,
         desired: None,
     };
-    let columns = Columns::new(&Arm, Effort::Joint, vec![true]).unwrap();
+    let columns = Columns::new(&Arm, Effort::Joint, (&[1.0], vec![true])).unwrap();
     let weights = vec![vec![column(m).iter().map(|x| 0.5 + 0.5 / (1.0 + x * x)).collect::<Vec<f64>>()]];
     let residuals = vec![vec![vec![1.0; m]]];
     let weighted = Weighted { weights: &weights, residuals: &residuals };

@@ -22,7 +22,7 @@ use super::consistent::{ConsistentProblem, ConsistentSolution, solve};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use super::regularized::towards;
 use crate::error::{Result, require_setting};
-use crate::robot::{Robot, require_plain};
+use crate::robot::{Robot, require_no_driven, require_no_quaternions};
 use crate::run::PreparedRun;
 use equations::{Equations, Reduced, singular};
 use nalgebra::{DMatrix, Matrix4};
@@ -79,7 +79,8 @@ pub fn estimate(
 
 fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
     let help = "identify the whole robot from its logs with the load";
-    require_plain(robot, "payloads are not estimated", help)?;
+    require_no_quaternions(robot, "payloads are not estimated", help)?;
+    require_no_driven(robot, "payloads are not estimated", help)?;
     let bodies = robot.bodies();
     let body = settings.body.unwrap_or(bodies.saturating_sub(1));
     require_setting(
