@@ -162,8 +162,8 @@ pub(super) struct Export {
 #[derive(Debug, Args)]
 #[command(allow_missing_positional = true)]
 pub(super) struct Inspect {
-    /// What to show; not needed with --closed-form
-    #[arg(value_enum, required_unless_present = "closed_form")]
+    /// What to show [default: model]; not with --closed-form
+    #[arg(value_enum)]
     pub(super) what: Option<Stage>,
     /// TOML, URDF or MJCF
     pub(super) description: PathBuf,

@@ -16,9 +16,10 @@ use crate::program::display::{self, Notation};
 
 /// Shows one stage of a description's way.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
-    let Some(what) = arguments.what else {
+    if arguments.closed_form {
         return closed_form(arguments, format);
-    };
+    }
+    let what = arguments.what.unwrap_or(Stage::Model);
     if arguments.latex && what != Stage::Program {
         return Err(Failure::Usage("--latex goes with `inspect program` or --closed-form".to_owned()));
     }

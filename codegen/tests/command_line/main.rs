@@ -99,6 +99,15 @@ fn mechanism_of_the_powercube() {
     insta::assert_snapshot!(shown(&output));
 }
 
+/// A description alone is shown as the model that was read.
+#[test]
+fn inspect_shows_the_model() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let output = gelenk(&models, &["inspect", "two_arm.toml"]);
+    assert!(output.status.success(), "{output:?}");
+    assert_eq!(output.stdout, gelenk(&models, &["inspect", "model", "two_arm.toml"]).stdout);
+}
+
 /// The vendor's 1.57079632679 is noted with the operations that taking it for π/2 saves, and those are the
 /// snapped ones.
 #[test]
