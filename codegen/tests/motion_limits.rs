@@ -110,6 +110,46 @@ fn a_stroke_narrows_the_joint_that_it_follows() {
     assert!(low < high && length(low) >= 1.2 && length(high) <= 1.2003, "{low} {high}");
 }
 
+/// Foot, joint and rod stand in one line at ±π/2: there the derivative of the law of cosines vanishes.
+#[test]
+fn a_cylinder_that_alone_moves_a_joint_through_its_dead_centre_is_told() {
+    let said = |limits: &str, more: &str| {
+        let boom = format!("{limits}\ndrive = \"none\"");
+        loaded(&robot(&boom, "input = \"cylinder\"", more)).notes.to_string()
+    };
+    let within = said("limits = { position = [-0.3, 2] }", "");
+    let words =
+        "warning[dead-centre]: `cylinder` has a dead centre within the limits of joint `boom`, at 1.57 rad";
+    assert!(within.contains(words) && within.contains("robot.toml:7:"), "{within}");
+    let both = said("limits = { position = [-2, 2] }", "");
+    assert!(both.contains("joint `boom`, at -1.57 rad and 1.57 rad"), "{both}");
+    let at_the_end = said("limits = { position = [-0.3, \"pi/2\"] }", "");
+    assert!(at_the_end.contains("joint `boom`, at 1.57 rad"), "{at_the_end}");
+    let unlimited = said("", "");
+    assert!(
+        unlimited.contains("of joint `boom`, whose position has no limits, at -1.57 rad and 1.57 rad"),
+        "{unlimited}"
+    );
+    assert!(!said("limits = { position = [-1.5, 1.5] }", "").contains("dead-centre"));
+}
+
+/// A spring may stand at its dead centre, as those of lids do, and of two cylinders one moves the joint where the other cannot.
+#[test]
+fn what_something_else_moves_has_no_dead_centre() {
+    let boom = "limits = { position = [-2, 2] }\ndrive = \"none\"";
+    let second = "[[frames]]\nname = \"behind\"\nlink = \"base\"\norigin = { xyz = [-0.6, 0, 0] }\n\
+                  [[forces]]\nbetween = [\"behind\", \"rod\"]\ninput = \"second\"\n";
+    let drive = boom.replace("\"none\"", "\"ideal\"");
+    for (boom, cylinder, more) in [
+        (boom, "law = \"900*(l - 0.4)\"", ""),
+        (boom, "input = \"cylinder\"", second),
+        (drive.as_str(), "input = \"cylinder\"", ""),
+    ] {
+        let said = loaded(&robot(boom, cylinder, more)).notes.to_string();
+        assert!(!said.contains("dead-centre"), "{said}");
+    }
+}
+
 #[test]
 fn a_length_that_shrinks_is_kept_too() {
     let turned = robot(RANGE, "input = \"cylinder\"\nstroke = [0.75, 1.0]", "")

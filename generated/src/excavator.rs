@@ -48,7 +48,7 @@ pub const POSITION_LIMITS: [[f64; 2]; N] = [
     [-3.1, 3.1],
     [-1.1, 0.5],
     [0.5, 2.4],
-    [-0.4, 2.2],
+    [-0.4, 1.3],
 ];
 
 /// Highest speed of each joint (rad/s or m/s); infinite where not described.

@@ -337,4 +337,6 @@ pub(super) struct FrameDescription {
     pub name: Name,
     pub link: Name,
     pub pose: Pose,
+    /// Whether it is a site of an MJCF, where sites and bodies may have the same names.
+    pub is_site: bool,
 }

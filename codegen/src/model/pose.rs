@@ -25,6 +25,11 @@ impl Pose {
         Self { translation: [Formula::ZERO; 3], rotation: IDENTITY }
     }
 
+    /// Tells whether the frame is the one that it is given in, whatever values parameters have.
+    pub(super) fn is_identity(&self) -> bool {
+        self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
+    }
+
     /// `a_x_c = a_x_b · b_x_c`
     pub fn then(&self, next: &Self) -> Self {
         Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }

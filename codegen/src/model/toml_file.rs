@@ -354,5 +354,5 @@ fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription
     let link = reader.required_name(table, "link");
     let owner = name.as_ref().map_or("frame", |name| &name.value).to_owned();
     let pose = table.get("origin").and_then(|item| reader.pose(item, &owner)).unwrap_or_else(Pose::identity);
-    Some(FrameDescription { name: name?, link: link?, pose })
+    Some(FrameDescription { name: name?, link: link?, pose, is_site: false })
 }

@@ -418,5 +418,7 @@ fn massless_frames(robot: &RobotDescription) -> Vec<FrameDescription> {
     let fixed = robot.joints.iter().filter(|joint| joint.kind == Some(JointKind::Fixed));
     let links = fixed.filter_map(|joint| joint.child.clone());
     let massless = links.filter(|link| !with_mass.contains(link.value.as_str()));
-    massless.map(|link| FrameDescription { name: link.clone(), link, pose: Pose::identity() }).collect()
+    let frame =
+        |link: Name| FrameDescription { name: link.clone(), link, pose: Pose::identity(), is_site: false };
+    massless.map(frame).collect()
 }

@@ -103,7 +103,7 @@ impl<'a> Reader<'_, 'a> {
         let pose = self.pose_of(&placed, &format!("site `{}`", name.value));
         self.sites.insert(name.value.clone());
         let pose = placed.pose.then(&pose);
-        self.robot.frames.push(FrameDescription { name, link: link.clone(), pose });
+        self.robot.frames.push(FrameDescription { name, link: link.clone(), pose, is_site: true });
     }
 
     /// The pose that an element, or its class, says.

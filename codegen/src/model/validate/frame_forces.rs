@@ -4,6 +4,7 @@ use super::super::description::{Name, PointForceDescription, RobotDescription};
 use super::super::distances::Distances;
 use super::super::tree::Tree;
 use super::super::{Attachment, Drive, ForceEffect, ForceInput, Model, PointForce, Pose, Wrench};
+use super::{dead_centres, frame_names};
 use crate::diagnostic::{At, Report, nearest};
 use crate::wording::{as_written, list, three_digits};
 use gelenk_formula::{Formula, Function};
@@ -111,9 +112,25 @@ impl Resolver<'_> {
         Some(at)
     }
 
+    /// Complains where a name may be that of a site and that of a body. `frame = …` of inputs and wrenches means the site.
+    fn is_clear(&mut self, name: &Name) -> bool {
+        let mut sites =
+            self.robot.frames.iter().filter(|frame| frame.is_site && frame.name.value == name.value);
+        let Some(site) = sites.find(|site| frame_names::is_ambiguous(site, self.tree)) else { return true };
+        let message =
+            format!("`{}` is a site on body `{}` and a body, elsewhere", name.value, site.link.value);
+        self.report.error(name.span, "ambiguous-name", message);
+        self.report.help("a force acts between frames or links: give the site another name in the MJCF, or describe a frame at its place");
+        false
+    }
+
     fn between(&mut self, force: &PointForceDescription) -> Option<[Attachment; 2]> {
         let [a, b] = &force.between;
+        let are_clear = [a, b].map(|name| self.is_clear(name));
         let (first, second) = (self.attachment(a), self.attachment(b));
+        if are_clear.contains(&false) {
+            return None;
+        }
         let (first, second) = (first?, second?);
         let carriers = self.tree.carriers(self.robot);
         if carriers[first.link] == carriers[second.link] {
@@ -152,14 +169,16 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
         let Some(between) = between(force, model) else { continue };
         let distances = Distances::new(model, between);
         let mut found = distances.at_states();
-        if has_direction(force, &found, report)
-            && keeps_direction(force, &distances, &mut found, report)
-            && let Some(law) = &force.law
-        {
+        let has_direction =
+            has_direction(force, &found, report) && keeps_direction(force, &distances, &mut found, report);
+        if let Some(law) = force.law.as_ref().filter(|_| has_direction) {
             check_law(force, law, &found, model, report);
         }
         if force.input.is_some() {
             note_drive_beside(force, between, model, report);
+            if has_direction {
+                dead_centres::warn(force, &distances, (robot, model), report);
+            }
         }
     }
     refuse_load(robot, model, report);

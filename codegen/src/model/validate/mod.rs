@@ -4,11 +4,13 @@ mod build;
 mod checks;
 mod coupling_hints;
 mod couplings;
+mod dead_centres;
 mod dependent_limits;
 mod driven_joints;
 mod drives;
 mod force_laws;
 mod frame_forces;
+mod frame_names;
 mod hints;
 mod inertias;
 mod inner_links;
@@ -45,6 +47,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
     identifiers.note(robot, report);
     if let Some(tree) = &tree {
         hints::note(robot, tree, &defaults, report);
+        frame_names::check(robot, tree, report);
     }
     let published = inertias::check(robot, tree.as_ref(), &defaults, report);
     let model = tree.and_then(|tree| {
