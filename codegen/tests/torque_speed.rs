@@ -6,6 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use gelenk_codegen::identify::InterpretedRobot;
+use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_identification::robot::Robot;
+
 /// Two joints: the first has a motor in amperes behind a gear that turns it around, both are moved by another motor.
 const ROBOT: &str = r#"
 name = "two_joints"
@@ -123,4 +127,58 @@ fn exported_files_say_that_they_are_left_out() {
     assert!(said.contains("has no torque–speed lines of motors; left out at: `shoulder`, `both`"), "{said}");
     let said = flat(&run(&path, &["export", "robot.toml", "--urdf", "--output", "robot.urdf"]));
     assert!(said.contains("has no torque–speed lines of motors; left out at: `shoulder`"), "{said}");
+}
+
+/// Plans a motion, and returns the largest |u + C ẏ| of each motor along it, and its largest |u|. B is that of `ROBOT`.
+fn planned(description: &str) -> [[f64; 2]; 2] {
+    let (_kept, path) = folder(description);
+    let line = "identify --plan robot.toml --harmonics 3 --seconds 6 --rate 20 --acceleration 8";
+    run(&path, &line.split(' ').collect::<Vec<_>>());
+    let file = model::read(&path.join("robot.toml"), &ReadOptions::default()).unwrap();
+    let robot = InterpretedRobot::new(&file.model).unwrap();
+    let rows = fs::read_to_string(path.join("plan.csv")).unwrap();
+    let mut largest = [[0.0_f64; 2]; 2];
+    for row in rows.lines().skip(1) {
+        let x: Vec<f64> = row.split(',').map(|x| x.parse().unwrap()).collect();
+        let (y, v, a) = (&x[1..3], &x[3..5], &x[5..7]);
+        let mut forces = [0.0; 2];
+        robot.rigid_forces(y, v, a, &mut forces);
+        // τ₁ = −50 u₁ + 40 u₂, τ₂ = −20 u₂.
+        let second = -forces[1] / 20.0;
+        let inputs = [(40.0 * second - forces[0]) / 50.0, second];
+        let taken = [-0.4 * v[0], 0.3 * v[0] - 0.15 * v[1]];
+        for motor in 0..2 {
+            largest[0][motor] = largest[0][motor].max((inputs[motor] + taken[motor]).abs());
+            largest[1][motor] = largest[1][motor].max(inputs[motor].abs());
+        }
+    }
+    largest
+}
+
+/// Two links of much inertia on the motors of `ROBOT`.
+fn inert(description: &str) -> String {
+    let two = description
+        .replace("mass = 1\ninertia = 0.1", "mass = 2\ncenter_of_mass = [0, 0, 0.05]\ninertia = 0.8");
+    let third =
+        "[[drives]]\nname = \"elbow\"\non = { elbow = 2 }\ngear_ratio = 10\ncoupling = \"diagonal\"\n";
+    assert!(two.contains(third));
+    two.replace(third, "").replace("axis = [0, 1, 0]", "axis = [0, 1, 0]\nlimits = { velocity = 3 }")
+}
+
+#[test]
+fn a_planned_motion_keeps_them() {
+    let [lines, _] = planned(&inert(&without_lines()));
+    assert!(lines[0] > 1.2 || lines[1] > 1.5, "the motion needs no line: {lines:?}");
+    let [lines, _] = planned(&inert(ROBOT));
+    assert!(lines[0] <= 1.2 && lines[1] <= 1.5, "{lines:?}");
+}
+
+/// The torque of a motor is kept where its joint has no `effort`, as that of a motor on two joints is.
+#[test]
+fn a_planned_motion_keeps_the_torques_of_motors() {
+    let [_, free] = planned(&inert(&without_lines()));
+    let limited = without_lines().replace("motor_constant = 0.5", "motor_constant = 0.5, torque = 0.3");
+    let [_, kept] = planned(&inert(&limited));
+    // In amperes; seven tenths are used, at the instants of the search.
+    assert!(free[0] > 0.6 && kept[0] <= 0.7 * 0.6 * 1.01, "{free:?} {kept:?}");
 }

@@ -124,8 +124,10 @@ def test_limits_of_motors_and_joints_are_bounds_of_inputs(tmp_path: Path) -> Non
         limits = module.ocp(5, 0.01, peak=peak).constraints
         assert np.array_equal(limits.idxbu, range(4))
         assert np.allclose(limits.ubu, most, rtol=1e-15) and np.array_equal(limits.lbu, -limits.ubu)
-        assert np.array_equal(limits.D, [[0, 0, 80, 80]]) and not limits.C.any()
-        assert np.array_equal(np.stack([limits.lg, limits.ug]), [[-10], [10]])
+        # The lines of the motors have speeds beside the inputs.
+        forces = np.flatnonzero(~limits.C.any(axis=1))
+        assert np.array_equal(limits.D[forces], [[0, 0, 80, 80]])
+        assert np.array_equal(np.stack([limits.lg, limits.ug])[:, forces], [[-10], [10]])
         assert limits.lg_e.size == 0
         states = np.array([2, 2.4, 1.8, 3, 2, 2.5, 4, 4])
         for lower, upper, which in [("lbx", "ubx", "idxbx"), ("lbx_e", "ubx_e", "idxbx_e")]:
@@ -147,6 +149,54 @@ def test_limits_of_joints_that_follow_others_are_rows(tmp_path: Path) -> None:
     assert not limits.C_e[:count, robot.N :].any()
     assert np.array_equal(limits.lg_e[:count], low[limited]) and np.array_equal(limits.ug_e[:count], high[limited])
     assert np.array_equal(limits.C[: len(limits.C_e)], limits.C_e)
+
+
+def weak_at_speed(folder: Path) -> Path:
+    """The wrist, whose two motors move both of its joints and are weak at speed, with an elbow that is weak at speed too."""
+    text = (MODELS / "differential_wrist.toml").read_text("utf-8")
+    drive = "torque = { nominal = 0.35, peak = 0.7 } }"
+    assert text.count(drive) == 1
+    file = folder / "weak.toml"
+    file.write_text(text.replace(drive, drive[:-2] + ", stall_torque = 0.4, no_load_speed = 250 }"), "utf-8")
+    return file
+
+
+def test_torque_speed_lines_are_hard_rows_of_speeds_and_inputs(tmp_path: Path) -> None:
+    """|u + C v| <= limit, with the numbers of the data sheets: what a motor loses by its speed, gear and weights of its joints."""
+    module = gelenk.acados(weak_at_speed(tmp_path))
+    assert module.LEFT_OUT == ()
+    ocp = module.ocp(5, 0.01)
+    limits, n = ocp.constraints, module.N
+    assert np.array_equal(limits.D, np.eye(4)[1:]) and not limits.C[:, :n].any()
+    left, right = np.array([0, 0, 80, 80]), np.array([0, 0, 80, -80])
+    slopes = [0.4 / 250 * np.array([0, 100, 0, 0]), 0.24 / 600 * left, 0.24 / 600 * right]
+    assert np.allclose(limits.C[:, n:], slopes, rtol=1e-15)
+    assert np.array_equal(limits.ug, [0.4, 0.24, 0.24]) and np.array_equal(limits.lg, -limits.ug)
+    assert limits.lg_e.size == 0 and limits.C_e.size == 0
+    module.soften(ocp, 1e4, 1e5)
+    assert limits.idxsg.size == 0, "they stay hard"
+
+
+def test_acados_keeps_torque_speed_lines(tmp_path: Path) -> None:
+    """A turn of the elbow and the wrist that is too fast for their motors: the rows are kept to the end, and bind."""
+    module = gelenk.acados(weak_at_speed(tmp_path), smooth_sign=50)
+    ocp, n, intervals = module.ocp(20, 0.02, compile_flags="-O1"), module.N, 20
+    module.track(ocp, [1e3] * n + [1.0] * n, [1e-2] * module.M)
+    module.soften(ocp, 1e4, 1e5)
+    ocp.code_export_directory = str(tmp_path / "generated")
+    solver = module.solver(ocp, json_file=str(tmp_path / "ocp.json"), verbose=False)
+    target = np.concatenate([[0.0, 1.5, 1.0, 1.5], np.zeros(n)])
+    for stage in range(intervals):
+        solver.set(stage, "yref", np.concatenate([target, np.zeros(module.M)]))
+    solver.set(intervals, "yref", target)
+    for _ in range(15):
+        solver.solve_for_x0(np.zeros(2 * n))
+    assert solver.status == 0
+    x, u = (np.array([solver.get(stage, name) for stage in range(intervals)]) for name in "xu")
+    taken = (u + x[:, n:] @ module.TORQUE_SPEED_SLOPES.T) / module.TORQUE_SPEED_LIMITS
+    assert np.abs(taken).max() <= 1 + 1e-6
+    # Without their rows these motors would be asked for torques beyond the lines, yet within their peaks.
+    assert np.abs(taken[:, 1]).max() > 1 - 1e-3 and np.abs(x[:, n + 1]).max() > 0.5
 
 
 def test_limits_that_are_no_constant_bounds_are_told(tmp_path: Path) -> None:

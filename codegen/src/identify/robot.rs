@@ -1,7 +1,7 @@
 //! A described robot as identification asks for it: its regressor, evaluated by the interpreter.
 
 use gelenk_identification::pose::QuaternionJoint;
-use gelenk_identification::robot::{FollowerLimits, JointLimits, Robot};
+use gelenk_identification::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine};
 use gelenk_identification::shafts::{JointTerm, Shaft};
 
 use super::parameters::result;
@@ -12,7 +12,9 @@ use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{Actuator, Dependent, FrictionTerm, Input, Joint, Model, Motion, QuaternionKind};
+use crate::model::{
+    Actuator, Dependent, FrictionTerm, Input, Joint, LimitedInput, Model, Motion, QuaternionKind,
+};
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
 /// those of `INERTIAL_PARAMETER_NAMES`.
@@ -229,6 +231,12 @@ impl Robot for InterpretedRobot {
             }
         });
         limits.collect()
+    }
+
+    fn torque_speed_lines(&self) -> Vec<TorqueSpeedLine> {
+        let lines = self.model.limited_inputs(&self.free).into_iter();
+        let line = |LimitedInput { input, slopes, limit }| TorqueSpeedLine { input, slopes, limit };
+        lines.map(line).collect()
     }
 
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {

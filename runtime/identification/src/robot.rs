@@ -58,6 +58,11 @@ pub trait Robot {
         vec![[f64::NEG_INFINITY, f64::INFINITY]; self.input_names().len()]
     }
 
+    /// Torque–speed lines of motors.
+    fn torque_speed_lines(&self) -> Vec<TorqueSpeedLine> {
+        Vec::new()
+    }
+
     /// `B(y) u`, inputs at frames included.
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
         let _ = y;
@@ -128,6 +133,26 @@ pub struct Shaft {
     pub ratios: Vec<f64>,
     /// Largest torque of the motor [N·m]; infinite where it is not described.
     pub torque: f64,
+}
+
+/// A motor that gives less torque the faster it turns, `|u + C ẏ| ≤ limit`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TorqueSpeedLine {
+    /// Number of the input.
+    pub input: usize,
+    /// C: what the velocity of each of the N joints takes from the input, in its unit.
+    pub slopes: Vec<f64>,
+    /// What the motor gives at rest, in the unit of the input.
+    pub limit: f64,
+}
+
+impl TorqueSpeedLine {
+    /// Lowest and highest input at velocities ẏ.
+    #[must_use]
+    pub fn range(&self, v: &[f64]) -> [f64; 2] {
+        let taken: f64 = self.slopes.iter().zip(v).map(|(slope, v)| slope * v).sum();
+        [-self.limit - taken, self.limit - taken]
+    }
 }
 
 /// A term of friction that is described on a joint whose row a shaft takes.
@@ -292,6 +317,16 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot fo
 
     fn input_limits(&self) -> Vec<[f64; 2]> {
         self.model.limits().peak_input.to_vec()
+    }
+
+    fn torque_speed_lines(&self) -> Vec<TorqueSpeedLine> {
+        let lines = self.model.limits().torque_speed.iter();
+        let line = |line: &gelenk_dynamics::dynamics::TorqueSpeedLine<N>| TorqueSpeedLine {
+            input: line.input,
+            slopes: line.slopes.to_vec(),
+            limit: line.limit,
+        };
+        lines.map(line).collect()
     }
 
     fn followers(&self) -> Vec<FollowerLimits> {

@@ -55,7 +55,7 @@ impl<'a> FrameInputs<'a> {
             let now = if matrix.is_square() { matrix.determinant().signum() } else { 0.0 };
             let turned = side * now < 0.0;
             side = now;
-            turned || !inputs(self.robot, &matrix, instant).is_some_and(|inputs| within(&inputs))
+            turned || !smallest_inputs(self.robot, &matrix, instant).is_some_and(|inputs| within(&inputs))
         })
     }
 
@@ -63,7 +63,7 @@ impl<'a> FrameInputs<'a> {
     pub(super) fn planned(&self, instants: &[Instant]) -> Vec<PlannedInput> {
         let needed: Vec<Vec<f64>> = instants
             .iter()
-            .filter_map(|each| inputs(self.robot, &input_matrix(self.robot, &each[0]), each))
+            .filter_map(|each| smallest_inputs(self.robot, &input_matrix(self.robot, &each[0]), each))
             .collect();
         let names = self.robot.input_names().into_iter().zip(self.robot.input_limits()).enumerate();
         let planned = names.map(|(input, (name, limits))| {
@@ -77,7 +77,11 @@ impl<'a> FrameInputs<'a> {
 }
 
 /// The smallest inputs with B(y) u = M ÿ + k − q; `None` where no inputs have these forces.
-fn inputs(robot: &dyn Robot, matrix: &DMatrix<f64>, [y, v, a]: &Instant) -> Option<Vec<f64>> {
+pub(super) fn smallest_inputs(
+    robot: &dyn Robot,
+    matrix: &DMatrix<f64>,
+    [y, v, a]: &Instant,
+) -> Option<Vec<f64>> {
     let mut forces = vec![0.0; v.len()];
     robot.rigid_forces(y, v, a, &mut forces);
     let forces = DVector::from_vec(forces);
@@ -88,7 +92,7 @@ fn inputs(robot: &dyn Robot, matrix: &DMatrix<f64>, [y, v, a]: &Instant) -> Opti
 }
 
 /// B(y): the forces of unit inputs at the joints.
-fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
+pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
     let (joints, count) = (robot.joint_names().len(), robot.input_names().len());
     let mut matrix = DMatrix::zeros(joints, count);
     let (mut unit, mut forces) = (vec![0.0; count], vec![0.0; joints]);

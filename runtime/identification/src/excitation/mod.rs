@@ -10,6 +10,7 @@
 mod approach;
 mod inputs;
 mod motion;
+mod motors;
 mod plan;
 mod search;
 

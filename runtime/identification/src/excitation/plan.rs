@@ -2,10 +2,11 @@
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::random::SplitMix64;
-use super::super::robot::{FollowerLimits, JointLimits, Robot, narrowed_limits, require_no_quaternions};
+use super::super::robot::{FollowerLimits, JointLimits, Robot, require_no_quaternions};
 use super::super::shafts::{RobotRows, ShaftRows};
 use super::approach::{Approach, require_posture};
 use super::inputs::{FrameInputs, PlannedInput, keep_sides, require_driven};
+use super::motors::{Motors, joint_limits, no_load_speeds};
 use super::search::condition_of_scaled;
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
@@ -108,8 +109,9 @@ const STATES: usize = 60;
 /// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint. Shafts of drives that
 /// act on several joints take rows of joints ([`crate::shafts`]), with the torque of their motors.
 ///
-/// The motion keeps the joints' limits, and its forces those of the described robot and of such motors. Where inputs act at
-/// frames, as cylinders do, it keeps their share of the limits of the inputs. Obstacles, and links that
+/// The motion keeps the joints' limits, and its forces those of the described robot and of its motors, whose torque–speed lines
+/// leave it the same share of what they leave at each speed. Where inputs act at frames, as cylinders do, it keeps their share of
+/// the limits of the inputs. Obstacles, and links that
 /// meet each other, are not known here.
 ///
 /// # Errors
@@ -212,7 +214,7 @@ fn check(settings: &PlanSettings) -> Result<()> {
 
 /// Limits of the motion, and what was assumed for them.
 fn usable(robot: &dyn Robot, settings: &PlanSettings) -> (Vec<ExcitationLimits>, Vec<String>) {
-    let joints = narrowed_limits(robot).into_iter().zip(robot.position_units());
+    let joints = joint_limits(robot).into_iter().zip(robot.position_units());
     let limits = joints.map(|(JointLimits { position, velocity, .. }, unit)| {
         let half = if unit == "m" { 0.5 * settings.travel } else { PI };
         let [low, high] = if is_bounded(position) { position } else { [-half, half] };
@@ -234,7 +236,7 @@ fn is_limit(velocity: f64) -> bool {
 }
 
 fn assumptions(robot: &dyn Robot, settings: &PlanSettings) -> Vec<String> {
-    let (limits, units) = (narrowed_limits(robot), robot.position_units());
+    let (limits, units) = (joint_limits(robot), robot.position_units());
     let names = robot.joint_names();
     let joints = |unit: &str, lacks: &dyn Fn(&JointLimits) -> bool| {
         let found = (0..names.len()).filter(|i| units[*i] == unit && lacks(&limits[*i]));
@@ -270,8 +272,10 @@ struct Design<'a> {
     torques: Vec<f64>,
     weights: Vec<f64>,
     sign_speeds: Vec<f64>,
-    /// Joints that follow others.
+    /// Joints that follow others, and motors by the speeds at which they have no torque left.
     followers: Vec<FollowerLimits>,
+    /// Where something limits motors.
+    motors: Option<Motors<'a>>,
     /// Where some inputs act at frames.
     inputs: Option<FrameInputs<'a>>,
     velocity_share: f64,
@@ -309,7 +313,8 @@ impl<'a> Design<'a> {
             weights: of_rows.iter().zip(&typical).map(weight).collect(),
             efforts,
             torques,
-            followers: robot.followers(),
+            followers: robot.followers().into_iter().chain(no_load_speeds(robot)).collect(),
+            motors: Motors::of(robot, settings.effort_share),
             inputs: FrameInputs::of(robot, settings.effort_share),
             velocity_share: settings.velocity_share,
             positions: limits.iter().map(|limit| limit.position).collect(),
@@ -412,11 +417,13 @@ impl<'a> Design<'a> {
             let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
             named_beyond(&self.rows, &along, &self.torques)
         };
+        let motors = || self.motors.as_ref().and_then(|motors| motors.exceeded(instants));
         let have_torques = self.torques.iter().any(|torque| torque.is_finite());
         let inputs = std::iter::once_with(inputs).filter(|exceed| *exceed);
         std::iter::once_with(joints)
             .flatten()
             .chain(inputs.map(|_| "the inputs at frames, or a dead centre of theirs".to_owned()))
+            .chain(std::iter::once_with(motors).flatten().map(|name| format!("motor {name}")))
             .chain(have_torques.then(|| std::iter::once_with(shafts)).into_iter().flatten().flatten())
     }
 

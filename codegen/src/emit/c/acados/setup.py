@@ -86,7 +86,7 @@ def ocp(
 
 def limit(ocp: AcadosOcp, *, peak: bool = True) -> None:
     """Sets the limits of the description: of inputs, of positions and velocities, of joints that follow others, of forces at joints
-    on which several inputs act. Bounds are hard."""
+    on which several inputs act, of motors that give less torque the faster they turn. Bounds are hard."""
     for what in LEFT_OUT:
         warnings.warn(f"{what} are not among the bounds: they are no constant function of x and u", stacklevel=3)
     constraints = ocp.constraints
@@ -96,11 +96,12 @@ def limit(ocp: AcadosOcp, *, peak: bool = True) -> None:
     states = _finite(np.concatenate([POSITION_LIMITS, speeds]))
     constraints.idxbx, constraints.lbx, constraints.ubx = states
     constraints.idxbx_e, constraints.lbx_e, constraints.ubx_e = states
-    # Rows lg <= C x + D u <= ug; those of u alone say nothing at the end.
+    # Rows lg <= C x + D u <= ug; those with u say nothing at the end.
     of_states, sides = _of_followers()
-    constraints.C = np.concatenate([of_states, np.zeros((len(rows), 2 * N))])
-    constraints.D = np.concatenate([np.zeros((len(sides), M)), rows[:, :M]])
-    constraints.lg, constraints.ug = _within(np.concatenate([sides, rows[:, M:]]))
+    by_states, by_inputs, line_sides = _of_motors()
+    constraints.C = np.concatenate([of_states, np.zeros((len(rows), 2 * N)), by_states])
+    constraints.D = np.concatenate([np.zeros((len(sides), M)), rows[:, :M], by_inputs])
+    constraints.lg, constraints.ug = _within(np.concatenate([sides, rows[:, M:], line_sides]))
     constraints.C_e = of_states
     constraints.lg_e, constraints.ug_e = _within(sides)
 
@@ -121,10 +122,11 @@ def input_limits(peak: bool = True) -> tuple[np.ndarray, np.ndarray]:
 
 
 def soften(ocp: AcadosOcp, linear: float, quadratic: float) -> None:
-    """Makes the bounds of states soft: a violation s costs linear s + quadratic s² / 2 for each second, at the end for one period."""
+    """Makes the bounds of states soft: a violation s costs linear s + quadratic s² / 2 for each second, at the end for one period.
+    Rows with inputs stay hard."""
     constraints, cost, steps = ocp.constraints, ocp.cost, _intervals(ocp)
     constraints.idxsbx, constraints.idxsbx_e = np.arange(constraints.idxbx.size), np.arange(constraints.idxbx_e.size)
-    followers = np.flatnonzero(np.any(constraints.C, axis=1))
+    followers = np.flatnonzero(np.any(constraints.C, axis=1) & ~np.any(constraints.D, axis=1))
     constraints.idxsg, constraints.idxsg_e = followers, np.arange(constraints.lg_e.size)
     count, count_e = constraints.idxbx.size + followers.size, constraints.idxbx_e.size + constraints.lg_e.size
     cost.zl = cost.zu = np.full(count, linear)
@@ -201,3 +203,10 @@ def _of_followers() -> tuple[np.ndarray, np.ndarray]:
     sides = np.concatenate([DEPENDENT_POSITION_LIMITS - DEPENDENT_JOINT_OFFSETS[:, None], speeds])
     limited = np.isfinite(sides).any(axis=1)
     return rows[limited], sides[limited]
+
+
+def _of_motors() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of x and of u, and their sides: torque-speed lines, |u + C v| <= limit."""
+    limited = np.flatnonzero(np.isfinite(TORQUE_SPEED_LIMITS))
+    slopes, limits = TORQUE_SPEED_SLOPES[limited], TORQUE_SPEED_LIMITS[limited]
+    return np.hstack([np.zeros_like(slopes), slopes]), np.eye(M)[limited], np.stack([-limits, limits], axis=1)

@@ -131,7 +131,7 @@ impl<'a> Robot<'a> {
 
     fn of_states(&self) -> Vec<Entry> {
         let followers = match self.value("DEPENDENT_JOINT_NAMES") {
-            Some(ConstantValue::Names(_, names)) if self.has_constant_ratios() => names.len(),
+            Some(ConstantValue::Names(_, names)) if !self.follow_driven_joints() => names.len(),
             _ => 0,
         };
         let numbers = |name, about| entry(name, array(&self.numbers(name, self.n), None), about);
@@ -161,6 +161,7 @@ impl<'a> Robot<'a> {
         let unlimited = [f64::NEG_INFINITY, f64::INFINITY].repeat(self.m);
         let ranges = Some(self.flat("INPUT_RANGES", self.m)).filter(|ranges| !ranges.is_empty());
         let zeros = vec![0.0; self.n * self.m];
+        let slopes = Some(self.flat("TORQUE_SPEED_SLOPES", self.m)).filter(|slopes| !slopes.is_empty());
         let numbers = |name, about| entry(name, array(&self.numbers(name, self.m), None), about);
         vec![
             numbers("INPUT_LIMITS", "Largest magnitude of each input that its motor bears continuously."),
@@ -169,6 +170,15 @@ impl<'a> Robot<'a> {
                 "INPUT_RANGES",
                 array(&ranges.unwrap_or(unlimited), Some(2)),
                 "Lowest and highest value of each input beside that.",
+            ),
+            entry(
+                "TORQUE_SPEED_SLOPES",
+                array(slopes.as_ref().unwrap_or(&zeros), Some(self.n)),
+                "C in |u + C v| <= limit, what motors give less the faster they turn: a row for each input.",
+            ),
+            numbers(
+                "TORQUE_SPEED_LIMITS",
+                "The limits there, by input; infinite where a motor has no such line.",
             ),
             entry(
                 "INPUT_MATRIX",
@@ -185,21 +195,15 @@ impl<'a> Robot<'a> {
             .any(|name| self.numbers(name, self.n).iter().any(|effort| effort.is_finite()));
         let efforts =
             (has_efforts && self.input_matrix.is_none()).then_some("limits of forces at the joints");
-        let is_missing = self.value("DEPENDENT_JOINT_NAMES").is_some() && !self.has_constant_ratios();
+        let is_missing = self.value("FOLLOWER_NAMES").is_some() || self.follow_driven_joints();
         let followers = is_missing.then_some("limits of joints that follow others");
-        let has_lines = self.value("TORQUE_SPEED_LIMITS").is_some();
-        let lines = has_lines.then_some("torque–speed lines of motors");
         let about = "Limits of the description that are no constant bounds of x and u.";
-        entry("LEFT_OUT", strings(efforts.into_iter().chain(followers).chain(lines)), about)
+        entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
     }
 
-    /// Tells whether joints that follow are constant sums of the coordinates.
-    fn has_constant_ratios(&self) -> bool {
-        let are_known = match self.value("DEPENDENT_JOINT_RATIOS") {
-            Some(ConstantValue::Rows(_, rows)) => rows.iter().flatten().all(|ratio| !ratio.is_nan()),
-            _ => false,
-        };
-        are_known && self.value("DEPENDENT_DRIVEN_RATIOS").is_none()
+    /// Tells whether some joints follow driven ones, which no function for acados takes.
+    fn follow_driven_joints(&self) -> bool {
+        self.value("DEPENDENT_DRIVEN_RATIOS").is_some()
     }
 
     fn value(&self, name: &str) -> Option<&ConstantValue> {
