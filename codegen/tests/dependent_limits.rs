@@ -153,3 +153,35 @@ fn what_keeps_limits_is_said() {
         generated(&robot("follows = { crank = 1 }\nlimits = { position = [-2, 2], velocity = 3 }"));
     assert!(!said.contains("limits"), "the coordinates keep these: {said}");
 }
+
+/// Rows of joints whose ratios are free parameters would hold no numbers: they are left out, under all names of rows alike.
+#[test]
+fn joints_with_free_ratios_have_no_rows() {
+    let limits = "limits = { position = [-0.2, 0.8] }";
+    let more = "[[joints]]\nname = \"idler\"\nparent = \"arm\"\nfollows = { crank = 2 }\noffset = 0.1\nlimits = { velocity = 9 }\n";
+    let free = format!("follows = {{ crank = {{ free = 0.5, name = \"ratio\" }} }}\n{limits}\n{more}");
+    let (said, module) = generated(&robot(&free));
+    assert!(!said.contains("keep them"), "nothing keeps limits of free ratios, which a warning says: {said}");
+    for constant in [
+        "FOLLOWER_NAMES: [&str; 2] = [\"forearm\", \"idler\"];",
+        "DEPENDENT_JOINT_NAMES: [&str; 1] = [\"idler\"];",
+        "DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[0.0, 2.0]];",
+        "DEPENDENT_JOINT_OFFSETS: [f64; 1] = [0.1];",
+        "DEPENDENT_POSITION_LIMITS: [[f64; 2]; 1] = [ [f64::NEG_INFINITY, f64::INFINITY], ];",
+        "DEPENDENT_VELOCITY_LIMITS: [f64; 1] = [9.0];",
+    ] {
+        assert!(flat(&module).contains(constant), "{constant}\n{module}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("robot.toml"), robot(&free)).unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    let line = "generate robot.toml --language c --for acados --functions step,step_derivatives,input_matrix";
+    let output = program.current_dir(folder.path()).args(line.split(' ')).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| flat(&fs::read_to_string(folder.path().join(name)).unwrap());
+    let header = read("parallelogram.h");
+    assert!(header.contains("DEPENDENT_JOINT_NAMES") && !header.to_lowercase().contains("nan"), "{header}");
+    let setup = read("parallelogram_acados.py");
+    assert!(setup.contains("DEPENDENT_JOINT_RATIOS = np.array([ [0.0, 2.0], ])"), "{setup}");
+    assert!(setup.contains("LEFT_OUT = (\"limits of joints that follow others\",)"), "{setup}");
+}

@@ -10,7 +10,7 @@ use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
 use gelenk_formula::Formula;
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 43] = [
+pub const NAMES: [&str; 44] = [
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -32,6 +32,7 @@ pub const NAMES: [&str; 43] = [
     "VELOCITY_LIMITS",
     "EFFORT_LIMITS",
     "PEAK_EFFORT_LIMITS",
+    "FOLLOWER_NAMES",
     "DEPENDENT_JOINT_NAMES",
     "DEPENDENT_JOINT_RATIOS",
     "DEPENDENT_DRIVEN_RATIOS",
@@ -149,20 +150,19 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
     constants.chain(wrenches.into_iter().flatten()).chain(driven.into_iter().flatten()).collect()
 }
 
-/// The joints that follow coordinates, and motors that move several. Ratios that depend on free parameters are NaN; where all do,
-/// they are left out.
+/// The joints that follow coordinates, and motors that move several, where their ratios are numbers. The others are named.
 fn dependent(model: &Model) -> Vec<Constant> {
-    let dependent = model.dependent(&[]);
+    let all = model.dependent(&[]);
+    let free = free_followers(model, &all);
+    let dependent: Vec<(&Dependent<'_>, &Vec<f64>)> =
+        all.iter().filter_map(|one| Some((one, one.ratios.as_ref()?))).collect();
     if dependent.is_empty() {
-        return vec![];
+        return Vec::from_iter(free);
     }
-    let unknown = vec![f64::NAN; model.motion_count()];
-    let rows: Vec<Vec<f64>> =
-        dependent.iter().map(|one| one.ratios.clone().unwrap_or_else(|| unknown.clone())).collect();
-    let are_known = dependent.iter().any(|one| one.ratios.is_some());
-    let ratios = if are_known { ratios(model.coordinates.len(), &rows) } else { vec![] };
+    let ratios = ratios(model.coordinates.len(), dependent.iter().map(|(_, row)| *row));
+    let dependent: Vec<&Dependent<'_>> = dependent.into_iter().map(|(one, _)| one).collect();
     let numbers = |name, summary, value: fn(&Dependent<'_>) -> f64| {
-        let values = dependent.iter().map(value).collect();
+        let values = dependent.iter().map(|one| value(one)).collect();
         constant(name, summary, ConstantValue::Numbers(Dimension::Fixed, values))
     };
     let summary = match model.limited_shafts().next() {
@@ -189,24 +189,28 @@ fn dependent(model: &Model) -> Vec<Constant> {
             |one| one.velocity,
         ),
     ];
-    [constant("DEPENDENT_JOINT_NAMES", summary, names)].into_iter().chain(ratios).chain(limits).collect()
+    let names = constant("DEPENDENT_JOINT_NAMES", summary, names);
+    free.into_iter().chain([names]).chain(ratios).chain(limits).collect()
+}
+
+/// The names of all joints that follow others, where some of them have no row because their ratios depend on free parameters.
+fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant> {
+    let followers = &dependent[..model.followers.len()];
+    followers.iter().any(|one| one.ratios.is_none()).then(|| {
+        let summary = "Names of all joints that follow others, in their order. Those whose ratios depend on free parameters have no row in \
+             the constants of dependent joints.";
+        let names = followers.iter().map(|one| one.name);
+        constant("FOLLOWER_NAMES", summary, strings(Dimension::Fixed, names))
+    })
 }
 
 /// Ratios of joints that follow, by the coordinates and, where one follows a driven joint, by the driven joints.
-fn ratios(coordinates: usize, rows: &[Vec<f64>]) -> Vec<Constant> {
+fn ratios<'a>(coordinates: usize, rows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Constant> {
     let (of_coordinates, of_driven): (Vec<_>, Vec<_>) = rows
-        .iter()
         .map(|row| row.split_at(coordinates))
         .map(|(own, driven)| (own.to_vec(), driven.to_vec()))
         .unzip();
-    let are_known = rows.iter().flatten().all(|ratio| !ratio.is_nan());
-    let summary = match are_known {
-        true => "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.",
-        false => {
-            "G in `G y + g₀`, the positions of the joints that follow: a row for each of them, NaN where ratios depend on free \
-             parameters."
-        }
-    };
+    let summary = "G in `G y + g₀`, the positions of the joints that follow: a row for each of them.";
     let value = ConstantValue::Rows(Dimension::Coordinates, of_coordinates);
     let mut constants = vec![constant("DEPENDENT_JOINT_RATIOS", summary, value)];
     if of_driven.iter().flatten().any(|ratio| *ratio != 0.0) {

@@ -18,7 +18,7 @@ pub const QUANTITY: Quantity = Quantity {
         "wrenches",
         &[Dimension::Fixed, Dimension::Fixed],
         "row i = moving joint i: those of the coordinates in their order, then those that follow others \
-         (`DEPENDENT_JOINT_NAMES`); force (N), then moment about the joint's origin (N m), in the joint's frame after \
+         (`FOLLOWER_NAMES` where there are such names, else the first of `DEPENDENT_JOINT_NAMES`); force (N), then moment about the joint's origin (N m), in the joint's frame after \
          its motion: that of the link that it carries, or for a standard DH row the one before d, a and α",
     )],
     notes: &[

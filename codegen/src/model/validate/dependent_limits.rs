@@ -74,7 +74,7 @@ impl<'d> Limited<'d> {
             );
             report.error(limits.span, "limits-exclude", message);
             report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
-        } else if reach[0] < low || reach[1] > high {
+        } else if (reach[0] < low || reach[1] > high) && !is_free(follower) {
             let message = format!(
                 "joint `{}` can leave its limits while the joints that it follows keep theirs",
                 joint.name.value
@@ -104,9 +104,11 @@ impl<'d> Limited<'d> {
     fn warn_of_free_ratios(&self, followers: &[Follower], report: &mut Report) {
         let has_limits =
             |joint: &&JointDescription| joint.limits.position.is_some() || joint.limits.velocity.is_some();
-        let is_free =
-            |follower: &&Follower| follower.follows.iter().any(|term| term.ratio.value(&[]).is_none());
-        let limited = followers.iter().filter(is_free).map(|one| self.joint(one.link)).filter(has_limits);
+        let limited = followers
+            .iter()
+            .filter(|follower| is_free(follower))
+            .map(|one| self.joint(one.link))
+            .filter(has_limits);
         let limited: Vec<_> = limited.collect();
         let Some(first) = limited.first() else { return };
         let spans =
@@ -173,7 +175,7 @@ impl<'d> Limited<'d> {
             ratio.abs() * followed.velocity.as_ref().map_or(f64::INFINITY, |limit| limit.value)
         });
         // A product of two written numbers is rounded.
-        if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) {
+        if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) && !is_free(follower) {
             let message = format!(
                 "joint `{}` can be faster than its limit while the joints that it follows keep theirs",
                 joint.name.value
@@ -182,6 +184,11 @@ impl<'d> Limited<'d> {
             self.say_who_keeps(follower, report);
         }
     }
+}
+
+/// Tells whether a ratio depends on free parameters. A warning of its own says that nothing keeps the limits of such joints.
+fn is_free(follower: &Follower) -> bool {
+    follower.follows.iter().any(|term| term.ratio.value(&[]).is_none())
 }
 
 /// Says that the efforts of joints that follow others limit nothing.

@@ -126,8 +126,7 @@ pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
 )]
 pub trait LimitRows<const NR: usize> {}
 
-/// The constants of a module as joints: none where it lacks the ratios, because all of these depend on free parameters. One whose
-/// ratios are NaN for the same reason has no limits.
+/// The constants of a module as joints.
 ///
 /// - `ratios`, `driven_ratios`: rows behind each other; K rows
 pub const fn dependent_joints<const N: usize, const K: usize>(
@@ -152,14 +151,7 @@ pub const fn dependent_joints<const N: usize, const K: usize>(
         (joint.position, joint.velocity) = (positions[k], velocities[k]);
         let mut i = 0;
         while i < N {
-            let ratio = ratios[k * N + i];
-            if ratio.is_nan() {
-                // Nothing is known of its motion.
-                joint.position = [f64::NEG_INFINITY, f64::INFINITY];
-                joint.velocity = f64::INFINITY;
-            } else {
-                joint.ratios[i] = ratio;
-            }
+            joint.ratios[i] = ratios[k * N + i];
             i += 1;
         }
         let width = driven_ratios.len() / K;
@@ -184,16 +176,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_free_ratio_leaves_the_limits_of_others() {
+    fn sums_with_limits_take_rows() {
         let joints: [DependentJoint<2>; 2] = dependent_joints(
-            &["known", "unknown"],
-            [&[1.0, -1.0, f64::NAN, f64::NAN], &[]],
+            &["sum", "alone"],
+            [&[1.0, -1.0, 0.0, 2.0], &[]],
             &[0.1, 0.2],
             (&[[-1.0, 1.0], [-2.0, 2.0]], &[3.0, 4.0]),
         );
         assert!(joints[0].has_position_limit() && joints[0].has_velocity_limit() && joints[0].is_sum());
-        assert!(!joints[1].has_position_limit() && !joints[1].has_velocity_limit());
-        assert_eq!((joints[1].ratios, joints[1].name), ([0.0; 2], "unknown"));
+        assert_eq!((joints[1].followed_alone(), joints[1].name), (Some(1), "alone"));
         assert_eq!(count_rows(&joints), 2);
     }
 }

@@ -1,6 +1,6 @@
 //! The part of [`dynamics!`](crate::dynamics!) about joints that follow, and about torque–speed lines.
 
-/// The joints that follow, which most modules do not have. Without ratios there are none.
+/// The joints that follow, which most modules do not have.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! dependent_joints_of {
