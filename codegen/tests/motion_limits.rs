@@ -133,6 +133,24 @@ fn a_cylinder_that_alone_moves_a_joint_through_its_dead_centre_is_told() {
     assert!(!said("limits = { position = [-1.5, 1.5] }", "").contains("dead-centre"));
 }
 
+/// Between the distances at which a law is looked at it may have a pole, odd or even; steep laws have none.
+#[test]
+fn a_law_with_a_pole_within_reach_is_refused() {
+    let read = |law: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("robot.toml");
+        fs::write(&file, robot(RANGE, &format!("law = \"{law}\""), "")).unwrap();
+        model::read(&file, &ReadOptions::default()).map(|_| ()).map_err(|said| said.to_string())
+    };
+    for law in ["900/(l - 1.0123)", "-2/pow(l - 1.0123, 2)"] {
+        let said = read(law).unwrap_err();
+        assert!(said.contains("grows beyond all bounds at l = 1.01 m"), "{said}");
+    }
+    for law in ["900/(l - 0.3)", "1e4*tanh(1000*(l - 1.0123))", "3*pow(l, 9) + 40*dl", "40*dl"] {
+        read(law).unwrap();
+    }
+}
+
 /// A spring may stand at its dead centre, as those of lids do, and of two cylinders one moves the joint where the other cannot.
 #[test]
 fn what_something_else_moves_has_no_dead_centre() {
@@ -277,4 +295,28 @@ fn limits_of_motors_and_followers_of_the_models_are_rows() {
             "{name}"
         );
     }
+}
+
+/// Sites and bodies of an MJCF may have the same names: `frame` means the site, and `between`, which takes both, is refused.
+#[test]
+fn a_site_that_is_called_as_another_body_is_no_end_of_a_force() {
+    let body = |name: &str, more: &str| {
+        format!(
+            "<body name=\"{name}\" pos=\"0 0 0.3\"><joint axis=\"0 1 0\"/><geom size=\"0.05\"/>{more}</body>"
+        )
+    };
+    let inner = body("stick", "<site name=\"boom\" pos=\"0.1 0 0.2\"/>");
+    let mjcf = format!("<mujoco><worldbody>{}</worldbody></mujoco>", body("boom", &inner));
+    let read = |more: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("robot.xml"), &mjcf).unwrap();
+        let file = folder.path().join("robot.toml");
+        fs::write(&file, format!("extends = \"robot.xml\"\n{more}")).unwrap();
+        model::read(&file, &ReadOptions::default()).map_err(|said| said.to_string())
+    };
+    let said = read("[[forces]]\nbetween = [\"world\", \"boom\"]\nlaw = \"10*l\"\n").unwrap_err();
+    assert!(said.contains("`boom` is a site on body `stick` and a body, elsewhere"), "{said}");
+    let found = read("[[wrenches]]\nname = \"load\"\nframe = \"boom\"\n").unwrap();
+    let at = &found.model.wrenches[0].at;
+    assert_eq!(found.model.links[at.link].name, "stick");
 }

@@ -4,7 +4,7 @@ use super::super::Follower;
 use super::super::description::{JointDescription, LimitsDescription, RobotDescription};
 use super::super::tree::Tree;
 use crate::diagnostic::Report;
-use crate::wording::{as_written, list};
+use crate::wording::{as_written, list, three_digits};
 
 /// Quotients of written numbers are rounded.
 const ROUNDING: f64 = 1e-12;
@@ -67,8 +67,8 @@ impl<'d> Limited<'d> {
             let message = format!(
                 "joint `{}` moves from {} to {} with the joints that it follows, outside of its limits {} … {}",
                 joint.name.value,
-                as_written(reach[0]),
-                as_written(reach[1]),
+                three_digits(reach[0]),
+                three_digits(reach[1]),
                 as_written(low),
                 as_written(high)
             );

@@ -15,6 +15,12 @@ const SHORTEST: f64 = 1e-9;
 const CONSTANT: f64 = 1e-9;
 /// Rates of a distance at which laws are looked at [m/s], both signs and 0 too.
 const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
+/// A law that is so many times larger between the distances than at any of them has a pole there.
+const POLE: f64 = 1e6;
+/// Steps towards it.
+const THIRDS: u32 = 80;
+const FINITE: &str =
+    "a force law needs a finite value at every distance that the joints' limits allow, standstill included";
 /// Distances at which laws are looked at, both ends included.
 const LENGTHS: i32 = 21;
 
@@ -275,7 +281,12 @@ fn check_law(
             three_digits(rate)
         );
         report.error(law.span, "force-not-finite", message);
-        report.help("a force law needs a finite value at every distance that the joints' limits allow, standstill included");
+        report.help(FINITE);
+    } else if let Some(l) = pole(&lengths, |l| law.value.evaluate(&defaults, l, 0.0).abs()) {
+        let message =
+            format!("the force `{}` grows beyond all bounds at l = {} m", force.name.value, three_digits(l));
+        report.error(law.span, "force-not-finite", message);
+        report.help(FINITE);
     }
     if law.value.calls(Function::Sign) {
         let message = format!("the force `{}` jumps with the sign of its distance's rate", force.name.value);
@@ -284,6 +295,27 @@ fn check_law(
             "the simulation lets joints stick, not distances: write `tanh(100*dl)`, or use `--smooth-sign`",
         );
     }
+}
+
+/// Where magnitudes have a pole between places at which they are finite: a maximum that grows without end as it is approached.
+fn pole(places: &[f64], magnitude: impl Fn(f64) -> f64) -> Option<f64> {
+    let largest = places.iter().fold(0.0_f64, |most, place| most.max(magnitude(*place)));
+    let around =
+        |place: usize| [place.saturating_sub(1), (place + 1).min(places.len() - 1)].map(|at| places[at]);
+    let is_highest =
+        |place: &usize| around(*place).iter().all(|other| magnitude(*other) <= magnitude(places[*place]));
+    let mut highest = (0..places.len()).filter(is_highest).map(|place| maximum(around(place), &magnitude));
+    highest.find(|place| largest > 0.0 && magnitude(*place) > POLE * largest)
+}
+
+/// A place of the largest value between two, by thirds.
+fn maximum([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..THIRDS {
+        let third = (high - low) / 3.0;
+        let [a, b] = [low + third, high - third];
+        if value(a) < value(b) { low = a } else { high = b }
+    }
+    0.5 * (low + high)
 }
 
 /// A cylinder beside a drive on the only joint between its ends is usually a joint whose drive was forgotten.
