@@ -11,3 +11,4 @@ pub mod newton_euler;
 pub mod placement;
 pub mod quaternion;
 pub(super) mod rotor;
+mod shared_ratios;

@@ -16,6 +16,7 @@ use crate::dynamics::recursion::motion::{BodyMotion, MotionInput, spread_of};
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::recursion::quaternion::Passage;
 use crate::dynamics::recursion::rotor::Gyrostat;
+use crate::dynamics::recursion::shared_ratios::SharedRatios;
 use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
@@ -304,13 +305,14 @@ fn gather<'g>(
     // Transverse moments that go to the frame before a run directly, without the bodies between.
     let mut transverse = vec![Vector3::zero(zero); mechanism.bodies.len()];
     let mut branches = vec![Branches::default(); mechanism.bodies.len()];
+    let mut shared = SharedRatios::of(mechanism);
     for index in (0..mechanism.bodies.len()).rev() {
         let (body, placement) = (&mechanism.bodies[index], &placements[index]);
         forces[index] = branches[index].added_to(forces[index]);
         let Force { force, mut moment } = forces[index];
         force.named(&format!("force_{}", body.label()));
         moment.named(&format!("moment_{}", body.label()));
-        body.transmission.add_force(body.axis.force(forces[index]), generalized);
+        shared.add_force(&body.transmission, body.axis.force(forces[index]), generalized);
         let mirrored = mirrored(mechanism, placements, index);
         let length = if mirrored.is_some() { zero } else { placement.extension };
         moment = moment + Vector3([-(length * force[1]), length * force[0], zero]);
@@ -333,4 +335,5 @@ fn gather<'g>(
         forces[parent] =
             Force { force: forces[parent].force + force, moment: forces[parent].moment + moment };
     }
+    shared.finish(generalized);
 }
