@@ -151,6 +151,17 @@ fn a_law_with_a_pole_within_reach_is_refused() {
     }
 }
 
+/// Other programs write the force of a damper with a minus.
+#[test]
+fn a_law_that_feeds_every_motion_is_told() {
+    for (law, is_told) in
+        [("-40*dl", true), ("900*(l - 0.4) - 3*tanh(dl)", true), ("40*dl", false), ("900*l", false)]
+    {
+        let said = loaded(&robot(RANGE, &format!("law = \"{law}\""), "")).notes.to_string();
+        assert_eq!(said.contains("warning[driving-force]"), is_told, "{law}: {said}");
+    }
+}
+
 /// A spring may stand at its dead centre, as those of lids do, and of two cylinders one moves the joint where the other cannot.
 #[test]
 fn what_something_else_moves_has_no_dead_centre() {

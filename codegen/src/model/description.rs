@@ -280,6 +280,8 @@ pub(super) struct DriveDescription {
     pub axis: Option<[f64; 3]>,
     pub coupling: RotorCoupling,
     pub input: Input,
+    /// Where the motor constant is described, or else the motor.
+    pub input_span: Span,
     pub torque: MotorTorque,
     /// Highest speed of the shaft (rad/s).
     pub speed: Option<At<f64>>,

@@ -189,6 +189,7 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         axis: table.get("axis").map(|item| reader.axis(item).unwrap_or([0.0, 0.0, 1.0])),
         coupling: table.get("coupling").map_or(RotorCoupling::Body, |item| coupling(reader, item)),
         input: current.map_or(Input::Torque, Input::Current),
+        input_span: table.get("motor_constant").map_or(table.span, |item| item.span),
         torque: table.get("torque").and_then(|item| torque(reader, item)).unwrap_or_default(),
         speed: table.get("speed").and_then(|item| reader.positive(item)),
         line: torque_speed_line(reader, table),

@@ -114,7 +114,8 @@ impl Reader {
             _ => {
                 let message = format!("`{}` must be finite, not {}", item.key, self.report.text(item.span));
                 self.report.error(item.span, "number-not-finite", message);
-                item.help_by_example(false, &mut self.report);
+                // A number for this key is an entry of a list: those of joints have keys of their own.
+                item.help_by_example(item.key == "limits", &mut self.report);
                 None
             }
         }

@@ -39,6 +39,7 @@ impl Motor {
             axis: None,
             coupling: RotorCoupling::Diagonal,
             input: self.input,
+            input_span: self.span,
             torque: self.torque,
             speed: None,
             line: None,

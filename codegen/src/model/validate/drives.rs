@@ -233,7 +233,7 @@ impl Builder<'_, '_> {
             && !(value(constant).is_finite() && value(constant) != 0.0)
         {
             let message = format!("the motor constant is {}", as_written(value(constant)));
-            self.report.error(motor.gear_ratio.span, "motor-constant", message);
+            self.report.error(motor.input_span, "motor-constant", message);
             self.report.help("newton metres at the motor for each ampere: finite and not 0");
         }
     }

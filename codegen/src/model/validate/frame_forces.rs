@@ -182,12 +182,49 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
         }
         if force.input.is_some() {
             note_drive_beside(force, between, model, report);
+            let changing = distances.changing();
+            if !changing.is_empty() && !changing.iter().any(|link| model.coordinates.contains(link)) {
+                refuse_idle(&force.name, model, report);
+            }
             if has_direction {
                 dead_centres::warn(force, &distances, (robot, model), report);
             }
         }
     }
+    for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
+        if let ForceEffect::Wrench { at, .. } = &found.effect
+            && !is_moved(at.link, model)
+        {
+            refuse_idle(&input.name, model, report);
+        }
+    }
     refuse_load(robot, model, report);
+}
+
+/// Number of inputs that pull frames together, which stand before the others.
+fn pulls(model: &Model) -> usize {
+    model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
+}
+
+/// Tells whether a coordinate moves a link, by a joint of its own or by one that follows.
+fn is_moved(link: usize, model: &Model) -> bool {
+    let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
+    let follows = |link: usize| {
+        let mut followers = model.followers.iter().filter(|follower| follower.link == link);
+        followers.any(|one| one.follows.iter().any(|term| term.coordinate < model.coordinates.len()))
+    };
+    std::iter::successors(Some(link), parent).any(|link| model.coordinates.contains(&link) || follows(link))
+}
+
+/// An input whose column of B is zero: only joints whose motion is prescribed give way to it.
+fn refuse_idle(name: &Name, model: &Model, report: &mut Report) {
+    let driven: Vec<&str> = model.driven_joints().map(|joint| joint.name.as_str()).collect();
+    let driven = list(driven.into_iter());
+    let message = format!("input `{}` moves nothing: it acts on driven joints alone, {driven}", name.value);
+    report.error(name.span, "input-moves-nothing", message);
+    report.help(
+        "no input changes the motion of a driven joint: leave the input out, or let the joint move freely",
+    );
 }
 
 /// The frames of a force.
@@ -288,12 +325,32 @@ fn check_law(
         report.error(law.span, "force-not-finite", message);
         report.help(FINITE);
     }
+    warn_of_drive(force, law, &lengths, &defaults, report);
     if law.value.calls(Function::Sign) {
         let message = format!("the force `{}` jumps with the sign of its distance's rate", force.name.value);
         report.note(Some(law.span), "dry-force", message);
         report.help(
             "the simulation lets joints stick, not distances: write `tanh(100*dl)`, or use `--smooth-sign`",
         );
+    }
+}
+
+/// Warns where the part of a law that depends on the rate feeds every motion: a damper with the sign of other conventions.
+fn warn_of_drive(
+    force: &PointForceDescription,
+    law: &At<Formula>,
+    lengths: &[f64],
+    defaults: &[f64],
+    report: &mut Report,
+) {
+    let at = |l: f64, rate: f64| law.value.evaluate(defaults, l, rate);
+    let rates = RATES.iter().flat_map(|rate| [*rate, -rate]);
+    let mut taken = rates.flat_map(|rate| lengths.iter().map(move |l| (at(*l, rate) - at(*l, 0.0)) * rate));
+    if taken.all(|power| power < 0.0) {
+        let message =
+            format!("the force `{}` drives its ends at every rate: it is no damper", force.name.value);
+        report.warning(law.span, "driving-force", message);
+        report.help("positive pulls together, so that a damper is `40*dl` and not `-40*dl`");
     }
 }
 

@@ -1,7 +1,9 @@
 //! Distinct names, and the identifiers that stand for them in generated code.
 
 use super::super::JointKind;
-use super::super::description::{DriveChoice, JointDescription, Name, RobotDescription};
+use super::super::description::{
+    DriveChoice, JointDescription, Name, PointForceDescription, RobotDescription,
+};
 use super::super::name::identifier;
 use crate::diagnostic::Report;
 use crate::wording::listed;
@@ -44,6 +46,17 @@ impl Identifiers {
         if report.error_count() == before {
             report_duplicates(driven.iter().copied().chain(at_frames), "inputs", report);
         }
+        // Springs without a name may stand between the same frames.
+        let is_named = |force: &&PointForceDescription| {
+            let [a, b] = force.between.each_ref().map(|name| &name.value);
+            let own = &force.name.value;
+            *own != format!("{a} – {b}") && force.input.as_ref().is_none_or(|input| input.name.value != *own)
+        };
+        report_duplicates(
+            robot.point_forces.iter().filter(is_named).map(|force| &force.name),
+            "forces",
+            report,
+        );
         report_duplicates(robot.wrenches.iter().map(|wrench| &wrench.name), "wrenches", report);
         report_duplicates(frames.iter().copied(), "frames", report);
         let mut of_drives = distinct(&driven).into_iter();
