@@ -18,7 +18,9 @@ const HALF_TURN: f64 = core::f64::consts::PI - 1e-6;
 ///     y(t) = y_k ⊕ β₁(s) d₁ ⊕ β₂(s) d₂ ⊕ β₃(s) d₃,    s = (t − t_k)/T_k,    d₁ = 2 v_k T_k/5,    d₃ = 2 v_{k+1} T_k/5
 /// ```
 ///
-/// with sums β of Bernstein polynomials of degree 5 that go from 0 to 1, and d₂ such that it ends in y_{k+1}.
+/// with sums β of Bernstein polynomials of degree 5 that go from 0 to 1, and d₂ such that it ends in y_{k+1}. Where samples have
+/// accelerations a_k ([`Self::sampled`]), `⊕ T_k² γ(s) a_k` behind the first way and `⊕ T_k² γ(1 − s) a_{k+1}` behind the last
+/// one give them to its ends, with γ(s) = s² (1 − s)³/2.
 /// Velocities v and accelerations v̇ are the exact derivatives along ⊕. Coordinates of joints without quaternions
 /// follow polynomials of degree 5. Two points make a motion from rest to rest along a geodesic,
 /// `y_0 ⊕ β₂ (y_1 ⊖ y_0)`: a screw for a floating joint.
@@ -38,6 +40,8 @@ struct Piece<const N: usize, const NY: usize> {
     length: f64,
     start: [f64; NY],
     ways: [[f64; N]; 3],
+    /// T² times the accelerations at both ends.
+    bends: Option<[[f64; N]; 2]>,
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> GeodesicMotion<D, N, M, NY> {
@@ -67,15 +71,50 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         check_turns(&robot, &ways)?;
         let lengths: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let velocities = velocities(&ways, &lengths);
+        Self::of_pieces(robot, (&times, &positions, &velocities), &|_| None)
+    }
+
+    /// Through samples with their velocities and accelerations, a period T (s) apart: it has these at the samples. Between
+    /// them it is the polynomial of degree 5 where all turns are about one axis; the order of others changes accelerations by
+    /// a part of T |ω × ω̇|.
+    ///
+    /// # Errors
+    /// As [`Self::through`].
+    pub fn sampled(robot: D, samples: &[Sample<N, NY>], period: f64) -> Result<Self, TrajectoryError> {
+        let points: Vec<(f64, [f64; NY])> =
+            samples.iter().enumerate().map(|(k, sample)| (k as f64 * period, sample.positions)).collect();
+        let (times, positions) = checked(&robot, &points)?;
+        if let Some(k) = samples.iter().position(|sample| !sample.is_finite()) {
+            return Err(TrajectoryError::NotFinite { what: format!("sample {}", k + 1), value: f64::NAN });
+        }
+        let ways: Vec<[f64; N]> =
+            positions.windows(2).map(|pair| robot.difference(&pair[0], &pair[1])).collect();
+        check_turns(&robot, &ways)?;
+        let velocities: Vec<[f64; N]> = samples.iter().map(|sample| sample.velocities).collect();
+        let bend = |k: usize| samples[k].accelerations.map(|a| period * period * a);
+        Self::of_pieces(robot, (&times, &positions, &velocities), &|k| Some([bend(k), bend(k + 1)]))
+    }
+
+    /// The robot that it was made for.
+    pub(super) fn into_robot(self) -> D {
+        self.robot
+    }
+
+    fn of_pieces(
+        robot: D,
+        (times, positions, velocities): (&[f64], &[[f64; NY]], &[[f64; N]]),
+        bends: &dyn Fn(usize) -> Option<[[f64; N]; 2]>,
+    ) -> Result<Self, TrajectoryError> {
         let piece = |k: usize| {
-            let [first, last] = [velocities[k], velocities[k + 1]].map(|v| v.map(|v| 0.4 * v * lengths[k]));
+            let length = times[k + 1] - times[k];
+            let [first, last] = [velocities[k], velocities[k + 1]].map(|v| v.map(|v| 0.4 * v * length));
             // The middle way leads from where the first ends to where the last begins.
             let from = robot.integrate(&positions[k], &first);
             let to = robot.integrate(&positions[k + 1], &last.map(|d| -d));
             let ways = [first, robot.difference(&from, &to), last];
-            Piece { begin: times[k], length: lengths[k], start: positions[k], ways }
+            Piece { begin: times[k], length, start: positions[k], ways, bends: bends(k) }
         };
-        let pieces: Vec<Piece<N, NY>> = (0..lengths.len()).map(piece).collect();
+        let pieces: Vec<Piece<N, NY>> = (0..times.len() - 1).map(piece).collect();
         let middles: Vec<[f64; N]> = pieces.iter().map(|piece| piece.ways[1]).collect();
         check_turns(&robot, &middles)?;
         let duration = times.iter().copied().fold(0.0, f64::max);
@@ -85,10 +124,18 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
 
     fn inside(&self, piece: &Piece<N, NY>, t: f64) -> Sample<N, NY> {
         let mut sample = Sample::at_rest(piece.start);
-        for (way, [value, rate, change]) in piece.ways.iter().zip(blends((t - piece.begin) / piece.length)) {
+        let s = (t - piece.begin) / piece.length;
+        let mut add = |way: &[f64; N], [value, rate, change]: [f64; 3]| {
             let (rate, change) = (rate / piece.length, change / (piece.length * piece.length));
             self.add(&mut sample, way, [value, rate, change]);
-        }
+        };
+        let [first, middle, last] = blends(s);
+        add(&piece.ways[0], first);
+        piece.bends.iter().for_each(|[bend, _]| add(bend, bump(s)));
+        add(&piece.ways[1], middle);
+        add(&piece.ways[2], last);
+        let [value, rate, change] = bump(1.0 - s);
+        piece.bends.iter().for_each(|[_, bend]| add(bend, [value, -rate, change]));
         sample
     }
 
@@ -120,6 +167,14 @@ fn blends(s: f64) -> [[f64; 3]; 3] {
     let last = [1.0 - value, rate, -change];
     let middle = [s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * r * r, 60.0 * s * r * (r - s)];
     [outer(s, r), middle, last]
+}
+
+/// γ(s) = s² (1 − s)³/2 with its first and second derivatives: 0, but for a second derivative of 1 at 0.
+fn bump(s: f64) -> [f64; 3] {
+    let r = 1.0 - s;
+    let value = 0.5 * s * s * r * r * r;
+    let rate = 0.5 * s * r * r * (2.0 - 5.0 * s);
+    [value, rate, r * (1.0 - 8.0 * s + 10.0 * s * s)]
 }
 
 type Points<const NY: usize> = (Vec<f64>, Vec<[f64; NY]>);

@@ -34,7 +34,7 @@ pub use recording::{Columns, Inconsistency, Recording};
 pub use sampled::Sampled;
 pub use sine::{IdentificationMotion, IdentificationSine};
 #[cfg(feature = "std")]
-pub use smoothing::{Smoothed, Smoothing};
+pub use smoothing::{Smoothed, SmoothedPoses, Smoothing};
 pub use via_points::ViaPoints;
 
 use crate::dynamics::{AttitudeError, DependentJoint, Limits, Named};

@@ -211,7 +211,8 @@ impl<const N: usize> Recording<N> {
 
     /// The motion of a robot with quaternions through all recorded positions, the columns being its NY position entries
     /// in their order, quaternions as x, y, z, w. It begins and ends at rest; velocities between follow from the
-    /// neighbouring positions, see [`GeodesicMotion::through`], and recorded ones are not used.
+    /// neighbouring positions, see [`GeodesicMotion::through`], and recorded ones are not used. Accelerations are 0 at the
+    /// samples: a recording that is followed with its accelerations is [`Self::smoothed_poses`].
     ///
     /// # Errors
     /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length, with its sample as the point;

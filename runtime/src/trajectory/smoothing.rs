@@ -1,7 +1,8 @@
 //! A smooth motion through samples that contradict each other.
 
 use super::polynomial::Quintic;
-use super::{Recording, Sample, Sampled, TrajectoryError};
+use super::{GeodesicMotion, Recording, Sample, Sampled, TrajectoryError};
+use crate::dynamics::Dynamics;
 use nalgebra::{Matrix3, Vector3};
 
 /// How [`Recording::smoothed`] weighs samples and smoothness.
@@ -32,6 +33,15 @@ pub struct Smoothed<const N: usize> {
     pub position_deviation: [f64; N],
     /// Largest distance from a recorded velocity [rad/s or m/s]; 0 where there are none.
     pub velocity_deviation: [f64; N],
+}
+
+/// A smoothed recording of a robot with quaternions, and how far it went from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SmoothedPoses<D, const N: usize, const M: usize, const NY: usize> {
+    /// The motion, from rest to rest.
+    pub trajectory: GeodesicMotion<D, N, M, NY>,
+    /// Largest distance `y ⊖ p` from a recorded position [rad or m], for each velocity.
+    pub position_deviation: [f64; N],
 }
 
 /// Most periods of the time constant: beyond, rounding shows in the solution.
@@ -105,6 +115,45 @@ impl<const N: usize> Recording<N> {
             trajectory: Sampled::new(samples, self.period())?,
             position_deviation,
             velocity_deviation,
+        })
+    }
+
+    /// The smoothed motion of a robot with quaternions, the columns being its NY position entries in their order, quaternions
+    /// as x, y, z, w.
+    ///
+    /// It is [`Self::smoothed`] of the ways: the sums of the steps `y_k ⊖ y_{k−1}` from sample to sample, in the bodies' own
+    /// frames, which know neither the signs of quaternions nor whole turns. Their first and second derivatives are the
+    /// velocities v and accelerations v̇. A smoothed pose is the recorded one, moved by how far the smoothed way is from the
+    /// recorded way: the order of two such small motions matters to the second order in what is smoothed away. Recorded velocities are not used.
+    ///
+    /// # Errors
+    /// As [`Self::through_poses`] and [`Self::smoothed`].
+    pub fn smoothed_poses<D: Dynamics<V, M, N>, const V: usize, const M: usize>(
+        &self,
+        robot: D,
+        smoothing: &Smoothing,
+    ) -> Result<SmoothedPoses<D, V, M, N>, TrajectoryError> {
+        let mut ways = vec![[0.0; V]];
+        for (k, pair) in self.positions().windows(2).enumerate() {
+            let step = robot.difference(&pair[0], &pair[1]);
+            ways.push(core::array::from_fn(|i| ways[k][i] + step[i]));
+        }
+        // What is no attitude is told here, before its ways are looked at.
+        let robot = self.through_poses(robot)?.into_robot();
+        let smoothed = Recording::new(self.period(), ways.clone(), None)?.smoothed(smoothing)?;
+        let moved = |(k, sample): (usize, &Sample<V>)| {
+            let left = core::array::from_fn(|i| sample.positions[i] - ways[k][i]);
+            Sample {
+                positions: robot.integrate(&self.positions()[k], &left),
+                velocities: sample.velocities,
+                accelerations: sample.accelerations,
+            }
+        };
+        let samples: Vec<Sample<V, N>> =
+            smoothed.trajectory.samples().iter().enumerate().map(moved).collect();
+        Ok(SmoothedPoses {
+            trajectory: GeodesicMotion::sampled(robot, &samples, self.period())?,
+            position_deviation: smoothed.position_deviation,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use crate::Quadrotor;
 use gelenk_runtime::dynamics::Dynamics;
-use gelenk_runtime::trajectory::{Columns, GeodesicMotion, Recording, Trajectory};
+use gelenk_runtime::trajectory::{Columns, GeodesicMotion, Recording, Sample, Smoothing, Trajectory};
 
 type Motion = GeodesicMotion<Quadrotor, 6, 4, 7>;
 
@@ -131,4 +131,80 @@ fn recordings_of_poses_become_motions() {
         &COLUMNS,
     );
     assert!(nan.unwrap_err().to_string().contains("NaN"));
+}
+
+/// Samples of a motion that has velocities and accelerations give it back; between them accelerations are off to the first
+/// order in the period, where turns about different axes follow each other.
+#[test]
+fn samples_with_accelerations_become_their_motion() {
+    let motion = Motion::through(Quadrotor, &points()).unwrap();
+    let errors = [(0.02, 30_u32), (0.01, 60)].map(|(period, count)| {
+        let samples: Vec<Sample<6, 7>> =
+            (0..=count).map(|k| motion.sample(0.1 + f64::from(k) * period)).collect();
+        let sampled = Motion::sampled(Quadrotor, &samples, period).unwrap();
+        for (k, sample) in samples.iter().enumerate().take(count as usize) {
+            let at = sampled.sample(k as f64 * period);
+            let way = Quadrotor.difference(&sample.positions, &at.positions);
+            assert!(distance(&way, &[0.0; 6]) < 1e-13, "{way:?}");
+            assert!(distance(&at.velocities, &sample.velocities) < 1e-9, "{at:?} {sample:?}");
+            assert!(distance(&at.accelerations, &sample.accelerations) < 1e-7, "{at:?} {sample:?}");
+        }
+        let between = (0..count).map(|k| {
+            let t = (f64::from(k) + 0.4) * period;
+            let [at, other] = [sampled.sample(t), motion.sample(0.1 + t)];
+            distance(&at.accelerations, &other.accelerations)
+        });
+        between.fold(0.0, f64::max)
+    });
+    println!("accelerations between the samples: {errors:?}");
+    assert!(errors[0] < 3e-2 && errors[1] < 0.6 * errors[0], "{errors:?}");
+}
+
+/// A recording with noise: the filtered motion is nearer to the true one, in poses, velocities and accelerations.
+#[test]
+fn recordings_with_noise_are_smoothed_along_the_poses() {
+    const PERIOD: f64 = 0.01;
+    let motion = Motion::through(Quadrotor, &points()).unwrap();
+    let count = (motion.duration() / PERIOD) as usize;
+    let mut state = 1_u64;
+    let mut noise = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        1e-3 * ((state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    };
+    let truth: Vec<Sample<6, 7>> = (0..=count).map(|k| motion.sample(k as f64 * PERIOD)).collect();
+    let measured: Vec<[f64; 7]> = truth
+        .iter()
+        .enumerate()
+        .map(|(k, sample)| {
+            // The first pose is where a smoothed motion begins.
+            let way = core::array::from_fn(|_| if k == 0 { 0.0 } else { noise() });
+            let pose = Quadrotor.integrate(&sample.positions, &way);
+            // Both signs are one attitude.
+            let sign = if noise() > 0.0 { 1.0 } else { -1.0 };
+            core::array::from_fn(|i| if i < 3 { pose[i] } else { sign * pose[i] })
+        })
+        .collect();
+    let recording = Recording::<7>::new(PERIOD, measured.clone(), None).unwrap();
+    let smoothing = Smoothing { time_constant: 0.02, correction_time: 0.5 };
+    let smoothed = recording.smoothed_poses(Quadrotor, &smoothing).unwrap();
+    let raw = recording.through_poses(Quadrotor).unwrap();
+    let root = |of: &dyn Fn(usize) -> [f64; 6]| {
+        let squares: f64 = (20..count - 20).flat_map(of).map(|x| x * x).sum();
+        (squares / (6 * (count - 40)) as f64).sqrt()
+    };
+    let at = |k: usize| smoothed.trajectory.sample(k as f64 * PERIOD);
+    let pose = root(&|k| Quadrotor.difference(&truth[k].positions, &at(k).positions));
+    let noise = root(&|k| Quadrotor.difference(&truth[k].positions, &measured[k]));
+    let minus = |a: [f64; 6], b: [f64; 6]| core::array::from_fn(|i| a[i] - b[i]);
+    let velocity = root(&|k| minus(at(k).velocities, truth[k].velocities));
+    let own = root(&|k| minus(raw.sample(k as f64 * PERIOD).velocities, truth[k].velocities));
+    let acceleration = root(&|k| minus(at(k).accelerations, truth[k].accelerations));
+    let size = root(&|k| truth[k].accelerations);
+    println!(
+        "poses {pose:.1e} of {noise:.1e}, velocities {velocity:.1e} of {own:.1e}, accelerations {acceleration:.2} of {size:.2}"
+    );
+    assert!(pose < 0.6 * noise && velocity < 0.3 * own && acceleration < 0.3 * size);
+    assert!(smoothed.position_deviation.iter().all(|d| *d < 4e-3), "{:?}", smoothed.position_deviation);
+    let refused = recorded("0,0,0,0").smoothed_poses(Quadrotor, &Smoothing::of(0.1)).unwrap_err().to_string();
+    assert!(refused.starts_with("point 3: the quaternion of joint base"), "{refused}");
 }
