@@ -32,14 +32,14 @@ def test_generate_and_report_return_what_they_wrote(arm_file: Path, tmp_path: Pa
 # Switches that are functions of their own or belong to others, and those of the command line alone.
 ALONE = {"format", "help"}
 OF_PLANS = {"seconds", "rate", "acceleration", "position_share", "speed_share", "effort_share", "harmonics", "seed",
-            "start"}
+            "start", "turn"}
 OF_ANOTHER_FUNCTION = {
     "generate": set(),
     "load": {"output", "language", "for", "self_test", "control_model"},
     "report": set(),
     "identify": {"plan", "reduce", *OF_PLANS},
     "plan": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
-             "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", "base"},
+             "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor"},
     "reduce": {"plan", "reduce", "merge", "report", "validate", "payload", "payload_on", "load_friction", "friction",
                "accept_poor", *OF_PLANS},
     "merge": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",

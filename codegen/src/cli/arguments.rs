@@ -326,6 +326,9 @@ pub(super) struct Identify {
     /// Share of the described range of positions that the plan uses, about its middle
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.9)]
     pub(super) position_share: f64,
+    /// Largest turn of spherical and floating joints from where they stand at 0, below π; --position-share of it is used
+    #[arg(long, value_name = "RAD", requires = "plan", value_parser = positive, default_value_t = 1.0)]
+    pub(super) turn: f64,
     /// Share of the described speeds that the plan uses
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.7)]
     pub(super) speed_share: f64,

@@ -185,7 +185,10 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
     let text = log(HEADERS[0], &flight(3.0, 3));
     let cases: [(&[&str], &str); 2] = [
         (&["--gravity-compensated"], "gravity is not compensated where a joint is floating"),
-        (&["--plan"], "joint base: no motion is planned where a joint is floating"),
+        (
+            &["--plan"],
+            "joint base: no motion is planned where a floating joint is moved by its inputs in 4 of its 6 directions",
+        ),
     ];
     for (more, words) in cases {
         fs::write(folder.path().join("log.csv"), &text).unwrap();
@@ -197,22 +200,5 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
         let output = command.args(more).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && said.contains(words), "{words}\n{said}");
-    }
-}
-
-/// Each of its velocities has a drive, so that nothing but the quaternion stands against a plan.
-#[test]
-fn a_plan_for_a_driven_ball_joint_is_refused_with_a_remedy() {
-    const BALL: &str = "[[joints]]\nname = \"hip\"\ntype = \"spherical\"\ndrive = \"ideal\"\n\
-        [[bodies]]\nlink = \"hip\"\nmass = 1\ninertia = 0.1\n";
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("ball.toml"), BALL).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
-    let output =
-        command.current_dir(folder.path()).args(["identify", "--plan", "ball.toml"]).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    for words in ["joint hip: no motion is planned where a joint is spherical", "describe it as fixed"] {
-        assert!(said.contains(words), "{said}");
     }
 }

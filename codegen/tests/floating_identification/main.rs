@@ -4,6 +4,7 @@
 
 mod logs;
 mod moments;
+mod planned;
 mod quadrotor;
 mod quadruped;
 mod satellite;

@@ -20,7 +20,7 @@ use crate::{Noise, models, robot};
 const DESCRIPTION: &[&[u8]] = &[b"robot"];
 
 /// A pendulum on a ball joint with a drive for each of its velocities, as described and as it is.
-const BALL: &str = "name = \"ball\"\n[[joints]]\nname = \"hip\"\ntype = \"spherical\"\ndrive = \"ideal\"\n[[bodies]]\nlink = \"hip\"\n";
+pub const BALL: &str = "name = \"ball\"\n[[joints]]\nname = \"hip\"\ntype = \"spherical\"\ndrive = \"ideal\"\n[[bodies]]\nlink = \"hip\"\n";
 const DESCRIBED: &str = "mass = 1\ncenter_of_mass = [0, 0, -0.2]\ninertia = [0.05, 0.05, 0.02]\n";
 const TRUE: &str = "mass = 1.4\ncenter_of_mass = [0.02, -0.01, -0.25]\ninertia = [0.09, 0.06, 0.03]\n";
 
@@ -58,7 +58,7 @@ fn pendulum(truth: &InterpretedRobot, seconds: f64, seed: u64) -> String {
     text
 }
 
-fn ball(folder: &Path) -> [InterpretedRobot; 2] {
+pub fn ball(folder: &Path) -> [InterpretedRobot; 2] {
     [("described.toml", DESCRIBED), ("true.toml", TRUE)].map(|(name, body)| {
         fs::write(folder.join(name), format!("{BALL}{body}")).unwrap();
         robot(&folder.join(name))

@@ -71,6 +71,22 @@ pub(crate) fn plain_positions(joints: &[QuaternionJoint], n: usize) -> Vec<Optio
     (0..n).map(|i| (!rows[i]).then(|| i + before(i))).collect()
 }
 
+/// Names of the position entries, as a generated module's `POSITION_NAMES`.
+///
+/// - `names`: of the velocities
+pub(crate) fn position_names(joints: &[QuaternionJoint], names: &[String]) -> Vec<String> {
+    let mut all = vec![String::new(); names.len() + joints.len()];
+    for (entry, name) in plain_positions(joints, names.len()).into_iter().zip(names) {
+        entry.iter().for_each(|entry| all[*entry].clone_from(name));
+    }
+    for joint in joints {
+        let letters = ["x", "y", "z"].into_iter().take(joint.quaternion()).chain(["qx", "qy", "qz", "qw"]);
+        let places = all[joint.positions()].iter_mut().zip(letters);
+        places.for_each(|(place, letter)| *place = format!("{}_{letter}", joint.name));
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

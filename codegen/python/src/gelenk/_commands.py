@@ -151,6 +151,7 @@ def plan(
     rate: float | None = None,
     acceleration: float | None = None,
     position_share: float | None = None,
+    turn: float | None = None,
     speed_share: float | None = None,
     effort_share: float | None = None,
     harmonics: int | None = None,
@@ -160,15 +161,16 @@ def plan(
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
+    base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
 ) -> Path:
     """Plans a motion that shows the parameters, as `gelenk identify --plan` does; the CSV file."""
     options = {
         "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration, "position_share": position_share,
-        "speed_share": speed_share, "effort_share": effort_share, "harmonics": harmonics, "start": start,
+        "turn": turn, "speed_share": speed_share, "effort_share": effort_share, "harmonics": harmonics, "start": start,
         "seed": seed, "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
     found = _program.run(["identify", "--plan", description, *_program.switches(options)])
     return Path(found["file"])

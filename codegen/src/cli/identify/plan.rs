@@ -38,14 +38,15 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         velocity_share: arguments.speed_share,
         effort_share: arguments.effort_share,
         acceleration: arguments.acceleration,
+        turn: arguments.turn,
         start: arguments.start.as_deref().map(|text| posture(text, &robot.joint_names())).transpose()?,
         ..default
     };
     let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("plan.csv"));
-    require_plan_or_nothing(&path, &Plan::header(&robot.joint_names()))?;
+    require_plan_or_nothing(&path, &Plan::header(&robot))?;
     place::require_writable(&path, loaded.files.iter())?;
     let found = plan(&robot, &settings, &mut say)?;
-    let text = found.csv(&robot.joint_names(), 1.0 / arguments.rate, 1);
+    let text = found.csv(&robot, 1.0 / arguments.rate, 1);
     write_whole(&path, text).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))?;
     match format {
         Format::Json => print::json(&as_json(&found, &robot, &path)),
@@ -85,7 +86,13 @@ fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
     let [start, ..] = plan.motion.instant(0.0);
     let joints = robot.joint_names();
     let listed = joints.iter().zip(&start).map(|(name, y)| format!("{name}={y:.4}"));
-    let listed = listed.collect::<Vec<_>>().join(",");
+    let turns = match robot.quaternion_joints().is_empty() {
+        true => "",
+        false => {
+            " (of a joint with a quaternion: the place of its origin where it slides, and the rotation vector)"
+        }
+    };
+    let listed = format!("{}{turns}", listed.collect::<Vec<_>>().join(","));
     match &plan.approach {
         Some(approach) => format!(
             "the first {:.2} s lead on a straight way of the joints from the given start to where the motion begins: {listed}\n",

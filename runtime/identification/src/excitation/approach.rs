@@ -3,6 +3,8 @@
 use super::super::error::{IdentificationError, Result, require_length};
 use super::super::robot::{Instant, Robot, narrowed_limits};
 use super::ExcitationLimits;
+use super::chart::Chart;
+use std::f64::consts::PI;
 
 /// Largest speed and acceleration of the way from 0 to 1 in one second.
 const PEAKS: [f64; 2] = [1.875, 5.773_502_691_896_258];
@@ -15,7 +17,7 @@ const ROUNDING: f64 = 1e-6;
 /// motion with the least jerk (Flash and Hogan 1985). All joints move together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Approach {
-    /// Posture that it begins in [rad or m], by joint.
+    /// Posture that it begins in [rad or m], by joint; of a joint with a quaternion the place and the rotation vector.
     pub from: Vec<f64>,
     /// Posture that it leads to.
     pub to: Vec<f64>,
@@ -25,13 +27,18 @@ pub struct Approach {
 
 impl Approach {
     /// The fastest way within the limits.
-    pub(super) fn new(from: &[f64], to: &[f64], limits: &[ExcitationLimits]) -> Self {
+    pub(super) fn new(from: &[f64], to: &[f64], (chart, limits): (&Chart, &[ExcitationLimits])) -> Self {
         let seconds = |((from, to), limit): ((&f64, &f64), &ExcitationLimits)| {
             let way = (to - from).abs();
             (PEAKS[0] * way / limit.velocity).max((PEAKS[1] * way / limit.acceleration).sqrt())
         };
         let seconds = from.iter().zip(to).zip(limits).map(seconds).fold(0.0, f64::max);
-        Self { from: from.to_vec(), to: to.to_vec(), seconds }
+        let mut approach = Self { from: from.to_vec(), to: to.to_vec(), seconds };
+        // Bodies may turn faster than their rotation vectors change. In f times the time velocities are 1/f of what they were,
+        // and accelerations 1/f².
+        let excess = chart.largest_excess(&chart.instants(&approach.instants()), limits);
+        approach.seconds *= excess.max(1.0);
+        approach
     }
 
     /// y, ẏ, ÿ at a share τ of the way that takes `seconds`.
@@ -67,10 +74,22 @@ impl Approach {
 /// Refuses a posture that is not one of the robot.
 ///
 /// # Errors
-/// Another number of joints, and a joint, or one that follows others, beyond its described limits.
-pub(super) fn require_posture(robot: &dyn Robot, start: &[f64]) -> Result<()> {
+/// Another number of joints, a turn of π or more, and a joint, or one that follows others, beyond its described limits.
+pub(super) fn require_posture(robot: &dyn Robot, chart: &Chart, start: &[f64]) -> Result<()> {
     let names = robot.joint_names();
     require_length("positions of the start", names.len(), start.len())?;
+    for (name, rows) in chart.rotations() {
+        let turn = start[rows].iter().map(|x| x * x).sum::<f64>().sqrt();
+        // Written so that NaN is refused.
+        let is_turn = turn < PI;
+        if !is_turn {
+            return Err(IdentificationError::Setting {
+                name: format!("turn of the start of joint {name}"),
+                value: turn,
+                requirement: "the length of its rotation vector must lie below π".into(),
+            });
+        }
+    }
     let own = narrowed_limits(robot).into_iter().zip(names).zip(start);
     let own = own.map(|((limits, name), y)| (name, limits.position, *y));
     let followers = robot.followers().into_iter();
@@ -102,8 +121,9 @@ mod tests {
             velocity,
             acceleration,
         };
+        let chart = Chart::plain(2);
         for limits in [[limits(1.0, 9.0), limits(0.5, 2.0)], [limits(2.0, 1.0), limits(9.0, 9.0)]] {
-            let approach = Approach::new(&[0.5, -1.0], &[-0.7, 0.2], &limits);
+            let approach = Approach::new(&[0.5, -1.0], &[-0.7, 0.2], (&chart, &limits));
             let rows = approach.rows(0.001);
             let mut shares: Vec<f64> = Vec::new();
             for (joint, limit) in limits.iter().enumerate() {
@@ -120,6 +140,7 @@ mod tests {
             let most = shares.into_iter().fold(0.0, f64::max);
             assert!((0.99..1.0 + 1e-9).contains(&most), "{most}");
         }
-        assert!(Approach::new(&[0.5], &[0.5], &[limits(1.0, 1.0)]).rows(0.01).is_empty());
+        let still = Approach::new(&[0.5], &[0.5], (&chart, &[limits(1.0, 1.0)]));
+        assert!(still.rows(0.01).is_empty());
     }
 }

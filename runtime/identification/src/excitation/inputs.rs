@@ -1,7 +1,9 @@
 //! Inputs that act at frames, as cylinders do: what a planned motion asks of them.
 
+use super::chart::Chart;
 use super::{ExcitationLimits, Instant};
 use crate::error::{IdentificationError, Result};
+use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 
@@ -107,20 +109,22 @@ pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
 
 /// Keeps joints to one side of the dead centre of their cylinder, where its lever is at least a part of its longest one; says of
 /// which joints.
-pub(super) fn keep_sides(robot: &dyn Robot, limits: &mut [ExcitationLimits]) -> Vec<String> {
+pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [ExcitationLimits]) -> Vec<String> {
     if !robot.has_inputs_at_frames() {
         return Vec::new();
     }
+    let (turns, rest) = (chart.turns(), vec![0.0; limits.len()]);
     let (joints, inputs) = (robot.joint_names(), robot.input_names());
     let middle: Vec<f64> = limits.iter().map(|limit| 0.5 * (limit.position[0] + limit.position[1])).collect();
     let mut notes = Vec::new();
-    for (joint, limit) in limits.iter_mut().enumerate() {
+    for (joint, limit) in limits.iter_mut().enumerate().filter(|(joint, _)| !turns[*joint]) {
         let [low, high] = limit.position;
         let places = (0..=PLACES).map(|k| low + (high - low) * f64::from(k) / f64::from(PLACES));
         let places: Vec<f64> = places.collect();
         let rows = places.iter().map(|place| {
-            let mut y = middle.clone();
-            y[joint] = *place;
+            let mut coordinates = middle.clone();
+            coordinates[joint] = *place;
+            let [y, ..] = chart.instant(&[coordinates, rest.clone(), rest.clone()]);
             input_matrix(robot, &y).row(joint).iter().copied().collect::<Vec<f64>>()
         });
         let rows: Vec<Vec<f64>> = rows.collect();
@@ -154,18 +158,51 @@ fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
     found.filter(|[first, last]| has_both && last > first)
 }
 
-/// Fails with the first joint that no input moves, at any of these states.
+/// Fails with the first joint that no input moves, at any of these states, and with the first joint with a quaternion that the
+/// inputs do not move in all directions by themselves: a planned motion would need forces that nothing has.
 pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()> {
     let count = robot.input_names().len();
     let matrices: Vec<DMatrix<f64>> = match robot.has_inputs_at_frames() {
         true => states.iter().map(|[y, ..]| input_matrix(robot, y)).collect(),
         false => vec![DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())],
     };
+    robot.quaternion_joints().iter().try_for_each(|joint| require_all_directions(joint, &matrices))?;
     let is_moved = |joint: usize| matrices.iter().any(|matrix| matrix.row(joint).iter().any(|b| *b != 0.0));
     match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
         Some((_, joint)) => Err(IdentificationError::NotDriven { joint }),
         None => Ok(()),
     }
+}
+
+/// Inputs that move a joint with a quaternion in all of its directions.
+fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) -> Result<()> {
+    let rows = joint.velocities();
+    let directions = |matrix: &DMatrix<f64>| {
+        if matrix.is_empty() {
+            return 0;
+        }
+        let values = matrix.rows(rows.start, rows.len()).into_owned().singular_values();
+        let least = SINGULAR * values.max();
+        values.iter().filter(|value| **value > least).count()
+    };
+    let moved = matrices.iter().map(directions).min().unwrap_or(0);
+    if moved == rows.len() {
+        return Ok(());
+    }
+    let (kind, fixed) = match joint.is_floating {
+        true => ("floating", "a base without --base floating"),
+        false => ("spherical", "a joint by `type = \"fixed\"`"),
+    };
+    Err(IdentificationError::File {
+        place: format!("joint {}", joint.name),
+        message: format!(
+            "no motion is planned where a {kind} joint is moved by its inputs in {moved} of its {} directions: in the others it \
+             would have to move as nothing moves it. Record free motions instead, which `gelenk identify` takes as they are; or \
+             describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp what it \
+             carries, describe it as fixed for the plan and its logs ({fixed}), and identify the rest from free motions",
+            rows.len()
+        ),
+    })
 }
 
 #[cfg(test)]

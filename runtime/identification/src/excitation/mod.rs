@@ -6,13 +6,16 @@
 //! evolution strategy with one parent and one child and adapted step (Rechenberg's 1/5 rule) from several
 //! starts. Every candidate is first shrunk and shifted into the limits, so each is a motion that the robot
 //! can make; the search needs no derivatives of the regressor and finds a good motion, not a proven best one.
+//! Joints with a quaternion move by their rotation vectors.
 
 mod approach;
+mod chart;
 mod inputs;
 mod motion;
 mod motors;
 mod plan;
 mod search;
+mod usable;
 
 pub use super::robot::Instant;
 pub use approach::Approach;

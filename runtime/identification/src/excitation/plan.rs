@@ -1,13 +1,16 @@
 //! A motion to record for the identification of a robot.
 
 use super::super::error::{IdentificationError, Result, require_setting};
+use super::super::pose::position_names;
 use super::super::random::SplitMix64;
-use super::super::robot::{FollowerLimits, JointLimits, Robot, require_no_quaternions};
+use super::super::robot::{FollowerLimits, Robot};
 use super::super::shafts::{RobotRows, ShaftRows};
 use super::approach::{Approach, require_posture};
+use super::chart::Chart;
 use super::inputs::{FrameInputs, PlannedInput, keep_sides, require_driven};
-use super::motors::{Motors, joint_limits, no_load_speeds};
+use super::motors::{Motors, no_load_speeds};
 use super::search::condition_of_scaled;
+use super::usable::{assumptions, usable};
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
@@ -29,7 +32,10 @@ pub struct PlanSettings {
     pub velocity: f64,
     /// Range of positions \[m\] of prismatic joints without described ones; revolute ones may turn by ±π.
     pub travel: f64,
-    /// Posture from which the robot goes to the beginning of the motion [rad or m], by joint.
+    /// Largest turn \[rad\] of joints with a quaternion from where they stand at 0, below π: they have no described one.
+    pub turn: f64,
+    /// Posture from which the robot goes to the beginning of the motion [rad or m], by joint; of a joint with a quaternion the
+    /// place and the rotation vector.
     pub start: Option<Vec<f64>>,
 }
 
@@ -50,6 +56,7 @@ impl Default for PlanSettings {
             acceleration: None,
             velocity: 1.0,
             travel: 0.2,
+            turn: 1.0,
             start: None,
         }
     }
@@ -58,7 +65,9 @@ impl Default for PlanSettings {
 /// A planned motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The motion; it begins and ends each period at rest.
+    /// The motion; it begins and ends each period at rest. Of a joint with a quaternion it has the place of the origin in the
+    /// parent's frame, where the joint slides, and the rotation vector φ of its attitude exp(φ); [`Plan::instant`] has positions,
+    /// velocities and accelerations.
     pub motion: FourierMotion,
     /// The way from the given posture to the beginning of the motion.
     pub approach: Option<Approach>,
@@ -76,6 +85,7 @@ pub struct Plan {
     pub inputs: Vec<PlannedInput>,
     /// What was assumed, in sentences.
     pub notes: Vec<String>,
+    chart: Chart,
 }
 
 /// What a planned motion asks of the motor of a drive that acts on several joints.
@@ -106,7 +116,7 @@ const STATES: usize = 60;
 ///
 /// Minus the logarithm of the determinant of the Fisher information `Σ Wᵀ Σ_τ⁻¹ W` is minimized (D-optimality),
 /// Σ_τ with the squares of the described efforts: the volume of the parameters' confidence ellipsoid. W has a
-/// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint. Shafts of drives that
+/// column for each independent inertial parameter and for v, a smooth sign of v and 1 of each joint without a quaternion. Shafts of drives that
 /// act on several joints take rows of joints ([`crate::shafts`]), with the torque of their motors.
 ///
 /// The motion keeps the joints' limits, and its forces those of the described robot and of its motors, whose torque–speed lines
@@ -115,19 +125,20 @@ const STATES: usize = 60;
 /// meet each other, are not known here.
 ///
 /// # Errors
-/// Shares out of range, a start beyond the described limits, a joint with a quaternion or without a drive, or a robot for which
-/// no motion tried shows all parameters within its efforts.
+/// Shares out of range, a start beyond the described limits, a joint without a drive, a joint with a quaternion that the inputs
+/// do not move in all directions, or a robot for which no motion tried shows all parameters within its efforts.
 pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut(&str)) -> Result<Plan> {
     check(settings)?;
-    require_no_quaternions(robot, "no motion is planned", HOLD_IT)?;
-    settings.start.as_ref().map_or(Ok(()), |start| require_posture(robot, start))?;
-    let (mut limits, mut notes) = usable(robot, settings);
-    notes.extend(keep_sides(robot, &mut limits));
-    let states = random_states(&limits);
+    let chart = Chart::of(robot);
+    settings.start.as_ref().map_or(Ok(()), |start| require_posture(robot, &chart, start))?;
+    let mut limits = usable(robot, settings, &chart);
+    let mut notes = assumptions(robot, settings, &chart);
+    notes.extend(keep_sides(robot, &chart, &mut limits));
+    let states = random_states(&limits, &chart);
     require_driven(robot, &states)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
-    let design = Design::new(robot, rows, (&limits, &states), settings);
+    let design = Design::new(robot, rows, (&chart, &limits, &states), settings);
     progress(&format!(
         "searching a motion for {} base parameters and {} of friction",
         design.independent.len(),
@@ -141,7 +152,10 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
                 motion.start_at_rest();
                 motion
             },
-            |motion| design.narrow(motion, settings.excitation.samples),
+            |motion| {
+                design.narrow(motion, settings.excitation.samples);
+                chart.narrow(motion, &limits, settings.excitation.samples);
+            },
         ),
     )?;
     let best = best.ok_or_else(|| IdentificationError::NotConverged {
@@ -149,10 +163,10 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         iterations: settings.excitation.starts * settings.excitation.iterations,
         detail: "no motion tried shows all parameters within the efforts of joints and inputs, and within the limits of joints that follow others: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that are followed".into(),
     })?;
-    let instants = best.motion.instants(settings.excitation.samples);
-    let approach =
-        settings.start.as_ref().map(|start| Approach::new(start, &best.motion.instant(0.0)[0], &limits));
-    let along: Vec<Instant> = approach.iter().flat_map(Approach::instants).collect();
+    let instants = chart.instants(&best.motion.instants(settings.excitation.samples));
+    let begin = &best.motion.instant(0.0)[0];
+    let approach = settings.start.as_ref().map(|start| Approach::new(start, begin, (&chart, &limits)));
+    let along = chart.instants(&approach.iter().flat_map(Approach::instants).collect::<Vec<_>>());
     notes.extend(design.doubts_about(&along));
     let all = [&instants[..], &along].concat();
     Ok(Plan {
@@ -162,33 +176,44 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         largest: largest(robot, &all),
         shafts: design.shafts(&all),
         inputs: design.inputs.as_ref().map_or_else(Vec::new, |inputs| {
-            inputs.planned(&[&best.motion.instants(SHOWN * settings.excitation.samples)[..], &along].concat())
+            let motion = chart.instants(&best.motion.instants(SHOWN * settings.excitation.samples));
+            inputs.planned(&[&motion[..], &along].concat())
         }),
         motion: best.motion,
         approach,
         notes,
+        chart,
     })
 }
 
 impl Plan {
     /// First line of the CSV, its end included.
-    pub fn header(joints: &[String]) -> String {
-        let columns = ["q", "dq", "ddq"]
-            .iter()
-            .flat_map(|kind| joints.iter().map(move |name| format!(",{kind}_{name}")));
-        format!("t{}\n", columns.collect::<String>())
+    pub fn header(robot: &dyn Robot) -> String {
+        let names = robot.joint_names();
+        let positions = position_names(&robot.quaternion_joints(), &names);
+        let columns = |kind: &str, names: &[String]| -> String {
+            names.iter().map(|name| format!(",{kind}_{name}")).collect()
+        };
+        format!("t{}{}{}\n", columns("q", &positions), columns("dq", &names), columns("ddq", &names))
+    }
+
+    /// Positions y, velocities and accelerations of the motion at time `t` (s).
+    pub fn instant(&self, t: f64) -> Instant {
+        self.chart.instant(&self.motion.instant(t))
     }
 
     /// The motion as CSV, `t [s]`, then `q_`, `dq_`, `ddq_` and the joint's name: what
-    /// `gelenk_runtime::trajectory::Recording::open` reads, and what a log of it is compared with. The approach comes first.
+    /// `gelenk_runtime::trajectory::Recording::open` reads, and what a log of it is compared with. The approach comes first. A
+    /// joint with a quaternion has a column for each of its position entries, `q_base_x` to `q_base_qw`.
     ///
     /// - `period`: of the rows (s); `periods`: how often the motion is repeated
-    pub fn csv(&self, joints: &[String], period: f64, periods: usize) -> String {
-        let mut text = Self::header(joints);
+    pub fn csv(&self, robot: &dyn Robot, period: f64, periods: usize) -> String {
+        let mut text = Self::header(robot);
         let rows = (self.motion.period * periods as f64 / period).round() as usize;
         let approach = self.approach.as_ref().map_or(Vec::new(), |approach| approach.rows(period));
-        let motion = (0..=rows).map(|row| self.motion.instant(row as f64 * period));
-        for (row, instant) in approach.into_iter().chain(motion).enumerate() {
+        let approach = approach.iter().map(|instant| self.chart.instant(instant));
+        let motion = (0..=rows).map(|row| self.instant(row as f64 * period));
+        for (row, instant) in approach.chain(motion).enumerate() {
             let (t, columns) = (row as f64 * period, instant.into_iter().flatten());
             text.push_str(&format!("{t:.6}{}\n", columns.map(|x| format!(",{x:.9}")).collect::<String>()));
         }
@@ -208,56 +233,11 @@ fn check(settings: &PlanSettings) -> Result<()> {
     for (name, value) in [("velocity", settings.velocity), ("travel", settings.travel)] {
         require_setting(name, value, value > 0.0 && value.is_finite(), "it must be positive and finite")?;
     }
+    let turns = settings.turn > 0.0 && settings.turn < PI;
+    require_setting("turn", settings.turn, turns, "it must be above 0 and below π")?;
     let acceleration = settings.acceleration.unwrap_or(1.0);
     require_setting("acceleration", acceleration, acceleration > 0.0, "it must be positive")
 }
-
-/// Limits of the motion, and what was assumed for them.
-fn usable(robot: &dyn Robot, settings: &PlanSettings) -> (Vec<ExcitationLimits>, Vec<String>) {
-    let joints = joint_limits(robot).into_iter().zip(robot.position_units());
-    let limits = joints.map(|(JointLimits { position, velocity, .. }, unit)| {
-        let half = if unit == "m" { 0.5 * settings.travel } else { PI };
-        let [low, high] = if is_bounded(position) { position } else { [-half, half] };
-        let speed = if is_limit(velocity) { velocity } else { settings.velocity };
-        let (middle, half) = (0.5 * (low + high), 0.5 * settings.position_share * (high - low));
-        let velocity = settings.velocity_share * speed;
-        let acceleration = settings.acceleration.unwrap_or(2.0 * velocity);
-        ExcitationLimits { position: [middle - half, middle + half], velocity, acceleration }
-    });
-    (limits.collect(), assumptions(robot, settings))
-}
-
-fn is_bounded(position: [f64; 2]) -> bool {
-    position.iter().all(|bound| bound.is_finite())
-}
-
-fn is_limit(velocity: f64) -> bool {
-    velocity.is_finite() && velocity > 0.0
-}
-
-fn assumptions(robot: &dyn Robot, settings: &PlanSettings) -> Vec<String> {
-    let (limits, units) = (joint_limits(robot), robot.position_units());
-    let names = robot.joint_names();
-    let joints = |unit: &str, lacks: &dyn Fn(&JointLimits) -> bool| {
-        let found = (0..names.len()).filter(|i| units[*i] == unit && lacks(&limits[*i]));
-        let found: Vec<&str> = found.map(|i| names[i].as_str()).collect();
-        (!found.is_empty()).then(|| found.join(", "))
-    };
-    let ranges = [("rad", PI), ("m", 0.5 * settings.travel)].map(|(unit, half)| {
-        let found = joints(unit, &|limits| !is_bounded(limits.position));
-        found.map(|names| format!("without limits of position ±{half:.2} {unit} are used: {names}"))
-    });
-    let speeds = ["rad", "m"].map(|unit| {
-        let found = joints(unit, &|limits| !is_limit(limits.velocity));
-        found.map(|names| format!("without limits of speed {} {unit}/s are used: {names}", settings.velocity))
-    });
-    ranges.into_iter().chain(speeds).flatten().collect()
-}
-
-/// What is done instead of planning the motion of a joint with a quaternion.
-const HOLD_IT: &str = "a plan moves each coordinate along a sum of sines, and a quaternion has no coordinates that move by themselves. Clamp what \
-    this joint carries, describe it as fixed for the plan and its logs (a base without --base floating, a joint by `type = \"fixed\"`), and \
-    identify what then stays unknown from logs of free motions";
 
 /// What the score is made of.
 struct Design<'a> {
@@ -279,14 +259,17 @@ struct Design<'a> {
     /// Where some inputs act at frames.
     inputs: Option<FrameInputs<'a>>,
     velocity_share: f64,
-    positions: Vec<[f64; 2]>,
+    chart: &'a Chart,
+    limits: &'a [ExcitationLimits],
+    /// Rows whose friction and offset are estimated: not those of joints with a quaternion.
+    rubbing: Vec<usize>,
 }
 
 impl<'a> Design<'a> {
     fn new(
         robot: &'a dyn Robot,
         rows: RobotRows<'a>,
-        (limits, states): (&[ExcitationLimits], &[Instant]),
+        (chart, limits, states): (&'a Chart, &'a [ExcitationLimits], &[Instant]),
         settings: &PlanSettings,
     ) -> Self {
         let states: Vec<Instant> = states.iter().map(|state| rows.instant(state)).collect();
@@ -317,13 +300,21 @@ impl<'a> Design<'a> {
             motors: Motors::of(robot, settings.effort_share),
             inputs: FrameInputs::of(robot, settings.effort_share),
             velocity_share: settings.velocity_share,
-            positions: limits.iter().map(|limit| limit.position).collect(),
+            chart,
+            limits,
+            rubbing: chart
+                .turns()
+                .iter()
+                .enumerate()
+                .filter(|(_, turns)| !**turns)
+                .map(|(row, _)| row)
+                .collect(),
             sign_speeds: rows.speeds(&speeds).into_iter().map(|speed| SIGN_SHARE * speed).collect(),
         }
     }
 
     fn friction(&self) -> usize {
-        FRICTION * self.efforts.len()
+        FRICTION * self.rubbing.len()
     }
 
     /// Shrinks and shifts a motion of the joints that others follow, so that those keep their limits.
@@ -357,8 +348,10 @@ impl<'a> Design<'a> {
         if self.followers.is_empty() {
             return false;
         }
-        let outside = |(y, [low, high]): (&f64, &[f64; 2])| *y < low - ROUNDING || *y > high + ROUNDING;
-        if y.iter().zip(&self.positions).any(outside) {
+        let outside = |(y, limit): (&f64, &ExcitationLimits)| {
+            *y < limit.position[0] - ROUNDING || *y > limit.position[1] + ROUNDING
+        };
+        if y.iter().zip(self.limits).any(outside) {
             return true;
         }
         self.followers.iter().any(|joint| {
@@ -371,15 +364,19 @@ impl<'a> Design<'a> {
     }
 
     /// Minus the logarithm of the determinant of the information; infinite beyond the efforts and the limits of joints
-    /// that follow others.
-    fn score(&self, instants: &[Instant]) -> f64 {
-        if instants.iter().any(|instant| self.leaves_limits(instant)) {
+    /// that follow others and of bodies that turn.
+    ///
+    /// - `coordinates`: of the chart
+    fn score(&self, coordinates: &[Instant]) -> f64 {
+        if coordinates.iter().any(|instant| self.leaves_limits(instant)) {
             return f64::INFINITY;
         }
-        if self.beyond(instants).next().is_some() {
+        let instants = self.chart.instants(coordinates);
+        let turns_too_fast = self.chart.largest_excess(&instants, self.limits) > 1.0 + ROUNDING;
+        if turns_too_fast || self.beyond(&instants).next().is_some() {
             return f64::INFINITY;
         }
-        match self.information(instants).cholesky() {
+        match self.information(&instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
             None => f64::INFINITY,
         }
@@ -399,7 +396,8 @@ impl<'a> Design<'a> {
                 for (entry, index) in self.independent.iter().enumerate() {
                     column[entry] = row[*index] * self.weights[joint];
                 }
-                let first = self.independent.len() + FRICTION * joint;
+                let Some(place) = self.rubbing.iter().position(|row| *row == joint) else { continue };
+                let first = self.independent.len() + FRICTION * place;
                 let friction = [v[joint], (v[joint] / self.sign_speeds[joint]).tanh(), 1.0];
                 for (k, value) in friction.into_iter().enumerate() {
                     column[first + k] = value * self.weights[joint];
@@ -475,14 +473,14 @@ fn largest_forces(robot: &dyn Robot, instants: &[Instant]) -> Vec<f64> {
     largest
 }
 
-fn random_states(limits: &[ExcitationLimits]) -> Vec<Instant> {
+fn random_states(limits: &[ExcitationLimits], chart: &Chart) -> Vec<Instant> {
     let mut random = SplitMix64::new(1);
     let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
     let mut state = || {
         let y = limits.iter().map(|l| between(l.position[0], l.position[1])).collect();
         let v = limits.iter().map(|l| between(-l.velocity, l.velocity)).collect();
         let a = limits.iter().map(|l| between(-l.acceleration, l.acceleration)).collect();
-        [y, v, a]
+        chart.instant(&[y, v, a])
     };
     (0..STATES).map(|_| state()).collect()
 }
