@@ -4,6 +4,7 @@
 
 mod logs;
 mod moments;
+mod payload;
 mod planned;
 mod quadrotor;
 mod quadruped;

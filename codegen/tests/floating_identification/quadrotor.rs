@@ -118,10 +118,15 @@ pub struct Sample {
     pub thrusts: Vector4<f64>,
 }
 
-/// A flight, measured with noise of 1 mm and 2 mrad at uneven times; attitudes change their sign at random.
+/// A flight of the quadrotor as it is.
 pub fn flight(seconds: f64, seed: u64) -> Vec<Sample> {
+    flight_of(&truth(), seconds, seed)
+}
+
+/// A flight, measured with noise of 1 mm and 2 mrad at uneven times; attitudes change their sign at random.
+pub fn flight_of(body: &Body, seconds: f64, seed: u64) -> Vec<Sample> {
     const STEP: f64 = 5e-4;
-    let (body, mut noise) = (truth(), Noise::new(seed));
+    let mut noise = Noise::new(seed);
     let mut state =
         State { place: Vector3::zeros(), attitude: UnitQuaternion::identity(), velocity: Vector6::zeros() };
     let mut samples: Vec<Sample> = Vec::new();

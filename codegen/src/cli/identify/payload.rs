@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use gelenk_identification::carried::{CarriedLoad, identify_load};
 use gelenk_identification::description::{Identified, write_identified};
-use gelenk_identification::inertial::PER_BODY;
 use gelenk_identification::inertial::payload::{Estimate, Payload, PayloadSettings};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
@@ -52,18 +51,22 @@ struct Carrier {
     link: String,
 }
 
+/// Links are those of the description. The joint that moves a link names it, too.
 fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Failure> {
-    let names = robot.parameter_names();
-    let links = names.iter().take(PER_BODY * robot.bodies()).step_by(PER_BODY);
-    let links: Vec<&str> = links.map(|name| name.trim_start_matches("m_")).collect();
+    let model = robot.model();
+    let joints = model.carrying_joints();
+    let link = |body: usize| model.links[joints[body].moving.link].name.as_str();
     let body = match &arguments.payload_on {
-        None => links.len().checked_sub(1),
-        Some(link) => links.iter().position(|known| known == link),
+        None => joints.len().checked_sub(1),
+        Some(name) => {
+            let of_link = (0..joints.len()).position(|body| link(body) == name);
+            of_link.or_else(|| joints.iter().position(|joint| joint.name == name))
+        }
     };
-    let found = body.map(|body| Carrier { body, link: links[body].to_owned() });
+    let found = body.map(|body| Carrier { body, link: link(body).to_owned() });
     found.ok_or_else(|| {
         let of = arguments.payload_on.as_deref().unwrap_or_default();
-        let known = list(links.into_iter());
+        let known = list((0..joints.len()).map(link));
         Failure::Usage(format!("--payload-on {of}: the robot's moving links are {known}"))
     })
 }

@@ -4,6 +4,7 @@ use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use crate::inertial::pseudo_inertia::PER_BODY;
 use crate::inertial::regularized::towards;
+use crate::pose::rows_of;
 use crate::robot::Robot;
 use crate::run::{Effort, PreparedRun};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -233,6 +234,10 @@ struct Columns<'a> {
     to_joints: DMatrix<f64>,
     /// Largest speed of each joint; a joint at rest has no rows.
     speeds: Vec<f64>,
+    /// Rows of joints with a quaternion.
+    exact: Vec<bool>,
+    /// Whether the force of each row is known in all runs.
+    known: Vec<bool>,
 }
 
 impl<'a> Columns<'a> {
@@ -246,14 +251,22 @@ impl<'a> Columns<'a> {
         let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
         let effort = runs[0].effort;
         let to_joints = to_joints(robot, effort, settings)?;
+        let quaternions = robot.quaternion_joints();
         for run in &runs {
-            check_run(run, joints, effort, to_joints.ncols())?;
+            check_run(run, [joints, quaternions.len(), to_joints.ncols()], effort)?;
         }
         let largest =
             |j: usize| runs.iter().flat_map(|run| &run.velocities[j]).fold(0.0, |s: f64, v| s.max(v.abs()));
         let speeds = (0..joints).map(largest).collect();
         let nuisance = parameters + TERMS * joints;
-        Ok(Self { robot, joints, parameters, nuisance, body, to_joints, speeds })
+        let exact = rows_of(&quaternions, joints);
+        // Beside the rows of a base there may be joints without a sensor, whose efforts are NaN throughout.
+        let is_known = |j: usize| {
+            effort != Effort::Joint
+                || runs.iter().all(|run| run.efforts[j].first().is_none_or(|u| !u.is_nan()))
+        };
+        let known = (0..joints).map(is_known).collect();
+        Ok(Self { robot, joints, parameters, nuisance, body, to_joints, speeds, exact, known })
     }
 
     /// Products of blocks of at least `length` samples, so far as there are; short runs share a block.
@@ -285,16 +298,17 @@ impl<'a> Columns<'a> {
         let mut regressor = vec![0.0; self.joints * self.parameters];
         let mut forces = vec![0.0; self.joints];
         for (row, i) in range.enumerate() {
-            let [y, v, a] = [&run.positions, &run.velocities, &run.accelerations]
+            let [y, v, a] = [run.coordinates(), &run.velocities, &run.accelerations]
                 .map(|columns| columns.iter().map(|c| c[i]).collect::<Vec<f64>>());
             regressor.fill(0.0);
             self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
             self.robot.rigid_forces(&y, &v, &a, &mut forces);
-            for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.moves(*j, v[*j])) {
+            for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.tells(*j, v[*j])) {
                 counts[j] += 1;
                 let w = &regressor[j * self.parameters..(j + 1) * self.parameters];
                 let channels = run.efforts.iter().enumerate();
-                let measured: f64 = channels.map(|(k, e)| self.to_joints[(j, k)] * e[i]).sum();
+                let acting = channels.filter(|(k, _)| self.to_joints[(j, *k)] != 0.0);
+                let measured: f64 = acting.map(|(k, e)| self.to_joints[(j, k)] * e[i]).sum();
                 self.write(&mut matrix.row_mut(row), j, w, v[j], loaded);
                 matrix[(row, width - 1)] = measured - forces[j];
             }
@@ -302,9 +316,10 @@ impl<'a> Columns<'a> {
         rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
     }
 
-    /// Whether a joint slides.
-    fn moves(&self, joint: usize, velocity: f64) -> bool {
-        !self.stands_still(joint) && velocity.abs() > STICKING * self.speeds[joint]
+    /// Whether a sample tells something of a joint: where it slides, and where no friction holds it.
+    fn tells(&self, joint: usize, velocity: f64) -> bool {
+        let slides = !self.stands_still(joint) && velocity.abs() > STICKING * self.speeds[joint];
+        self.known[joint] && (self.exact[joint] || slides)
     }
 
     fn stands_still(&self, joint: usize) -> bool {
@@ -324,17 +339,20 @@ impl<'a> Columns<'a> {
         for (k, x) in w.iter().enumerate() {
             row[k] = *x;
         }
+        if loaded {
+            for k in 0..PER_BODY {
+                row[self.nuisance + k] = w[PER_BODY * self.body + k];
+            }
+        }
+        if self.exact[joint] {
+            return;
+        }
         let at = self.parameters + TERMS * joint;
         let share = velocity / self.speeds[joint];
         row[at] = 1.0;
         row[at + 1] = share;
         for (k, width) in WIDTHS.iter().enumerate() {
             row[at + 2 + k] = (share / width).tanh();
-        }
-        if loaded {
-            for k in 0..PER_BODY {
-                row[self.nuisance + k] = w[PER_BODY * self.body + k];
-            }
         }
     }
 
@@ -371,7 +389,7 @@ fn to_joints(robot: &dyn Robot, effort: Effort, settings: &PayloadSettings) -> R
     Ok(map)
 }
 
-fn check_run(run: &PreparedRun, joints: usize, effort: Effort, channels: usize) -> Result<()> {
+fn check_run(run: &PreparedRun, [joints, quaternions, channels]: [usize; 3], effort: Effort) -> Result<()> {
     let name = &run.name;
     if run.effort != effort {
         return Err(IdentificationError::File {
@@ -383,13 +401,17 @@ fn check_run(run: &PreparedRun, joints: usize, effort: Effort, channels: usize) 
         ("positions", &run.positions, joints),
         ("velocities", &run.velocities, joints),
         ("accelerations", &run.accelerations, joints),
+        ("poses", &run.poses, if quaternions > 0 { joints + quaternions } else { 0 }),
         ("efforts", &run.efforts, channels),
     ];
     for (what, columns, expected) in kinds {
         require_length(&format!("{what} of {name}"), expected, columns.len())?;
         for column in columns {
             require_length(&format!("samples of {what} of {name}"), run.times.len(), column.len())?;
-            require_finite(&format!("{what} of {name}"), column)?;
+            let is_missing = what == "efforts" && quaternions > 0 && column.iter().all(|u| u.is_nan());
+            if !is_missing {
+                require_finite(&format!("{what} of {name}"), column)?;
+            }
         }
     }
     Ok(())

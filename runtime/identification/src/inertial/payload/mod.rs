@@ -6,7 +6,9 @@
 //! do not show it, so that for equal motions π_L explains the difference of the efforts, `W_b π_L = Δτ`.
 //! The load is a body that can exist (pseudo-inertia ⪰ 0).
 //!
-//! Samples at which a joint stands still say nothing about the load, since its dry friction holds a part of it.
+//! The rows of joints with a quaternion have neither friction nor an offset: all of their samples count.
+//!
+//! Samples at which another joint stands still say nothing about the load, since its dry friction holds a part of it.
 //! Friction and offset are the same in both logs: gears whose friction grows with their load make the load
 //! heavier by what they add.
 
@@ -22,7 +24,7 @@ use super::consistent::{ConsistentProblem, ConsistentSolution, solve};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use super::regularized::towards;
 use crate::error::{Result, require_setting};
-use crate::robot::{Robot, require_no_driven, require_no_quaternions};
+use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
 use equations::{Equations, Reduced, singular};
 use nalgebra::{DMatrix, Matrix4};
@@ -43,8 +45,8 @@ const BALL: f64 = 0.1;
 /// - `without`, `with`: prepared alike; the same motion is best, any that moves the last joints helps
 ///
 /// # Errors
-/// No runs of one kind, shapes that disagree with the robot, efforts of different kinds, currents without
-/// gains, settings out of range, too few samples, or as [`solve`].
+/// No runs of one kind, shapes that disagree with the robot, joints that something else moves, efforts of different kinds, currents
+/// without gains, settings out of range, too few samples, or as [`solve`].
 pub fn estimate(
     robot: &dyn Robot,
     without: &[PreparedRun],
@@ -79,7 +81,6 @@ pub fn estimate(
 
 fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
     let help = "identify the whole robot from its logs with the load";
-    require_no_quaternions(robot, "payloads are not estimated", help)?;
     require_no_driven(robot, "payloads are not estimated", help)?;
     let bodies = robot.bodies();
     let body = settings.body.unwrap_or(bodies.saturating_sub(1));
