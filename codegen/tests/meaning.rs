@@ -228,6 +228,20 @@ fn drives_that_act_alike_are_noted() {
 }
 
 #[test]
+fn a_rotor_that_is_nowhere_needs_no_carrier() {
+    let left = |keys: &str| {
+        WRIST.replace("on = { pitch = 1, roll = 1 }", &format!("on = {{ pitch = 1, roll = 1 }}\n{keys}"))
+    };
+    let mounting = "rotor_inertia = 1e-6\ncarrier = \"base\"\naxis = [0, 1, 0]\n";
+    let unused = load(&left(&format!("{mounting}coupling = \"diagonal\""))).1.to_string();
+    for key in ["carrier", "axis"] {
+        let words = format!("warning[unused-key]: `{key}` changes nothing beside `coupling = \"diagonal\"`");
+        assert!(unused.contains(&words), "{unused}");
+    }
+    assert!(load(&left(mounting)).1.is_empty());
+}
+
+#[test]
 fn a_joint_that_undoes_the_motion_below_it_is_noted() {
     let (_, notes) = load(&WRIST.replace("parent = \"roll\"\n", ""));
     let notes = notes.to_string();

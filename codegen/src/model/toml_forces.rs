@@ -180,6 +180,8 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
     let (gear_ratio, rotor_inertia) = (value("gear_ratio", 1.0), value("rotor_inertia", 0.0));
     let shaft = table.get("friction").and_then(|item| shaft_friction(reader, item, owner));
     let current = table.get("motor_constant").and_then(|item| reader.formula(item, owner));
+    let coupling = table.get("coupling").map_or(RotorCoupling::Body, |item| coupling(reader, item));
+    warn_of_unused_mounting(reader, table, coupling);
     DriveDescription {
         name: table.get("name").and_then(|item| reader.name(item)),
         gear_ratio,
@@ -187,7 +189,7 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         carrier: table.get("carrier").and_then(|item| reader.name(item)),
         // A wrong axis was reported; it is not missing.
         axis: table.get("axis").map(|item| reader.axis(item).unwrap_or([0.0, 0.0, 1.0])),
-        coupling: table.get("coupling").map_or(RotorCoupling::Body, |item| coupling(reader, item)),
+        coupling,
         input: current.map_or(Input::Torque, Input::Current),
         input_span: table.get("motor_constant").map_or(table.span, |item| item.span),
         torque: table.get("torque").and_then(|item| torque(reader, item)).unwrap_or_default(),
@@ -246,6 +248,18 @@ fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
             reader.report.help("\"body\" (the rotor is a body, the default) or \"diagonal\" (only i² J_R)");
             RotorCoupling::Body
         }
+    }
+}
+
+/// A rotor of which only i² J_R counts is nowhere.
+fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: RotorCoupling) {
+    let mounting = ["carrier", "axis"].into_iter().filter_map(|key| table.get(key));
+    for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {
+        let message = format!("`{}` changes nothing beside `coupling = \"diagonal\"`", item.key);
+        reader.report.warning(item.span, "unused-key", message);
+        reader
+            .report
+            .help("take `coupling` out to have the rotor as a body that sits there, or take this key out");
     }
 }
 
