@@ -16,7 +16,9 @@ use robot::{
     linearize_lanes_avx512 as linearize_lanes,
 };
 
-use robot::{Lanes, N};
+#[cfg(has_quaternions)]
+use robot::NY;
+use robot::{Lanes, M, N};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -25,8 +27,38 @@ const FORM: &str = "avx2";
 #[cfg(form = "avx512")]
 const FORM: &str = "avx512";
 
-type Many = [Lanes; N];
-type One = [f64; N];
+#[cfg(not(has_quaternions))]
+const NY: usize = N;
+
+/// Numbers of which each state has its own.
+type Many<const K: usize> = [Lanes; K];
+
+/// Positions, velocities, accelerations and inputs of eight states.
+struct Input {
+    y: Many<NY>,
+    v: Many<N>,
+    a: Many<N>,
+    u: Many<M>,
+}
+
+/// The same of one state.
+struct Single {
+    y: [f64; NY],
+    v: [f64; N],
+    a: [f64; N],
+    u: [f64; M],
+}
+
+impl Input {
+    fn states(&self) -> impl Iterator<Item = Single> {
+        (0..8).map(|i| Single {
+            y: state(&self.y, i),
+            v: state(&self.v, i),
+            a: state(&self.a, i),
+            u: state(&self.u, i),
+        })
+    }
+}
 
 const STATES: usize = 64;
 const ROUNDS: usize = 400;
@@ -51,22 +83,24 @@ fn numbers() -> impl FnMut() -> f64 {
     }
 }
 
-fn state(many: &Many, i: usize) -> One {
+fn state<const K: usize>(many: &Many<K>, i: usize) -> [f64; K] {
     core::array::from_fn(|k| many[k].0[i])
 }
 
 /// The states one by one.
-fn singles(inputs: &[[Many; 3]]) -> Vec<[One; 3]> {
-    let of = |input: &[Many; 3]| {
-        (0..8)
-            .map(|i| input.each_ref().map(|x| state(x, i)))
-            .collect::<Vec<_>>()
-    };
-    inputs.iter().flat_map(of).collect()
+fn singles(inputs: &[Input]) -> Vec<Single> {
+    inputs.iter().flat_map(Input::states).collect()
 }
 
-fn bits(x: One) -> [u64; N] {
+fn bits<const K: usize>(x: [f64; K]) -> [u64; K] {
     x.map(f64::to_bits)
+}
+
+fn same_rows<const K: usize>(many: &[Many<K>; N], i: usize, expected: [[f64; K]; N]) {
+    assert_eq!(
+        many.each_ref().map(|row| bits(state(row, i))),
+        expected.map(bits)
+    );
 }
 
 /// Alternates both, since other work on the machine comes and goes.
@@ -94,14 +128,13 @@ fn report(name: &str, mut scalar: impl FnMut(), mut lanes: impl FnMut()) {
     );
 }
 
-fn inverse_dynamics(inputs: &[[Many; 3]]) {
+fn inverse_dynamics(inputs: &[Input]) {
     let single = singles(inputs);
     let mut forces = [Lanes([0.0; 8]); N];
-    for (input, states) in inputs.iter().zip(single.chunks(8)) {
-        let [y, v, a] = input;
+    for (Input { y, v, a, .. }, states) in inputs.iter().zip(single.chunks(8)) {
         // SAFETY: `main` asked the processor for the instructions, here and below.
         unsafe { inverse_dynamics_lanes(y, v, a, &mut forces) };
-        for (i, [y, v, a]) in states.iter().enumerate() {
+        for (i, Single { y, v, a, .. }) in states.iter().enumerate() {
             let expected = robot::inverse_dynamics(y, v, a);
             assert_eq!(bits(state(&forces, i)), bits(expected));
         }
@@ -109,12 +142,12 @@ fn inverse_dynamics(inputs: &[[Many; 3]]) {
     report(
         "inverse_dynamics",
         || {
-            for [y, v, a] in black_box(&single) {
+            for Single { y, v, a, .. } in black_box(&single) {
                 black_box(robot::inverse_dynamics(y, v, a));
             }
         },
         || {
-            for [y, v, a] in black_box(inputs) {
+            for Input { y, v, a, .. } in black_box(inputs) {
                 unsafe { inverse_dynamics_lanes(y, v, a, &mut forces) };
                 black_box(&forces);
             }
@@ -122,43 +155,123 @@ fn inverse_dynamics(inputs: &[[Many; 3]]) {
     );
 }
 
-fn linearize(inputs: &[[Many; 3]]) {
-    let single = singles(inputs);
-    let mut many = [[[Lanes([0.0; 8]); N]; N]; 3];
-    let mut many_affine = [Lanes([0.0; 8]); N];
-    for (input, states) in inputs.iter().zip(single.chunks(8)) {
-        let ([y, v, u], [dy, dv, du]) = (input, &mut many);
-        unsafe { linearize_lanes(y, v, u, dy, dv, du, &mut many_affine) };
-        for (i, [y, v, u]) in states.iter().enumerate() {
-            let (dy, dv, du, affine) = robot::linearize(y, v, u);
-            for (found, expected) in many.iter().zip([dy, dv, du]) {
-                assert_eq!(
-                    found.each_ref().map(|row| bits(state(row, i))),
-                    expected.map(bits)
-                );
-            }
-            assert_eq!(bits(state(&many_affine, i)), bits(affine));
+/// The results of `linearize` over eight states.
+struct Linear {
+    by_y: [Many<N>; N],
+    by_v: [Many<N>; N],
+    by_u: [Many<M>; N],
+    affine: Many<N>,
+    #[cfg(has_quaternions)]
+    drift: [Many<N>; N],
+}
+
+impl Linear {
+    fn new() -> Self {
+        const NONE: Lanes = Lanes([0.0; 8]);
+        Self {
+            by_y: [[NONE; N]; N],
+            by_v: [[NONE; N]; N],
+            by_u: [[NONE; M]; N],
+            affine: [NONE; N],
+            #[cfg(has_quaternions)]
+            drift: [[NONE; N]; N],
         }
     }
-    let mut blocks = [[[0.0; N]; N]; 3];
-    let mut affine = [0.0; N];
+
+    fn compute(&mut self, Input { y, v, u, .. }: &Input) {
+        let Self {
+            by_y,
+            by_v,
+            by_u,
+            affine,
+            ..
+        } = self;
+        // SAFETY: `main` asked the processor for the instructions.
+        #[cfg(has_quaternions)]
+        unsafe {
+            linearize_lanes(y, v, u, by_y, by_v, by_u, affine, &mut self.drift)
+        };
+        #[cfg(not(has_quaternions))]
+        unsafe {
+            linearize_lanes(y, v, u, by_y, by_v, by_u, affine)
+        };
+    }
+
+    /// Fails where a state has other bits than the scalar function gives.
+    fn same(&self, i: usize, Single { y, v, u, .. }: &Single) {
+        #[cfg(has_quaternions)]
+        let (by_y, by_v, by_u, affine, drift) = robot::linearize(y, v, u);
+        #[cfg(not(has_quaternions))]
+        let (by_y, by_v, by_u, affine) = robot::linearize(y, v, u);
+        #[cfg(has_quaternions)]
+        same_rows(&self.drift, i, drift);
+        same_rows(&self.by_y, i, by_y);
+        same_rows(&self.by_v, i, by_v);
+        same_rows(&self.by_u, i, by_u);
+        assert_eq!(bits(state(&self.affine, i)), bits(affine));
+    }
+}
+
+fn linearize(inputs: &[Input]) {
+    let single = singles(inputs);
+    let mut many = Box::new(Linear::new());
+    for (input, states) in inputs.iter().zip(single.chunks(8)) {
+        many.compute(input);
+        (0..).zip(states).for_each(|(i, state)| many.same(i, state));
+    }
+    let mut scalar = Box::new(Scalar::new());
     report(
         "linearize",
         || {
-            for [y, v, u] in black_box(&single) {
-                let [dy, dv, du] = &mut blocks;
-                robot::linearize_into(y, v, u, dy, dv, du, &mut affine);
-                black_box((&blocks, &affine));
+            for state in black_box(&single) {
+                scalar.compute(state);
+                black_box(&scalar);
             }
         },
         || {
-            for [y, v, u] in black_box(inputs) {
-                let [dy, dv, du] = &mut many;
-                unsafe { linearize_lanes(y, v, u, dy, dv, du, &mut many_affine) };
-                black_box((&many, &many_affine));
+            for input in black_box(inputs) {
+                many.compute(input);
+                black_box(&many);
             }
         },
     );
+}
+
+/// The results of `linearize` of one state.
+struct Scalar {
+    by_y: [[f64; N]; N],
+    by_v: [[f64; N]; N],
+    by_u: [[f64; M]; N],
+    affine: [f64; N],
+    #[cfg(has_quaternions)]
+    drift: [[f64; N]; N],
+}
+
+impl Scalar {
+    fn new() -> Self {
+        Self {
+            by_y: [[0.0; N]; N],
+            by_v: [[0.0; N]; N],
+            by_u: [[0.0; M]; N],
+            affine: [0.0; N],
+            #[cfg(has_quaternions)]
+            drift: [[0.0; N]; N],
+        }
+    }
+
+    fn compute(&mut self, Single { y, v, u, .. }: &Single) {
+        let Self {
+            by_y,
+            by_v,
+            by_u,
+            affine,
+            ..
+        } = self;
+        #[cfg(has_quaternions)]
+        robot::linearize_into(y, v, u, by_y, by_v, by_u, affine, &mut self.drift);
+        #[cfg(not(has_quaternions))]
+        robot::linearize_into(y, v, u, by_y, by_v, by_u, affine);
+    }
 }
 
 fn has_instructions() -> bool {
@@ -179,8 +292,25 @@ fn main() {
         return;
     }
     let mut number = numbers();
-    let mut many = || core::array::from_fn(|_| Lanes(core::array::from_fn(|_| number())));
-    let inputs: Vec<[Many; 3]> = (0..STATES / 8).map(|_| [many(), many(), many()]).collect();
+    let inputs: Vec<Input> = (0..STATES / 8).map(|_| input(&mut number)).collect();
     inverse_dynamics(&inputs);
     linearize(&inputs);
+}
+
+fn input(number: &mut impl FnMut() -> f64) -> Input {
+    let mut lanes = || Lanes(core::array::from_fn(|_| number()));
+    #[cfg_attr(not(has_quaternions), allow(unused_mut, reason = "no quaternion"))]
+    let mut input = Input {
+        y: core::array::from_fn(|_| lanes()),
+        v: core::array::from_fn(|_| lanes()),
+        a: core::array::from_fn(|_| lanes()),
+        u: core::array::from_fn(|_| lanes()),
+    };
+    #[cfg(has_quaternions)]
+    for i in 0..8 {
+        let mut y = state(&input.y, i);
+        assert!(robot::normalize(&mut y));
+        (input.y.iter_mut().zip(y)).for_each(|(many, x)| many.0[i] = x);
+    }
+    input
 }
