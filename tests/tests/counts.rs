@@ -13,7 +13,7 @@ use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::cost::count;
 use gelenk_tests::literature::{GENERAL, PLANAR, PUMA, RX90, chain, right_angles};
-use gelenk_tests::{Robot, descriptions, generate_model, workspace};
+use gelenk_tests::{Robot, descriptions, generate_model, relative_error, shared, workspace};
 
 const DOWN: [f64; 3] = [0.0, 0.0, -9.81];
 
@@ -164,6 +164,72 @@ fn thirty_joints_as_loops() {
     }
     let cost = count(&robot.function(names[0]).program);
     assert!(cost.multiplications <= 3 * 22753 / 2 && cost.additions <= 3 * 18467 / 2, "{cost}");
+}
+
+/// Robots with a floating base, by their URDFs.
+#[test]
+fn floating_robots() {
+    let Some(folder) = shared() else { return };
+    for (name, inverse_dynamics, mass_matrix) in
+        [("go2", [616, 607], [268, 256]), ("solo12", [562, 494], [256, 227]), ("iris", [87, 89], [12, 12])]
+    {
+        let path = folder.join("reference/mechanisms/urdf").join(format!("{name}.urdf"));
+        let options = ReadOptions { floating_base: true, no_friction: true, ..ReadOptions::default() };
+        let model = read(&path, &options).unwrap_or_else(|problems| panic!("{problems}")).model;
+        let bars = [("inverse_dynamics", inverse_dynamics), ("mass_matrix", mass_matrix)];
+        assert_within(name, model, &bars.map(|(name, [products, sums])| (name, products, sums)));
+    }
+}
+
+/// A pelvis that floats, with two legs and a waist that carries two arms with oblique shoulders, nearly as in a mirror.
+fn humanoid() -> Model {
+    let mut text = String::from("name = \"humanoid\"\nbase = { link = \"pelvis\", type = \"floating\" }\n");
+    let joints = [
+        ("left_hip", "pelvis", "[0, 0.0645, -0.1]", "[0, 1, 0]"),
+        ("left_knee", "left_hip", "[0.08, 0.01, -0.3]", "[0, 1, 0]"),
+        ("right_hip", "pelvis", "[0, -0.0645, -0.1]", "[0, 1, 0]"),
+        ("right_knee", "right_hip", "[0.08, -0.01, -0.3]", "[0, 1, 0]"),
+        ("yaw", "pelvis", "[-0.004, 0, 0.05]", "[0, 0, 1]"),
+        ("waist", "yaw", "[0, 0, 0.04]", "[0, 1, 0]"),
+        ("left_shoulder", "waist", "[0.004, 0.1002, 0.25]", "[0, 0.96, 0.28]"),
+        ("left_elbow", "left_shoulder", "[0, 0.04, -0.014]", "[1, 0, 0]"),
+        ("right_shoulder", "waist", "[0.004, -0.1001, 0.25]", "[0, 0.96, -0.28]"),
+        ("right_elbow", "right_shoulder", "[0, -0.04, -0.014]", "[1, 0, 0]"),
+    ];
+    let body = |link: &str, mass: f64| {
+        format!(
+            "[[bodies]]\nlink = \"{link}\"\nmass = {mass}\ncenter_of_mass = [0.01, 0.02, 0.03]\n\
+             inertia = {{ xx = 0.02, yy = 0.03, zz = 0.04, xy = 0.001, xz = 0.002, yz = 0.003 }}\n"
+        )
+    };
+    text += &body("pelvis", 4.0);
+    for (name, parent, xyz, axis) in joints {
+        text += &format!(
+            "[[joints]]\nname = \"{name}\"\nparent = \"{parent}\"\naxis = {axis}\norigin = {{ xyz = {xyz} }}\n"
+        );
+        text += &body(name, 2.0);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("humanoid.toml");
+    std::fs::write(&path, text).expect("a file");
+    read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model
+}
+
+/// The arms have levers at the torso in common, and the masses on their axes balance it. The regressor knows no such ways.
+#[test]
+fn branches_at_a_torso() {
+    let names = ["inverse_dynamics", "inertial_regressor", "inertial_parameters"];
+    let robot = Robot::in_form(humanoid(), &names, Form::Straight);
+    let numbers = |count: usize, seed: f64| (0..count).map(|k| (seed + k as f64).sin()).collect::<Vec<_>>();
+    let (mut y, v, a) = (numbers(17, 0.3), numbers(16, 1.4), numbers(16, 2.9));
+    y[3..7].copy_from_slice(&[0.5, -0.1, 0.7, 0.5]);
+    let parameters = robot.first("inertial_parameters", &[]);
+    let regressor = robot.first("inertial_regressor", &[&y, &v, &a]);
+    let rows = regressor.chunks(parameters.len());
+    let expected: Vec<f64> = rows.map(|row| row.iter().zip(&parameters).map(|(w, p)| w * p).sum()).collect();
+    let error = relative_error(&robot.first("inverse_dynamics", &[&y, &v, &a]), &expected);
+    assert!(error <= 1e-13, "{error:e}");
+    assert_within("humanoid", humanoid(), &[("inverse_dynamics", 576, 552)]);
 }
 
 /// The mass matrix beside the Jacobians of the inverse dynamics costs at most 30/20 more.

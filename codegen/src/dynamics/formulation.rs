@@ -13,6 +13,30 @@ pub enum AngularRoute {
     AxisPoints,
 }
 
+/// How the diagonal of U is found, and its differences, which second moments multiply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Diagonal {
+    /// The diagonal comes from squares of ω, the differences from the diagonal.
+    Sums,
+    /// Both come from squares of ω.
+    Squares,
+    /// By axis points: U_zz is known, so that the square of ω_x is not needed.
+    Axis,
+    /// As `Axis`, without the square of ω_y.
+    AxisAcross,
+}
+
+/// Where the way along a joint's axis to a body's origin belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lift {
+    /// To the body: the origin is where the axes of its main child and its own are nearest.
+    Own,
+    /// To the body's children: its own origin is where the translation from its parent ends.
+    OfChildren,
+    /// To the translation from its parent.
+    OfParent,
+}
+
 /// The frame in which a body's equations are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorkingFrame {
@@ -47,6 +71,12 @@ pub enum LeafAlignment {
 pub struct BodyChoices {
     /// Route to U.
     pub angular: AngularRoute,
+    /// Diagonal of U.
+    pub diagonal: Diagonal,
+    /// By axis points: whether U_zx comes from the component y of the angular acceleration, which the children may need anyway.
+    pub by_acceleration: bool,
+    /// The way along the axis.
+    pub lift: Lift,
     /// Frame of the equations.
     pub frame: WorkingFrame,
     /// Where angular velocity and acceleration come from.
@@ -73,6 +103,9 @@ impl Formulation {
     pub fn plain(count: usize) -> Self {
         let choices = BodyChoices {
             angular: AngularRoute::Acceleration,
+            diagonal: Diagonal::Sums,
+            by_acceleration: false,
+            lift: Lift::Own,
             frame: WorkingFrame::Body,
             source: RunLink::Parent,
             sink: RunLink::Parent,
@@ -87,7 +120,15 @@ impl Formulation {
     pub fn mechanism<'g>(&self, graph: &'g Graph, mechanism: &Mechanism<Number>) -> Mechanism<Scalar<'g>> {
         let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
         let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();
-        let mut mechanism = mechanism.on(graph).regrouped(&regroup).in_length_units(&units);
+        let mut mechanism = mechanism.on(graph);
+        for (index, choices) in self.bodies.iter().enumerate() {
+            match choices.lift {
+                Lift::Own => {}
+                Lift::OfChildren => mechanism.leave_lift_to_children(index),
+                Lift::OfParent => mechanism.leave_lift_to_parent(index),
+            }
+        }
+        let mut mechanism = mechanism.regrouped(&regroup).in_length_units(&units);
         for (index, choices) in self.bodies.iter().enumerate() {
             match choices.leaf {
                 LeafAlignment::NoOffset => {}

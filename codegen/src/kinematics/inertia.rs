@@ -14,6 +14,8 @@ pub enum RegroupChoice {
     Massless,
     /// The parent's first moment loses its component along x.
     BalanceParent,
+    /// A component of the parent's first moment vanishes, together with those that its other children take.
+    Take(usize),
 }
 
 /// Moments of a described body, about its link frame's origin.
@@ -35,6 +37,7 @@ pub fn regroup<'g>(
     choices: &[RegroupChoice],
 ) {
     for index in (0..bodies.len()).rev() {
+        balance_by_children(bodies, choices, index);
         if bodies[index].chain.is_some() {
             // Only the last body of the chain moves as the joint does.
             continue;
@@ -79,6 +82,70 @@ fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
 
 /// Balancing over a shorter lever (m) takes masses so large that digits are lost.
 pub const SHORTEST_LEVER: f64 = 1e-3;
+
+/// A mass at the origin of a child's joint, which belongs to both bodies.
+struct Shared<'g> {
+    child: usize,
+    /// Its moments where it is 1, in the parent's frame.
+    in_parent: MassMoments<Scalar<'g>>,
+    /// The component of the parent's first moment that is to vanish.
+    component: usize,
+}
+
+/// Shifts masses between a body and its children, all at once, until components of its first moment vanish.
+fn balance_by_children<'g>(bodies: &mut [Body<Scalar<'g>>], choices: &[RegroupChoice], index: usize) {
+    let shared: Vec<Shared<'g>> = (index + 1..bodies.len())
+        .filter(|&child| bodies[child].parent == Some(index) && bodies[child].chain.is_none())
+        .filter_map(|child| shared_with(&bodies[child], choices[child], child))
+        .collect();
+    let zero = bodies[index].lift.constant(0.0);
+    let Some(masses) = balancing_masses(&shared, bodies[index].moments.first) else { return };
+    for (Shared { child, in_parent, .. }, mass) in shared.iter().zip(masses) {
+        let mass = zero.constant(mass);
+        bodies[index].moments = bodies[index].moments + in_parent.map(|x| x * mass);
+        bodies[*child].moments.mass = bodies[*child].moments.mass - mass;
+    }
+    for Shared { component, .. } in shared {
+        bodies[index].moments.first.0[component] = zero;
+    }
+}
+
+fn shared_with<'g>(body: &Body<Scalar<'g>>, choice: RegroupChoice, child: usize) -> Option<Shared<'g>> {
+    let RegroupChoice::Take(component) = choice else { return None };
+    let mut point = MassMoments::zero(body.lift.graph());
+    point.mass = body.lift.constant(1.0);
+    let in_parent = point.lifted(body.lift).to_parent(&body.twist, body.translation);
+    (body.axis == JointAxis::Revolute).then_some(Shared { child, in_parent, component })
+}
+
+/// The masses that balance a first moment; `None` where levers are no constants, or where digits would be lost.
+fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option<Vec<f64>> {
+    let row = |component: usize| -> Option<Vec<f64>> {
+        let levers = shared.iter().map(|each| each.in_parent.first[component].value());
+        levers.chain([first[component].value().map(|x| -x)]).collect()
+    };
+    let rows: Vec<Vec<f64>> = shared.iter().map(|each| row(each.component)).collect::<Option<_>>()?;
+    if rows.is_empty() { None } else { solved(rows) }
+}
+
+/// The solution of linear equations, whose right side is the last column; `None` where a pivot is too small (Gauss–Jordan
+/// elimination with row pivots).
+fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let size = rows.len();
+    for k in 0..size {
+        let largest = (k..size).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
+        rows.swap(k, largest);
+        let pivot = rows[k].clone();
+        if pivot[k].abs() < SHORTEST_LEVER {
+            return None;
+        }
+        for (_, row) in rows.iter_mut().enumerate().filter(|(other, _)| *other != k) {
+            let factor = row[k] / pivot[k];
+            row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
+        }
+    }
+    Some((0..size).map(|k| rows[k][size] / rows[k][k]).collect())
+}
 
 /// Shifts mass between a revolute joint's origin and its parent until the parent's h_x vanishes.
 fn balance_parent(bodies: &mut [Body<Scalar<'_>>], index: usize, parent: usize) {

@@ -217,6 +217,37 @@ impl<'g> Mechanism<Scalar<'g>> {
         self.gravity.map(|x| scaled_down(x, self.bodies[root].length_unit))
     }
 
+    /// Moves the origin of a revolute body along its axis to where the translation from its parent ends.
+    pub fn leave_lift_to_children(&mut self, index: usize) {
+        let zero = self.graph.constant(0.0);
+        let lift = std::mem::replace(&mut self.bodies[index].lift, zero);
+        self.bodies[index].moments = self.bodies[index].moments.lifted(lift);
+        let along = Vector3([zero, zero, lift]);
+        for child in self.bodies.iter_mut().filter(|body| body.parent == Some(index)) {
+            child.translation = child.translation + along;
+        }
+        for (_, pose) in self.links.iter_mut().filter(|(body, _)| *body == Some(index)) {
+            pose.translation = pose.translation + along;
+        }
+    }
+
+    /// Counts the way along a revolute body's axis as part of the translation from its parent. A lever that a body on the
+    /// same parent has but for rounding is the same number.
+    pub fn leave_lift_to_parent(&mut self, index: usize) {
+        let origin = self.bodies[index].origin_in_parent();
+        let parent = self.bodies[index].parent;
+        let others = self.bodies.iter().take(index).filter(|body| parent.is_some() && body.parent == parent);
+        let levers: Vec<f64> =
+            others.filter_map(|body| body.translation.values()).flatten().map(f64::abs).collect();
+        let body = &mut self.bodies[index];
+        body.translation = origin.map(|x| {
+            let Some(value) = x.value() else { return x };
+            let same = levers.iter().find(|lever| (value.abs() - **lever).abs() <= SAME_LEVER);
+            same.map_or(x, |lever| x.constant(lever.copysign(value))).cleaned(SAME_LEVER)
+        });
+        body.lift = self.graph.constant(0.0);
+    }
+
     /// Turns a leaf's frame about its axis until its first moment has no y component.
     pub fn align_first_moment(&mut self, index: usize) {
         let first = self.bodies[index].moments.first;
@@ -267,6 +298,9 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 }
+
+/// What sums of lengths differ by that are the same but for rounding (m).
+const SAME_LEVER: f64 = 1e-15;
 
 /// `x / unit`, exact where both are the same constant.
 fn scaled_down(x: Scalar<'_>, unit: f64) -> Scalar<'_> {

@@ -1,32 +1,48 @@
-//! Branches of a floating or spherical body that lie as in a mirror, as the legs of a quadruped.
+//! Branches of a body that have levers in common, as those which lie as in a mirror: the legs of a quadruped, the arms of a
+//! humanoid.
 //!
-//! The components of their origins p are ±c with the same c. On the way outwards the products of c are formed once. On the
-//! way inwards sums of the forces f with the signs s = ±1 of a component come before its product,
+//! Components of their origins p are ±c with the same c. On the way outwards the products of c are formed once, and what the
+//! origins share is added first. On the way inwards sums of the forces f with the signs s = ±1 of a component come before its
+//! product,
 //!
 //! ```text
-//! Σ p × f = Σ_k c_k e_k × Σ s_k f
+//! Σ p × f = Σ_k Σ_c c e_k × Σ s f          over the branches with |p_k| = c
 //! ```
 //!
 //! and what these sums have in common with each other and with Σ f is added once.
 
+use crate::dynamics::recursion::motion::BodyMotion;
 use crate::dynamics::recursion::placement::Placement;
 use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Vector3};
 
 /// The constant origin of a body in its parent's frame, along its axis included; `None` where no other branch of the parent
-/// lies as in a mirror.
+/// shares a lever with it.
 pub(super) fn mirrored<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
     index: usize,
 ) -> Option<Vector3<Scalar<'g>>> {
-    let (parent, own) = (mechanism.bodies[index].parent?, branch_origin(mechanism, placements, index)?);
-    let lengths = |v: Vector3<Scalar<'g>>| v.values().map(|v| v.map(f64::abs));
+    let own = branch_origin(mechanism, placements, index)?;
+    let mut others = other_origins(mechanism, placements, index);
+    others.any(|other| levers(own).zip(levers(other)).any(|(a, b)| a != 0.0 && a == b)).then_some(own)
+}
+
+fn levers(v: Vector3<Scalar<'_>>) -> impl Iterator<Item = f64> {
+    v.values().into_iter().flatten().map(f64::abs)
+}
+
+/// Origins of the other branches of a body's parent.
+fn other_origins<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    placements: &[Placement<'g>],
+    index: usize,
+) -> impl Iterator<Item = Vector3<Scalar<'g>>> {
+    let parent = mechanism.bodies[index].parent;
     let others =
-        (0..mechanism.bodies.len()).filter(|&k| k != index && mechanism.bodies[k].parent == Some(parent));
-    let mut origins = others.filter_map(|other| branch_origin(mechanism, placements, other));
-    origins.any(|other| lengths(other) == lengths(own)).then_some(own)
+        (0..mechanism.bodies.len()).filter(move |&k| k != index && mechanism.bodies[k].parent == parent);
+    others.filter_map(|other| branch_origin(mechanism, placements, other))
 }
 
 fn branch_origin<'g>(
@@ -36,14 +52,32 @@ fn branch_origin<'g>(
 ) -> Option<Vector3<Scalar<'g>>> {
     let (body, placement) = (&mechanism.bodies[index], &placements[index]);
     let on_chain = body.chain.is_none() && mechanism.bodies[body.parent?].chain.is_some();
+    // Elsewhere only where the formulation asks for it.
+    let asked = mechanism.has_quaternions() && body.chain.is_none() && placement.extension.is_zero();
     let turns = body.axis == JointAxis::Revolute && body.unit_ratio == 1.0;
     let zero = placement.extension.constant(0.0);
     let lift = body.twist.to_parent(Vector3([zero, zero, placement.extension]));
     let origin = placement.translation + lift;
-    (on_chain && turns && origin.values().is_some()).then_some(origin)
+    ((on_chain || asked) && turns && origin.values().is_some()).then_some(origin)
 }
 
-/// The mirrored branches of a body with the forces that it exerts on them.
+/// The acceleration of a branch's origin: what more branches share is added first.
+pub(super) fn carried<'g>(
+    mechanism: &Mechanism<Scalar<'g>>,
+    placements: &[Placement<'g>],
+    index: usize,
+    origin: Vector3<Scalar<'g>>,
+    parent: &BodyMotion<'g>,
+) -> Vector3<Scalar<'g>> {
+    let others: Vec<[f64; 3]> =
+        other_origins(mechanism, placements, index).filter_map(|other| other.values()).collect();
+    let sharing = |k: &usize| others.iter().filter(|other| Some(other[*k]) == origin[*k].value()).count();
+    let mut axes = [0, 1, 2];
+    axes.sort_by_key(|k| std::cmp::Reverse(sharing(k)));
+    axes.iter().fold(parent.acceleration, |sum, &k| sum + parent.spread.column(k).scaled(origin[k]))
+}
+
+/// The branches of a body that have levers in common, with the forces that it exerts on them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Branches<'g> {
     origins: Vec<[f64; 3]>,
@@ -58,42 +92,50 @@ impl<'g> Branches<'g> {
 
     /// `own` with the forces of all branches, moved to the body's origin.
     pub fn added_to(&self, own: Force<'g>) -> Force<'g> {
-        let (mut left, mut result) = ((0..self.forces.len()).collect::<Vec<_>>(), own);
-        while let Some(&first) = left.first() {
-            let lengths = |k: usize| self.origins[k].map(f64::abs);
-            let (group, others) = left.iter().partition(|&&k| lengths(k) == lengths(first));
-            left = others;
-            result = self.group_added(&group, lengths(first), result);
-        }
-        result
-    }
-
-    fn group_added(&self, group: &[usize], lengths: [f64; 3], own: Force<'g>) -> Force<'g> {
-        let plain = vec![1.0; group.len()];
-        let signs = |k: usize| group.iter().map(|&branch| self.origins[branch][k].signum()).collect();
-        let patterns: Vec<Vec<f64>> = std::iter::once(plain).chain((0..3).map(signs)).collect();
         let mut result = own;
+        if self.forces.is_empty() {
+            return result;
+        }
         for i in 0..3 {
-            let levers: Vec<usize> = (0..3).filter(|&k| k != i && lengths[k] != 0.0).collect();
-            let wanted: Vec<&[f64]> =
-                std::iter::once(0).chain(levers.iter().map(|k| k + 1)).map(|k| &patterns[k][..]).collect();
-            let terms = group.iter().map(|&branch| self.forces[branch][i]).collect();
-            let sums = shared_sums(terms, &wanted);
+            let levers: Vec<(usize, f64)> = (0..3)
+                .filter(|k| *k != i)
+                .flat_map(|k| self.lengths(k).into_iter().map(move |c| (k, c)))
+                .collect();
+            let all = (0..self.forces.len()).map(|branch| (branch, 1.0)).collect();
+            let mut wanted = vec![all];
+            wanted.extend(levers.iter().map(|&(k, length)| self.signs(k, length)));
+            let terms = self.forces.iter().map(|force| force[i]).collect();
+            let sums = shared_sums(terms, wanted);
             result.force.0[i] = result.force[i] + sums[0];
-            for (&k, &sum) in levers.iter().zip(&sums[1..]) {
+            for (&(k, length), &sum) in levers.iter().zip(&sums[1..]) {
                 // e_k × e_i
                 let (axis, sign) = (3 - i - k, if (i + 3 - k) % 3 == 1 { 1.0 } else { -1.0 });
-                result.moment.0[axis] = result.moment[axis] + sum * (sign * lengths[k]);
+                result.moment.0[axis] = result.moment[axis] + sum * (sign * length);
             }
         }
         result
     }
+
+    /// The different lengths of a component, without 0.
+    fn lengths(&self, k: usize) -> Vec<f64> {
+        let mut lengths: Vec<f64> = Vec::new();
+        for length in self.origins.iter().map(|origin| origin[k].abs()) {
+            if length != 0.0 && !lengths.contains(&length) {
+                lengths.push(length);
+            }
+        }
+        lengths
+    }
+
+    /// The branches whose component has a length, with its signs.
+    fn signs(&self, k: usize, length: f64) -> Vec<(usize, f64)> {
+        let components = self.origins.iter().map(|origin| origin[k]).enumerate();
+        components.filter(|(_, x)| x.abs() == length).map(|(branch, x)| (branch, x.signum())).collect()
+    }
 }
 
 /// Sums of the same terms with different signs: the pair that most of them contain is added first, and so on.
-fn shared_sums<'g>(mut terms: Vec<Scalar<'g>>, patterns: &[&[f64]]) -> Vec<Scalar<'g>> {
-    let mut sums: Vec<Vec<(usize, f64)>> =
-        patterns.iter().map(|signs| signs.iter().copied().enumerate().collect()).collect();
+fn shared_sums<'g>(mut terms: Vec<Scalar<'g>>, mut sums: Vec<Vec<(usize, f64)>>) -> Vec<Scalar<'g>> {
     while let Some((a, b, relative)) = commonest(&sums) {
         let pair = terms[a] + terms[b].signed(relative);
         for sum in &mut sums {

@@ -1,5 +1,6 @@
 //! How bodies move, and what motion the equations are evaluated for.
 
+use crate::dynamics::formulation::Diagonal;
 use crate::graph::Scalar;
 use crate::kinematics::Body;
 use crate::spatial::{Matrix3, Vector3};
@@ -13,6 +14,8 @@ pub(in crate::dynamics) struct BodyMotion<'g> {
     pub(super) angular: [Option<Scalar<'g>>; 3],
     /// U = ω̇× + ω× ω×.
     pub spread: Matrix3<'g>,
+    /// U_zz − U_yy, U_xx − U_zz and U_yy − U_xx, where they do not come from U.
+    pub(super) differences: Option<[Scalar<'g>; 3]>,
     /// Acceleration of the origin, minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
     /// What it comes from, for bodies of joints with quaternions.
@@ -54,6 +57,7 @@ impl<'g> BodyMotion<'g> {
             omega: Vector3::zero(zero),
             angular: [Some(zero); 3],
             spread: Matrix3::zero(zero),
+            differences: None,
             acceleration,
             chain: None,
         }
@@ -67,7 +71,30 @@ impl<'g> BodyMotion<'g> {
         chain: ChainMotion<'g>,
     ) -> Self {
         let (spread, angular) = (spread_of(omega, angular), angular.0.map(Some));
-        Self { omega, angular, spread, acceleration, chain: Some(chain) }
+        Self { omega, angular, spread, differences: None, acceleration, chain: Some(chain) }
+    }
+
+    /// Takes a way to the diagonal of U and its differences.
+    pub(super) fn find_diagonal(&mut self, diagonal: Diagonal) {
+        let (u, squares) = (&mut self.spread.0, |w: Vector3<Scalar<'g>>| w.0.map(Scalar::squared));
+        let across = |[first, second]: [Scalar<'g>; 2]| Some([first, second, -(first + second)]);
+        match diagonal {
+            Diagonal::Sums => {}
+            Diagonal::Squares => {
+                let [xx, yy, zz] = squares(self.omega);
+                self.differences = Some([zz - yy, xx - zz, yy - xx]);
+            }
+            Diagonal::Axis => {
+                let [_, yy, zz] = squares(self.omega);
+                self.differences = across([zz - yy, u[0][0] - u[2][2]]);
+                u[1][1] = u[2][2] - (zz - yy);
+            }
+            Diagonal::AxisAcross => {
+                let [xx, _, zz] = squares(self.omega);
+                self.differences = across([u[2][2] - u[1][1], xx - zz]);
+                u[0][0] = u[2][2] + (xx - zz);
+            }
+        }
     }
 
     pub(super) fn named(self, body: &Body<Scalar<'g>>) -> Self {

@@ -11,7 +11,7 @@
 //! 9, for the frames.)
 
 use crate::dynamics::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
-use crate::dynamics::recursion::mirrored::{Branches, mirrored};
+use crate::dynamics::recursion::mirrored::{Branches, carried as carried_to_branch, mirrored};
 use crate::dynamics::recursion::motion::{BodyMotion, MotionInput, spread_of};
 use crate::dynamics::recursion::placement::{Placement, place};
 use crate::dynamics::recursion::quaternion::Passage;
@@ -97,7 +97,11 @@ pub(in crate::dynamics) fn motions<'g>(
         let parent = body.parent.map_or(base, |parent| motions[parent]);
         if let Some(place) = body.chain {
             let whole = match place.first == index {
-                true => Passage { mechanism, placements, place }.motion(&parent, input).named(body),
+                true => {
+                    let mut whole = Passage { mechanism, placements, place }.motion(&parent, input);
+                    whole.find_diagonal(formulation.bodies[index].diagonal);
+                    whole.named(body)
+                }
                 false => parent,
             };
             motions.push(whole);
@@ -105,8 +109,10 @@ pub(in crate::dynamics) fn motions<'g>(
         }
         let (rate, acceleration) = (body.transmission.motion(input.v), body.transmission.motion(input.a));
         let mirrored = mirrored(mechanism, placements, index);
-        let origin = mirrored.unwrap_or(placement.translation);
-        let carried = parent.acceleration + parent.spread.times(origin);
+        let carried = match mirrored {
+            Some(origin) => carried_to_branch(mechanism, placements, index, origin, &parent),
+            None => parent.acceleration + parent.spread.times(placement.translation),
+        };
         let carried = placement.to_child_unit(&body.twist, carried);
         let mut motion = match body.axis {
             JointAxis::Prismatic => extend(&parent, body, placement, carried, rate, acceleration),
@@ -164,10 +170,20 @@ impl<'g> RevoluteStep<'_, 'g> {
                 let axis = self.source_twist().to_parent(unit_z(rate));
                 let points = self.carry(source.spread.times(axis));
                 let axial = self.axial(source.angular_acceleration()) + acceleration;
-                ([None, None, Some(axial)], spread_from_axis(omega, points, axial))
+                let mut spread = spread_from_axis(omega, points, axial);
+                let across = self.choices.by_acceleration.then(|| {
+                    let product = omega[0] * omega[2];
+                    let across = points[0] - product;
+                    spread.0[2][0] = product - across;
+                    across
+                });
+                ([None, across, Some(axial)], spread)
             }
         };
-        BodyMotion { omega, angular, spread, acceleration: origin, chain: None }
+        let mut motion =
+            BodyMotion { omega, angular, spread, differences: None, acceleration: origin, chain: None };
+        motion.find_diagonal(self.choices.diagonal);
+        motion
     }
 
     /// Rate and acceleration of the turn relative to the source.
@@ -228,7 +244,14 @@ fn extend<'g>(
     let spread = spread_of(omega, angular);
     let twice = rate * 2.0;
     let coriolis = Vector3([omega[1] * twice, -(omega[0] * twice), acceleration]);
-    BodyMotion { omega, angular: angular.0.map(Some), spread, acceleration: carried + coriolis, chain: None }
+    BodyMotion {
+        omega,
+        angular: angular.0.map(Some),
+        spread,
+        differences: None,
+        acceleration: carried + coriolis,
+        chain: None,
+    }
 }
 
 fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
@@ -256,16 +279,22 @@ fn spread_from_axis<'g>(
 fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g> {
     let (moments, a) = (placement.moments, motion.acceleration);
     let force = a.scaled(moments.mass) + motion.spread.times(moments.first);
-    let moment = moments.first.cross(a) + moment_of_second(&motion.spread, moments.second);
+    let moment = moments.first.cross(a) + moment_of_second(motion, moments.second);
     Force { moment, force }
 }
 
 /// `vee(U Σ − Σ Uᵀ)`
-fn moment_of_second<'g>(u: &Matrix3<'g>, s: Symmetric3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
+fn moment_of_second<'g>(motion: &BodyMotion<'g>, s: Symmetric3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
+    let u = &motion.spread;
+    // Where nothing else was chosen, a difference is a node that stands behind the terms before it.
+    let difference = |k: usize| {
+        let [from, to] = [[2, 1], [0, 2], [1, 0]][k];
+        motion.differences.map_or_else(|| u[from][from] - u[to][to], |all| all[k])
+    };
     Vector3([
-        u[2][0] * s.xy - u[1][0] * s.xz + (u[2][2] - u[1][1]) * s.yz + u[2][1] * s.yy - u[1][2] * s.zz,
-        u[0][1] * s.yz - u[2][1] * s.xy + (u[0][0] - u[2][2]) * s.xz + u[0][2] * s.zz - u[2][0] * s.xx,
-        u[1][2] * s.xz - u[0][2] * s.yz + (u[1][1] - u[0][0]) * s.xy + u[1][0] * s.xx - u[0][1] * s.yy,
+        u[2][0] * s.xy - u[1][0] * s.xz + difference(0) * s.yz + u[2][1] * s.yy - u[1][2] * s.zz,
+        u[0][1] * s.yz - u[2][1] * s.xy + difference(1) * s.xz + u[0][2] * s.zz - u[2][0] * s.xx,
+        u[1][2] * s.xz - u[0][2] * s.yz + difference(2) * s.xy + u[1][0] * s.xx - u[0][1] * s.yy,
     ])
 }
 

@@ -1,13 +1,14 @@
 //! The search for the cheapest formulation.
 
 use crate::dynamics::formulation::{
-    AngularRoute, BodyChoices, Formulation, LeafAlignment, RunLink, WorkingFrame,
+    AngularRoute, BodyChoices, Diagonal, Formulation, LeafAlignment, Lift, RunLink, WorkingFrame,
 };
 use crate::kinematics::{Body, JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
 /// The choices that one mechanism offers.
 #[derive(Debug, Clone)]
 pub struct SearchSpace {
+    has_quaternions: bool,
     length_units: Vec<f64>,
     bodies: Vec<BodyOptions>,
 }
@@ -20,6 +21,7 @@ struct BodyOptions {
     before_joint: bool,
     is_leaf: bool,
     balances: bool,
+    lifted: bool,
     parent: Option<usize>,
     /// Lengths of the children's translations.
     own_lengths: Vec<f64>,
@@ -53,7 +55,7 @@ impl BodyOptions {
         if self.balances {
             let regroup = match now.regroup {
                 RegroupChoice::Massless => RegroupChoice::BalanceParent,
-                RegroupChoice::BalanceParent => RegroupChoice::Massless,
+                RegroupChoice::BalanceParent | RegroupChoice::Take(_) => RegroupChoice::Massless,
             };
             options.push(BodyChoices { regroup, ..now });
         }
@@ -61,6 +63,22 @@ impl BodyOptions {
             use LeafAlignment::{FirstMoment, NoOffset, SecondMoment};
             let others = [NoOffset, FirstMoment, SecondMoment].into_iter().filter(|leaf| *leaf != now.leaf);
             options.extend(others.map(|leaf| BodyChoices { leaf, ..now }));
+        }
+        options
+    }
+
+    /// What only the recursion of forces can choose.
+    fn fine_alternatives(&self, now: BodyChoices) -> Vec<BodyChoices> {
+        use Diagonal::{Axis, AxisAcross, Squares, Sums};
+        let mut options = vec![BodyChoices { by_acceleration: !now.by_acceleration, ..now }];
+        options.extend([Sums, Squares, Axis, AxisAcross].map(|diagonal| BodyChoices { diagonal, ..now }));
+        if self.revolute && self.parent.is_some() {
+            options.extend([0, 1, 2].map(|k| BodyChoices { regroup: RegroupChoice::Take(k), ..now }));
+        }
+        if self.revolute && self.lifted {
+            options.extend(
+                [Lift::Own, Lift::OfParent, Lift::OfChildren].map(|lift| BodyChoices { lift, ..now }),
+            );
         }
         options
     }
@@ -92,6 +110,7 @@ impl SearchSpace {
                 balances: revolute
                     && body.parent.is_some()
                     && body.lever().is_some_and(|px| px.abs() >= SHORTEST_LEVER),
+                lifted: body.lift.value() != Some(0.0),
                 parent: body.parent,
                 own_lengths: if all_revolute(mechanism) {
                     own_lengths(mechanism, index, &children[index])
@@ -100,7 +119,8 @@ impl SearchSpace {
                 },
             }
         });
-        Self { length_units: length_units(mechanism), bodies: bodies.collect() }
+        let has_quaternions = mechanism.has_quaternions();
+        Self { has_quaternions, length_units: length_units(mechanism), bodies: bodies.collect() }
     }
 }
 
@@ -141,6 +161,32 @@ fn own_lengths(mechanism: &Mechanism<Number>, body: usize, children: &[usize]) -
 fn nonzero_length(x: Number) -> Option<f64> {
     x.value().map(f64::abs).filter(|length| *length >= SHORTEST_LEVER)
 }
+
+/// Descends further from a formulation, by choices that only the recursion of forces has.
+///
+/// Robots without quaternions keep the formulation.
+pub fn refined(
+    space: &SearchSpace,
+    start: Formulation,
+    evaluate: impl Fn(&Formulation) -> (u64, usize),
+) -> Formulation {
+    if !space.has_quaternions {
+        return start;
+    }
+    let (weight, nodes) = evaluate(&start);
+    let left = (REFINING_NODES / nodes.max(1)).max(4);
+    let mut descent = Descent { evaluate, best: start, weight, left };
+    descent.attempt(SearchSpace::refining);
+    let mut before = u64::MAX;
+    while descent.weight < before && descent.left > 0 {
+        before = descent.weight;
+        descent.sweep_finely(space);
+    }
+    descent.best
+}
+
+/// The finer descent visits this many nodes at most: a humanoid with 29 joints needs two thirds of them.
+const REFINING_NODES: usize = 12_000_000;
 
 /// Formulations are compared by this many visited nodes at most, so that generating stays quick.
 const VISITED_NODES: usize = 600_000;
@@ -204,7 +250,29 @@ impl<F: Fn(&Formulation) -> (u64, usize)> Descent<F> {
     }
 }
 
+impl<F: Fn(&Formulation) -> (u64, usize)> Descent<F> {
+    fn sweep_finely(&mut self, space: &SearchSpace) {
+        for (index, options) in space.bodies.iter().enumerate() {
+            let now = self.best.bodies[index];
+            let fine = options.fine_alternatives(now).into_iter();
+            for choices in fine.chain(options.alternatives(now)) {
+                self.attempt(|best| best.with_body(index, choices));
+            }
+        }
+    }
+}
+
 impl SearchSpace {
+    /// The finer choices that are cheapest for most bodies.
+    fn refining(start: &Formulation) -> Formulation {
+        let mut next = start.clone();
+        for body in &mut next.bodies {
+            body.diagonal = Diagonal::Squares;
+            body.by_acceleration = true;
+        }
+        next
+    }
+
     /// A formulation with each body's own length of this rank as its unit.
     fn with_own_units(&self, formulation: &Formulation, rank: usize) -> Formulation {
         let mut next = formulation.clone();

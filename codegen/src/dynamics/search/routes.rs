@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::descent::{SearchSpace, cheapest};
+use super::descent::{SearchSpace, cheapest, refined};
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::matrix::{FREE, Matrix, jacobian, subtract};
 use crate::dynamics::parameters::base_parameters::BaseParameters;
@@ -142,21 +142,37 @@ impl<'m> Formulations<'m> {
 
     /// The cheapest formulation of the inverse dynamics.
     pub fn inverse_dynamics(&self) -> &Formulation {
-        self.inverse_dynamics.get_or_init(|| self.recursive(Moving::Accelerated))
+        self.inverse_dynamics.get_or_init(|| {
+            let weight =
+                |formulation: &Formulation| recursion(self.mechanism, formulation, Moving::Accelerated);
+            refined(&self.space, self.recursive(Moving::Accelerated), weight)
+        })
     }
 
     /// The cheapest formulation of the bias forces, without accelerations.
     pub fn bias_forces(&self) -> &Formulation {
-        self.bias_forces.get_or_init(|| self.recursive(Moving::Steadily))
+        self.bias_forces.get_or_init(|| self.recursive_or_refined(Moving::Steadily))
     }
 
     /// The cheapest formulation of gravity alone.
     pub fn gravity_forces(&self) -> &Formulation {
-        self.gravity_forces.get_or_init(|| self.recursive(Moving::Not))
+        self.gravity_forces.get_or_init(|| self.recursive_or_refined(Moving::Not))
     }
 
     fn recursive(&self, moving: Moving) -> Formulation {
         cheapest(&self.space, |formulation| recursion(self.mechanism, formulation, moving))
+    }
+
+    /// As [`Self::recursive`], or the formulation of the inverse dynamics, which is searched for more finely where there are
+    /// quaternions.
+    fn recursive_or_refined(&self, moving: Moving) -> Formulation {
+        let own = self.recursive(moving);
+        if !self.mechanism.has_quaternions() {
+            return own;
+        }
+        let weight = |formulation: &Formulation| recursion(self.mechanism, formulation, moving).0;
+        let refined = self.inverse_dynamics();
+        if weight(refined) < weight(&own) { refined.clone() } else { own }
     }
 
     /// The cheapest formulation of the mass matrix.
