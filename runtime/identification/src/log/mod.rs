@@ -4,8 +4,8 @@
 //! mixed units are [`Finding`]s, and the caller decides (select rows, split).
 //!
 //! [`runs`] goes further for logs of strangers: it finds the columns of a robot by itself and gives whole runs.
-//! Its order of work is one file for each step: `sheet` (separators, header, rows), `vocabulary` (words of a
-//! header), `families` (the columns of one quantity), `mapping` and `scale` (which family, in which unit), `time`,
+//! Its order of work is one file for each step: `sheet` (separators, header, rows), `vocabulary` and `languages`
+//! (words of a header), `families` (the columns of one quantity), `mapping` and `scale` (which family, in which unit), `time`,
 //! `runs` (samples, cut into runs), `unroll` (poses with quaternions), `joint_forces` (inputs at frames), `health` (what the runs say about their log).
 
 mod acting;
@@ -15,6 +15,7 @@ mod finder;
 mod finding;
 mod health;
 mod joint_forces;
+mod languages;
 mod mapping;
 mod motion;
 mod number;

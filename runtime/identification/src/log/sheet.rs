@@ -250,7 +250,7 @@ fn comment(line: &[u8]) -> Option<&[u8]> {
 fn fields(line: &[u8], separator: u8) -> Vec<String> {
     if separator == b' ' {
         let words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        return words.map(|word| String::from_utf8_lossy(word).into_owned()).collect();
+        return words.map(decoded).collect();
     }
     let mut csv = csv::ReaderBuilder::new()
         .flexible(true)
@@ -260,12 +260,23 @@ fn fields(line: &[u8], separator: u8) -> Vec<String> {
         .from_reader(trim_start_but(line, separator));
     let mut record = csv::ByteRecord::new();
     let _ = csv.read_byte_record(&mut record); // a line that is no record has no fields
-    let mut fields: Vec<String> = record.iter().map(|f| String::from_utf8_lossy(f).into_owned()).collect();
+    let mut fields: Vec<String> = record.iter().map(decoded).collect();
     // A separator at the end of a line begins no field.
     if fields.len() > 1 && fields.last().is_some_and(String::is_empty) {
         fields.pop();
     }
     fields
+}
+
+/// Text of a field. What is no UTF-8 is taken as Windows writes western European languages: its letters have the
+/// numbers that they have in Unicode.
+fn decoded(field: &[u8]) -> String {
+    let letter = |byte: &u8| match byte {
+        0..=0x7f | 0xc0..=0xff => char::from(*byte),
+        _ => char::REPLACEMENT_CHARACTER,
+    };
+    let text = str::from_utf8(field).map(str::to_owned);
+    text.unwrap_or_else(|_| field.iter().map(letter).collect())
 }
 
 /// Blanks before a quotation mark would make it part of the field.

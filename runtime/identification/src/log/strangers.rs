@@ -73,6 +73,11 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
         ("franka", "time [ms],q[0],q[1],q_d[0],q_d[1],dq[0],dq[1],tau_J[0],tau_J[1],tau_J_d[0],tau_J_d[1],dtau_J[0],dtau_J[1],tau_ext_hat_filtered[0],tau_ext_hat_filtered[1]", |t, [a, b]| format!("{},{},{},9,9,{},{},{},{},9,9,9,9,9,9", (t * 1000.0).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
         ("libfranka", "time, success_rate, state.q[0], state.q[1],state.q_d[0], state.q_d[1],state.dq[0], state.dq[1],state.dq_d[0], state.dq_d[1],state.tau_J[0], state.tau_J[1],state.tau_ext_hat_filtered[0], state.tau_ext_hat_filtered[1],cmd.q_d[0], cmd.q_d[1],cmd.dq_d[0], cmd.dq_d[1],cmd.O_T_EE_d[0], cmd.O_T_EE_d[1],cmd.tau_J_d[0], cmd.tau_J_d[1]", |t, [a, b]| format!("{},1,{},{},9,9,{},{},9,9,{},{},9,9,9,9,9,9,9,9,9,9", (t * 1000.0).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
         ("german excel", "Zeit;Time (s);Position 1 [deg];Position 2 [deg];Torque 1 (Nm);Torque 2 (Nm);", |t, [a, b]| format!("x;{t};{};{};{};{};", a[0] * DEG, b[0] * DEG, a[2], b[2]).replace('.', ","), "", Joint, false),
+        ("german", "Zeit [s];Winkel 1 [Grad];Winkel 2 [Grad];Geschwindigkeit 1 [Grad/s];Geschwindigkeit 2 [Grad/s];Drehmoment 1 [Nm];Drehmoment 2 [Nm];Motorspannung 1 [V];Motorspannung 2 [V]", |t, [a, b]| format!("{t};{};{};{};{};{};{};24;24", a[0] * DEG, b[0] * DEG, a[1] * DEG, b[1] * DEG, a[2], b[2]).replace('.', ","), "", Joint, true),
+        ("german drive", "Zeitstempel;Lageistwert Achse 1;Lageistwert Achse 2;Lagesollwert Achse 1;Lagesollwert Achse 2;Iststrom Achse 1 [mA];Iststrom Achse 2 [mA];Schleppfehler Achse 1;Schleppfehler Achse 2", |t, [a, b]| format!("{t};{};{};9;9;{};{};0;0", a[0], b[0], a[2] * 1e3, b[2] * 1e3).replace('.', ","), "", Current, false),
+        ("french", "temps (s);position_articulaire_1;position_articulaire_2;vitesse_articulaire_1;vitesse_articulaire_2;couple_1;couple_2", |t, [a, b]| format!("{t};{};{};{};{};{};{}", a[0], b[0], a[1], b[1], a[2], b[2]).replace('.', ","), "", Joint, true),
+        ("italian", "tempo;posizione giunto 1;posizione giunto 2;velocità giunto 1;velocità giunto 2;coppia giunto 1;coppia giunto 2", |t, [a, b]| format!("{t};{};{};{};{};{};{}", a[0], b[0], a[1], b[1], a[2], b[2]).replace('.', ","), "", Joint, true),
+        ("spanish", "Tiempo,Ángulo articulación 1 (°),Ángulo articulación 2 (°),Velocidad 1,Velocidad 2,Par 1,Par 2", |t, [a, b]| format!("{t},{},{},{},{},{},{}", a[0] * DEG, b[0] * DEG, a[1], b[1], a[2], b[2]), "", Joint, true),
         ("matlab", "Time (s)\tq(1)\tq(2)\tu(1)\tu(2)", |t, [a, b]| format!("{t}\t{}\t{}\t{}\t{}", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("savetxt", "# a robot\n# t q_0 q_1 tau_0 tau_1", |t, [a, b]| format!("{t:.18e} {:.18e} {:.18e} {:.18e} {:.18e}", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("row of units", "\u{feff}\"t\",\"pos_1\",\"pos_2\",\"vel_1\",\"vel_2\",\"eff_1\",\"eff_2\"\ns,deg,deg,deg/s,deg/s,Nm,mNm", |t, [a, b]| format!("{t},{},{},{},{},{},{}\r", a[0] * DEG, b[0] * DEG, a[1] * DEG, b[1] * DEG, a[2], b[2] * 1e3), "", Joint, true),
@@ -118,6 +123,17 @@ fn strangers_logs_are_read() {
         let suspicious = recording.findings.iter().filter(|f| f.kind != FindingKind::UnitAssumed);
         assert_eq!(suspicious.map(ToString::to_string).collect::<Vec<_>>(), Vec::<String>::new(), "{style}");
     }
+}
+
+/// As a table of Excel in western Europe, whose letters are no UTF-8.
+#[test]
+fn letters_of_windows_are_read() {
+    let (_, header, row, ..) = styles().into_iter().find(|style| style.0 == "italian").unwrap();
+    let text: Vec<u8> =
+        written(header, 20, row).chars().map(|letter| u8::try_from(letter).unwrap()).collect();
+    let recording = runs_of(&text, "log.csv", &Fake::numbered(2), &ColumnOptions::default()).unwrap();
+    assert_motion("Windows", &recording, 20);
+    assert!(recording.runs[0].velocities[0].is_some(), "{:?}", recording.mapping);
 }
 
 /// Time, run label and values of a log of two joints that differ from sample to sample.

@@ -32,17 +32,17 @@ const UNITS: [(&str, &[(&str, f64)]); 12] = [
 
 /// Other spellings of units, in lower case and without blanks and multiplication signs.
 const SPELLINGS: [(&str, &str); 17] = [
-    ("s", "sec secs second seconds"),
+    ("s", "sec secs second seconds sekunde sekunden seconde secondes secondi segundos"),
     ("ms", "msec millis milliseconds"),
     ("us", "usec micros microseconds"),
     ("ns", "nsec nanos nsecs nanosec nanosecs nanosecond nanoseconds"),
-    ("rad", "radian radians"),
-    ("deg", "° degs degree degrees"),
+    ("rad", "radian radians radiant radianti radianes"),
+    ("deg", "° degs degree degrees gradi grados"),
     ("rev", "turn turns revs revolutions"),
     ("rad/s", "rads radps rad/sec rads^-1"),
     ("deg/s", "°/s dps degps deg/sec"),
     ("rev/s", "rps"),
-    ("rpm", "rev/min 1/min"),
+    ("rpm", "rev/min 1/min u/min umin^-1 tr/min giri/min"),
     ("m", "meter meters"),
     ("m/s", "mps"),
     ("N", "newton"),
@@ -74,6 +74,11 @@ pub(super) fn find(text: &str) -> Option<Unit> {
     let factor: f64 = text[..split].parse().ok().filter(|f: &f64| f.is_finite() && *f != 0.0)?;
     let unit = named(text[split..].trim_start_matches(['*', ' ']))?;
     Some(Unit { factor: factor * unit.factor, ..unit })
+}
+
+/// The unit in a German header, where `Grad` is a degree: in English `grad` is a hundredth of a right angle as well.
+pub(super) fn find_german(text: &str) -> Option<Unit> {
+    text.trim().strip_prefix("Grad").and_then(|rest| find(&format!("deg{rest}")))
 }
 
 fn named(text: &str) -> Option<Unit> {
@@ -126,11 +131,14 @@ mod tests {
             ("mA", 1e-3, "A"),
             ("2.0 deg", 2.0 * DEGREE, "rad"),
             ("0.5*mm", 0.5e-3, "m"),
+            ("U/min", PI / 30.0, "rad/s"),
+            ("Sekunden", 1.0, "s"),
         ];
         for (text, factor, si) in cases {
             let unit = find(text).unwrap_or_else(|| panic!("{text}"));
             assert!((unit.factor / factor - 1.0).abs() < 1e-15 && unit.si == si, "{text}: {unit:?}");
         }
+        assert_eq!(find_german("Grad/s²").map(|unit| unit.si), Some("rad/s^2"));
         for text in ["", "%", "counts per turn", "0 deg", "1e999 deg", "nan deg", "MA", "grad"] {
             assert_eq!(find(text), None, "{text}");
         }

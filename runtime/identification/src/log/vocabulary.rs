@@ -1,5 +1,6 @@
 //! Words in the headers of logs: what a column measures, and whether it was measured, filtered or commanded.
 
+use super::languages::in_english;
 use super::units::{self, Unit};
 
 /// What a column is for.
@@ -68,7 +69,8 @@ fn take_unit(text: &str) -> (String, Option<Unit>, Option<String>) {
     while let Some(open) = text[from..].find(['[', '(']).map(|at| at + from) {
         let Some(close) = text[open..].find([']', ')']).map(|at| at + open) else { break };
         let inner = text[open + 1..close].trim();
-        if let Some(unit) = units::find(inner).filter(|_| inner.parse::<f64>().is_err()) {
+        let german = || units::find_german(inner).filter(|_| is_translated(&text[..open]));
+        if let Some(unit) = units::find(inner).or_else(german).filter(|_| inner.parse::<f64>().is_err()) {
             return (format!("{} {}", &text[..open], &text[close + 1..]), Some(unit), None);
         }
         let is_last = text[close + 1..].trim().is_empty();
@@ -81,8 +83,17 @@ fn take_unit(text: &str) -> (String, Option<Unit>, Option<String>) {
 }
 
 /// Words and numbers of a text: split at other characters, between letters and digits, and where a small letter
-/// is followed by a word with a capital.
+/// is followed by a word with a capital. Words of other languages are in English.
 pub(super) fn words(text: &str) -> Vec<String> {
+    split(text).into_iter().flat_map(in_english).collect()
+}
+
+/// Whether a text has words of another language.
+fn is_translated(text: &str) -> bool {
+    split(text) != words(text)
+}
+
+fn split(text: &str) -> Vec<String> {
     let characters: Vec<char> = text.chars().collect();
     let mut words: Vec<String> = Vec::new();
     let mut word = String::new();
@@ -132,6 +143,11 @@ const STRONG: [(Kind, u8, &str); 15] = [
 
 /// Currents: `current` before another word means "present".
 const CURRENT: &str = "current currents cur curr amp amps amperage iq imot";
+
+/// Whether a word names a quantity by itself, and is no single letter.
+pub(super) fn is_quantity(word: &str) -> bool {
+    is_in(CURRENT, word) || STRONG.iter().any(|(_, _, list)| is_in(list, word))
+}
 
 /// Single letters count where no longer word says something.
 const WEAK: [(Kind, u8, &str); 8] = [
@@ -307,13 +323,32 @@ mod tests {
             ("Time (s)", Time, Unsaid),
             ("t", Time, Unsaid),
             ("run", Run, Unsaid),
+            ("Zeit", Time, Unsaid),
+            ("Gelenkwinkel_1", Position, Unsaid),
+            ("Lageistwert Achse 1", Position, Measured),
+            ("Sollwinkel 2", Position, Commanded),
+            ("Geschwindigkeit 3", Velocity, Unsaid),
+            ("Motormoment 1", Input, Unsaid),
+            ("Iststrom_2", Current, Measured),
+            ("vitesse articulaire 1", Velocity, Unsaid),
+            ("couple mesuré 1", Torque, Measured),
+            ("accélération_4", Acceleration, Unsaid),
+            ("corriente_motor_2", Current, Unsaid),
+            ("posizione comando 1", Position, Commanded),
         ];
         for (text, kind, origin) in cases {
             assert_eq!(said(text), Some((kind, origin)), "{text}");
         }
-        for text in
-            ["tau_ext_hat_filtered[0]", "dtau_J[0]", "actual_TCP_pose_0", "joint_temperatures_0", "seq", ""]
-        {
+        for text in [
+            "tau_ext_hat_filtered[0]",
+            "dtau_J[0]",
+            "actual_TCP_pose_0",
+            "joint_temperatures_0",
+            "seq",
+            "",
+            "Motorspannung",
+            "Lagefehler 1",
+        ] {
             assert_eq!(said(text), None, "{text}");
         }
     }
@@ -327,6 +362,9 @@ mod tests {
         let header = Header::new(0, "q_arm[1]", None);
         assert_eq!((header.words.join(" ").as_str(), header.unit, header.odd), ("q arm 1", None, None));
         assert_eq!(Header::new(0, "position [counts]", None).odd.as_deref(), Some("counts"));
+        let header = Header::new(0, "Winkel 1 [Grad]", None);
+        assert_eq!((header.words.join(" ").as_str(), header.unit.map(|u| u.si)), ("angle 1", Some("rad")));
+        assert_eq!(Header::new(0, "q1 [Grad]", None).odd.as_deref(), Some("Grad"));
         assert_eq!(Header::new(0, "tau", Some("mNm")).unit.map(|u| u.factor), Some(1e-3));
     }
 }
