@@ -44,6 +44,27 @@ impl BodyValues {
         Self { name, link, mass, center_of_mass: [x, y, z], inertia }
     }
 
+    /// The ten parameters of a link that is this body, as [`Self::of_link`] takes them.
+    #[must_use]
+    pub fn parameters(&self) -> [f64; PER_LINK] {
+        let mass = self.mass;
+        let [x, y, z] = self.center_of_mass;
+        let [xx, yy, zz, xy, xz, yz] = self.inertia;
+        let [hx, hy, hz] = [x, y, z].map(|place| mass * place);
+        [
+            mass,
+            hx,
+            hy,
+            hz,
+            xx + mass * (y * y + z * z),
+            xy - mass * x * y,
+            yy + mass * (x * x + z * z),
+            xz - mass * x * z,
+            yz - mass * y * z,
+            zz + mass * (x * x + y * y),
+        ]
+    }
+
     /// The table of a description.
     #[must_use]
     pub fn toml(&self) -> String {
@@ -61,6 +82,24 @@ impl BodyValues {
     }
 }
 
+/// The bodies of a moving link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkBodies {
+    /// The first body, which takes all.
+    pub body: BodyValues,
+    /// The others, without mass.
+    pub emptied: Vec<BodyValues>,
+    /// Parameters of the link by what is described elsewhere than in bodies: rotors of held joints.
+    pub fixed: Vec<f64>,
+}
+
+impl LinkBodies {
+    /// The tables of a description.
+    pub fn toml(&self) -> impl Iterator<Item = String> + '_ {
+        std::iter::once(&self.body).chain(&self.emptied).map(BodyValues::toml)
+    }
+}
+
 /// The bodies of a description whose moving links have these parameters, ten for each in the order of the
 /// moving joints.
 ///
@@ -69,7 +108,7 @@ impl BodyValues {
 ///
 /// # Errors
 /// As [`InterpretedRobot::new`](super::InterpretedRobot::new).
-pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<BodyValues>, Diagnostics> {
+pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diagnostics> {
     let fixed = without_bodies(model)?;
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
     let links = parameters.chunks_exact(PER_LINK).zip(fixed.chunks_exact(PER_LINK)).enumerate();
@@ -90,9 +129,9 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<BodyValues>, Diag
             inertia: [0.0; 6],
         });
         let emptied: Vec<BodyValues> = emptied.collect();
-        std::iter::once(BodyValues::of_link(first.clone(), link, &own)).chain(emptied).collect::<Vec<_>>()
+        LinkBodies { body: BodyValues::of_link(first, link, &own), emptied, fixed: fixed.to_vec() }
     };
-    Ok(links.flat_map(of_joint).collect())
+    Ok(links.map(of_joint).collect())
 }
 
 /// Parameters of the moving links by what is described elsewhere than in bodies: rotors of held joints.

@@ -8,13 +8,15 @@ mod drives;
 pub mod page;
 mod parameters;
 mod robot;
+mod rounding;
 mod shafts;
 mod terms;
 mod words;
 
-pub use bodies::{BodyValues, bodies};
+pub use bodies::{BodyValues, LinkBodies, bodies};
 pub use drives::{IdentifiedDrive, drives, rotors};
 pub use robot::{InterpretedRobot, RobotChoices};
+pub use rounding::{round_bodies, rounded_load};
 pub use shafts::{IdentifiedShaft, drive_table, joint_tables, kept_friction, shaft_rotor};
 pub use terms::terms_as_json;
 
@@ -162,7 +164,8 @@ mod tests {
                     ..Default::default()
                 })
                 .collect();
-            let written: Vec<String> = bodies(model, links).unwrap().iter().map(BodyValues::toml).collect();
+            let written: Vec<String> =
+                bodies(model, links).unwrap().iter().flat_map(LinkBodies::toml).collect();
             let text = identified_toml(&Identified {
                 name: "identified",
                 extends: &path.canonicalize().unwrap().display().to_string(),

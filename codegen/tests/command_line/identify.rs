@@ -153,6 +153,29 @@ fn says_how_sure_terms_are(result: &serde_json::Value, folder: &Path) {
     assert!(text.contains(", in the law with a probability of 100 %"), "{text}");
 }
 
+/// Masses, centres and moments have two digits of half their intervals or some more, and are those that were found.
+fn writes_digits_that_mean_something(result: &serde_json::Value, file: &Path) {
+    let text = fs::read_to_string(file).unwrap();
+    let parameter = |place: usize| {
+        let of = &result["inertial_parameters"][place];
+        let end = |k: usize| of["interval"][k].as_f64().unwrap();
+        (of["value"].as_f64().unwrap(), 0.5 * (end(1) - end(0)))
+    };
+    for ((place, name), body) in
+        [(0, "shoulder"), (10, "elbow")].into_iter().zip(text.split("[[bodies]]").skip(1))
+    {
+        assert!(body.contains(&format!("name = \"{name}\"")), "{text}");
+        let mass = body.lines().find_map(|line| line.strip_prefix("mass = ")).unwrap();
+        let (value, half) = parameter(place);
+        assert!((mass.parse::<f64>().unwrap() - value).abs() <= 0.05 * half, "{mass} {value} {half}");
+        for number in body.split(['=', '[', ']', ',', '{', '}', '\n']).map(str::trim) {
+            let digits = number.split('e').next().unwrap().trim_start_matches(['0', '.', '-']);
+            let is_number = number.parse::<f64>().is_ok();
+            assert!(!is_number || digits.chars().filter(char::is_ascii_digit).count() <= 7, "{body}");
+        }
+    }
+}
+
 #[test]
 fn a_plan_begins_where_the_robot_stands() {
     let folder = tempfile::tempdir().unwrap();
@@ -215,6 +238,7 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     }
     assert!(at("page/index.html").exists());
     says_how_sure_terms_are(&result, folder.path());
+    writes_digits_that_mean_something(&result, &at("arm_identified.toml"));
     let [before, after] = torques_off(folder.path(), [1.2, 1.0, 3.0]);
     assert!(before > 2.0 && after < 0.1);
     // A joint whose efforts cannot be used is named with its row, the other goes on, and the file says so.

@@ -4,6 +4,7 @@ use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, Offsets, estimate};
 use super::friction::{
     Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
+    InstrumentalTerms,
 };
 use super::log::{ColumnOptions, FindingKind, Recording, runs_noting};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
@@ -11,6 +12,7 @@ use super::result::FrictionTerm;
 use super::robot::{JointLimits, Robot, require_no_quaternions};
 use super::run::PreparedRun;
 use super::shafts::{RobotRows, ShaftRows, in_words};
+use nalgebra::DVector;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -286,6 +288,21 @@ struct JointSamples<'a> {
     velocities: Vec<f64>,
     accelerations: Vec<f64>,
     torques: Vec<f64>,
+    /// What instrumental variables say, where least squares is biased.
+    instrumental: Option<InstrumentalTerms>,
+}
+
+/// What instrumental variables say of a joint's friction, where least squares is biased.
+pub(crate) fn instrumental(estimate: &Estimate, joint: usize) -> Option<InstrumentalTerms> {
+    let other = estimate.instrumental.as_ref().filter(|other| other.rejects)?;
+    let (own, terms) = (&estimate.joints[joint].terms, &other.terms[joint]);
+    let distances = terms.iter().zip(own).map(|(other, own)| other.coefficient.value - own.coefficient.value);
+    Some(InstrumentalTerms {
+        bases: terms.iter().map(|term| term.basis.clone()).collect(),
+        distances: DVector::from_iterator(terms.len(), distances),
+        covariance: other.terms_covariance[joint].clone(),
+        freedom: other.freedom.max(1) as f64,
+    })
 }
 
 impl<'a> JointSamples<'a> {
@@ -301,6 +318,7 @@ impl<'a> JointSamples<'a> {
             velocities: Vec::new(),
             accelerations: Vec::new(),
             torques: Vec::new(),
+            instrumental: instrumental(estimate, joint),
         };
         for (index, (run, torques)) in prepared.iter().zip(&estimate.friction).enumerate() {
             match estimate.load_friction.get(index) {
@@ -354,6 +372,7 @@ impl<'a> JointSamples<'a> {
             filtered: Some(&filtered),
             positions: Some(&self.positions),
             accelerations: Some(&self.accelerations),
+            instrumental: self.instrumental.as_ref(),
             limits,
             data: source,
             settings: &preparations,

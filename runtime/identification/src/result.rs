@@ -22,6 +22,10 @@ pub struct FrictionTerm {
     pub coefficient: f64,
     /// Standard error for correlated residuals, where known.
     pub standard_error: Option<f64>,
+    /// Half the width of the interval at [`CONFIDENCE`], where noise of the velocities biases least squares and the interval
+    /// reaches as far as instrumental variables put the true coefficient. The standard error then is the root of the mean
+    /// square distance from it.
+    pub reach: Option<f64>,
     /// Standard error if all other coefficients were known, where known: terms that resemble each other have
     /// vague coefficients and a sharp sum, so the coefficient is written with the digits of this one.
     pub resolution: Option<f64>,
@@ -150,7 +154,8 @@ impl FrictionTerm {
     /// - `t`: half its width in standard errors, [`FrictionResult::interval_factor`]
     pub fn ends(&self, t: f64) -> Option<[f64; 2]> {
         let error = self.standard_error.filter(|error| error.is_finite() && *error > 0.0)?;
-        Some([-t, t].map(|t| self.coefficient + t * error))
+        let half = self.reach.unwrap_or(t * error);
+        Some([-half, half].map(|distance| self.coefficient + distance))
     }
 
     /// `low … high`.
@@ -361,6 +366,7 @@ pub(super) mod tests {
             basis: basis.into(),
             coefficient,
             standard_error: Some(0.0312),
+            reach: None,
             resolution: Some(0.0041),
             inclusion: Some(0.985),
             probability: Some(0.75),

@@ -24,8 +24,8 @@ use super::motor_constants::{self, motor_constant};
 use super::read::{read, say};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{
-    BodyValues, IdentifiedDrive, IdentifiedShaft, InterpretedRobot, bodies, drive_table, drives,
-    joint_tables, kept_friction, page, rotors, shaft_rotor,
+    IdentifiedDrive, IdentifiedShaft, InterpretedRobot, LinkBodies, bodies, drive_table, drives,
+    joint_tables, kept_friction, page, rotors, round_bodies, shaft_rotor,
 };
 use crate::model::{Drive, Input, Joint, Loaded, Model, Motion};
 use crate::wording::{list, quoted};
@@ -219,8 +219,12 @@ fn describe(
         let message = "the estimate holds a body that cannot exist; nothing is written";
         return Err(Failure::Problem(message.to_owned()));
     }
-    let bodies = bodies(robot.model(), links).map_err(|problems| Failure::Descriptions(vec![problems]))?;
-    let mut tables: Vec<String> = bodies.iter().map(BodyValues::toml).collect();
+    let bodies_of = |parameters: &[f64]| {
+        bodies(robot.model(), parameters).map_err(|problems| Failure::Descriptions(vec![problems]))
+    };
+    let mut bodies = bodies_of(links)?;
+    round_bodies(&mut bodies, &bodies_of(&robot.parameters()[..links.len()])?, &found.estimate);
+    let mut tables: Vec<String> = bodies.iter().flat_map(LinkBodies::toml).collect();
     tables.extend(drive_tables(described, robot, found, others)?);
     let of_joint = |(index, (rotor, joint)): (usize, (Option<usize>, &JointEstimate))| {
         let drive = robot.model().input_drives().find(|drive| drive.coordinate() == Some(index));

@@ -14,7 +14,7 @@ use super::super::failure::Failure;
 use super::super::{place, print};
 use super::logs::{command, relative, settings};
 use super::read::{read, say};
-use crate::identify::{BodyValues, InterpretedRobot};
+use crate::identify::{BodyValues, InterpretedRobot, rounded_load};
 use crate::model::{Input, Model};
 use crate::wording::list;
 
@@ -87,7 +87,8 @@ fn describe(
 ) -> Result<(), Failure> {
     let values = found.payload.parameters.map(|parameter| parameter.value);
     let name = free_name(model);
-    let body = BodyValues::of_link(name, Some(link.to_owned()), &values).toml();
+    let body = BodyValues::of_link(name, Some(link.to_owned()), &values);
+    let body = rounded_load(&body, &found.payload).toml();
     let hashes = found.recordings.iter().zip(["without", "with"]).flat_map(|(recording, which)| {
         recording.hashes.iter().map(move |(path, hash)| {
             let name = path.rsplit(['/', '\\']).next().unwrap_or(path);

@@ -54,8 +54,13 @@ impl Endogeneity {
     ///
     /// - `active`: the unknowns that are estimated
     pub(super) fn deviation(&self, active: &[usize], global: usize) -> f64 {
-        let place = active.iter().position(|&active| active == global);
-        place.map_or(0.0, |i| self.covariance[(i, i)].max(0.0).sqrt())
+        self.covariance(active, global, global).max(0.0).sqrt()
+    }
+
+    /// Covariance of two unknowns; zero where one of them is not estimated.
+    pub(super) fn covariance(&self, active: &[usize], one: usize, other: usize) -> f64 {
+        let place = |global: usize| active.iter().position(|&active| active == global);
+        place(one).zip(place(other)).map_or(0.0, |at| self.covariance[at])
     }
 }
 

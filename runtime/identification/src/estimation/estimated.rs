@@ -12,9 +12,12 @@ use super::fit::Solved;
 use super::gains::{Gain, UNTOLD};
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
+use super::normal::residual_vector;
 use super::prior::Prior;
 use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
+use super::sensitivity::{JointSensitivity, Sensitivity};
 use super::settings::EstimationSettings;
+use nalgebra::DMatrix;
 
 /// The last fit, and what it was made with.
 pub(super) struct Estimated<'a> {
@@ -63,6 +66,8 @@ impl Estimated<'_> {
             description_weight: self.chosen.weighting.description,
             weights_tried: self.chosen.tried.clone(),
             effective_parameters: self.covariance.decided,
+            parameter_covariance: self.parameter_covariance(),
+            sensitivity: self.sensitivity(),
             measured: Vec::new(),
             predicted: Vec::new(),
             friction: Vec::new(),
@@ -92,6 +97,43 @@ impl Estimated<'_> {
                      is estimated there.";
         let said = [(false, said), (true, exact)];
         said.into_iter().filter(|(kind, _)| self.layout.exact.contains(kind)).map(|(_, said)| said.to_owned())
+    }
+
+    /// By how much residuals change with the inertial parameters.
+    fn sensitivity(&self) -> Sensitivity {
+        let (layout, centred, values) = (self.layout, &self.chosen.centred, &self.solved.values);
+        let joint = |j: usize| {
+            let (all, local) = (&centred.all[j], &layout.local[j]);
+            let places: Vec<usize> = (0..local.len()).filter(|k| local[*k] < layout.parameters).collect();
+            let slopes = all * residual_vector(layout, values, j);
+            JointSensitivity {
+                parameters: places.iter().map(|k| local[*k]).collect(),
+                products: all.select_rows(&places).select_columns(&places),
+                slopes: slopes.select_rows(&places),
+                variation: values.gains[j].powi(2) * centred.variation(j),
+            }
+        };
+        Sensitivity { joints: (0..layout.joints).filter(|j| layout.moves[*j]).map(joint).collect() }
+    }
+
+    /// Covariance of the inertial parameters, with the standard errors that are told; zero where the data may not change them.
+    fn parameter_covariance(&self) -> DMatrix<f64> {
+        let count = self.layout.parameters;
+        let active = self.solved.active.iter().enumerate().take_while(|(_, global)| **global < count);
+        let active: Vec<(usize, usize)> = active.map(|(place, global)| (place, *global)).collect();
+        let matrix = &self.covariance.matrix;
+        let factor = |&(place, global): &(usize, usize)| {
+            let own = matrix[(place, place)].max(0.0).sqrt();
+            if own > 0.0 { self.uncertain(global, 0.0).standard_error / own } else { 0.0 }
+        };
+        let factors: Vec<f64> = active.iter().map(factor).collect();
+        let mut covariance = DMatrix::zeros(count, count);
+        for (&(i, row), a) in active.iter().zip(&factors) {
+            for (&(k, column), b) in active.iter().zip(&factors) {
+                covariance[(row, column)] = matrix[(i, k)] * a * b;
+            }
+        }
+        covariance
     }
 
     /// How much the description weighs, and which of its bodies the data contradict.
@@ -147,15 +189,26 @@ impl Estimated<'_> {
 
     /// The friction terms of a joint that were chosen, with coefficients by their global numbers.
     pub(super) fn terms(&self, joint: usize, of: impl Fn(usize) -> Uncertain) -> Vec<EstimatedTerm> {
+        let terms = self.bases(joint).into_iter();
+        let term = |(basis, term)| EstimatedTerm { basis, coefficient: of(self.layout.term(joint, term)) };
+        terms.map(term).collect()
+    }
+
+    /// Global numbers of the friction terms of a joint that were chosen.
+    pub(super) fn term_unknowns(&self, joint: usize) -> Vec<usize> {
+        self.bases(joint).into_iter().map(|(_, term)| self.layout.term(joint, term)).collect()
+    }
+
+    /// The friction terms of a joint that were chosen, with their places among the candidates.
+    fn bases(&self, joint: usize) -> Vec<(String, usize)> {
         let (layout, model) = (self.layout, &self.chosen.model);
         if !layout.rubbing().any(|rubbing| rubbing == joint) {
             return Vec::new();
         }
-        let mut terms =
+        let mut bases =
             vec![("v".to_owned(), VISCOUS), (self.coulomb(joint), COULOMB.start + model.coulomb[joint])];
-        terms.extend(model.asymmetry[joint].then(|| ("abs(v)".to_owned(), ASYMMETRY)));
-        let term = |(basis, term)| EstimatedTerm { basis, coefficient: of(layout.term(joint, term)) };
-        terms.into_iter().map(term).collect()
+        bases.extend(model.asymmetry[joint].then(|| ("abs(v)".to_owned(), ASYMMETRY)));
+        bases
     }
 
     /// Basis of a joint's Coulomb term.

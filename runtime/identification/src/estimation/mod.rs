@@ -20,6 +20,7 @@ mod report;
 mod residuals;
 mod result;
 mod rows;
+mod sensitivity;
 mod settings;
 mod shares;
 mod sums;
@@ -32,6 +33,7 @@ pub use instruments::InstrumentSource;
 pub use result::{
     Estimate, EstimatedTerm, Gravity, InstrumentalEstimate, JointEstimate, Offsets, Uncertain, WeightTried,
 };
+pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {
     intervals::correlation_time,

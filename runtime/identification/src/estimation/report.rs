@@ -5,6 +5,7 @@ use super::endogeneity::{Endogeneity, Test};
 use super::estimated::{Estimated, JointFit};
 use super::residuals::{Forces, RunOffsets};
 use super::result::{Estimate, Gravity, InstrumentalEstimate};
+use nalgebra::DMatrix;
 
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
@@ -119,9 +120,20 @@ impl Report<'_> {
             source: found.source,
             parameters: fitted.parameters(uncertain),
             terms: (0..fitted.layout.joints).map(terms).collect(),
+            terms_covariance: (0..fitted.layout.joints).map(|j| self.terms_covariance(found, j)).collect(),
+            freedom: found.freedom,
+            rejects: found.rejects(),
             statistic: found.test.statistic,
             degrees_of_freedom: found.test.freedoms,
             p_value: found.test.p_value,
         }
+    }
+
+    /// Covariance of the coefficients of a joint's terms by instrumental variables.
+    fn terms_covariance(&self, found: &Endogeneity, joint: usize) -> DMatrix<f64> {
+        let unknowns = self.fitted.term_unknowns(joint);
+        let active = &self.fitted.solved.active;
+        let of = |i: usize, k: usize| found.covariance(active, unknowns[i], unknowns[k]);
+        DMatrix::from_fn(unknowns.len(), unknowns.len(), of)
     }
 }

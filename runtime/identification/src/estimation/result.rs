@@ -2,6 +2,8 @@
 
 use super::super::run::Effort;
 use super::instruments::InstrumentSource;
+use super::sensitivity::Sensitivity;
+use nalgebra::DMatrix;
 
 /// Held-out error for one weight of the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +65,10 @@ pub struct Estimate {
     pub weights_tried: Vec<WeightTried>,
     /// How many combinations of the inertial parameters the data decide: the trace of `(H + λ R)⁻¹ H` over them.
     pub effective_parameters: f64,
+    /// Covariance of the inertial parameters `[P × P]`: zero where the data may not change them.
+    pub parameter_covariance: DMatrix<f64>,
+    /// How well other inertial parameters would explain the data.
+    pub sensitivity: Sensitivity,
     /// Forces at the joints as measured, gains applied, `[run][joint][sample]` [N·m or N].
     pub measured: Vec<Vec<Vec<f64>>>,
     /// The model's forces, offsets included, in the same shape.
@@ -93,6 +99,12 @@ pub struct InstrumentalEstimate {
     pub parameters: Vec<Uncertain>,
     /// Friction terms of each joint, as in [`JointEstimate::terms`].
     pub terms: Vec<Vec<EstimatedTerm>>,
+    /// Covariance of the coefficients of each joint's terms.
+    pub terms_covariance: Vec<DMatrix<f64>>,
+    /// Degrees of freedom of the covariances.
+    pub freedom: usize,
+    /// Whether least squares differs by more than chance, at a level of 5 %.
+    pub rejects: bool,
     /// The test's statistic, which has Fisher's F distribution where least squares is not biased.
     pub statistic: f64,
     /// Its degrees of freedom: tested directions, and what is left for their variance under correlated residuals.

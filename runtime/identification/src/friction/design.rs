@@ -12,7 +12,7 @@ use super::super::moments::{Moments, Samples, contiguous_blocks};
 use super::super::offset::{Offset, centre, mean};
 use super::super::subset::seen_both_ways;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Share of a column that must remain when the runs' means are taken off. Less cannot be told from offsets: six
@@ -72,6 +72,19 @@ impl<'a> Design<'a> {
     /// One term's column.
     pub(super) fn column(&self, term: usize) -> &[f64] {
         &self.columns[term]
+    }
+
+    /// `ΘᵀW F`: products of some of the terms with those of another library, offsets taken out.
+    pub(super) fn products(&self, terms: &[usize], other: &Library) -> Result<DMatrix<f64>> {
+        let mut others = self.data.columns(other)?;
+        if self.separate {
+            others.iter_mut().for_each(|column| centre(column, &self.offset_ranges, self.data.weights));
+        }
+        let weight = |i: usize| self.data.weights.map_or(1.0, |w| w[i]);
+        let product = |term: usize, other: &[f64]| -> f64 {
+            self.columns[term].iter().zip(other).enumerate().map(|(i, (x, f))| weight(i) * x * f).sum()
+        };
+        Ok(DMatrix::from_fn(terms.len(), others.len(), |i, k| product(terms[i], &others[k])))
     }
 
     /// Folds of the cross-validation.

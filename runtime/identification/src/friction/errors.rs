@@ -14,6 +14,8 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct Errors {
     pub(super) covariance: DMatrix<f64>,
     pub(super) standard: Vec<f64>,
+    /// Half the width of the interval, where instrumental variables make it wider than the standard error says.
+    pub(super) reach: Vec<Option<f64>>,
     /// As if all other coefficients were known.
     pub(super) resolution: Vec<f64>,
     pub(super) freedom: f64,
@@ -40,14 +42,19 @@ impl Errors {
         let independent: Vec<f64> = influences.iter().map(|s| s.iter().map(|x| x * x).sum::<f64>()).collect();
         let inflation: Vec<f64> =
             sums.iter().zip(&independent).filter(|(_, i)| **i > 0.0).map(|(s, i)| s.variance / i).collect();
-        Ok(Self {
+        let found = Self {
             covariance: rescaled(raw, &standard),
+            reach: vec![None; active.len()],
             resolution: active.iter().zip(&scores).map(|(&i, s)| alone(design, i, s)).collect(),
             freedom: sums.iter().map(|s| s.freedom).fold(f64::INFINITY, f64::min).min(1e9),
             effective_samples: residuals.len() as f64
                 / median(inflation).map_or(1.0, |median| median.max(1.0)),
             standard,
-        })
+        };
+        match design.data.instrumental {
+            Some(other) => found.reaching(design, (active, &bread), other),
+            None => Ok(found),
+        }
     }
 
     /// Standard errors from the scores of shares, which are independent groups of samples.
@@ -75,6 +82,7 @@ impl Errors {
         let median = median(all.clone().map(inflation)).unwrap_or(1.0);
         Self {
             standard: all.clone().map(|k| covariance[(k, k)].max(0.0).sqrt()).collect(),
+            reach: vec![None; active.len()],
             resolution: all.map(|k| scores[(k, k)].max(0.0).sqrt() / gram[(k, k)]).collect(),
             freedom: (count - 1.0).max(1.0),
             effective_samples: (samples / median.max(1.0)).max(2.0),
@@ -89,6 +97,7 @@ impl Errors {
             basis: basis.into(),
             coefficient,
             standard_error: known(self.standard[k]),
+            reach: self.reach[k],
             resolution: known(self.resolution[k]),
             ..FrictionTerm::default()
         }
@@ -164,7 +173,7 @@ fn combine(bread: &DMatrix<f64>, scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// A covariance with the correlations of `raw` and these standard errors.
-fn rescaled(raw: DMatrix<f64>, standard: &[f64]) -> DMatrix<f64> {
+pub(super) fn rescaled(raw: DMatrix<f64>, standard: &[f64]) -> DMatrix<f64> {
     let factor = |i: usize| if raw[(i, i)] > 0.0 { standard[i] / raw[(i, i)].sqrt() } else { 0.0 };
     DMatrix::from_fn(standard.len(), standard.len(), |i, j| raw[(i, j)] * factor(i) * factor(j))
 }

@@ -15,6 +15,7 @@ mod errors;
 mod filtered;
 mod findings;
 mod held_out;
+mod instrumental;
 mod judgement;
 mod named;
 mod passivity;
@@ -32,7 +33,8 @@ pub use filtered::{Filtered, FilteredRun};
 pub use report::{Candidate, FrictionReport};
 pub(crate) use shares::SharedFriction;
 pub use task::{
-    FrictionData, FrictionIdentification, FrictionMethod, LEAST_R_SQUARED, LambdaChoice, Offsets,
+    FrictionData, FrictionIdentification, FrictionMethod, InstrumentalTerms, LEAST_R_SQUARED, LambdaChoice,
+    Offsets,
 };
 
 use super::error::{

@@ -7,6 +7,7 @@ use super::super::robot::JointLimits;
 use super::super::stribeck::StribeckRegression;
 use super::super::thresholding::Thresholding;
 use super::filtered::Filtered;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Least R² on data that were left out of a law that may be written. Below 0.05 the law takes away less than
@@ -44,6 +45,8 @@ pub struct FrictionData<'a> {
     pub positions: Option<&'a [f64]>,
     /// ÿ, where residuals that depend on it are to be noticed.
     pub accelerations: Option<&'a [f64]>,
+    /// What instrumental variables say of the friction, where least squares is biased: intervals reach as far.
+    pub instrumental: Option<&'a InstrumentalTerms>,
     /// Limits of the joint, where samples beyond them are to be noticed.
     pub limits: Option<JointLimits>,
     /// Source and hash of the log.
@@ -76,6 +79,19 @@ pub enum FrictionMethod {
     BestSubset,
     /// Nonlinear regression of the Stribeck law; the library is not used.
     Stribeck(StribeckRegression),
+}
+
+/// Friction by instrumental variables, beside that of least squares.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InstrumentalTerms {
+    /// Terms in the velocity `v`.
+    pub bases: Vec<String>,
+    /// Their coefficients minus those of least squares.
+    pub distances: DVector<f64>,
+    /// Covariance of the coefficients.
+    pub covariance: DMatrix<f64>,
+    /// Degrees of freedom of the covariance.
+    pub freedom: f64,
 }
 
 /// What a constant torque in the data is.

@@ -1,8 +1,10 @@
 //! Logs of a robot in closed loop: whether least squares is biased by the noise of the positions, and whether it says so.
 
 use super::super::super::random::SplitMix64;
+use super::super::super::result::CONFIDENCE;
 use super::super::super::run::{DesiredMotion, PreparedRun};
 use super::super::{Estimate, EstimationSettings, InstrumentSource, Uncertain, estimate};
+use super::coverage::law;
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, simulate};
 
 /// A run with the reference as its commanded motion, and the robot that made it.
@@ -18,15 +20,18 @@ fn log(of: &Experiment, seed: u64) -> (Pendulum, PreparedRun) {
     (truth, run)
 }
 
-fn estimated(runs: &[PreparedRun]) -> Estimate {
-    let settings = EstimationSettings {
+fn settings() -> EstimationSettings {
+    EstimationSettings {
         steepness: Some(vec![STEEPNESS; 2]),
         optional_terms: false,
         folds: 5,
         accept_poor: true,
         ..EstimationSettings::default()
-    };
-    estimate(&Pendulum::described(), runs, &settings, &mut |_| ()).unwrap()
+    }
+}
+
+fn estimated(runs: &[PreparedRun]) -> Estimate {
+    estimate(&Pendulum::described(), runs, &settings(), &mut |_| ()).unwrap()
 }
 
 /// Friction, and what gravity and inertia tell of both links: least squares, instruments, truth.
@@ -140,6 +145,31 @@ fn noise_of_the_positions_biases_least_squares_and_not_instruments() {
     let quiet = Study::new(&short(quiet()), 0..3);
     quiet.print("without noise of the positions");
     assert!(quiet.rejected <= 1.0);
+}
+
+/// A law with the terms of the estimate has its intervals; one with another term reaches as far.
+#[test]
+fn friction_laws_count_the_bias() {
+    let (_, run) = log(&Experiment { seconds: 6.0, ..noisy() }, 0);
+    let settings = EstimationSettings { confidence: CONFIDENCE, ..settings() };
+    let runs = [run];
+    let found = estimate(&Pendulum::described(), &runs, &settings, &mut |_| ()).unwrap();
+    assert!(found.instrumental.as_ref().unwrap().rejects);
+    let half = |[low, high]: [f64; 2]| 0.5 * (high - low);
+    for joint in 0..2 {
+        let same = format!("tanh({STEEPNESS}*v)");
+        let report = law(&found, &runs[0], joint, None, &["v", &same]);
+        let t = report.result.interval_factor();
+        for (term, own) in report.result.law.coefficients().iter().zip(&found.joints[joint].terms) {
+            let [of_law, of_estimate] = [half(term.ends(t).unwrap()), half(own.coefficient.interval)];
+            println!("{joint} {}: {of_law:.5} and {of_estimate:.5}", term.basis);
+            assert!(term.reach.is_some() && (of_law / of_estimate - 1.0).abs() < 0.02);
+        }
+        let other = law(&found, &runs[0], joint, None, &["v", "tanh(9*v)"]);
+        let reach = other.result.law.coefficients()[1].reach.unwrap();
+        let own = half(found.joints[joint].terms[1].coefficient.interval);
+        assert!((0.5..2.0).contains(&(reach / own)), "{reach} {own}");
+    }
 }
 
 #[test]

@@ -1,8 +1,14 @@
 //! Whether intervals hold what they promise, over logs as strangers have them: closed loop, encoders, the whole
 //! preparation.
 
-use super::super::super::preparation::{PreparationSettings, prepare_all};
+use super::super::super::friction::{
+    Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
+};
+use super::super::super::identify::instrumental;
+use super::super::super::library::Library;
+use super::super::super::preparation::{Filter, PreparationSettings, prepare_all};
 use super::super::super::random::SplitMix64;
+use super::super::super::run::PreparedRun;
 use super::super::{Estimate, EstimationSettings, Uncertain, estimate};
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, log};
 use std::f64::consts::PI;
@@ -38,7 +44,7 @@ impl Regime {
     }
 
     /// - `filtered`: whether columns of friction pass the preparation's filter, as they do in `identify`
-    fn estimated(&self, seed: u64, filtered: bool) -> (Pendulum, Estimate) {
+    fn estimated(&self, seed: u64, filtered: bool) -> Found {
         let mut random = SplitMix64::new(seed);
         let truth = Pendulum::described().other(0.1, &mut random);
         let run = log(&truth, &self.experiment(), &mut random);
@@ -48,18 +54,22 @@ impl Regime {
         let settings = EstimationSettings {
             steepness: Some(vec![STEEPNESS; 2]),
             accept_poor: true,
-            filter: filtered.then_some(preparation.filter),
+            filter: filtered.then(|| preparation.filter.clone()),
             ..EstimationSettings::default()
         };
-        (truth, estimate(&described, &runs, &settings, &mut |_| ()).unwrap())
+        let estimate = estimate(&described, &runs, &settings, &mut |_| ()).unwrap();
+        Found { truth, estimate, runs, filter: preparation.filter }
     }
 
     /// Share of the intervals that hold the truth, over logs and values.
     fn coverage(&self, logs: u64) -> f64 {
         let mut hits = [[0.0; 3]; VALUES];
+        let mut in_laws = 0.0;
         for seed in 0..logs {
-            let (truth, found) = self.estimated(seed, true);
-            for ((value, truth), [hit, sum, squares]) in pairs(&found, &truth).into_iter().zip(&mut hits) {
+            let found = self.estimated(seed, true);
+            in_laws += found.share_of_laws();
+            let values = pairs(&found.estimate, &found.truth);
+            for ((value, truth), [hit, sum, squares]) in values.into_iter().zip(&mut hits) {
                 let error = (value.value - truth) / value.standard_error;
                 let holds = value.interval[0] <= truth && truth <= value.interval[1];
                 (*hit, *sum, *squares) =
@@ -68,7 +78,8 @@ impl Regime {
         }
         let n = logs as f64;
         let share = hits.iter().map(|h| h[0]).sum::<f64>() / (n * VALUES as f64);
-        println!("{}: pooled {share:.3}", self.name);
+        let in_laws = in_laws / n;
+        println!("{}: pooled {share:.3}; 95 % intervals of friction laws {in_laws:.3}", self.name);
         for [hit, sum, squares] in hits {
             let rms = (squares / n).sqrt();
             println!(
@@ -79,6 +90,64 @@ impl Regime {
         }
         share
     }
+}
+
+/// What was found in a log.
+struct Found {
+    truth: Pendulum,
+    estimate: Estimate,
+    runs: Vec<PreparedRun>,
+    filter: Filter,
+}
+
+impl Found {
+    /// Share of the coefficients of friction laws whose intervals hold the truth.
+    fn share_of_laws(&self) -> f64 {
+        let terms = ["v".to_owned(), format!("tanh({STEEPNESS}*v)")];
+        let terms = terms.each_ref().map(String::as_str);
+        let hits = (0..2).flat_map(|joint| {
+            let result = law(&self.estimate, &self.runs[0], joint, Some(&self.filter), &terms).result;
+            let t = result.interval_factor();
+            let ends: Vec<[f64; 2]> =
+                result.law.coefficients().iter().filter_map(|term| term.ends(t)).collect();
+            ends.into_iter().zip(FRICTION[joint])
+        });
+        hits.map(|([low, high], truth)| f64::from(u8::from(low <= truth && truth <= high)) / 4.0).sum()
+    }
+}
+
+/// The law of a joint with given terms, as `identify` finds it.
+pub(super) fn law(
+    found: &Estimate,
+    run: &PreparedRun,
+    joint: usize,
+    filter: Option<&Filter>,
+    terms: &[&str],
+) -> FrictionReport {
+    let velocities = &run.velocities[joint];
+    let kept: Vec<usize> = (0..velocities.len()).filter(|i| !run.rests(joint, *i)).collect();
+    let of = |column: &[f64]| kept.iter().map(|i| column[*i]).collect::<Vec<f64>>();
+    let instrumental = instrumental(found, joint);
+    let filtered =
+        filter.map(|filter| Filtered { filter, runs: vec![FilteredRun { velocities, kept: kept.clone() }] });
+    let data = FrictionData {
+        joint: "joint",
+        unit: "N·m",
+        velocity_unit: "rad/s",
+        velocities: &of(velocities),
+        torques: &of(&found.friction[0][joint]),
+        instrumental: instrumental.as_ref(),
+        filtered: filtered.as_ref(),
+        ..FrictionData::default()
+    };
+    let settings = FrictionIdentification {
+        library: Library::new(terms, &["v"]).unwrap(),
+        method: FrictionMethod::LeastSquares,
+        passive: false,
+        draws: 0,
+        ..FrictionIdentification::new().unwrap()
+    };
+    settings.identify(&data).unwrap()
 }
 
 /// Values whose intervals are looked at.
@@ -109,8 +178,8 @@ fn friction_through_the_filter_of_the_efforts_is_not_biased_by_coarse_encoders()
     let regime = Regime { seconds: 15.0, ..REGIMES[0] };
     let errors = |filtered: bool| {
         let of = |seed: u64| {
-            let (truth, found) = regime.estimated(seed, filtered);
-            let (value, truth) = pairs(&found, &truth)[1];
+            let found = regime.estimated(seed, filtered);
+            let (value, truth) = pairs(&found.estimate, &found.truth)[1];
             value.value / truth - 1.0
         };
         0.5 * (of(0) + of(1))

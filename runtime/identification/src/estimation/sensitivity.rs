@@ -1,0 +1,42 @@
+//! How well the data are explained by inertial parameters near the estimate.
+
+use nalgebra::{DMatrix, DVector};
+
+/// By how much residuals change with the inertial parameters: the sums of squares are quadratic functions of them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sensitivity {
+    pub(super) joints: Vec<JointSensitivity>,
+}
+
+/// Sums over the equations of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct JointSensitivity {
+    /// Parameters with a column in the joint's equation.
+    pub(super) parameters: Vec<usize>,
+    /// Products of their columns, offsets taken out.
+    pub(super) products: DMatrix<f64>,
+    /// Their products with the residual.
+    pub(super) slopes: DVector<f64>,
+    /// `Σ (τ − τ̄)²`.
+    pub(super) variation: f64,
+}
+
+impl Sensitivity {
+    /// What the moving joints lose of their R² where the inertial parameters differ by `change` from the estimate and all else
+    /// stays. It is less than zero where they gain.
+    #[must_use]
+    pub fn r_squared_lost(&self, change: &[f64]) -> Vec<f64> {
+        let lost = |joint: &JointSensitivity| {
+            let changed = joint.parameters.iter().enumerate().filter_map(|(k, parameter)| {
+                Some((k, *change.get(*parameter)?)).filter(|(_, change)| *change != 0.0)
+            });
+            let changed: Vec<(usize, f64)> = changed.collect();
+            let more = |&(i, di): &(usize, f64)| {
+                let squares: f64 = changed.iter().map(|(k, dk)| joint.products[(i, *k)] * dk).sum();
+                di * (squares - 2.0 * joint.slopes[i])
+            };
+            changed.iter().map(more).sum::<f64>() / joint.variation
+        };
+        self.joints.iter().map(lost).filter(|lost| lost.is_finite()).collect()
+    }
+}
