@@ -1,7 +1,8 @@
 //! A base that moves freely: a floating joint between the world and the link that was the base.
 
+use super::QuaternionKind;
 use super::composite::{self, Composite, Place};
-use super::description::{JointDescription, RobotDescription};
+use super::description::{JointDescription, Name, RobotDescription};
 use crate::diagnostic::{At, Report, Span};
 use std::collections::BTreeSet;
 
@@ -20,8 +21,8 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     // Without a single root the links are no tree, which is reported elsewhere.
     let Some(root) = root(robot) else { return };
     robot.is_freed = true;
-    if GROUND.contains(&root.as_str()) {
-        return report_bolted(robot, &root, span, report);
+    if is_ground(robot, &root) {
+        return stand_on_ground(robot, &root, span, report);
     }
     let world = unused(WORLD, |name| links(robot).any(|link| link == name));
     let joint = unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name));
@@ -43,6 +44,46 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     }
     let described = std::mem::take(&mut robot.joints);
     robot.joints = joints.into_iter().chain(described).collect();
+}
+
+/// Tells whether a link is that of the ground, to which what is fixed is bolted.
+fn is_ground(robot: &RobotDescription, link: &str) -> bool {
+    GROUND.contains(&link) || (carried(robot, link).any(floats) && !has_body(robot, link))
+}
+
+fn has_body(robot: &RobotDescription, link: &str) -> bool {
+    robot.bodies.iter().any(|body| body.link.value == link)
+}
+
+/// The joints on a link.
+fn carried<'d>(robot: &'d RobotDescription, link: &str) -> impl Iterator<Item = &'d JointDescription> {
+    robot.joints.iter().filter(move |joint| joint.parent.as_ref().is_some_and(|parent| parent.value == link))
+}
+
+/// Tells whether a joint is a velocity of a floating one.
+fn floats(joint: &JointDescription) -> bool {
+    joint.part_of.as_ref().is_some_and(|part| part.kind == QuaternionKind::Floating)
+}
+
+/// The joint on the ground says what becomes of the wish that the base floats: nothing is left to do where it does.
+fn stand_on_ground(robot: &mut RobotDescription, ground: &str, span: Span, report: &mut Report) {
+    let floating = carried(robot, ground).find(|joint| floats(joint));
+    let Some(joint) = floating.and_then(|joint| joint.part_of.as_ref()).map(|part| part.joint.clone()) else {
+        return report_bolted(robot, ground, span, report);
+    };
+    let message = format!("the base floats already, by joint `{}`: to free it changes nothing", joint.value);
+    report.note(Some(span), "floats-already", message);
+    let floating: Vec<&JointDescription> =
+        robot.joints.iter().filter(|part| floats(part) && is_part_of(part, &joint.value)).collect();
+    let ends = floating.iter().filter_map(|part| part.child.as_ref());
+    // The link that floats is the base that was meant.
+    if robot.base.as_ref().is_some_and(|base| ends.into_iter().any(|link| link.value == base.value)) {
+        robot.base = None;
+    }
+}
+
+fn is_part_of(part: &JointDescription, joint: &str) -> bool {
+    part.part_of.as_ref().is_some_and(|part| part.joint.value == joint)
 }
 
 /// The first name that is not taken. Where both are, the last one is reported as a duplicate.
@@ -67,23 +108,41 @@ fn root(robot: &RobotDescription) -> Option<String> {
     Some(root.to_owned())
 }
 
-fn report_bolted(robot: &RobotDescription, root: &str, span: Span, report: &mut Report) {
-    let held = robot.joints.iter().find(|joint| joint.parent.as_ref().is_some_and(|link| link.value == root));
-    let by = held.map_or(String::new(), |joint| format!(" by joint `{}`", joint.name.value));
-    let message = format!("the base is to float, and the robot is bolted to `{root}`{by}");
-    report.error(span, "bolted-base", message);
-    report.help(match held.and_then(|joint| joint.child.as_ref()) {
-        Some(child) => format!(
-            "remove that joint and the link `{root}`, then `{}` is the link that floats; or leave the base fixed",
-            child.value
+fn report_bolted(robot: &RobotDescription, ground: &str, span: Span, report: &mut Report) {
+    let Some(joint) = carried(robot, ground).next() else {
+        let message = format!("the base is to float, and the robot is bolted to `{ground}`");
+        report.error(span, "bolted-base", message);
+        report.help(format!("give the link another name than `{ground}`, or leave the base fixed"));
+        return;
+    };
+    let name = joint.part_of.as_ref().map_or(&joint.name, |part| &part.joint).quoted();
+    let link = joint.child.as_ref().map_or_else(String::new, Name::quoted);
+    if joint.moves() {
+        let message = format!("the base is to float, and the robot moves on `{ground}` by joint {name}");
+        report.error(span, "bolted-base", message);
+        report.help(match robot.is_mjcf {
+            true => format!("leave the base fixed, or give the body <freejoint/> instead of joint {name}"),
+            false => format!("leave the base fixed, or give joint {name} the type `floating`"),
+        });
+        return;
+    }
+    let by = if robot.is_mjcf { String::new() } else { format!(" by joint {name}") };
+    report.error(
+        span,
+        "bolted-base",
+        format!("the base is to float, and the robot is bolted to `{ground}`{by}"),
+    );
+    report.help(match robot.is_mjcf {
+        true => format!("add <freejoint/> to body {link}, which floats then; or leave the base fixed"),
+        false => format!(
+            "remove that joint and the link `{ground}`, then {link} is the link that floats; or leave the base fixed"
         ),
-        None => format!("give the link another name than `{root}`, or leave the base fixed"),
     });
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Model, QuaternionKind, ReadOptions, from_toml};
+    use super::super::{Model, QuaternionKind, ReadOptions, from_mjcf, from_toml, from_urdf};
     use crate::diagnostic::Diagnostics;
 
     const URDF: &str = r#"<robot name="drone"><link name="frame"><inertial><mass value="2"/>
@@ -124,6 +183,82 @@ mod tests {
         let model = read(text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(model.quaternion_joints[0].name, "floating_base");
         assert_eq!(model.drives[0].name, "base");
+    }
+
+    /// Reads a robot whose base is to float by the switch: its model, or its problems, and its notes.
+    fn freed(text: &str) -> (Option<Model>, String) {
+        let asked = ReadOptions { floating_base: true, ..ReadOptions::default() };
+        let mut load = |_: &str| unreachable!();
+        let read = match text.starts_with("<mujoco") {
+            true => from_mjcf(text, "robot.xml", &asked, &mut load),
+            false => from_urdf(text, "robot.urdf", &asked),
+        };
+        match read {
+            Ok((model, notes)) => (Some(model), notes.to_string()),
+            Err(problems) => (None, problems.to_string()),
+        }
+    }
+
+    /// A URDF with a joint between two links of which the second has a body.
+    fn on_ground(ground: &str, kind: &str) -> String {
+        let joint =
+            format!("<joint name=\"J\" type=\"{kind}\"><parent link=\"{ground}\"/><child link=\"frame\"/>");
+        let end = "<limit effort=\"1\" velocity=\"1\" lower=\"-1\" upper=\"1\"/></joint></robot>";
+        URDF.replace("</robot>", &format!("<link name=\"{ground}\"/>{joint}{end}"))
+    }
+
+    fn mjcf(joint: &str) -> String {
+        format!(
+            "<mujoco><worldbody><body name=\"trunk\">{joint}<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>
+            </body></worldbody></mujoco>"
+        )
+    }
+
+    #[test]
+    fn a_robot_that_floats_already_is_taken_as_it_is() {
+        let both = "base = { link = \"frame\", type = \"floating\" }
+            joints = [{ name = \"J\", parent = \"world\", child = \"frame\", type = \"floating\" }]
+            bodies = [{ link = \"frame\", mass = 2, inertia = 1 }]";
+        let (model, notes) = from_toml(both, "robot.toml", &ReadOptions::default(), &mut |_| unreachable!())
+            .unwrap_or_else(|e| panic!("{e}"));
+        for (model, notes) in [
+            (Some(model), notes.to_string()),
+            freed(&on_ground("world", "floating")),
+            freed(&on_ground("start", "floating")),
+            freed(&mjcf("<freejoint name=\"J\"/>")),
+        ] {
+            let model = model.unwrap_or_else(|| panic!("{notes}"));
+            assert_eq!(model.quaternion_joints.len(), 1);
+            assert_eq!((&*model.quaternion_joints[0].name, model.position_count()), ("J", 7));
+            assert!(notes.contains("floats already, by joint `J`"), "{notes}");
+        }
+    }
+
+    #[test]
+    fn what_stands_on_the_ground_is_told_with_what_frees_it() {
+        for (text, told) in [
+            (
+                on_ground("world", "fixed"),
+                ["bolted to `world` by joint `J`", "then `frame` is the link that floats"],
+            ),
+            (
+                on_ground("world", "prismatic"),
+                ["moves on `world` by joint `J`", "give joint `J` the type `floating`"],
+            ),
+            (on_ground("world", "spherical"), ["moves on `world` by joint `J`", "leave the base fixed"]),
+            (mjcf(""), ["bolted to `world`\n", "add <freejoint/> to body `trunk`"]),
+            (
+                mjcf("<joint name=\"J\"/>"),
+                ["moves on `world` by joint `J`", "<freejoint/> instead of joint `J`"],
+            ),
+        ] {
+            let (model, problems) = freed(&text);
+            assert!(model.is_none(), "{text}");
+            for words in told {
+                assert!(problems.contains(words), "{words}: {problems}");
+            }
+            assert_eq!(problems.matches("error[").count(), 1, "{problems}");
+        }
     }
 
     #[test]

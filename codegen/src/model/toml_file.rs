@@ -149,6 +149,7 @@ pub(super) fn description(
         base,
         floating_base,
         is_freed: false,
+        is_mjcf: false,
         bodies: read_bodies(reader, top),
         frames: read_frames(reader, top),
         coordinates: top.get("coordinates").and_then(|item| names(reader, item, "a list of joint names")),

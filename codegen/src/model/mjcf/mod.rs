@@ -116,6 +116,7 @@ pub(super) fn description(
         robot: RobotDescription {
             name: At::new(stem.to_owned(), root.span()),
             default_drive: DriveChoice::Passive,
+            is_mjcf: true,
             links: vec![At::new(WORLD.to_owned(), root.span())],
             ..RobotDescription::default()
         },
