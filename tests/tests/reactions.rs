@@ -200,3 +200,60 @@ fn wrenches_are_derived_on_request_alone() {
     let all = Robot::of_model(random_model(1, 3), &[]);
     assert!(all.functions().iter().all(|function| function.name != WRENCHES));
 }
+
+/// Turned by an angle about y, as the pins of an excavator turn.
+fn turned_about_y(angle: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let (sin, cos) = angle.sin_cos();
+    [cos * x + sin * z, y, cos * z - sin * x]
+}
+
+/// A pin of the excavator, with what is on paper: its number among the coordinates, the ends of its cylinder (the foot about
+/// the pin in the axes of the body before, the rod in those of its own body), and the mass beyond it.
+struct Pin {
+    coordinate: usize,
+    foot: [f64; 3],
+    rod: [f64; 3],
+    mass: f64,
+}
+
+const PINS: [Pin; 3] = [
+    Pin { coordinate: 1, foot: [0.25, 0.0, -0.3], rod: [0.8, 0.0, 0.1], mass: 95.0 + 45.0 + 38.0 },
+    Pin { coordinate: 2, foot: [-1.0, 0.0, 0.4], rod: [-0.3, 0.0, 0.1], mass: 45.0 + 38.0 },
+    Pin { coordinate: 3, foot: [-0.85, 0.0, 0.25], rod: [0.05, 0.0, 0.22], mass: 38.0 },
+];
+
+/// The statics of what is cut free at a pin: the cylinder pulls the rod to the foot, no drive turns the pin, and pin and cylinder
+/// together carry the weight.
+#[test]
+fn what_a_pin_bears_is_its_row_less_the_force_of_the_cylinder() {
+    let path = workspace().join("models/excavator.toml");
+    let model = read(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
+    let robot = Robot::of_model(model, &[WRENCHES, "inverse_dynamics", "input_matrix"]);
+    let (y, still) = ([0.4, -0.5, 1.3, 0.6], [0.0; 4]);
+    let forces = robot.call_with("inverse_dynamics", &[&y, &still, &still], &[]).swap_remove(0);
+    let input_matrix = robot.call_with("input_matrix", &[&y], &[]).swap_remove(0);
+    let rows = robot.call_with(WRENCHES, &[&y, &still, &still], &[]).swap_remove(0);
+    for Pin { coordinate, foot, rod, mass } in PINS {
+        let pull = forces[coordinate] / input_matrix[5 * coordinate];
+        let foot = turned_about_y(-y[coordinate], foot);
+        let along: [f64; 3] = [0, 1, 2].map(|i| foot[i] - rod[i]);
+        let length = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let cylinder = along.map(|x| pull * x / length);
+        let moment = rod[2] * cylinder[0] - rod[0] * cylinder[2];
+        let row = &rows[6 * coordinate..][..6];
+        assert!(row[4].abs() > 10.0 && pull.abs() > 100.0, "pin {coordinate}: {row:?}, {pull}");
+        assert!(
+            (row[4] - moment).abs() < 1e-9 * moment.abs(),
+            "pin {coordinate}: {} is not {moment}",
+            row[4]
+        );
+        let tilt: f64 = y[1..=coordinate].iter().sum();
+        let carried = turned_about_y(-tilt, [0.0, 0.0, 9.81 * mass]);
+        // Beside the weight, what the pin bears and the cylinder exerts is all.
+        let left = [0, 1, 2].map(|i| (row[i] - carried[i]).abs());
+        assert!(
+            left.iter().all(|left| *left < 1e-9 * carried[2].abs()),
+            "pin {coordinate}: {left:?} N are left over"
+        );
+    }
+}
