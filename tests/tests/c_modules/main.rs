@@ -2,7 +2,7 @@
 //! library, and compute the same bits.
 //!
 //! The short form compares four robots in every variant, one with quaternions in each number type, and loops over the
-//! joints of a Panda. All robots, with every compiler at hand:
+//! joints of a Panda, driven joints, and forces at frames. All robots, with every compiler at hand:
 //!
 //! ```text
 //! cargo test -p gelenk-tests --test c_modules -- --ignored --nocapture
@@ -227,6 +227,22 @@ fn robots_with_quaternions_compute_the_same_bits() {
     compilers.iter().take(usize::from(is_there)).for_each(|compiler| {
         compare(&module, Scalar::F32, true, std::slice::from_ref(compiler), &[]);
     });
+}
+
+/// A spring between two frames, and wrenches, which are arrays of six.
+#[test]
+fn robots_with_forces_at_frames_compute_the_same_bits() {
+    let compilers: Vec<Compiler> = c_compilers().into_iter().take(1).collect();
+    let functions = [
+        "linearize",
+        "spring_forces",
+        "wrench_forces",
+        "wrench_forces_derivatives",
+        "inverse_dynamics_with_wrenches",
+        "forward_dynamics_with_wrenches",
+    ];
+    let module = derive(&model("balanced_arm.toml"), &functions, Form::Cheapest, false);
+    compare(&module, Scalar::F64, false, &compilers, &[]);
 }
 
 /// An arm on a rail that is driven, whose gripper follows both.
