@@ -113,6 +113,12 @@ fn check_robot(seed: u64, robot: &Robot) {
             (0..angles.len()).map(|k| inertial[k] - gravity[k] - springs[k] + friction[k]).collect();
         let size = largest(inertial.iter().chain(&gravity).chain(&springs).chain(&friction));
         close(&what("inverse dynamics"), &to_chain(model, &angles, &forces), &expected, size);
+        let found = to_chain(model, &angles, &bodies_forces(robot, &inputs, &parameters));
+        let expected: Vec<f64> = (0..angles.len()).map(|k| inertial[k] - gravity[k]).collect();
+        close(&what("W π"), &found, &expected, size);
+        let arguments = robot.friction_arguments("friction_torques", &y, &v);
+        let found = robot.call_with("friction_torques", &arguments, &parameters).swap_remove(0);
+        close(&what("friction"), &to_chain(model, &angles, &found), &friction, largest(&friction));
         let wrenches: Vec<f64> = (0..6 * model.wrenches.len()).map(|_| rng.f64() - 0.5).collect();
         let (w, a, forces) = (wrenches.as_slice(), accelerations.as_slice(), u.as_slice());
         for (plain, derived, more) in [
@@ -125,9 +131,56 @@ fn check_robot(seed: u64, robot: &Robot) {
                 by_dual_numbers(robot, &what(plain), [&y, &v], more, &parameters, [plain, derived]);
             }
         }
+        motion_agrees(robot, &what, &oracle, [&angles, &y, &v, &u, &wrenches], size);
         linearization_agrees(robot, &what("linearize"), [&y, &v, &u], &parameters);
         drift_agrees(robot, &what("D"), [&y, &v, &u], &parameters);
     }
+}
+
+/// `W π`
+fn bodies_forces(robot: &Robot, inputs: &[&[f64]], parameters: &[f64]) -> Vec<f64> {
+    let regressor = robot.call_with("inertial_regressor", inputs, parameters).swap_remove(0);
+    let pi = robot.call_with("inertial_parameters", &[], parameters).swap_remove(0);
+    regressor.chunks(pi.len()).map(|row| row.iter().zip(&pi).map(|(w, p)| w * p).sum()).collect()
+}
+
+/// The accelerations that inputs cause take those inputs' forces: `M ÿ + k − q = B u`, less the forces of wrenches where
+/// these push. The forces are those of virtual work in the angles of the chain.
+///
+/// - `size`: largest of the forces that inverse dynamics add up
+fn motion_agrees(
+    robot: &Robot,
+    what: &dyn Fn(&str) -> String,
+    oracle: &Oracle<'_>,
+    [angles, y, v, u, wrenches]: [&[f64]; 5],
+    size: f64,
+) {
+    let model = &robot.model;
+    let call =
+        |name: &str, inputs: &[&[f64]]| robot.call_with(name, inputs, oracle.parameters).swap_remove(0);
+    let columns = oracle.input_columns(angles);
+    let of_inputs = |k: usize| columns.iter().zip(u).map(|(column, u)| column[k] * u).sum::<f64>();
+    let inputs: Vec<f64> = (0..angles.len()).map(of_inputs).collect();
+    let mass = largest(&call("mass_matrix", &[y])) * angles.len() as f64;
+    let size_with = |accelerations: &[f64]| {
+        let forces = largest(inputs.iter().chain(wrenches));
+        size + forces + mass * largest(accelerations)
+    };
+    let accelerations = call("forward_dynamics", &[y, v, u]);
+    let forces = to_chain(model, angles, &call("inverse_dynamics", &[y, v, &accelerations]));
+    close(&what("M ÿ + k − q"), &forces, &inputs, size_with(&accelerations));
+    if model.wrenches.is_empty() {
+        return;
+    }
+    let accelerations = call("forward_dynamics_with_wrenches", &[y, v, u, wrenches]);
+    let own = call("inverse_dynamics", &[y, v, &accelerations]);
+    let less = call("inverse_dynamics_with_wrenches", &[y, v, &accelerations, wrenches]);
+    let less = to_chain(model, angles, &less);
+    close(&what("M ÿ + k − q with wrenches"), &less, &inputs, size_with(&accelerations));
+    let pushed: Vec<f64> =
+        to_chain(model, angles, &own).iter().zip(&less).map(|(own, less)| own - less).collect();
+    let expected = oracle.wrench_forces(angles, wrenches);
+    close(&what("forces of wrenches"), &pushed, &expected, size_with(&accelerations));
 }
 
 /// Derivatives of a function by positions along ⊕ and by velocities, of one that has them as its second and third result.

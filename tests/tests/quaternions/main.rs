@@ -8,10 +8,11 @@ mod reference;
 
 use coordinates::State;
 use gelenk_codegen::functions::form::Form;
+use gelenk_codegen::functions::function::ConstantValue;
 use gelenk_codegen::pipeline::GenerateOptions;
 use gelenk_kernels::manifold;
 use gelenk_tests::{Robot, relative_error, workspace};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use reference::{FUNCTIONS, Reference, numbers, reference};
 use serde_json::Value;
 
@@ -72,7 +73,70 @@ fn agrees_with_pinocchio(name: &str) {
         let parameters = DVector::from_vec(robot.first("inertial_parameters", &[]));
         let of_parameters = state.matrix(&regressor) * parameters;
         check(&what("W π"), &forces(of_parameters.as_slice()), &get("id"), VALUES);
+        parts_agree(&reference, &state, sample, &what);
         jacobians_agree(&reference, &state, sample, &what);
+    }
+}
+
+/// Functions that are parts of others, or put them together. Nothing but gravity and the wrench is applied.
+fn parts_agree(reference: &Reference, state: &State, sample: &Value, what: &dyn Fn(&str) -> String) {
+    let robot = &reference.robot;
+    let State { y, v, a, .. } = state;
+    let forces = |ours: &[f64]| state.forces(ours).as_slice().to_vec();
+    let column = |x: &[f64]| DVector::from_column_slice(x);
+    let get = |key: &str| column(&numbers(&sample[key]));
+    // Pinocchio's accelerations 0 are ours of planar joints that turn.
+    let steady = state.matrix(&robot.first("mass_matrix", &[y])) * column(&state.steady);
+    let from_rest = |ours: &[f64]| forces((column(ours) + &steady).as_slice());
+    let (nle, g) = (get("nle"), get("g"));
+    let coriolis = robot.first("coriolis_forces", &[y, v]);
+    check(&what("coriolis"), &from_rest(&coriolis), (&nle - &g).as_slice(), VALUES);
+    check(&what("bias"), &from_rest(&robot.first("bias_forces", &[y, v])), nle.as_slice(), VALUES);
+    let both = robot.call("mass_matrix_and_bias_forces", &[y, v]);
+    check(&what("bias of both"), &from_rest(&both[1]), nle.as_slice(), VALUES);
+    let all = robot.call("equations_of_motion", &[y, v]);
+    check(&what("M of all"), &all[0], &robot.first("mass_matrix", &[y]), VALUES);
+    check(&what("k of all"), &from_rest(&all[1]), (&nle - &g).as_slice(), VALUES);
+    check(&what("q of all"), &forces(&all[2]), (-g).as_slice(), VALUES);
+    let pushed = forces(&robot.first("wrench_forces", &[y, &numbers(&sample["wrench"])]));
+    check(&what("wrench forces"), &pushed, (get("id") - get("id_wrench")).as_slice(), VALUES);
+    let regressor = state.matrix(&robot.first("inertial_regressor", &[y, v, a]));
+    base_regressor_agrees(robot, &regressor, &robot.first("base_regressor", &[y, v, a]), what);
+}
+
+/// `W_b (K π) = W π`, and the columns of `W_b` are columns of W.
+fn base_regressor_agrees(
+    robot: &Robot,
+    regressor: &DMatrix<f64>,
+    base: &[f64],
+    what: &dyn Fn(&str) -> String,
+) {
+    let constants = &robot.function("base_regressor").constants;
+    let terms = constants.iter().find_map(|constant| match &constant.value {
+        ConstantValue::Sparse(terms) => Some(terms),
+        _ => None,
+    });
+    let parameters = robot.first("inertial_parameters", &[]);
+    let count = base.len() / regressor.nrows();
+    let base = DMatrix::from_row_slice(regressor.nrows(), count, base);
+    let mut independent = DVector::zeros(count);
+    for &(row, column, factor) in terms.expect("the map of the base parameters") {
+        independent[row] += factor * parameters[column];
+    }
+    let expected = regressor * DVector::from_vec(parameters);
+    check(
+        &what("W π of the base parameters"),
+        (&base * independent).as_slice(),
+        expected.as_slice(),
+        JACOBIANS,
+    );
+    for column in base.column_iter() {
+        let is_one = |other: DVectorView<'_, f64>| (other - column).amax() <= VALUES * column.amax();
+        assert!(
+            regressor.column_iter().any(is_one),
+            "{}",
+            what("a column of the base regressor is one of W")
+        );
     }
 }
 
