@@ -3,6 +3,8 @@
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
+use std::path::PathBuf;
+
 use fastrand::Rng;
 use gelenk_codegen::functions::function::ConstantValue;
 use gelenk_codegen::model::Model;
@@ -11,7 +13,7 @@ use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_identification::inertial::{PER_BODY, is_physically_consistent};
 use gelenk_tests::quaternion_model::positions;
 use gelenk_tests::random_model::{Sample, random_helical_model, random_model, random_sample};
-use gelenk_tests::{Robot, descriptions, oracle};
+use gelenk_tests::{Robot, descriptions, oracle, shared, workspace};
 use nalgebra::DMatrix;
 
 const FUNCTIONS: [&str; 8] = [
@@ -284,7 +286,7 @@ fn maps_that_depend_on_free_parameters_are_left_out() {
 #[test]
 fn base_parameters_are_as_many_as_the_rank_of_the_regressor() {
     for name in ["powercube", "puma560", "ur5", "two_arm"] {
-        let path = gelenk_tests::workspace().join(format!("models/{name}.toml"));
+        let path = workspace().join(format!("models/{name}.toml"));
         let model = read(&path, &ReadOptions::default()).expect("the model").model;
         let robot = Robot::of_model(model, &FUNCTIONS);
         let regressor = stacked(&robot, "inertial_regressor", &mut Rng::with_seed(11));
@@ -302,12 +304,39 @@ fn base_parameters_are_as_many_as_the_rank_of_the_regressor() {
     }
 }
 
+/// The base's six rows tell all base parameters of robots without rotors (Ayusawa, Venture and Nakamura 2014): legs need no
+/// sensors of effort.
+#[test]
+fn rows_of_a_floating_base_have_the_rank_of_all_rows() {
+    let floating = |path: PathBuf| {
+        let options = ReadOptions {
+            floating_base: path.extension() == Some("urdf".as_ref()),
+            ..ReadOptions::default()
+        };
+        let model = read(&path, &options).unwrap_or_else(|problems| panic!("{problems}")).model;
+        Robot::of_model(model, &["base_regressor"])
+    };
+    let models =
+        ["quadruped", "quadrotor", "satellite"].map(|name| workspace().join(format!("models/{name}.toml")));
+    let urdfs = shared().map(|folder| folder.join("reference/mechanisms/urdf"));
+    let urdfs =
+        urdfs.iter().flat_map(|folder| ["go2", "solo12"].map(|name| folder.join(format!("{name}.urdf"))));
+    for robot in models.into_iter().chain(urdfs).map(floating) {
+        let base = stacked(&robot, "base_regressor", &mut Rng::with_seed(12));
+        let of_the_base = (0..base.nrows()).filter(|row| row % robot.model.coordinates.len() < 6);
+        let rows = base.select_rows(&of_the_base.collect::<Vec<_>>());
+        let count = names(&robot, "base_regressor").len();
+        println!("{}: {count} base parameters", robot.model.name);
+        assert_eq!(rank(rows), count, "{}", robot.model.name);
+    }
+}
+
 /// Both axes are horizontal and parallel: of each link the two first moments across them count, and one
 /// moment of inertia. The rotor of the first drive only adds to the latter; that of the second couples both
 /// joints.
 #[test]
 fn base_parameters_of_the_published_arm() {
-    let path = gelenk_tests::workspace().join("models/powercube.toml");
+    let path = workspace().join("models/powercube.toml");
     let model = read(&path, &ReadOptions::default()).expect("the model").model;
     let robot = Robot::of_model(model, &FUNCTIONS);
     let expected = ["mcx_beta", "mcz_beta", "Iyy_beta", "mcx_gamma", "mcz_gamma", "Iyy_gamma", "J_gamma"];
