@@ -5,7 +5,7 @@
 #     sh tests/bench/dynamics.sh [arguments of the comparison, e.g. --fn rnea,crba]
 #
 # ROBOTS chooses among ur5, panda and the floating go2, solo12 and iris of the comparison's folder, by default ur5 and panda. URDFS is a
-# folder with URDFs of further floating robots that the comparison knows, such as g1.urdf.
+# folder with URDFs of further floating robots that the comparison knows: g1.urdf and talos_floating.urdf.
 #
 # GELENK_SHARED is the folder whose bench/run.sh makes the others; by default the folder `shared` beside the workspace.
 # LAB is where it keeps what it builds. Further options of the generator, if any, stand in GELENK_OPTIONS.

@@ -6,6 +6,7 @@
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use gelenk_codegen::emit::Scalar;
 use gelenk_codegen::formula::Formula;
@@ -179,6 +180,20 @@ fn floating_robots() {
         let bars = [("inverse_dynamics", inverse_dynamics), ("mass_matrix", mass_matrix)];
         assert_within(name, model, &bars.map(|(name, [products, sums])| (name, products, sums)));
     }
+}
+
+/// A Unitree G1 with 29 joints, where the folder `URDFS` has its URDF as `g1.urdf`.
+#[test]
+fn humanoid_robot() {
+    let path = std::env::var_os("URDFS").map(|folder| PathBuf::from(folder).join("g1.urdf"));
+    let Some(path) = path.filter(|path| path.exists()) else {
+        println!("skipped: URDFS names no folder with g1.urdf");
+        return;
+    };
+    let options = ReadOptions { floating_base: true, no_friction: true, ..ReadOptions::default() };
+    let model = read(&path, &options).unwrap_or_else(|problems| panic!("{problems}")).model;
+    assert_eq!(model.coordinates.len(), 35);
+    assert_within("G1", model, &[("inverse_dynamics", 1567, 1467), ("mass_matrix", 1833, 1457)]);
 }
 
 /// A pelvis that floats, with two legs and a waist that carries two arms with oblique shoulders, nearly as in a mirror.
