@@ -35,6 +35,8 @@ pub(super) struct RobotDescription {
     pub floating_base: Option<Span>,
     /// It is true once the base moves freely.
     pub is_freed: bool,
+    /// What is said of velocities of the base, whose joint comes with its freedom.
+    pub velocities: Vec<JointDescription>,
     /// Whether it is that of an MJCF, or extends one.
     pub is_mjcf: bool,
     /// Links that exist even where no joint names them.

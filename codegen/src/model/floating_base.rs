@@ -3,6 +3,7 @@
 use super::QuaternionKind;
 use super::composite::{self, Composite, Place};
 use super::description::{JointDescription, Name, RobotDescription};
+use super::toml_joint_tables::Extended;
 use crate::diagnostic::{At, Report, Span};
 use std::collections::BTreeSet;
 
@@ -21,20 +22,38 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     // Without a single root the links are no tree, which is reported elsewhere.
     let Some(root) = root(robot) else { return };
     robot.is_freed = true;
-    if is_ground(robot, &root) {
-        return stand_on_ground(robot, &root, span, report);
+    let mut told = std::mem::take(&mut robot.velocities);
+    match is_ground(robot, &root) {
+        true => stand_on_ground(robot, &root, span, report),
+        false => put_joint(robot, &root, span, &mut told),
     }
+    let is_clean = !report.has_errors();
+    for velocity in told.iter().filter(|_| is_clean) {
+        let message = format!("the base floats, and has no velocity `{}`", velocity.name.value);
+        report.error(velocity.name.span, "unknown-joint", message);
+        report.help(
+            "its velocities begin with the name of the joint by which it floats; a new joint needs `parent`",
+        );
+    }
+}
+
+/// Puts a floating joint under the base.
+///
+/// - `told`: what is said of its velocities, which is taken
+fn put_joint(robot: &mut RobotDescription, root: &str, span: Span, told: &mut Vec<JointDescription>) {
     let world = unused(WORLD, |name| links(robot).any(|link| link == name));
-    let joint = unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name));
     let place = Place {
         parent: Some(At::new(world, span)),
-        child: Some(At::new(root.clone(), span)),
+        child: Some(At::new(root.to_owned(), span)),
         origin: None,
         axis: [0.0, 0.0, 1.0],
     };
-    let name = At::new(joint, span);
-    let joints =
-        composite::expand(Composite::FLOATING, &name, place, |_, name| JointDescription::named(name));
+    let name = At::new(base_joint(robot), span);
+    let values = |_: &'static composite::Part, name: Name| {
+        let index = told.iter().position(|velocity| velocity.name.value == name.value);
+        index.map_or_else(|| JointDescription::named(name), |index| told.remove(index))
+    };
+    let joints = composite::expand(Composite::FLOATING, &name, place, values);
     if !robot.links.is_empty() {
         let between = joints.iter().filter_map(|joint| joint.parent.clone());
         robot.links.extend(between);
@@ -44,6 +63,26 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     }
     let described = std::mem::take(&mut robot.joints);
     robot.joints = joints.into_iter().chain(described).collect();
+}
+
+/// The name of the joint by which a base floats that is freed.
+fn base_joint(robot: &RobotDescription) -> String {
+    unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name))
+}
+
+/// What a description on top of this one can speak of.
+///
+/// - `asked`: whether the base is to float, whatever the descriptions say
+pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
+    let parts = robot.joints.iter().filter_map(|joint| joint.part_of.as_ref());
+    let firsts = parts.filter(|part| part.index == 0);
+    Extended {
+        quaternions: firsts
+            .map(|part| (part.joint.value.clone(), Composite::Quaternion(part.kind)))
+            .collect(),
+        base_joint: base_joint(robot),
+        is_to_float: asked || robot.floating_base.is_some(),
+    }
 }
 
 /// Tells whether a link is that of the ground, to which what is fixed is bolted.
@@ -259,6 +298,75 @@ mod tests {
             }
             assert_eq!(problems.matches("error[").count(), 1, "{problems}");
         }
+    }
+
+    /// Each way to say what acts on a base that its own file frees.
+    #[test]
+    fn a_file_speaks_of_the_velocities_of_the_base_that_it_frees() {
+        for (joints, drives) in [
+            (
+                "[[joints]]\nname = \"base_z\"\ndrive = \"ideal\"\nlimits = { effort = 7 }\nfriction = \"2*v\"\n",
+                1,
+            ),
+            (
+                "[[joints]]\nname = \"base\"\ndrive = { z = \"ideal\" }\nlimits = { z = { effort = 7 } }\nfriction = { z = \"2*v\" }\n",
+                1,
+            ),
+            (
+                "[[joints]]\nname = \"base\"\ndrive = \"ideal\"\nlimits = { z = { effort = 7 } }\nfriction = { z = \"2*v\" }\n",
+                6,
+            ),
+        ] {
+            for top in [
+                "extends = \"drone.toml\"\n",
+                "urdf = \"drone.urdf\"\nbase = { type = \"floating\" }\n",
+                TOML,
+            ] {
+                let text = if top == TOML { format!("{TOML}{joints}") } else { format!("{top}{joints}") };
+                let model = read(&text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{text}: {e}"));
+                assert_eq!((model.coordinates.len(), model.quaternion_joints.len()), (6, 1), "{text}");
+                assert_eq!(model.quaternion_joints[0].name, "base");
+                assert_eq!(model.drives.len(), drives, "{text}");
+                assert!(model.drives.iter().any(|drive| drive.name == "base_z"));
+                let moving: Vec<_> = model.links.iter().filter_map(|link| link.joint.as_ref()).collect();
+                let z =
+                    moving.iter().find(|joint| joint.name == "base_z").unwrap_or_else(|| panic!("{text}"));
+                assert_eq!((z.friction.len(), z.limits.effort), (1, Some(7.0)), "{text}");
+                assert!(
+                    moving
+                        .iter()
+                        .filter(|joint| joint.name != "base_z")
+                        .all(|joint| joint.friction.is_empty())
+                );
+            }
+        }
+    }
+
+    /// A joint that is placed keeps its name, and what is said of the base is told by the name that it gets then.
+    #[test]
+    fn a_base_beside_a_joint_of_its_name_is_spoken_of_by_its_other_name() {
+        let text = "base = { link = \"frame\", type = \"floating\" }
+            joints = [{ name = \"base\", parent = \"frame\" }, { name = \"floating_base\", drive = { x = \"ideal\" } }]
+            bodies = [{ link = \"frame\", mass = 2, inertia = 1 }, { link = \"base\", mass = 1, inertia = 1 }]";
+        let model = read(text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(model.coordinates.len(), 7);
+        assert_eq!(model.drives[0].name, "floating_base_x");
+    }
+
+    /// A ball of the extended description is spoken of whole, too.
+    #[test]
+    fn parts_of_an_extended_ball_are_told_at_its_name() {
+        let ball = "<link name=\"tip\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/>
+            </inertial></link><joint name=\"ball\" type=\"spherical\"><parent link=\"frame\"/><child link=\"tip\"/></joint></robot>";
+        let urdf = URDF.replace("</robot>", ball);
+        let text = "urdf = \"arm.urdf\"\njoints = [{ name = \"ball\", friction = { rx = \"2*v\" } }]";
+        let mut load = |name: &str| Ok((name.to_owned(), urdf.clone()));
+        let (model, _) = from_toml(text, "robot.toml", &ReadOptions::default(), &mut load)
+            .unwrap_or_else(|e| panic!("{e}"));
+        let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
+        let with: Vec<&str> =
+            joints.filter(|joint| !joint.friction.is_empty()).map(|joint| joint.name.as_str()).collect();
+        assert_eq!((with, model.position_count()), (vec!["ball_rx"], 4));
     }
 
     #[test]

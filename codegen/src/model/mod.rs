@@ -32,6 +32,7 @@ mod toml_couplings;
 mod toml_file;
 mod toml_forces;
 mod toml_frame_forces;
+mod toml_joint_tables;
 mod toml_joints;
 mod toml_values;
 mod torque_speed;

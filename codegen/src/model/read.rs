@@ -252,11 +252,12 @@ fn read_toml(
     };
     reader.angles.snap = reader.angles.snap.or(options.snap_angles);
     let Some(file) = preamble.extends else {
-        return Some(toml_file::description(reader, &top, stem(name), false));
+        return Some(toml_file::description(reader, &top, stem(name), None));
     };
     let base = read_base(reader, &file, &options, chain);
-    let extension = toml_file::description(reader, &top, stem(name), true);
     let asked = options.floating_base.then_some(file.span);
+    let extended = base.as_ref().map(|base| floating_base::extended(base, asked.is_some()));
+    let extension = toml_file::description(reader, &top, stem(name), Some(extended.unwrap_or_default()));
     base.map(|base| extend_freed(base, extension, asked, &mut reader.report))
 }
 

@@ -4,7 +4,7 @@ use super::description::{BodyDescription, DriveChoice, FrameDescription, Name, R
 use super::table::{Item, Table};
 use super::toml_couplings::read_drives;
 use super::toml_frame_forces::{read_point_forces, read_wrench_inputs, read_wrenches};
-use super::toml_joints::read_joints;
+use super::toml_joint_tables::{Extended, Joints, read_joints};
 use super::toml_values::Reader;
 use super::{Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
@@ -125,19 +125,22 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
     None
 }
 
-/// Reads everything else; `extends` says whether it adds to a base.
+/// Reads everything else.
+///
+/// - `extended`: what it adds to, where it extends a base
 pub(super) fn description(
     reader: &mut Reader,
     top: &Table<'_>,
     name: &str,
-    extends: bool,
+    extended: Option<Extended>,
 ) -> RobotDescription {
     if let Some(parameters) = top.get("parameters") {
         read_parameters(reader, parameters);
     }
     let fallback = At::new(name.to_owned(), top.span);
     let (base, floating_base) = top.get("base").map_or((None, None), |item| read_base(reader, item));
-    let joints = read_joints(reader, top, base.as_ref(), extends);
+    let Joints { joints, velocities } =
+        read_joints(reader, top, (base.as_ref(), floating_base.is_some()), extended);
     RobotDescription {
         name: top.get("name").and_then(|item| reader.name(item)).unwrap_or(fallback),
         description: top
@@ -149,6 +152,7 @@ pub(super) fn description(
         base,
         floating_base,
         is_freed: false,
+        velocities,
         is_mjcf: false,
         bodies: read_bodies(reader, top),
         frames: read_frames(reader, top),

@@ -1,6 +1,6 @@
 //! The joints of a TOML description.
 
-use super::composite::{self, Composite, Place};
+use super::composite::{self, Composite, Part, Place};
 use super::description::{JointDescription, LimitsDescription, Name};
 use super::pose::{about_z, modified_dh, standard_dh};
 use super::table::{Item, Table};
@@ -11,7 +11,7 @@ use super::{JointKind, Pose};
 use crate::diagnostic::At;
 use gelenk_formula::Formula;
 
-const JOINT: [&str; 17] = [
+pub(super) const JOINT: [&str; 17] = [
     "name",
     "type",
     "parent",
@@ -33,37 +33,6 @@ const JOINT: [&str; 17] = [
 const LIMITS: [&str; 4] = ["position", "velocity", "effort", "peak_effort"];
 const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
 
-pub(super) fn read_joints(
-    reader: &mut Reader,
-    top: &Table<'_>,
-    base: Option<&Name>,
-    extends: bool,
-) -> Vec<JointDescription> {
-    let Some(item) = top.get("joints") else {
-        return Vec::new();
-    };
-    let tables = item.tables("a joint", &JOINT, &mut reader.report);
-    let mut joints: Vec<JointDescription> = Vec::new();
-    for table in &tables {
-        for mut joint in read_joint(reader, table) {
-            if !extends {
-                chain(&mut joint, joints.last(), base);
-            }
-            joints.push(joint);
-        }
-    }
-    joints
-}
-
-/// The defaults of a chain: each joint moves a link of its own name, carried by the link of the joint before.
-fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
-    let at = joint.name.span;
-    let previous = before.and_then(|joint| joint.child.clone()).map(|link| At::new(link.value, at));
-    let first = || base.cloned().unwrap_or_else(|| At::new("base".to_owned(), at));
-    joint.parent.get_or_insert_with(|| previous.unwrap_or_else(first));
-    joint.complete();
-}
-
 /// The type of a described joint.
 enum JointType {
     Single(JointKind),
@@ -71,7 +40,7 @@ enum JointType {
 }
 
 /// The joint of a table, or those that it stands for.
-fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
+pub(super) fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
     let Some(name) = reader.required_name(table, "name") else {
         return Vec::new();
     };
@@ -84,7 +53,7 @@ fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
     vec![single_joint(reader, table, name, kind)]
 }
 
-fn single_joint(
+pub(super) fn single_joint(
     reader: &mut Reader,
     table: &Table<'_>,
     name: Name,
@@ -116,7 +85,7 @@ fn single_joint(
 /// A joint with its limits, and what holds it or acts on it; without a place.
 ///
 /// - `value`: that of a key
-fn forces<'t>(
+pub(super) fn forces<'t>(
     reader: &mut Reader,
     value: &impl Fn(&str) -> Option<Item<'t>>,
     name: Name,
@@ -205,7 +174,7 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
 }
 
 /// Keys whose values are told part by part.
-const BY_PART: [&str; 6] = ["held", "motion", "limits", "spring", "friction", "drive"];
+pub(super) const BY_PART: [&str; 6] = ["held", "motion", "limits", "spring", "friction", "drive"];
 
 /// Those that may be one word for all parts.
 const FOR_ALL_PARTS: [&str; 2] = ["motion", "drive"];
@@ -219,9 +188,7 @@ fn read_composite(
 ) -> Vec<JointDescription> {
     refuse_pitch(reader, table, None);
     refuse_in_composites(reader, table, composite);
-    for item in BY_PART.iter().filter_map(|key| table.get(key)) {
-        check_parts(reader, item, &name, composite);
-    }
+    check_all_parts(reader, table, &name, composite);
     let place = Place {
         parent: table.get("parent").and_then(|item| reader.name(item)),
         child: table.get("child").and_then(|item| reader.name(item)),
@@ -229,13 +196,24 @@ fn read_composite(
         axis: table.get("axis").and_then(|item| reader.axis(item)).unwrap_or([0.0, 0.0, 1.0]),
     };
     composite::expand(composite, &name, place, |part, name| {
-        let value = |key: &str| match table.get(key)? {
-            // One word for all parts.
-            item if FOR_ALL_PARTS.contains(&key) && item.value.is_str() => Some(item),
-            item => Table::open(item.value.as_table()?, item.span, "the parts of a joint").get(part.name),
-        };
-        forces(reader, &value, name)
+        forces(reader, &|key| of_part(table, part, key), name)
     })
+}
+
+/// What a key says of a part.
+pub(super) fn of_part<'t>(table: &Table<'t>, part: &Part, key: &str) -> Option<Item<'t>> {
+    match table.get(key)? {
+        // One word for all parts.
+        item if FOR_ALL_PARTS.contains(&key) && item.value.is_str() => Some(item),
+        item => Table::open(item.value.as_table()?, item.span, "the parts of a joint").get(part.name),
+    }
+}
+
+/// Complains about values that are not told part by part.
+pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
+    for item in BY_PART.iter().filter_map(|key| table.get(key)) {
+        check_parts(reader, item, name, composite);
+    }
 }
 
 /// Complains about a value that is not told part by part.
