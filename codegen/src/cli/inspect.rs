@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::arguments::{Format, Inspect, Stage};
 use super::bytes::CodeSizes;
 use super::failure::Failure;
+use super::inspect_forces::{self, followed, position};
 use super::place::Workspace;
 use super::{generate, mechanism, print};
 use crate::functions::function::Function;
@@ -154,6 +155,7 @@ fn model_text(model: &Model) -> String {
     });
     text.push_str(&print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()));
     text.push_str(&lines_text(model));
+    text.push_str(&inspect_forces::as_text(model));
     if !model.parameters.is_empty() {
         text.push_str(&format!("\n{}", parameters_text(model)));
     }
@@ -193,25 +195,11 @@ fn pitch(kind: JointKind) -> Option<f64> {
     }
 }
 
-/// `y2`, or `d1` where it is driven.
-fn position(model: &Model, coordinate: usize) -> String {
-    match coordinate.checked_sub(model.coordinates.len()) {
-        None => format!("y{}", model.first_position(coordinate) + 1),
-        Some(driven) => format!("d{}", driven + 1),
-    }
-}
-
 fn motion(model: &Model, motion: Motion) -> String {
     match motion {
         Motion::Follower(index) => {
             let moving = model.moving_joints();
-            let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-            let terms = moving[index].follows.iter().map(|term| match term.ratio.as_number() {
-                Some(1.0) => position(model, term.coordinate),
-                _ => format!("({}) {}", term.ratio.text(&names), position(model, term.coordinate)),
-            });
-            let offset = (moving[index].offset != 0.0).then(|| format!("{:?}", moving[index].offset));
-            terms.chain(offset).collect::<Vec<_>>().join(" + ")
+            followed(model, &moving[index].follows, moving[index].offset)
         }
         Motion::Fixed => "fixed".to_owned(),
         Motion::Held(position) => format!("held at {position:?}"),
@@ -239,7 +227,7 @@ fn model_json(model: &Model) -> Value {
             })),
         })
     };
-    json!({
+    let mut object = json!({
         "name": model.name,
         "description": model.description,
         "links": model.links.iter().map(link).collect::<Vec<_>>(),
@@ -251,5 +239,7 @@ fn model_json(model: &Model) -> Value {
         "parameters": model.parameters.iter().map(|p| json!({
             "name": p.name, "default": p.default, "unit": p.unit, "description": p.description,
         })).collect::<Vec<_>>(),
-    })
+    });
+    inspect_forces::add_json(model, &mut object);
+    object
 }

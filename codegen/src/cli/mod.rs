@@ -10,6 +10,7 @@ mod failure;
 mod generate;
 mod identify;
 mod inspect;
+mod inspect_forces;
 mod interface;
 mod mechanism;
 mod new;

@@ -3,22 +3,25 @@
 use crate::program::display::{latex_letters, latex_number};
 use gelenk_formula::{Formula, Function};
 
+/// Letter and index, as y₂.
+pub(super) type Motion = (char, usize);
+
 /// A formula in LaTeX.
 ///
 /// - `parameters`: names of the free parameters
-/// - `coordinate`: index, from 1, of the joint whose y and ẏ it means
-pub(super) fn latex(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
-    Printer { parameters, coordinate }.print(formula, Binding::Sum)
+/// - `motion`: letter and index, from 1, of the position and the velocity that it means
+pub(super) fn latex(formula: &Formula, parameters: &[String], motion: Motion) -> String {
+    Printer { parameters, motion }.print(formula, Binding::Sum)
 }
 
 /// As [`latex`], in brackets where it is not a factor.
-pub(super) fn factor(formula: &Formula, parameters: &[String], coordinate: usize) -> String {
-    Printer { parameters, coordinate }.print(formula, Binding::Product)
+pub(super) fn factor(formula: &Formula, parameters: &[String], motion: Motion) -> String {
+    Printer { parameters, motion }.print(formula, Binding::Product)
 }
 
 /// The sum of formulas in LaTeX.
-pub(super) fn sum(formulas: &[Formula], parameters: &[String], coordinate: usize) -> String {
-    let summands = formulas.iter().map(|one| latex(one, parameters, coordinate));
+pub(super) fn sum(formulas: &[Formula], parameters: &[String], motion: Motion) -> String {
+    let summands = formulas.iter().map(|one| latex(one, parameters, motion));
     summands.reduce(|sum, summand| join(&sum, &summand)).unwrap_or_default()
 }
 
@@ -35,7 +38,7 @@ enum Binding {
 
 struct Printer<'a> {
     parameters: &'a [String],
-    coordinate: usize,
+    motion: Motion,
 }
 
 impl Printer<'_> {
@@ -50,8 +53,8 @@ impl Printer<'_> {
         match formula {
             Formula::Number(value) => latex_number(*value),
             Formula::Parameter(index) => latex_letters(&self.parameters[*index]),
-            Formula::Position => format!("y_{{{}}}", self.coordinate),
-            Formula::Velocity => format!("\\dot{{y}}_{{{}}}", self.coordinate),
+            Formula::Position => format!("{}_{{{}}}", self.motion.0, self.motion.1),
+            Formula::Velocity => format!("\\dot{{{}}}_{{{}}}", self.motion.0, self.motion.1),
             Formula::Negate(a) => format!("-{}", factor(a)),
             Formula::Add(a, b) => join(&sum(a), &sum(b)),
             Formula::Subtract(a, b) => format!("{} - {}", sum(a), factor(b)),
@@ -128,10 +131,13 @@ mod tests {
             (Formula::Call(Function::Abs, Box::new(v())), r"\left|\dot{y}_{2}\right|"),
         ];
         for (formula, expected) in cases {
-            assert_eq!(latex(&formula, &["a1".to_owned()], 2), expected);
+            assert_eq!(latex(&formula, &["a1".to_owned()], ('y', 2)), expected);
         }
         let product = Formula::Multiply(Box::new(negative()), Box::new(v()));
         let springs = [product.clone(), product, v()];
-        assert_eq!(super::sum(&springs, &[], 1), r"-2 \, \dot{y}_{1} - 2 \, \dot{y}_{1} + \dot{y}_{1}");
+        assert_eq!(
+            super::sum(&springs, &[], ('y', 1)),
+            r"-2 \, \dot{y}_{1} - 2 \, \dot{y}_{1} + \dot{y}_{1}"
+        );
     }
 }

@@ -5,6 +5,7 @@
 
 mod equations;
 mod formula;
+mod friction;
 mod motion;
 mod robot;
 mod scene;
@@ -49,7 +50,7 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     report.made_by = contents.command.to_owned();
     report = report.section(robot_section(&robot)).section(parameters_section(&robot));
     report = report.section(equations_section(&robot, contents.closed_form)?);
-    if let Some(section) = friction_section(&robot)? {
+    if let Some(section) = friction::section(&robot)? {
         report = report.section(section);
     }
     let springs = equations::spring_laws(&robot);
@@ -120,6 +121,7 @@ fn parameters_section(robot: &Robot<'_>) -> Section {
     let mut section = Section::new("parameters", "Parameters and limits");
     section = section.block(Block::Table(tables::coordinates(robot)));
     for table in [
+        tables::dependent(robot),
         tables::drives(robot),
         tables::forces_at_frames(robot),
         tables::bodies(robot),
@@ -152,31 +154,6 @@ fn equations_section(
         Err(reason) => section.block(text(reason)),
     };
     Ok(section)
-}
-
-fn friction_section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
-    let laws = equations::friction_laws(robot);
-    if laws.is_empty() && !robot.has_load_friction() {
-        return Ok(None);
-    }
-    let mut section = Section::new("friction", "Friction").block(text(
-        "Friction torque (or force) at the joint, positive for positive velocity; it is subtracted from the applied forces.",
-    ));
-    if !laws.is_empty() {
-        section = section.block(equations::set(&laws));
-    }
-    if robot.has_load_friction() {
-        section = section
-            .block(text(
-                "Beside these, friction grows with the load $\\tau_l$, which is what a drive would exert without friction: it gains \
-                 $|\\tau_l| \\, \\sigma(y, \\dot y)$ (Hamon, Gautier and Garrec 2010).",
-            ))
-            .block(equations::set(&equations::load_friction_laws(robot)));
-    }
-    if let Some(figure) = equations::friction_figure(robot) {
-        section = section.block(Block::Figure(figure));
-    }
-    Ok(Some(section))
 }
 
 fn structure_section(robot: &Robot<'_>) -> Section {

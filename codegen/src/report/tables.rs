@@ -7,8 +7,8 @@ use super::robot::Robot;
 use crate::diagnostic::Diagnostics;
 use crate::functions::function::Function;
 use crate::model::{
-    Actuator, Attachment, Drive, ForceEffect, Input, Joint, JointKind, Motion, Pose, RotorCoupling,
-    TorqueSpeedLine, WrenchAxes,
+    Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Input, Joint, JointKind, Motion, Pose,
+    RotorCoupling, TorqueSpeedLine, WrenchAxes,
 };
 use crate::numeric::{atan2, length};
 use crate::program::cost;
@@ -63,7 +63,7 @@ fn cell(robot: &Robot<'_>, value: &Formula) -> Cell {
     match value.as_number() {
         Some(number) => Cell::Exact(number),
         None => {
-            let latex = formula::latex(value, &robot.parameter_names, 0);
+            let latex = formula::latex(value, &robot.parameter_names, ('y', 0));
             Cell::Line(vec![Inline::Math(latex)])
         }
     }
@@ -163,6 +163,44 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     .column("force", "force", "")
     .column("limits", "limits", "");
     Some(table.rows(rows.into_iter().map(|row| row.into_iter().map(Cell::Text).collect())))
+}
+
+/// Limits of joints that follow others, and of motors that move several.
+pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
+    let all = robot.model.dependent(&robot.parameters).into_iter();
+    let limited = all.filter(|one| one.velocity.is_finite() || one.position.iter().any(|x| x.is_finite()));
+    let finite = |value: f64| Cell::exact_or_empty(value.is_finite().then_some(value));
+    let rows: Vec<Vec<Cell>> = limited
+        .map(|one| {
+            let ratios = one.ratios.iter().flatten().enumerate().filter(|(_, ratio)| **ratio != 0.0);
+            let term = |(coordinate, ratio): (usize, &f64)| FollowedCoordinate {
+                coordinate,
+                ratio: Formula::Number(*ratio),
+            };
+            let motion = robot.followed(&ratios.map(term).collect::<Vec<_>>(), one.offset);
+            let [low, high] = one.position.map(finite);
+            vec![
+                Cell::Text(one.name.to_owned()),
+                Cell::Line(vec![Inline::Math(motion)]),
+                low,
+                high,
+                finite(one.velocity),
+            ]
+        })
+        .collect();
+    if rows.is_empty() {
+        return None;
+    }
+    let table = Table::new(
+        "dependent-limits",
+        "Limits of joints that follow others, and of motors that move several joints; rad and rad/s, m and m/s where a joint slides.",
+    )
+    .column("joint or drive", "name", "")
+    .column("its position", "position", "")
+    .column("lowest", "lowest position", "")
+    .column("highest", "highest position", "")
+    .column("speed", "velocity limit", "");
+    Some(table.rows(rows))
 }
 
 fn drive_row(robot: &Robot<'_>, drive: &Drive) -> Vec<Cell> {

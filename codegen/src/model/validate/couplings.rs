@@ -257,7 +257,7 @@ fn add(sum: &mut Row, row: Row) {
     }
 }
 
-/// Dry friction between several coordinates holds their sum, which a simulation of sticking joints does not know.
+/// Dry friction between several coordinates holds their sum, and the runtime's plant lets single joints stick: it refuses such robots.
 fn note_dry_friction(
     (what, verb): (&str, &str),
     name: &Name,
@@ -269,7 +269,7 @@ fn note_dry_friction(
         let message = format!("{what} `{}` {verb} several coordinates and has dry friction", name.value);
         report.note(Some(friction.span), "dry-follower", message);
         report.help(
-            "the simulation lets single coordinates stick, not their sum: give the friction a `slope`, or use `--smooth-sign`",
+            "the plant of the runtime lets single coordinates stick, not their sum, and refuses it: give the friction a `slope`, or use `--smooth-sign`",
         );
     }
 }

@@ -1,0 +1,222 @@
+//! Friction: laws and curves.
+
+use gelenk_report::{Axis, Block, Cell, Figure, Inline, Marks, Plot, ReportError, Section, Table, text};
+
+use super::equations;
+use super::formula::{self, Motion};
+use super::robot::Robot;
+use crate::model::{FollowedCoordinate, FrictionTerm, Joint, JointKind};
+use gelenk_formula::Formula;
+
+/// Joints in one plot.
+const CURVES: usize = 6;
+
+/// Friction of a joint that follows coordinates, or of the shaft of a motor that moves several of them.
+struct Following<'a> {
+    name: &'a str,
+    what: &'static str,
+    /// Its motion z for a unit of motion of each coordinate.
+    follows: Vec<FollowedCoordinate>,
+    offset: f64,
+    friction: &'a [FrictionTerm],
+}
+
+impl Following<'_> {
+    /// Those of a robot that have friction.
+    fn all<'a>(robot: &Robot<'a>) -> Vec<Following<'a>> {
+        let model = robot.model;
+        let joints = model.moving_joints().into_iter().skip(model.motion_count()).map(|moving| Following {
+            name: &moving.joint.name,
+            what: "a joint that follows",
+            follows: moving.follows,
+            offset: moving.offset,
+            friction: &moving.joint.friction,
+        });
+        let shafts = model.rubbing_drives().map(|drive| {
+            let gear_ratio = robot.value(&drive.gear_ratio);
+            let turned = |term: &FollowedCoordinate| FollowedCoordinate {
+                coordinate: term.coordinate,
+                ratio: Formula::Number(gear_ratio * robot.value(&term.ratio)),
+            };
+            Following {
+                name: &drive.name,
+                what: "a motor's shaft",
+                follows: drive.acts_on.iter().map(turned).collect(),
+                offset: 0.0,
+                friction: &drive.friction,
+            }
+        });
+        joints.chain(shafts).filter(|one| !one.friction.is_empty()).collect()
+    }
+
+    fn moves_with(&self, coordinate: usize) -> bool {
+        self.follows.iter().any(|term| term.coordinate == coordinate)
+    }
+}
+
+/// The section, where there is friction.
+pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
+    let (laws, following) = (friction_laws(robot), Following::all(robot));
+    if laws.is_empty() && following.is_empty() && !robot.has_load_friction() {
+        return Ok(None);
+    }
+    let mut section = Section::new("friction", "Friction").block(text(
+        "Friction torque (or force) at the joint, positive for positive velocity; it is subtracted from the applied forces.",
+    ));
+    if !laws.is_empty() {
+        section = section.block(equations::set(&laws));
+    }
+    if !following.is_empty() {
+        section = section.blocks(following_blocks(robot, &following));
+    }
+    if robot.has_load_friction() {
+        section = section
+            .block(text(
+                "Beside these, friction grows with the load $\\tau_l$, which is what a drive would exert without friction: it gains \
+                 $|\\tau_l| \\, \\sigma(y, \\dot y)$ (Hamon, Gautier and Garrec 2010).",
+            ))
+            .block(equations::set(&load_friction_laws(robot)));
+    }
+    if let Some(figure) = friction_figure(robot, &following) {
+        section = section.block(Block::Figure(figure));
+    }
+    Ok(Some(section))
+}
+
+/// What follows with friction, and its laws.
+fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
+    let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
+    let rows = following.iter().zip(1..).map(|(one, number)| {
+        let motion = robot.followed(&one.follows, one.offset);
+        vec![math(format!("z_{{{number}}}")), Cell::text(one.name), Cell::text(one.what), math(motion)]
+    });
+    let table = Table::new("friction-following", "What moves with coordinates and has friction of its own.")
+        .column("", "index", "")
+        .column("name", "name", "")
+        .column("is", "kind", "")
+        .column("its position $z$", "position", "")
+        .rows(rows);
+    let laws = following
+        .iter()
+        .zip(1..)
+        .map(|(one, number)| law(robot, &format!("\\tau_{{z,{number}}}"), ('z', number), one.friction));
+    let laws: Vec<String> = laws.collect();
+    vec![
+        Block::Table(table),
+        text(
+            "Its friction $\\tau_{z,k}$ is over its own position $z_k$ and velocity. The friction of coordinate $i$ gains \
+             $\\sum_k \\tau_{z,k} \\, \\partial z_k / \\partial y_i$.",
+        ),
+        equations::set(&laws),
+    ]
+}
+
+/// Friction laws of the joints that have one.
+fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
+    let joints = robot.joints().into_iter().enumerate();
+    let rubbing = joints.filter(|(_, joint)| !joint.friction.is_empty());
+    rubbing
+        .map(|(index, joint)| {
+            law(robot, &format!("\\tau_{{{}}}", index + 1), ('y', index + 1), &joint.friction)
+        })
+        .collect()
+}
+
+/// Friction over load of the joints that have such friction.
+fn load_friction_laws(robot: &Robot<'_>) -> Vec<String> {
+    let joints = robot.joints().into_iter().enumerate();
+    let loaded = joints.filter(|(_, joint)| !joint.load_friction.is_empty());
+    loaded
+        .map(|(index, joint)| {
+            law(robot, &format!("\\sigma_{{{}}}", index + 1), ('y', index + 1), &joint.load_friction)
+        })
+        .collect()
+}
+
+fn law(robot: &Robot<'_>, name: &str, motion: Motion, terms: &[FrictionTerm]) -> String {
+    let print = |part: &Formula| formula::latex(part, &robot.parameter_names, motion);
+    let bracketed = |part: &Formula| formula::factor(part, &robot.parameter_names, motion);
+    let term = |term: &FrictionTerm| match (term.coefficient.as_number(), term.basis.as_number()) {
+        (Some(1.0), _) => print(&term.basis),
+        (_, Some(1.0)) => print(&term.coefficient),
+        _ => format!("{} \\, {}", bracketed(&term.coefficient), bracketed(&term.basis)),
+    };
+    let terms: Vec<String> = terms.iter().map(term).collect();
+    format!("{name} = {}", terms.join(" + "))
+}
+
+const CAPTION: &str = "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest. \
+    Friction that depends on the position is drawn at both limits and in the middle.";
+
+/// Friction over velocity, as the generated function computes it.
+fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) -> Option<Figure> {
+    let joints = robot.joints().into_iter().enumerate();
+    let drags = |index: usize| following.iter().any(|one| one.moves_with(index));
+    let rubbing = joints.filter(|(index, joint)| !joint.friction.is_empty() || drags(*index));
+    let rubbing: Vec<(usize, &Joint)> = rubbing.collect();
+    let mut caption = CAPTION.to_owned();
+    if !following.is_empty() {
+        caption += " Curves contain what joints that follow and motors' shafts add.";
+    }
+    if robot.has_load_friction() {
+        caption += " What the load adds is left out.";
+    }
+    let mut figure = Figure::new("friction-curves", &caption);
+    for prismatic in [false, true] {
+        let of_kind: Vec<&(usize, &Joint)> =
+            rubbing.iter().filter(|(_, joint)| (joint.kind == JointKind::Prismatic) == prismatic).collect();
+        for group in of_kind.chunks(CURVES) {
+            figure = figure.plot(friction_plot(robot, (group, following), prismatic)?);
+        }
+    }
+    (!figure.plots.is_empty()).then_some(figure)
+}
+
+fn friction_plot(
+    robot: &Robot<'_>,
+    (joints, following): (&[&(usize, &Joint)], &[Following<'_>]),
+    prismatic: bool,
+) -> Option<Plot> {
+    let (velocity, force) = if prismatic {
+        (Axis::new("velocity", "m/s"), Axis::new("friction force", "N"))
+    } else {
+        (Axis::new("velocity", "rad/s"), Axis::new("friction torque", "N m"))
+    };
+    let mut plot = Plot::new("", velocity, force);
+    for (index, joint) in joints {
+        for (name, position) in friction_positions(joint, *index, following) {
+            let points = friction_curve(robot, *index, joint, position)?;
+            plot = plot.series(name, Marks::Line, points);
+        }
+    }
+    Some(plot)
+}
+
+/// Positions at which a joint's friction is drawn, with the names of the curves: 0 alone, or both limits and
+/// their mean (−1, 0 and 1 without limits) where the law depends on the position.
+fn friction_positions(joint: &Joint, index: usize, following: &[Following<'_>]) -> Vec<(String, f64)> {
+    let added = following.iter().filter(|one| one.moves_with(index)).flat_map(|one| one.friction);
+    if !joint.friction.iter().chain(added).any(|term| term.basis.depends_on_position()) {
+        return vec![(joint.name.clone(), 0.0)];
+    }
+    let [low, high] = joint.limits.position.unwrap_or([-1.0, 1.0]);
+    let named = |position: f64| (format!("{} at y = {position:.3}", joint.name), position);
+    [low, 0.5 * (low + high), high].map(named).to_vec()
+}
+
+/// Velocities are spaced more closely around 0, where laws are steep.
+fn friction_curve(robot: &Robot<'_>, index: usize, joint: &Joint, position: f64) -> Option<Vec<[f64; 2]>> {
+    const HALF: i32 = 200;
+    let most = joint.limits.velocity.unwrap_or(1.0);
+    let point = |k: i32| {
+        let part = f64::from(k) / f64::from(HALF);
+        let mut velocities = vec![0.0; robot.n()];
+        *velocities.get_mut(index)? = most * part * part * part;
+        let velocity = *velocities.get(index)?;
+        let mut positions = vec![0.0; robot.n()];
+        *positions.get_mut(index)? = position;
+        let torques = robot.friction_torques(&positions, &velocities)?;
+        Some([velocity, *torques.get(index)?])
+    };
+    (-HALF..=HALF).map(point).collect()
+}
