@@ -6,99 +6,178 @@ use super::print;
 use crate::dynamics::formulation::Formulation;
 use crate::graph::Graph;
 use crate::kinematics::{Body, Followed, Mechanism, Number};
-use crate::model::Model;
+use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::numeric;
 
 pub(super) fn as_text(model: &Model) -> String {
-    let mechanism = mechanism(model);
+    let shown = Shown::new(model);
+    let quaternions = match model.quaternion_joints.is_empty() {
+        true => "",
+        false => {
+            ".\nA joint with a quaternion stands at x y z of the parent's frame, where it is spherical; its positions place and turn its \
+             body,\nand the joints behind it lead on from the frame of its link"
+        }
+    };
     format!(
         "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z lead from the parent's frame to the \
-         joint's axis,\n`lift` along it to the origin (m, degrees)\n\n{}\nMoments of mass about the origins, what acts \
+         joint's axis,\n`lift` along it to the origin (m, degrees){quaternions}\n\n{}\nMoments of mass about the origins, what acts \
          only through its sum moved towards the base\n(kg, kg m, kg m²; `free` depends on parameters)\n\n{}",
-        print::table(&frames(&mechanism)),
-        print::table(&moments(&mechanism)),
+        print::table(&shown.frames()),
+        print::table(&shown.moments()),
     )
 }
 
 pub(super) fn as_json(model: &Model) -> Value {
-    let mechanism = mechanism(model);
-    let numbers = |entries: &[Number]| entries.iter().map(|x| x.value()).collect::<Vec<_>>();
-    let body = |body: &Body<Number>| {
-        json!({
-            "joint": body.name,
-            "parent": parent(&mechanism, body),
-            "kind": body.axis.name(),
-            "follows": follows(&mechanism, body),
-            "gamma": degrees(body.twist.gamma),
-            "alpha": degrees(body.twist.alpha),
-            "translation": numbers(&body.translation.0),
-            "lift": body.lift.value(),
-            "offset": body.offset.radians().to_degrees(),
+    let shown = Shown::new(model);
+    shown.bodies().map(|(body, whole)| shown.entry(body, whole)).collect()
+}
+
+/// A mechanism with its model. The bodies without mass that stand for the velocities of a joint with a quaternion are one with
+/// the last of them.
+struct Shown<'m> {
+    model: &'m Model,
+    mechanism: Mechanism<Number>,
+}
+
+impl<'m> Shown<'m> {
+    /// The plain formulation; the cheapest one differs from function to function.
+    fn new(model: &'m Model) -> Self {
+        let mechanism = Mechanism::new(model);
+        let plain = Formulation::plain(mechanism.bodies.len());
+        Self { model, mechanism: plain.mechanism(&Graph::new(), &mechanism).by_itself() }
+    }
+
+    /// The bodies, each with its joint where this has a quaternion.
+    fn bodies(&self) -> impl Iterator<Item = (&Body<Number>, Option<&'m QuaternionJoint>)> {
+        let bodies = self.mechanism.bodies.iter().enumerate();
+        let whole = bodies.filter(|(index, body)| body.chain.is_none_or(|place| place.last == *index));
+        whole.map(|(_, body)| (body, self.model.quaternion_joint_of(body.joint)))
+    }
+
+    fn name<'a>(&'a self, body: &'a Body<Number>) -> &'a str {
+        match self.model.quaternion_joint_of(body.joint) {
+            Some(whole) => &whole.name,
+            None => &body.name,
+        }
+    }
+
+    /// Where the joint stands: for one with a quaternion, its first body says so.
+    fn stand<'a>(&'a self, body: &'a Body<Number>) -> &'a Body<Number> {
+        body.chain.map_or(body, |place| &self.mechanism.bodies[place.first])
+    }
+
+    /// The joint that carries this one. What stands still is called as its link where joints have quaternions: one of these is
+    /// called base, as a rule.
+    fn parent<'a>(&'a self, body: &'a Body<Number>) -> &'a str {
+        match (self.stand(body).parent, self.model.quaternion_joints.is_empty()) {
+            (Some(parent), _) => self.name(&self.mechanism.bodies[parent]),
+            (None, true) => "base",
+            (None, false) => self.model.links.first().map_or("base", |link| link.name.as_str()),
+        }
+    }
+
+    /// The number of the position entry of a coordinate.
+    fn position(&self, coordinate: usize) -> usize {
+        self.model.first_position(coordinate) + 1
+    }
+
+    /// The numbers of the first and the last position entry of a joint.
+    fn positions(&self, joint: &QuaternionJoint) -> [usize; 2] {
+        let first = self.position(joint.first);
+        [first, first + joint.kind.positions() - 1]
+    }
+
+    fn entry(&self, body: &Body<Number>, whole: Option<&QuaternionJoint>) -> Value {
+        let numbers = |entries: &[Number]| entries.iter().map(|x| x.value()).collect::<Vec<_>>();
+        let angle = |value: f64| whole.is_none().then_some(value);
+        let mut entry = json!({
+            "joint": self.name(body),
+            "parent": self.parent(body),
+            "kind": whole.map_or(body.axis.name(), |whole| whole.kind.name()),
+            "follows": if whole.is_none() { self.follows(body) } else { vec![] },
+            "gamma": angle(degrees(body.twist.gamma)),
+            "alpha": angle(degrees(body.twist.alpha)),
+            "translation": numbers(&self.stand(body).translation.0),
+            "lift": whole.map_or(body.lift.value(), |_| None),
+            "offset": angle(body.offset.radians().to_degrees()),
             "mass": body.moments.mass.value(),
             "first_moment": numbers(&body.moments.first.0),
             "second_moment": numbers(&body.moments.second.entries()),
-        })
-    };
-    mechanism.bodies.iter().map(body).collect()
-}
-
-/// The coordinates, or driven ones, that a joint follows with its axis, each with its ratio; `null` where that depends
-/// on parameters.
-fn follows(mechanism: &Mechanism<Number>, body: &Body<Number>) -> Vec<Value> {
-    let terms = body.transmission.terms.iter();
-    let entry = |term: &Followed<Number>| {
-        let ratio = term.ratio.value();
-        match term.coordinate.checked_sub(mechanism.free()) {
-            None => json!({ "coordinate": term.coordinate + 1, "ratio": ratio }),
-            Some(driven) => json!({ "driven": driven + 1, "ratio": ratio }),
+        });
+        if let Some(whole) = whole {
+            let velocities = whole.coordinates();
+            entry["positions"] = json!(self.positions(whole));
+            entry["velocities"] = json!([velocities.start + 1, velocities.end]);
         }
-    };
-    terms.map(entry).collect()
-}
-
-/// `y1`, `-y2`, `2 y1 + y3`, `d1` of a driven joint
-fn followed(mechanism: &Mechanism<Number>, body: &Body<Number>) -> String {
-    let mut text = String::new();
-    for term in &body.transmission.terms {
-        let ratio = term.ratio.value();
-        let (sign, size) = match ratio {
-            Some(ratio) if ratio < 0.0 => ("-", Some(-ratio)),
-            ratio => ("+", ratio),
-        };
-        text += match (text.is_empty(), sign) {
-            (true, "+") => "",
-            (true, _) => "-",
-            (false, "+") => " + ",
-            (false, _) => " - ",
-        };
-        text += &match size {
-            Some(1.0) => String::new(),
-            Some(size) => format!("{} ", number(size)),
-            None => "free ".to_owned(),
-        };
-        text += &match term.coordinate.checked_sub(mechanism.free()) {
-            None => format!("y{}", term.coordinate + 1),
-            Some(driven) => format!("d{}", driven + 1),
-        };
+        entry
     }
-    text
-}
 
-/// The plain formulation; the cheapest one differs from function to function.
-fn mechanism(model: &Model) -> Mechanism<Number> {
-    let mechanism = Mechanism::new(model);
-    Formulation::plain(mechanism.bodies.len()).mechanism(&Graph::new(), &mechanism).by_itself()
-}
+    /// The coordinates, or driven ones, that a joint follows with its axis, each with its ratio; `null` where that depends
+    /// on parameters.
+    fn follows(&self, body: &Body<Number>) -> Vec<Value> {
+        let terms = body.transmission.terms.iter();
+        let entry = |term: &Followed<Number>| {
+            let ratio = term.ratio.value();
+            match term.coordinate.checked_sub(self.mechanism.free()) {
+                None => {
+                    let position = self.position(term.coordinate);
+                    json!({ "coordinate": term.coordinate + 1, "position": position, "ratio": ratio })
+                }
+                Some(driven) => json!({ "driven": driven + 1, "ratio": ratio }),
+            }
+        };
+        terms.map(entry).collect()
+    }
 
-fn frames(mechanism: &Mechanism<Number>) -> Vec<Vec<String>> {
-    let head = ["joint", "parent", "kind", "follows", "gamma", "alpha", "x", "y", "z", "lift", "offset"];
-    let rows = mechanism.bodies.iter().map(|body| {
+    /// `y1`, `-y2`, `2 y1 + y3`, `d1` of a driven joint
+    fn followed(&self, body: &Body<Number>) -> String {
+        let mut text = String::new();
+        for term in &body.transmission.terms {
+            let ratio = term.ratio.value();
+            let (sign, size) = match ratio {
+                Some(ratio) if ratio < 0.0 => ("-", Some(-ratio)),
+                ratio => ("+", ratio),
+            };
+            text += match (text.is_empty(), sign) {
+                (true, "+") => "",
+                (true, _) => "-",
+                (false, "+") => " + ",
+                (false, _) => " - ",
+            };
+            text += &match size {
+                Some(1.0) => String::new(),
+                Some(size) => format!("{} ", number(size)),
+                None => "free ".to_owned(),
+            };
+            text += &match term.coordinate.checked_sub(self.mechanism.free()) {
+                None => format!("y{}", self.position(term.coordinate)),
+                Some(driven) => format!("d{}", driven + 1),
+            };
+        }
+        text
+    }
+
+    fn frames(&self) -> Vec<Vec<String>> {
+        let head = ["joint", "parent", "kind", "follows", "gamma", "alpha", "x", "y", "z", "lift", "offset"];
+        with_head(
+            &head,
+            self.bodies().map(|(body, whole)| {
+                let mut row = vec![self.name(body).to_owned(), self.parent(body).to_owned()];
+                match whole {
+                    Some(whole) => row.extend(self.quaternion_frame(body, whole)),
+                    None => row.extend(self.frame(body)),
+                }
+                row
+            }),
+        )
+    }
+
+    /// Its cells behind the names.
+    fn frame(&self, body: &Body<Number>) -> [String; 9] {
         let [x, y, z] = body.translation.0.map(shown);
-        vec![
-            body.name.clone(),
-            parent(mechanism, body).to_owned(),
+        [
             body.axis.name().to_owned(),
-            followed(mechanism, body),
+            self.followed(body),
             number(degrees(body.twist.gamma)),
             number(degrees(body.twist.alpha)),
             x,
@@ -107,26 +186,32 @@ fn frames(mechanism: &Mechanism<Number>) -> Vec<Vec<String>> {
             shown(body.lift),
             number(body.offset.radians().to_degrees()),
         ]
-    });
-    with_head(&head, rows)
-}
+    }
 
-fn moments(mechanism: &Mechanism<Number>) -> Vec<Vec<String>> {
-    let head = ["body", "m", "h_x", "h_y", "h_z", "S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz"];
-    let rows = mechanism.bodies.iter().map(|body| {
-        let entries = body.moments.entries().map(shown);
-        std::iter::once(body.name.clone()).chain(entries).collect()
-    });
-    with_head(&head, rows)
+    /// Those of a joint with a quaternion, which has no such angles; the place of a floating one is among its positions.
+    fn quaternion_frame(&self, body: &Body<Number>, whole: &QuaternionJoint) -> [String; 9] {
+        let [x, y, z] = match whole.kind {
+            QuaternionKind::Floating => Default::default(),
+            QuaternionKind::Spherical => self.stand(body).translation.0.map(shown),
+        };
+        let [first, last] = self.positions(whole);
+        let none = String::new;
+        [whole.kind.name().to_owned(), format!("y{first} … y{last}"), none(), none(), x, y, z, none(), none()]
+    }
+
+    fn moments(&self) -> Vec<Vec<String>> {
+        let head = ["body", "m", "h_x", "h_y", "h_z", "S_xx", "S_xy", "S_xz", "S_yy", "S_yz", "S_zz"];
+        let rows = self.bodies().map(|(body, _)| {
+            let entries = body.moments.entries().map(shown);
+            std::iter::once(self.name(body).to_owned()).chain(entries).collect()
+        });
+        with_head(&head, rows)
+    }
 }
 
 fn with_head(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<Vec<String>> {
     let head = head.iter().map(|&title| title.to_owned()).collect();
     std::iter::once(head).chain(rows).collect()
-}
-
-fn parent<'a>(mechanism: &'a Mechanism<Number>, body: &Body<Number>) -> &'a str {
-    body.parent.map_or("base", |parent| mechanism.bodies[parent].name.as_str())
 }
 
 fn degrees((sine, cosine): (f64, f64)) -> f64 {

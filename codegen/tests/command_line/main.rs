@@ -99,6 +99,45 @@ fn mechanism_of_the_powercube() {
     insta::assert_snapshot!(shown(&output));
 }
 
+/// A joint with a quaternion is one line, and the joints behind it follow the positions that the module gives them.
+#[test]
+fn mechanism_of_the_satellite() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let text = shown(&gelenk(&models, &["inspect", "mechanism", "satellite.toml"]));
+    let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<String>>();
+    let lines: Vec<Vec<String>> = text.lines().map(words).collect();
+    for expected in [
+        "base world floating y1 … y7",
+        "wheel_x base revolute y8 90 90 0 0 0 0 0",
+        "wheel_y base revolute y9 0 -90 0 0 0 0 0",
+        "wheel_z base revolute y10 0 0 0 0 0 0 0",
+        "boom base spherical y11 … y14 0 0 0.3",
+        "boom 1.2 0 0 0.72 0.0005 0 0 0.0005 0 0.5815",
+    ] {
+        assert!(lines.contains(&words(expected)), "{expected}\n{text}");
+    }
+    assert!(!text.contains("base_rx") && !text.contains("free  "), "{text}");
+    let json = gelenk(&models, &["inspect", "mechanism", "satellite.toml", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(json.as_array().map(Vec::len), Some(5));
+    assert_eq!(json[0]["positions"], serde_json::json!([1, 7]));
+    assert_eq!(json[1]["follows"][0]["position"], 8);
+    assert_eq!(json[4]["velocities"], serde_json::json!([10, 12]));
+}
+
+/// What has no counts is named with what it calls.
+#[test]
+fn counts_of_the_satellite_say_what_is_not_counted() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let text = shown(&gelenk(&models, &["inspect", "counts", "satellite.toml"]));
+    let (_, uncounted) = text.split_once("\nNot counted").unwrap_or_else(|| panic!("{text}"));
+    for name in ["discretize", "step", "step_derivatives"] {
+        assert!(uncounted.contains(&format!("\n  {name}: ")), "{text}");
+    }
+    let counted = shown(&gelenk(&models, &["inspect", "counts", "powercube.toml"]));
+    assert!(!counted.contains("Not counted") && counted.contains("step_derivatives"), "{counted}");
+}
+
 /// A description alone is shown as the model that was read.
 #[test]
 fn inspect_shows_the_model() {
