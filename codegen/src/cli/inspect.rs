@@ -12,6 +12,7 @@ use super::place::Workspace;
 use super::{generate, mechanism, print};
 use crate::functions::function::Function;
 use crate::model::{JointKind, Model, Motion};
+use crate::module::Module;
 use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};
 
@@ -53,7 +54,10 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
         .collect();
     match format {
         Format::Json => print::json(&print::counts(&counts, &bytes)),
-        Format::Text => print::out(&print::counts_table(&counts, &bytes)).map(|()| ExitCode::SUCCESS),
+        Format::Text => {
+            let table = print::counts_table(&counts, &bytes);
+            print::out(&format!("{table}{}", uncounted(&robot.module))).map(|()| ExitCode::SUCCESS)
+        }
     }
 }
 
@@ -79,7 +83,9 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
     match what {
         Stage::Model => model_text(&robot.model),
         Stage::Mechanism => mechanism::as_text(&robot.model),
-        Stage::Counts => print::counts_table(&robot.module.costs(), &[]),
+        Stage::Counts => {
+            format!("{}{}", print::counts_table(&robot.module.costs(), &[]), uncounted(&robot.module))
+        }
         Stage::Source => robot.source.text.clone(),
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };
@@ -90,6 +96,21 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
                 .map(|function| titled(function, &show(&function.program, &notation)));
             programs.collect::<Vec<_>>().join("\n")
         }
+    }
+}
+
+/// The functions that call others and whose own operations are not counted: those of robots with quaternions.
+fn uncounted(module: &Module) -> String {
+    let composed = module.compositions.iter().filter(|each| each.cost.is_none());
+    let lines = composed.map(|each| {
+        let calls = each.cost_text.trim_start_matches("Cost: ");
+        format!("  {}: {calls}\n", each.composition.name())
+    });
+    match lines.collect::<String>() {
+        lines if lines.is_empty() => lines,
+        lines => format!(
+            "\nNot counted, because what these do with quaternions is no straight-line code:\n{lines}"
+        ),
     }
 }
 
