@@ -56,9 +56,15 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
             if let Some(package) = package {
                 made["package"] = package.into();
             }
+            if !robot.notes.is_empty() {
+                made["notes"] = print::diagnostics(&robot.notes);
+            }
             print::json(&made)
         }
         Format::Text => {
+            if !robot.notes.is_empty() {
+                print::err(&format!("{}\n\n", robot.notes));
+            }
             print::out(&format!(
                 "made {0}: robot.toml describes the robot, {1}\n\
                  next: cd {0} && {2}\n\

@@ -37,7 +37,7 @@ pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure
 }
 
 /// The link that floats.
-fn base(model: &Model) -> Option<usize> {
+pub(super) fn base(model: &Model) -> Option<usize> {
     let joint = model.quaternion_joints.first()?;
     model.coordinates.get(joint.coordinates().end - 1).copied()
 }

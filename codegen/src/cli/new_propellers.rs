@@ -1,20 +1,25 @@
-//! How the links at the ends of a robot that floats become propellers: lines of `robot.toml` as comments.
+//! How links that turn on a body that floats become propellers: lines of `robot.toml` as comments.
 
-use crate::model::{Joint, Model, Pose};
+use super::new_feet;
+use crate::model::{Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::atan2;
 use crate::wording::toml_text;
 
-/// One block for each joint that carries no other.
+/// One block for each joint that may carry a propeller; empty where none does.
 ///
 /// - `joints`: those that may carry a propeller, with their links
 pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
+    let carries = |link: usize| joints.iter().any(|(joint, _)| joint.parent == link);
+    let ends: Vec<_> =
+        joints.iter().filter(|(joint, link)| !carries(*link) && is_on_top(model, joint)).collect();
+    if ends.is_empty() {
+        return String::new();
+    }
     let mut text = String::from(
         "\n# Where a joint carries a propeller it is held, and the propeller is an input at its link: of a unit of the input, force in N,\n\
          # then moment in N m, whose sign is against the propeller's turn. Here neighbours turn against each other: put in the signs of\n\
          # your robot. A robot whose propellers all turn the same way cannot hover.\n",
     );
-    let carries = |link: usize| joints.iter().any(|(joint, _)| joint.parent == link);
-    let ends: Vec<_> = joints.iter().filter(|(_, link)| !carries(*link)).collect();
     let places: Vec<[f64; 2]> = ends.iter().map(|(_, link)| place(model, *link)).collect();
     for ((joint, link), sign) in ends.iter().zip(signs(&places)) {
         text.push_str(&format!(
@@ -25,6 +30,27 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
         ));
     }
     text
+}
+
+/// The least cosine of a propeller's tilt: some are tilted a little.
+const UPRIGHT: f64 = 0.9;
+
+/// Whether a joint turns on the floating body about the axis z of this. Elbows, wheels and fingers do not.
+fn is_on_top(model: &Model, joint: &Joint) -> bool {
+    let turns = matches!(joint.kind, JointKind::Revolute | JointKind::Continuous);
+    let base = new_feet::base(model);
+    let (mut pose, mut at) = (joint.origin.clone(), joint.parent);
+    while Some(at) != base {
+        match &model.links[at].joint {
+            Some(fixed) if fixed.motion == Motion::Fixed => {
+                pose = fixed.origin.then(&pose);
+                at = fixed.parent;
+            }
+            _ => return false,
+        }
+    }
+    let along: f64 = pose.rotation[2].iter().zip(joint.axis).map(|(r, axis)| r * axis).sum();
+    turns && along.abs() >= UPRIGHT
 }
 
 /// Where a link is beside the axis z of the root, with all joints at 0; what is no number counts as 0.

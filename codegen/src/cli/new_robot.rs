@@ -5,6 +5,7 @@ use std::path::{Component, Path};
 use super::failure::Failure;
 use super::new_feet::{self, Foot};
 use super::new_propellers;
+use crate::diagnostic::Diagnostics;
 use crate::model::{DescriptionFiles, Joint, Model, QuaternionKind, ReadOptions};
 use crate::wording::toml_text;
 
@@ -25,6 +26,8 @@ pub(super) struct Robot {
     pub(super) floats: bool,
     /// What it stands on.
     pub(super) feet: Vec<Foot>,
+    /// That it has legs and stands still, where it seems so.
+    pub(super) notes: Diagnostics,
 }
 
 /// Which feet a robot is to have.
@@ -46,7 +49,8 @@ pub(super) fn robot(xml: Option<&Path>, floats: bool, feet: Feet<'_>) -> Result<
     };
     match xml {
         None => {
-            Ok(Robot { description: example.to_owned(), build: BUILD, copies: vec![], floats, feet: vec![] })
+            let (copies, feet, notes) = (vec![], vec![], Diagnostics::default());
+            Ok(Robot { description: example.to_owned(), build: BUILD, copies, floats, feet, notes })
         }
         Some(path) => from_xml(path, floats, feet),
     }
@@ -72,6 +76,7 @@ fn from_xml(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure>
     kind.require_motors(path, &loaded.model)?;
     let feet = feet.of(&loaded.model)?;
     let copies = kind.copies(path, &files)?;
+    let notes = loaded.notes.entries().iter().filter(|note| note.code == "legs-on-fixed-base");
     Ok(Robot {
         build: match loaded.model.has_dry_friction() {
             true => BUILD_BOTH,
@@ -81,6 +86,7 @@ fn from_xml(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure>
         copies,
         floats: !loaded.model.quaternion_joints.is_empty(),
         feet,
+        notes: Diagnostics::new(notes.cloned().collect()),
     })
 }
 

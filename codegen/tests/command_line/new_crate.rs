@@ -110,7 +110,21 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     }
 }
 
-/// With a free base the description says so, and its hints make propellers of the links at the ends.
+/// Whoever forgets `--base floating` is told, and gets the crate.
+#[test]
+fn a_new_crate_of_a_legged_robot_on_a_fixed_base_is_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("legs.urdf"), GRIPPER.replace("MIMIC", "").replace("finger", "leg"))
+        .unwrap();
+    let made = gelenk(folder.path(), &["new", "still", "--urdf", "legs.urdf"]);
+    assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+    assert!(shown(&made).contains("note[legs-on-fixed-base]"), "{}", shown(&made));
+    fs::write(folder.path().join("fingers.urdf"), GRIPPER.replace("MIMIC", "")).unwrap();
+    let made = gelenk(folder.path(), &["new", "hand", "--urdf", "fingers.urdf"]);
+    assert!(made.stderr.is_empty(), "{}", shown(&made));
+}
+
+/// With a free base the description says so, and its hints make propellers of the links that turn on it about its z.
 #[test]
 fn a_new_crate_has_a_robot_that_floats() {
     let folder = tempfile::tempdir().unwrap();
@@ -120,6 +134,14 @@ fn a_new_crate_has_a_robot_that_floats() {
     assert_eq!(refused.status.code(), Some(1), "{}", shown(&refused));
     let body = r#"<link name="base"><inertial><mass value="2"/><inertia ixx="1e-2" ixy="0" ixz="0" iyy="1e-2" iyz="0" izz="1e-2"/></inertial></link>"#;
     let urdf = massless.replace(r#"<link name="base"/>"#, body);
+    fs::write(folder.path().join("hand.urdf"), &urdf).unwrap();
+    // Fingers carry no propellers.
+    let made = gelenk(folder.path(), &["new", "hand", "--urdf", "hand.urdf", "--base", "floating"]);
+    assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+    let text = fs::read_to_string(folder.path().join("hand/robot.toml")).unwrap();
+    assert!(!text.contains("propeller") && !text.contains("[[inputs]]"), "{text}");
+    let urdf = ["0 1 0", "0 -1 0"].iter().fold(urdf, |urdf, axis| urdf.replace(axis, "0 0 1"));
+    let urdf = urdf.replace("prismatic", "revolute");
     fs::write(folder.path().join("gripper.urdf"), urdf).unwrap();
     for (name, language) in [("rust", None), ("c", Some("--c")), ("python", Some("--python"))] {
         let mut arguments = vec!["new", name, "--urdf", "gripper.urdf", "--base", "floating"];
@@ -133,7 +155,7 @@ fn a_new_crate_has_a_robot_that_floats() {
     assert!(main.contains("LtvMpc"), "{main}");
     let home = folder.path().join("rust");
     let text = fs::read_to_string(home.join("robot.toml")).unwrap();
-    // Neither the base's own entries are offered, nor others than the two fingers.
+    // Neither the base's own entries are offered, nor others than the two that turn.
     assert_eq!(
         (text.matches("\n# drive = ").count(), text.matches("\n# [[inputs]]").count()),
         (2, 2),
