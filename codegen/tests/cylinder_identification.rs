@@ -240,12 +240,13 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     fs::write(&weak, text).unwrap();
     let (_, succeeded, said) = plan(&weak, &[]);
     assert!(!succeeded && said.contains("within the efforts of joints and inputs"), "{said}");
+    assert!(said.contains("most often, in 900 motions: input boom_cylinder)"), "{said}");
 }
 
 /// Cylinders cannot lead a joint through their dead centre, and a way is no better than a motion.
 #[test]
 fn a_way_to_the_motion_through_a_dead_centre_is_told() {
-    let words = "the way from the start needs more effort than the share that the plan may use: the inputs at frames, or a dead centre";
+    let words = "the way from the start needs more effort than the share that the plan may use: input bucket_cylinder";
     let own = tempfile::tempdir().unwrap();
     let wide = past_the_dead_centre(own.path());
     let (_, succeeded, said) = plan(&wide, &["--start", "swing=0, boom=0.5, stick=1, bucket=2.1"]);
@@ -261,4 +262,50 @@ fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
     let (_, succeeded, said) = plan(&file, &[]);
     let words = "joint bucket has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it";
     assert!(!succeeded && said.contains(words), "{said}");
+}
+
+/// Two geared motors that share a wrist, beside a cylinder: columns of B of sizes 80 and 0.2, with a propeller besides that only
+/// pushes.
+const WRIST: &str = r#"
+name = "wrist"
+joints = [
+    { name = "boom", axis = [0, -1, 0], limits = { position = [0.1, 1.3], velocity = 0.8 } },
+    { name = "pitch", axis = [0, 1, 0], origin = { xyz = [1.2, 0, 0] }, limits = { position = [-1.5, 1.5], velocity = 4 } },
+    { name = "roll", axis = [1, 0, 0], limits = { position = [-3, 3], velocity = 6 } },
+]
+drives = [
+    { name = "left", on = { pitch = 1, roll = 1 }, gear_ratio = 80 },
+    { name = "right", on = { pitch = 1, roll = -1 }, gear_ratio = 80 },
+]
+bodies = [
+    { link = "boom", mass = 20, center_of_mass = [0.6, 0, 0], inertia = [0.1, 2.4, 2.4] },
+    { link = "pitch", mass = 0.8, center_of_mass = [0.02, 0, 0], inertia = 8e-4 },
+    { link = "roll", mass = 0.7, center_of_mass = [0.08, 0, 0], inertia = [5e-4, 1e-3, 1e-3] },
+]
+frames = [
+    { name = "foot", link = "base", origin = { xyz = [0.1, 0, -0.6] } },
+    { name = "rod", link = "boom", origin = { xyz = [0.7, 0, 0] } },
+    { name = "tip", link = "roll", origin = { xyz = [0.2, 0, 0] } },
+]
+forces = [{ between = ["foot", "rod"], input = "cylinder", limits = [-8e3, 8e3] }]
+"#;
+
+#[test]
+fn shared_motors_beside_a_cylinder_and_a_propeller_are_planned() {
+    let folder = tempfile::tempdir().unwrap();
+    let fan =
+        "inputs = [{ name = \"fan\", frame = \"tip\", wrench = [0, 1, 0, 0, 0, 0], limits = [0, 20] }]\n";
+    for (name, text) in [("wrist.toml", WRIST.to_owned()), ("fan.toml", format!("{WRIST}{fan}"))] {
+        let file = folder.path().join(name);
+        fs::write(&file, text).unwrap();
+        let (_, succeeded, said) = plan(&file, &["--format", "json"]);
+        assert!(succeeded, "{name}: {said}");
+        let found: serde_json::Value = serde_json::from_str(&said[said.find("{\n").unwrap()..]).unwrap();
+        for input in found["inputs"].as_array().unwrap() {
+            let [low, high] = [0, 1].map(|end| input["limits"][end].as_f64());
+            let [least, most] = [0, 1].map(|end| input["range"][end].as_f64().unwrap());
+            assert!(low.is_none_or(|low| least >= low - 1e-4), "{name}: {input}");
+            assert!(high.is_none_or(|high| most <= high + 1e-4), "{name}: {input}");
+        }
+    }
 }

@@ -1,11 +1,12 @@
 //! Inputs that act at frames, as cylinders do: what a planned motion asks of them.
 
 use super::chart::Chart;
+use super::smallest_inputs::{first_outside, smallest_inputs};
 use super::{ExcitationLimits, Instant};
 use crate::error::{IdentificationError, Result};
 use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// What a planned motion asks of an input, by the described robot without friction.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,9 +19,7 @@ pub struct PlannedInput {
     pub limits: [f64; 2],
 }
 
-/// Part of the largest force that no inputs need to make up.
-const RESIDUAL: f64 = 1e-9;
-/// Singular values of B below this part of the largest count as none: a cylinder at its dead centre.
+/// Singular values of B below this part of the largest count as none.
 const SINGULAR: f64 = 1e-9;
 
 /// So many intervals of a joint's range are looked at for dead centres.
@@ -44,20 +43,24 @@ impl<'a> FrameInputs<'a> {
         robot.has_inputs_at_frames().then_some(Self { robot, usable })
     }
 
-    /// Tells whether a motion needs more than its inputs may give, or passes a dead centre, where they need whatever they have.
-    pub(super) fn exceed(&self, instants: &[Instant]) -> bool {
-        let within = |inputs: &[f64]| {
-            let mut limits = inputs.iter().zip(&self.usable);
-            limits.all(|(u, [low, high])| (*low..=*high).contains(u))
-        };
+    /// The first input of which a motion needs more than it may give, or a dead centre that it passes, where inputs need whatever
+    /// they have.
+    pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let mut side = 0.0;
-        instants.iter().any(|instant| {
+        instants.iter().find_map(|instant| {
             let matrix = input_matrix(self.robot, &instant[0]);
             // Other numbers of inputs than of joints have no sides.
             let now = if matrix.is_square() { matrix.determinant().signum() } else { 0.0 };
             let turned = side * now < 0.0;
             side = now;
-            turned || !smallest_inputs(self.robot, &matrix, instant).is_some_and(|inputs| within(&inputs))
+            if turned {
+                return Some("a dead centre of the inputs at frames".into());
+            }
+            let Some(inputs) = smallest_inputs(self.robot, &matrix, instant, &self.usable) else {
+                return Some("forces that the inputs do not have".into());
+            };
+            let input = first_outside(&inputs, &self.usable)?;
+            self.robot.input_names().into_iter().nth(input).map(|name| format!("input {name}"))
         })
     }
 
@@ -65,7 +68,9 @@ impl<'a> FrameInputs<'a> {
     pub(super) fn planned(&self, instants: &[Instant]) -> Vec<PlannedInput> {
         let needed: Vec<Vec<f64>> = instants
             .iter()
-            .filter_map(|each| smallest_inputs(self.robot, &input_matrix(self.robot, &each[0]), each))
+            .filter_map(|each| {
+                smallest_inputs(self.robot, &input_matrix(self.robot, &each[0]), each, &self.usable)
+            })
             .collect();
         let names = self.robot.input_names().into_iter().zip(self.robot.input_limits()).enumerate();
         let planned = names.map(|(input, (name, limits))| {
@@ -76,21 +81,6 @@ impl<'a> FrameInputs<'a> {
         });
         planned.collect()
     }
-}
-
-/// The smallest inputs with B(y) u = M ÿ + k − q; `None` where no inputs have these forces.
-pub(super) fn smallest_inputs(
-    robot: &dyn Robot,
-    matrix: &DMatrix<f64>,
-    [y, v, a]: &Instant,
-) -> Option<Vec<f64>> {
-    let mut forces = vec![0.0; v.len()];
-    robot.rigid_forces(y, v, a, &mut forces);
-    let forces = DVector::from_vec(forces);
-    let decomposed = matrix.clone().svd(true, true);
-    let inputs = decomposed.solve(&forces, SINGULAR * decomposed.singular_values.max()).ok()?;
-    let residual = (matrix * &inputs - &forces).amax();
-    (residual <= RESIDUAL * forces.amax()).then(|| inputs.as_slice().to_vec())
 }
 
 /// B(y): the forces of unit inputs at the joints.

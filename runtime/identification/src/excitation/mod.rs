@@ -14,7 +14,9 @@ mod inputs;
 mod motion;
 mod motors;
 mod plan;
+mod refusals;
 mod search;
+mod smallest_inputs;
 mod usable;
 
 pub use super::robot::Instant;

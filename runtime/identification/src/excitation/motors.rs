@@ -1,12 +1,10 @@
 //! Motors that a planned motion must not ask too much of: limits of their torques, and torque–speed lines.
 
 use super::Instant;
-use super::inputs::{input_matrix, smallest_inputs};
+use super::inputs::input_matrix;
+use super::smallest_inputs::{SmallestInputs, smallest_inputs};
 use crate::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine, narrowed_limits};
 use nalgebra::{DMatrix, DVector};
-
-/// Singular values of B below this part of the largest count as none.
-const SINGULAR: f64 = 1e-9;
 
 /// The motors of a robot, where something limits them. What inputs at frames may exert stands in [`super::inputs`].
 pub(super) struct Motors<'a> {
@@ -16,8 +14,10 @@ pub(super) struct Motors<'a> {
     usable: Vec<[f64; 2]>,
     /// Share of the lines that the motion may need.
     share: f64,
-    /// The smallest inputs for unit forces at the joints, where B is constant.
-    inverse: Option<DMatrix<f64>>,
+    /// Inputs of which more than their limits is found by [`super::inputs`].
+    at_frames: bool,
+    /// B, where it is constant.
+    constant: Option<SmallestInputs>,
 }
 
 impl<'a> Motors<'a> {
@@ -25,24 +25,23 @@ impl<'a> Motors<'a> {
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
         let lines = robot.torque_speed_lines();
         let at_frames = robot.has_inputs_at_frames();
-        let usable = robot.input_limits().into_iter().map(|limits| match at_frames {
-            true => [f64::NEG_INFINITY, f64::INFINITY],
-            false => limits.map(|end| share * end),
-        });
-        let usable: Vec<[f64; 2]> = usable.collect();
-        let is_limited = !lines.is_empty() || usable.iter().flatten().any(|end| end.is_finite());
-        let inverse = (is_limited && !at_frames).then(|| inverse(robot)).flatten();
-        is_limited.then_some(Self { robot, lines, usable, share, inverse })
+        let limits = robot.input_limits().into_iter();
+        let usable: Vec<[f64; 2]> = limits.map(|limits| limits.map(|end| share * end)).collect();
+        let has_limits = !at_frames && usable.iter().flatten().any(|end| end.is_finite());
+        let is_limited = !lines.is_empty() || has_limits;
+        let constant = (is_limited && !at_frames).then(|| SmallestInputs::new(constant_matrix(robot)));
+        is_limited.then_some(Self { robot, lines, usable, share, at_frames, constant })
     }
 
     /// Name of the first motor of which a motion asks more than it may.
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
+        let counts = |input: usize| !self.at_frames || self.lines.iter().any(|line| line.input == input);
         let input = instants.iter().find_map(|instant| {
-            let inputs = self.inputs(instant)?;
-            inputs.iter().enumerate().position(|(input, needed)| {
-                let [low, high] = self.range(input, &instant[1]);
-                !(low..=high).contains(needed)
-            })
+            let count = self.usable.len();
+            let ranges: Vec<[f64; 2]> = (0..count).map(|input| self.range(input, &instant[1])).collect();
+            let inputs = self.inputs(instant, &ranges)?;
+            let mut needed = inputs.iter().zip(&ranges).enumerate();
+            needed.position(|(input, (u, [low, high]))| counts(input) && !(low..=high).contains(&u))
         })?;
         self.robot.input_names().into_iter().nth(input)
     }
@@ -56,23 +55,21 @@ impl<'a> Motors<'a> {
     }
 
     /// The smallest inputs that the described robot needs without friction; none where it has too few of them.
-    fn inputs(&self, instant: &Instant) -> Option<Vec<f64>> {
+    fn inputs(&self, instant: &Instant, ranges: &[[f64; 2]]) -> Option<Vec<f64>> {
         let [y, v, a] = instant;
-        let Some(inverse) = &self.inverse else {
-            return smallest_inputs(self.robot, &input_matrix(self.robot, y), instant);
+        let Some(constant) = &self.constant else {
+            return smallest_inputs(self.robot, &input_matrix(self.robot, y), instant, ranges);
         };
         let mut forces = vec![0.0; v.len()];
         self.robot.rigid_forces(y, v, a, &mut forces);
-        Some((inverse * DVector::from_vec(forces)).as_slice().to_vec())
+        constant.closest(&DVector::from_vec(forces)).map(|inputs| inputs.as_slice().to_vec())
     }
 }
 
-/// The pseudoinverse of a constant B.
-fn inverse(robot: &dyn Robot) -> Option<DMatrix<f64>> {
+/// B, where all inputs are drives.
+fn constant_matrix(robot: &dyn Robot) -> DMatrix<f64> {
     let count = robot.input_names().len();
-    let matrix = DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix());
-    let largest = matrix.amax();
-    matrix.pseudo_inverse(SINGULAR * largest).ok()
+    DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())
 }
 
 /// Speeds at which motors have no torque left, as limits of sums of the joints' speeds.

@@ -9,6 +9,7 @@ use super::approach::{Approach, require_posture};
 use super::chart::Chart;
 use super::inputs::{FrameInputs, PlannedInput, keep_sides, require_driven};
 use super::motors::{Motors, no_load_speeds};
+use super::refusals::Refusals;
 use super::search::condition_of_scaled;
 use super::usable::{assumptions, usable};
 use super::{Excitation, ExcitationLimits, FourierMotion, Instant};
@@ -161,7 +162,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let best = best.ok_or_else(|| IdentificationError::NotConverged {
         what: "the search for a motion".into(),
         iterations: settings.excitation.starts * settings.excitation.iterations,
-        detail: "no motion tried shows all parameters within the efforts of joints and inputs, and within the limits of joints that follow others: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that are followed".into(),
+        detail: design.refusals.detail(),
     })?;
     let instants = chart.instants(&best.motion.instants(settings.excitation.samples));
     let begin = &best.motion.instant(0.0)[0];
@@ -261,6 +262,8 @@ struct Design<'a> {
     velocity_share: f64,
     chart: &'a Chart,
     limits: &'a [ExcitationLimits],
+    /// What kept motions from being tried further.
+    refusals: Refusals,
     /// Rows whose friction and offset are estimated: not those of joints with a quaternion.
     rubbing: Vec<usize>,
 }
@@ -302,6 +305,7 @@ impl<'a> Design<'a> {
             velocity_share: settings.velocity_share,
             chart,
             limits,
+            refusals: Refusals::default(),
             rubbing: chart
                 .turns()
                 .iter()
@@ -369,16 +373,18 @@ impl<'a> Design<'a> {
     /// - `coordinates`: of the chart
     fn score(&self, coordinates: &[Instant]) -> f64 {
         if coordinates.iter().any(|instant| self.leaves_limits(instant)) {
-            return f64::INFINITY;
+            return self.refusals.refuse("the limits of joints that follow others");
         }
         let instants = self.chart.instants(coordinates);
-        let turns_too_fast = self.chart.largest_excess(&instants, self.limits) > 1.0 + ROUNDING;
-        if turns_too_fast || self.beyond(&instants).next().is_some() {
-            return f64::INFINITY;
+        if self.chart.largest_excess(&instants, self.limits) > 1.0 + ROUNDING {
+            return self.refusals.refuse("the speeds of bodies that turn");
+        }
+        if let Some(name) = self.beyond(&instants).next() {
+            return self.refusals.refuse(&name);
         }
         match self.information(&instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
-            None => f64::INFINITY,
+            None => self.refusals.refuse("parameters that the motion does not show"),
         }
     }
 
@@ -410,17 +416,16 @@ impl<'a> Design<'a> {
     /// Joints, inputs at frames and shafts of which a motion asks more than it may, each found when it is asked for.
     fn beyond<'b>(&'b self, instants: &'b [Instant]) -> impl Iterator<Item = String> + use<'a, 'b> {
         let joints = || named_beyond(self.robot, instants, &self.efforts);
-        let inputs = || self.inputs.as_ref().is_some_and(|inputs| inputs.exceed(instants));
+        let inputs = || self.inputs.as_ref().and_then(|inputs| inputs.exceeded(instants));
         let shafts = || {
             let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
             named_beyond(&self.rows, &along, &self.torques)
         };
         let motors = || self.motors.as_ref().and_then(|motors| motors.exceeded(instants));
         let have_torques = self.torques.iter().any(|torque| torque.is_finite());
-        let inputs = std::iter::once_with(inputs).filter(|exceed| *exceed);
         std::iter::once_with(joints)
             .flatten()
-            .chain(inputs.map(|_| "the inputs at frames, or a dead centre of theirs".to_owned()))
+            .chain(std::iter::once_with(inputs).flatten())
             .chain(std::iter::once_with(motors).flatten().map(|name| format!("motor {name}")))
             .chain(have_torques.then(|| std::iter::once_with(shafts)).into_iter().flatten().flatten())
     }

@@ -1,0 +1,136 @@
+//! The smallest inputs that have given forces at the joints, within limits where there are more inputs than joints.
+
+use super::Instant;
+use crate::robot::Robot;
+use nalgebra::{DMatrix, DVector, Dyn, SVD};
+
+/// Part of the largest force that no inputs need to make up.
+const RESIDUAL: f64 = 1e-9;
+/// Singular values of B below this part of the largest count as none: a cylinder at its dead centre.
+const SINGULAR: f64 = 1e-9;
+/// The decomposition leaves 6e-6 of the forces where columns of B differ in size, as those of geared motors and cylinders do; each
+/// correction leaves that part of the rest.
+const CORRECTIONS: usize = 3;
+/// Part of an input's range, or of the largest input where it has no range, that it may be outside of: rounding about an end of 0.
+const OUTSIDE: f64 = 1e-6;
+
+/// B, decomposed.
+pub(super) struct SmallestInputs {
+    matrix: DMatrix<f64>,
+    decomposed: SVD<f64, Dyn, Dyn>,
+}
+
+impl SmallestInputs {
+    pub(super) fn new(matrix: DMatrix<f64>) -> Self {
+        let decomposed = matrix.clone().svd(true, true);
+        Self { matrix, decomposed }
+    }
+
+    /// The smallest of the inputs u for which B u comes closest to the forces; `None` where there are no inputs.
+    pub(super) fn closest(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
+        if self.matrix.is_empty() {
+            return None;
+        }
+        let least = SINGULAR * self.decomposed.singular_values.max();
+        let mut inputs = self.decomposed.solve(forces, least).ok()?;
+        for _ in 0..CORRECTIONS {
+            let rest = forces - &self.matrix * &inputs;
+            inputs += self.decomposed.solve(&rest, least).ok()?;
+        }
+        Some(inputs)
+    }
+
+    /// The smallest inputs with these forces; `None` where no inputs have them.
+    fn exact(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
+        let inputs = self.closest(forces)?;
+        let residual = (&self.matrix * &inputs - forces).amax();
+        (residual <= RESIDUAL * forces.amax()).then_some(inputs)
+    }
+}
+
+/// The smallest inputs with B(y) u = M ÿ + k − q; `None` where no inputs have these forces.
+///
+/// Where there are more inputs than joints, those that would leave their limits stay at the end that they would leave: a propeller
+/// that only pushes stands still. Where no others make up for them, the smallest inputs are left as they are, beyond the limits.
+pub(super) fn smallest_inputs(
+    robot: &dyn Robot,
+    matrix: &DMatrix<f64>,
+    [y, v, a]: &Instant,
+    limits: &[[f64; 2]],
+) -> Option<Vec<f64>> {
+    let mut forces = vec![0.0; v.len()];
+    robot.rigid_forces(y, v, a, &mut forces);
+    let forces = DVector::from_vec(forces);
+    let smallest = SmallestInputs::new(matrix.clone()).exact(&forces)?;
+    let is_redundant = matrix.ncols() > matrix.nrows();
+    let within = is_redundant.then(|| held_within(matrix, &forces, smallest.clone(), limits)).flatten();
+    Some(within.unwrap_or(smallest).as_slice().to_vec())
+}
+
+/// Inputs of which one after the other is held at an end of its limits, until all are within.
+fn held_within(
+    matrix: &DMatrix<f64>,
+    forces: &DVector<f64>,
+    mut inputs: DVector<f64>,
+    limits: &[[f64; 2]],
+) -> Option<DVector<f64>> {
+    let (mut free, mut rest) = (matrix.clone(), forces.clone());
+    let mut held: Vec<Option<f64>> = vec![None; limits.len()];
+    while let Some(input) = first_outside(inputs.as_slice(), limits) {
+        if held[input].is_some() {
+            return None;
+        }
+        let end = inputs[input].clamp(limits[input][0], limits[input][1]);
+        held[input] = Some(end);
+        rest -= matrix.column(input) * end;
+        free.column_mut(input).fill(0.0);
+        inputs = SmallestInputs::new(free.clone()).closest(&rest)?;
+        for (value, end) in inputs.iter_mut().zip(&held) {
+            *value = end.unwrap_or(*value);
+        }
+    }
+    let residual = (matrix * &inputs - forces).amax();
+    (residual <= RESIDUAL * forces.amax()).then_some(inputs)
+}
+
+/// The first input outside of its limits by more than rounding.
+pub(super) fn first_outside(inputs: &[f64], limits: &[[f64; 2]]) -> Option<usize> {
+    let largest = inputs.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+    let is_outside = |(u, [low, high]): (&f64, &[f64; 2])| {
+        let range = high - low;
+        let slack = if range.is_finite() { OUTSIDE * range } else { RESIDUAL * largest };
+        !(low - slack..=high + slack).contains(u)
+    };
+    inputs.iter().zip(limits).position(is_outside)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two geared motors behind a differential beside a cylinder with a lever of 0.21 m.
+    #[test]
+    fn geared_motors_beside_a_cylinder_have_their_forces() {
+        for lever in [0.21, 0.37, -0.55, 1e-3] {
+            let matrix = DMatrix::from_row_slice(3, 3, &[lever, 0., 0., 0., 80., 80., 0., 80., -60.]);
+            let forces = DVector::from_row_slice(&[231.7, 1.31, -0.27]);
+            let expected = matrix.clone().lu().solve(&forces).unwrap();
+            let found = SmallestInputs::new(matrix).exact(&forces).unwrap();
+            assert!((found - &expected).amax() < 1e-12 * expected.amax(), "{lever}");
+        }
+    }
+
+    #[test]
+    fn inputs_that_only_push_stand_still_where_they_would_pull() {
+        let matrix = DMatrix::from_row_slice(2, 3, &[100., 0., 0.4, 0., 80., 0.2]);
+        let limits = [[-1., 1.], [-1., 1.], [0., 20.]];
+        let forces = DVector::from_row_slice(&[-30., -10.]);
+        let smallest = SmallestInputs::new(matrix.clone()).exact(&forces).unwrap();
+        assert_eq!(first_outside(smallest.as_slice(), &limits), Some(2));
+        let found = held_within(&matrix, &forces, smallest, &limits).unwrap();
+        assert!((found - DVector::from_row_slice(&[-0.3, -0.125, 0.])).amax() < 1e-15);
+        let beyond = DVector::from_row_slice(&[-300., -10.]);
+        let smallest = SmallestInputs::new(matrix.clone()).exact(&beyond).unwrap();
+        assert_eq!(held_within(&matrix, &beyond, smallest, &limits), None);
+    }
+}
