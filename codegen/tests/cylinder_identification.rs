@@ -240,7 +240,7 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     fs::write(&weak, text).unwrap();
     let (_, succeeded, said) = plan(&weak, &[]);
     assert!(!succeeded && said.contains("within the efforts of joints and inputs"), "{said}");
-    assert!(said.contains("most often, in 900 motions: input boom_cylinder)"), "{said}");
+    assert!(said.contains("input boom_cylinder)"), "{said}");
 }
 
 /// Cylinders cannot lead a joint through their dead centre, and a way is no better than a motion.
