@@ -82,7 +82,11 @@ fn both(
     ])
 }
 
-fn print_row(what: &str, flight: &Flight) {
+/// Prints a row of the table.
+///
+/// # Errors
+/// Where the flight is beyond its bounds.
+fn report(what: &str, flight: &Flight, bounds: &Bounds) -> Outcome<()> {
     let worst = |k: usize| flight.errors.iter().fold(0.0_f64, |most, errors| most.max(errors[k]));
     let last = flight.errors.last().copied().unwrap_or_default();
     let lowest = flight.periods.iter().map(|period| upright(&period.positions)).fold(1.0, f64::min);
@@ -94,6 +98,35 @@ fn print_row(what: &str, flight: &Flight) {
         last[0],
         last[1]
     );
+    bounds.hold(what, flight)
+}
+
+/// Largest distances \[m\] and angles \[rad\] from where the quadrotor should be: on its way, and at its end.
+struct Bounds {
+    on_the_way: [f64; 2],
+    at_the_end: [f64; 2],
+}
+
+const RECOVERY: Bounds = Bounds { on_the_way: [2.2, 3.0], at_the_end: [1e-3, 1e-2] };
+
+/// It is upright again, and still far from its place.
+const SHORT_RECOVERY: Bounds = Bounds { at_the_end: [2.2, 1.0], ..RECOVERY };
+
+const FIGURE: Bounds = Bounds { on_the_way: [0.6, 0.7], at_the_end: [1e-2, 2e-3] };
+
+impl Bounds {
+    /// # Errors
+    /// Where a flight is further off, or not a number.
+    fn hold(&self, what: &str, flight: &Flight) -> Outcome<()> {
+        let within = |errors: &[f64; 2], bounds: [f64; 2]| errors[0] <= bounds[0] && errors[1] <= bounds[1];
+        if !flight.errors.iter().all(|errors| within(errors, self.on_the_way)) {
+            return Err(format!("{what}, {}: the quadrotor leaves its way", flight.controller).into());
+        }
+        if !flight.errors.last().is_some_and(|errors| within(errors, self.at_the_end)) {
+            return Err(format!("{what}, {}: the quadrotor does not arrive", flight.controller).into());
+        }
+        Ok(())
+    }
 }
 
 fn figure_of(id: &str, caption: &str, flights: &[Flight; 2]) -> Figure {
@@ -126,13 +159,14 @@ fn run() -> Outcome<()> {
     let hover = pose([0.0, 0.0, 1.0], 0.0, 0.0);
     let still = Motion::between(Quadrotor, hover, hover, 1.0)?;
     let recovery = both(&still, thrown(), if short { 0.6 } else { 4.5 }, [100.0, 10.0])?;
-    recovery.iter().for_each(|flight| print_row("thrown", flight));
+    let bounds = if short { SHORT_RECOVERY } else { RECOVERY };
+    recovery.iter().try_for_each(|flight| report("thrown", flight, &bounds))?;
     if short {
         return Ok(());
     }
     let motion = figure()?;
     let figure = both(&motion, (motion.sample(0.0).positions, [0.0; 6]), 8.0, [10.0, 10.0])?;
-    figure.iter().for_each(|flight| print_row("figure", flight));
+    figure.iter().try_for_each(|flight| report("figure", flight, &FIGURE))?;
     let figures = vec![
         figure_of("thrown", "Thrown upside down.", &recovery),
         figure_of("figure", "A figure with a roll in its middle.", &figure),
