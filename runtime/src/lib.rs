@@ -61,7 +61,8 @@
 //!    [`Differentiable`](dynamics::Differentiable) and [`Discretizable`](dynamics::Discretizable), the macros
 //!    [`dynamics!`] and [`include_model!`], limits and names of joints.
 //! 2. [`trajectory`]: motions from rest to rest, through points with and without a stop, of recordings, for
-//!    identification. Targets that change while the robot moves are the feature `online-targets`.
+//!    identification, and between poses of robots that fly or have spherical joints
+//!    ([`GeodesicMotion`](trajectory::GeodesicMotion)). Targets that change while the robot moves are the feature `online-targets`.
 //!    [`kinematics`]: joint angles for poses of six-axis arms with a spherical wrist. [`limits`]: whether a
 //!    motion keeps a model's limits.
 //!    [`driven`]: robots with driven joints, beside the motion of these.
@@ -85,7 +86,9 @@
 //! # Conventions
 //!
 //! SI units; `y`, `v`, `a`, `u` are coordinates, velocities, accelerations and inputs in the order of the
-//! module's `JOINT_NAMES` and `INPUT_NAMES`; matrices rows first. What can fail returns an error that says
+//! module's `JOINT_NAMES` and `INPUT_NAMES`; matrices rows first. Of robots with spherical or floating joints `y` has NY
+//! position entries, in the order of `POSITION_NAMES`, and `v` and `a` have N, in the order of `VELOCITY_NAMES`: the entries of
+//! joint j begin at `FIRST_POSITIONS[j]` and `FIRST_VELOCITIES[j]`. What can fail returns an error that says
 //! where, what, and what is allowed, and names joints as the description does; fields called `joint` or
 //! `input` are indices from 0. What runs in a loop neither allocates nor panics.
 //!

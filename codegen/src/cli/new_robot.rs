@@ -199,8 +199,9 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "joint `{}` of {} is {}; the programs of new crates are for arms, and for robots whose base alone floats\n  = help: `gelenk \
-         generate` writes the module of such a robot",
+        "joint `{}` of {} is {}; the program of a new crate counts one position and one velocity for each joint, behind those of a base that \
+         floats\n  = help: make it a fixed joint to begin with, or call `gelenk generate` and write the program yourself: the example \
+         `satellite` of gelenk-runtime moves a robot with a ball joint",
         joint.name,
         path.display(),
         joint.kind.name()

@@ -268,6 +268,9 @@ impl Reader<'_> {
         };
         self.known_children(node, &["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"]);
         self.refuse_in_composite(node, &name, composite);
+        if composite.quaternion() == Some(QuaternionKind::Spherical) {
+            self.notes.remark(Remark::SphericalWithoutDrive, self.span(node), name.quoted());
+        }
         let has_axis = composite == Composite::Planar;
         let place = Place {
             parent: self.end(node, "parent", &name),

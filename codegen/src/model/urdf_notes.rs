@@ -33,6 +33,7 @@ pub(super) enum Remark {
     LimitUnusable,
     PlanarLimits,
     ReductionIgnored,
+    SphericalWithoutDrive,
 }
 
 impl notes::Remark for Remark {
@@ -47,6 +48,7 @@ impl notes::Remark for Remark {
             Self::LimitUnusable => "limit-unusable",
             Self::PlanarLimits => "planar-limits",
             Self::ReductionIgnored => "transmission-ignored",
+            Self::SphericalWithoutDrive => "spherical-without-drive",
         }
     }
 
@@ -75,6 +77,9 @@ impl notes::Remark for Remark {
                  to the parts"
             }
             Self::ReductionIgnored => "mechanical reductions were ignored, drives are ideal",
+            Self::SphericalWithoutDrive => {
+                "spherical joints of a URDF have no drive, and so no input; a TOML file gives them some (`drive = \"ideal\"`)"
+            }
         }
     }
 }
