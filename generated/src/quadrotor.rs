@@ -270,8 +270,9 @@ pub fn mass_matrix_into(y: &[f64; NY], m: &mut [[f64; N]; N]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
 ///
 /// Cost: 22 multiplications, 9 additions, 0 divisions, 0 function calls.
@@ -372,8 +373,9 @@ pub fn gravity_forces(y: &[f64; NY]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
@@ -389,8 +391,9 @@ pub fn spring_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `τ: [N]`: positive for positive velocity, at the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
@@ -407,8 +410,9 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
 /// Cost: 12 multiplications, 4 additions, 0 divisions, 0 function calls.
@@ -452,8 +456,9 @@ pub fn applied_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
 ///
 /// Cost: 32 multiplications, 16 additions, 0 divisions, 0 function calls.
@@ -575,8 +580,9 @@ pub fn input_matrix_into(y: &[f64; NY], b: &mut [[f64; M]; N]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
@@ -714,9 +720,11 @@ pub fn equations_of_motion_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations ÿ: `base_x`, `base_y`, `base_z` in m/s², `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
+/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
+///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
 ///
 /// Cost: 35 multiplications, 28 additions, 0 divisions, 0 function calls.
@@ -805,8 +813,9 @@ pub fn inverse_dynamics(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `ÿ: [N]`: accelerations
 ///
@@ -918,8 +927,9 @@ pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
 ///
@@ -1045,9 +1055,11 @@ pub fn mass_matrix_and_bias_forces_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations ÿ: `base_x`, `base_y`, `base_z` in m/s², `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
+/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
+///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
@@ -1287,9 +1299,11 @@ pub fn inverse_dynamics_derivatives_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations ÿ: `base_x`, `base_y`, `base_z` in m/s², `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
+/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
+///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
@@ -1581,8 +1595,9 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `ÿ: [N]`: accelerations
 /// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
@@ -1938,25 +1953,26 @@ pub const B_X_NONZERO: [[bool; 4]; 6] = [
 
 /// Linearization of the accelerations in continuous time, on the tangent.
 ///
-/// `with δ from y: δ̇ ≈ D δ + ẏ − v and ÿ ≈ A_y δ + A_v ẏ + B_x u + c`
+/// `with δ from y: δ̇ ≈ D δ + v − v̄ and v̇ ≈ A_y δ + A_v v + B_x u + c`
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
-/// - returns `A_y: [N × N]`: ∂ÿ/∂δ, row i = acceleration i
-/// - returns `A_v: [N × N]`: ∂ÿ/∂ẏ, row i = acceleration i
-/// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
-/// - returns `c: [N]`: affine remainder ÿ − A\_v ẏ − B\_x u: y itself counts as δ = 0
-/// - returns `D: [N × N]`: −ad\_v in the rows of a spherical or floating joint, else 0
+/// - returns `A_y: [N × N]`: ∂v̇/∂δ, row i = acceleration i
+/// - returns `A_v: [N × N]`: ∂v̇/∂v, row i = acceleration i
+/// - returns `B_x: [N × M]`: ∂v̇/∂u, row i = acceleration i
+/// - returns `c: [N]`: affine remainder v̇ − A\_v v̄ − B\_x u: y itself counts as δ = 0
+/// - returns `D: [N × N]`: −ad\_v̄ in the rows of a spherical or floating joint, else 0
 ///
 /// Cost: 128 multiplications, 97 additions, 0 divisions, 0 function calls.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// δ is a small motion: the positions are `integrate(y, δ)`, and v are the velocities of the linearization. Where
-/// the positions are one for each velocity, δ is the difference of the positions.
+/// δ is a small motion: the positions are `integrate(y, δ)`, and v̄ are the velocities of the linearization, the
+/// argument `v`. Where the positions are one for each velocity, δ is the difference of the positions.
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
 #[inline]
@@ -2385,8 +2401,9 @@ pub fn linearize_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `T`: energy (J)
 ///
 /// Cost: 17 multiplications, 9 additions, 0 divisions, 0 function calls.
@@ -2493,9 +2510,11 @@ pub fn inertial_parameters() -> [f64; 10] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations ÿ: `base_x`, `base_y`, `base_z` in m/s², `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
+/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
+///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `W: [N × 10]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
 ///   rotors stand last
 ///
@@ -2687,9 +2706,11 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - `a: [N]`: accelerations ÿ: `base_x`, `base_y`, `base_z` in m/s², `base_rx`, `base_ry`, `base_rz` in rad/s²
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
+/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
+///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `W_b: [N × 10]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
@@ -2855,8 +2876,9 @@ pub fn friction_parameters() -> [f64; 0] {
 ///
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `R: [N × 0]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
@@ -3078,8 +3100,9 @@ pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -3388,8 +3411,9 @@ pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -3688,8 +3712,9 @@ pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -4002,8 +4027,9 @@ pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
+///   in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -4102,7 +4128,7 @@ pub const SUBSTEPS: usize = 1;
 
 /// Exact zero-order hold of the linearization, over one period.
 ///
-/// `x⁺ = A_d x + B_d u + c_d with x = (δ, ẏ), solves δ̇ = D δ + ẏ, ÿ = A_y δ + A_v ẏ + B_x u + c with u held`
+/// `x⁺ = A_d x + B_d u + c_d with x = (δ, v), solves δ̇ = D δ + v, v̇ = A_y δ + A_v v + B_x u + c with u held`
 ///
 /// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
 /// - `period`: sample time in s, over which u is held
@@ -4112,11 +4138,11 @@ pub const SUBSTEPS: usize = 1;
 ///
 /// Cost: one call of `linearize`, and its own operations.
 ///
-/// δ is the displacement from y, 0 before the period. Since D v = 0, δ − v t is the deviation from the motion
-/// with the velocities v, which follows δ̇ = D δ + ẏ − v. Derivatives of δ⁺ are taken along ⊕ where the robot
-/// arrives.
+/// δ is the displacement from y, 0 before the period. Since D v̄ = 0, δ − v̄ t is the deviation from the motion
+/// with the velocities v̄, the argument `v`; it follows δ̇ = D δ + v − v̄. Derivatives of δ⁺ are taken along ⊕
+/// where the robot arrives.
 ///
-/// With w = D δ + ẏ this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3)
+/// With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3)
 /// with the limits that the robots without quaternions have: +∞ where the robot is too fast for the period.
 #[must_use]
 #[allow(

@@ -434,15 +434,15 @@ pub const FUNCTIONS: [&str; 21] = [
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
 ///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `front_left_hip`,
-///   `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`,
-///   `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`,
-///   `rear_right_calf` in rad/s
-/// - `a: [N]`: accelerations ÿ: `base_x`, `base_y`, `base_z` in m/s², `base_rx`, `base_ry`, `base_rz`,
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
 ///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
 ///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
-///   `rear_right_thigh`, `rear_right_calf` in rad/s²
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
+/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
+///   `base_rx`, `base_ry`, `base_rz`, `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`,
+///   `front_right_thigh`, `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`,
+///   `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad/s²
 /// - `w: [WRENCHES × 6]`: wrenches, each force (N), then moment about the origin of its frame (N m):
 ///   `front_left`, `front_right`, `rear_left`, `rear_right`, `push` in the axes of the base
 /// - returns `B u: [N]`: what the drives exert at the joints
@@ -2374,11 +2374,11 @@ pub fn inverse_dynamics_with_wrenches_into(
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
 ///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `front_left_hip`,
-///   `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`,
-///   `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`,
-///   `rear_right_calf` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
+///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
+///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
 /// - `u: [M]`: inputs: `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`,
 ///   `front_right_thigh`, `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`,
 ///   `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in N m
@@ -7175,11 +7175,11 @@ pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
 ///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `front_left_hip`,
-///   `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`,
-///   `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`,
-///   `rear_right_calf` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
+///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
+///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -7904,11 +7904,11 @@ pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
 ///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `front_left_hip`,
-///   `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`,
-///   `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`,
-///   `rear_right_calf` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
+///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
+///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -8636,11 +8636,11 @@ pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
 ///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `front_left_hip`,
-///   `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`,
-///   `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`,
-///   `rear_right_calf` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
+///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
+///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -9364,11 +9364,11 @@ pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
 ///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `front_left_hip`,
-///   `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`,
-///   `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`,
-///   `rear_right_calf` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
+///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
+///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -9840,11 +9840,11 @@ pub fn frame_middle_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
 ///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
 ///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
-/// - `v: [N]`: velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own
-///   frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `front_left_hip`,
-///   `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`,
-///   `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`,
-///   `rear_right_calf` in rad/s
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
+///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
+///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///

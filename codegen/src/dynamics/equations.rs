@@ -315,7 +315,7 @@ impl<'g> Equations<'_, 'g> {
             && model.force_inputs.is_empty()
     }
 
-    /// D of `δ̇ = D δ + ẏ − v̄`, the kinematics of small motions.
+    /// D of `δ̇ = D δ + v − v̄`, the kinematics of small motions.
     pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
         drift(self.graph, self.model, v)
     }

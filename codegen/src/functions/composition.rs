@@ -78,7 +78,7 @@ impl Composition {
         let has_quaternions = !model.quaternion_joints.is_empty();
         match self {
             Self::Discretize if has_quaternions => {
-                "x⁺ = A_d x + B_d u + c_d with x = (δ, ẏ), solves δ̇ = D δ + ẏ, ÿ = A_y δ + A_v ẏ + B_x u + c with u held"
+                "x⁺ = A_d x + B_d u + c_d with x = (δ, v), solves δ̇ = D δ + v, v̇ = A_y δ + A_v v + B_x u + c with u held"
             }
             Self::Step if has_quaternions => {
                 "(y⁺, ẏ⁺) ≈ the motion with ÿ = forward_dynamics(y, ẏ, u) after the period, u held"
@@ -134,9 +134,9 @@ impl Composition {
     pub(crate) fn notes(self, has_quaternions: bool) -> &'static [&'static str] {
         match self {
             Self::Discretize if has_quaternions => &[
-                "δ is the displacement from y, 0 before the period. Since D v = 0, δ − v t is the deviation from the motion with \
-                 the velocities v, which follows δ̇ = D δ + ẏ − v. Derivatives of δ⁺ are taken along ⊕ where the robot arrives.",
-                "With w = D δ + ẏ this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, \
+                "δ is the displacement from y, 0 before the period. Since D v̄ = 0, δ − v̄ t is the deviation from the motion \
+                 with the velocities v̄, the argument `v`; it follows δ̇ = D δ + v − v̄. Derivatives of δ⁺ are taken along ⊕ where the robot arrives.",
+                "With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, \
                  section 10.3) with the limits that the robots without quaternions have: +∞ where the robot is too fast for \
                  the period.",
             ],

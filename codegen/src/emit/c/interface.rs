@@ -58,9 +58,12 @@ fn function(context: &Context<'_>, function: &Function, name: &str) -> Callable 
 
 fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
     let (n, m) = (context.module.coordinates, context.module.inputs);
-    let positions = match context.module.has_quaternions() {
-        true => Extent::new(Dimension::Positions, context.module.positions),
-        false => Extent::new(Dimension::Coordinates, n),
+    let (positions, velocities) = match context.module.has_quaternions() {
+        true => (
+            Extent::new(Dimension::Positions, context.module.positions),
+            "velocities v, for which ẏ stands in equations",
+        ),
+        false => (Extent::new(Dimension::Coordinates, n), "velocities ẏ"),
     };
     let argument = |name: &str, extents: Vec<Extent>, meaning: &str| Argument {
         name: name.to_owned(),
@@ -80,7 +83,7 @@ fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
         equation: composed.equation.to_owned(),
         arguments: vec![
             argument("y", vec![positions], "coordinates"),
-            argument("v", vec![Extent::new(Dimension::Velocities, n)], "velocities ẏ"),
+            argument("v", vec![Extent::new(Dimension::Velocities, n)], velocities),
             argument("u", vec![Extent::new(Dimension::Inputs, m)], "inputs"),
             argument("period", vec![], "sample time in s, over which u is held"),
         ],

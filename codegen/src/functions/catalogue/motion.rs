@@ -315,18 +315,18 @@ const LINEARIZE: Quantity = Quantity {
 /// The row that replaces that of the same name where joints have quaternions.
 pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
     summary: "Linearization of the accelerations in continuous time, on the tangent.",
-    equation: "with δ from y: δ̇ ≈ D δ + ẏ − v and ÿ ≈ A_y δ + A_v ẏ + B_x u + c",
+    equation: "with δ from y: δ̇ ≈ D δ + v − v̄ and v̇ ≈ A_y δ + A_v v + B_x u + c",
     results: &[
-        ("A_y", SQUARE, "∂ÿ/∂δ, row i = acceleration i"),
-        ("A_v", SQUARE, "∂ÿ/∂ẏ, row i = acceleration i"),
-        ("B_x", BY_INPUTS, "∂ÿ/∂u, row i = acceleration i"),
-        ("c", VECTOR, "affine remainder ÿ − A_v ẏ − B_x u: y itself counts as δ = 0"),
-        ("D", SQUARE, "−ad_v in the rows of a spherical or floating joint, else 0"),
+        ("A_y", SQUARE, "∂v̇/∂δ, row i = acceleration i"),
+        ("A_v", SQUARE, "∂v̇/∂v, row i = acceleration i"),
+        ("B_x", BY_INPUTS, "∂v̇/∂u, row i = acceleration i"),
+        ("c", VECTOR, "affine remainder v̇ − A_v v̄ − B_x u: y itself counts as δ = 0"),
+        ("D", SQUARE, "−ad_v̄ in the rows of a spherical or floating joint, else 0"),
     ],
     notes: &[
         DERIVATIVE_NOTES[0],
-        "δ is a small motion: the positions are `integrate(y, δ)`, and v are the velocities of the linearization. Where the \
-         positions are one for each velocity, δ is the difference of the positions.",
+        "δ is a small motion: the positions are `integrate(y, δ)`, and v̄ are the velocities of the linearization, the argument `v`. \
+         Where the positions are one for each velocity, δ is the difference of the positions.",
     ],
     build: |equations, Arguments { y, v, u, .. }| {
         let result = equations.linearize(y, v, u);

@@ -98,7 +98,11 @@ impl Argument {
                 "positions; quaternions are x y z w and of unit length"
             }
             Velocities if !model.quaternion_joints.is_empty() => {
-                "velocities ẏ; those of a joint with a quaternion are linear and angular ones in its body's own frame"
+                "velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and angular ones in \
+                 its body's own frame"
+            }
+            Accelerations if !model.quaternion_joints.is_empty() => {
+                "accelerations v̇, for which ÿ stands in equations"
             }
             _ => self.meaning(),
         };
