@@ -13,8 +13,8 @@ const JOINT: [&str; 2] = ["base", "floating_base"];
 /// The link before it.
 const WORLD: [&str; 2] = ["world", "inertial_frame"];
 
-/// Links with these names stand for the ground: what is fixed to them is bolted down.
-const GROUND: [&str; 4] = ["world", "map", "odom", "ground"];
+/// Links with these names, in large or small letters, stand for the ground: what is fixed to them is bolted down.
+const GROUND: [&str; 5] = ["world", "world_link", "map", "odom", "ground"];
 
 /// Frees the base where the description asks for it.
 pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
@@ -87,7 +87,8 @@ pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
 
 /// Tells whether a link is that of the ground, to which what is fixed is bolted.
 fn is_ground(robot: &RobotDescription, link: &str) -> bool {
-    GROUND.contains(&link) || (carried(robot, link).any(floats) && !has_body(robot, link))
+    GROUND.iter().any(|ground| ground.eq_ignore_ascii_case(link))
+        || (carried(robot, link).any(floats) && !has_body(robot, link))
 }
 
 fn has_body(robot: &RobotDescription, link: &str) -> bool {
@@ -283,6 +284,14 @@ mod tests {
             (
                 on_ground("world", "prismatic"),
                 ["moves on `world` by joint `J`", "give joint `J` the type `floating`"],
+            ),
+            (
+                on_ground("World", "fixed"),
+                ["bolted to `World` by joint `J`", "then `frame` is the link that floats"],
+            ),
+            (
+                on_ground("world_link", "fixed"),
+                ["bolted to `world_link` by joint `J`", "then `frame` is the link that floats"],
             ),
             (on_ground("world", "spherical"), ["moves on `world` by joint `J`", "leave the base fixed"]),
             (mjcf(""), ["bolted to `world`\n", "add <freejoint/> to body `trunk`"]),

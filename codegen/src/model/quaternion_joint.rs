@@ -27,7 +27,37 @@ pub enum QuaternionKind {
     Floating,
 }
 
+/// Why a velocity has no law of a position.
+pub(super) const NO_LAW_OF_POSITION: &str = "a law of such a velocity is one of `v` alone: it has no position of its own; \
+    `[[forces]]` between two frames are springs in any direction";
+
+/// Why a velocity has no rotor.
+pub(super) const NO_ROTOR: &str = "a rotor turns about one axis, and this joint about all: `drive = \"ideal\"` is a torque in the body's \
+    frame; a reaction wheel is a link with a joint of its own";
+
 impl QuaternionKind {
+    /// Why a velocity has no limits of a position. Limits stand by velocity in a module, and controllers take deviations
+    /// along the velocities.
+    pub(super) fn why_unlimited(self, index: usize) -> &'static str {
+        match self {
+            Self::Floating if index < 3 => {
+                "this velocity is along an axis of the body, which turns, so that no entry of the place belongs to it alone: keep the \
+                 place within limits by the motion that is asked for; limits of velocity and effort are those that it can have"
+            }
+            _ => "its attitude is a quaternion: limits of velocity and effort are those that it can have",
+        }
+    }
+
+    /// How to hold the joint, of which no part can be held.
+    pub(super) fn how_to_hold(self) -> &'static str {
+        match self {
+            Self::Spherical => "hold all of it: give the joint the type \"fixed\"",
+            Self::Floating => {
+                "hold all of it: leave the base fixed, or give the joint the type \"fixed\" where it is one of its own"
+            }
+        }
+    }
+
     /// The number of velocities.
     #[must_use]
     pub fn velocities(self) -> usize {

@@ -135,9 +135,9 @@ fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composi
     check_all_parts(reader, table, name, composite);
     let mut told = Vec::new();
     for part in composite.parts() {
-        if BY_PART.iter().any(|key| of_part(table, part, key).is_some()) {
+        if BY_PART.iter().any(|key| of_part(table, (composite, part), key).is_some()) {
             let own = At::new(format!("{}_{}", name.value, part.name), name.span);
-            told.push(forces(reader, &|key| of_part(table, part, key), own));
+            told.push(forces(reader, &|key| of_part(table, (composite, part), key), own));
         }
     }
     told

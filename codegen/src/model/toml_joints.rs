@@ -3,11 +3,12 @@
 use super::composite::{self, Composite, Part, Place};
 use super::description::{JointDescription, LimitsDescription, Name};
 use super::pose::{about_z, modified_dh, standard_dh};
+use super::quaternion_joint::{NO_LAW_OF_POSITION, NO_ROTOR};
 use super::table::{Item, Table};
 use super::toml_couplings::followed_joints;
 use super::toml_forces::{drive, friction, springs};
 use super::toml_values::Reader;
-use super::{JointKind, Pose};
+use super::{JointKind, Pose, QuaternionKind};
 use crate::diagnostic::At;
 use gelenk_formula::Formula;
 
@@ -196,13 +197,18 @@ fn read_composite(
         axis: table.get("axis").and_then(|item| reader.axis(item)).unwrap_or([0.0, 0.0, 1.0]),
     };
     composite::expand(composite, &name, place, |part, name| {
-        forces(reader, &|key| of_part(table, part, key), name)
+        forces(reader, &|key| of_part(table, (composite, part), key), name)
     })
 }
 
 /// What a key says of a part.
-pub(super) fn of_part<'t>(table: &Table<'t>, part: &Part, key: &str) -> Option<Item<'t>> {
+pub(super) fn of_part<'t>(
+    table: &Table<'t>,
+    (composite, part): (Composite, &Part),
+    key: &str,
+) -> Option<Item<'t>> {
     match table.get(key)? {
+        _ if key == "held" && composite.quaternion().is_some() => None, // reported
         // One word for all parts.
         item if FOR_ALL_PARTS.contains(&key) && item.value.is_str() => Some(item),
         item => Table::open(item.value.as_table()?, item.span, "the parts of a joint").get(part.name),
@@ -212,6 +218,12 @@ pub(super) fn of_part<'t>(table: &Table<'t>, part: &Part, key: &str) -> Option<I
 /// Complains about values that are not told part by part.
 pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
     for item in BY_PART.iter().filter_map(|key| table.get(key)) {
+        if let (Some(kind), "held") = (composite.quaternion(), item.key) {
+            let message = format!("`held` at {} joint `{}`", kind.name(), name.value);
+            reader.report.error(item.key_span, "quaternion-joint", message);
+            reader.report.help(kind.how_to_hold());
+            continue;
+        }
         check_parts(reader, item, name, composite);
     }
 }
@@ -237,11 +249,53 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         return;
     };
     for entry in Table::open(table, item.span, "the parts of a joint").items() {
-        if composite.parts().iter().all(|part| part.name != entry.key) {
-            let message = format!("{kind} joint `{}` has no part `{}`", name.value, entry.key);
-            reader.report.error(entry.key_span, "unknown-key", message);
-            reader.report.help(help());
+        if composite.parts().iter().any(|part| part.name == entry.key) {
+            continue;
         }
+        if let Some(reason) = composite.quaternion().and_then(|kind| refused(kind, item.key, entry.key)) {
+            let message = format!("`{}` in `{}` of {kind} joint `{}`", entry.key, item.key, name.value);
+            reader.report.error(entry.key_span, "quaternion-joint", message);
+            reader.report.help(reason);
+            continue;
+        }
+        let message = format!("{kind} joint `{}` has no part `{}`", name.value, entry.key);
+        reader.report.error(entry.key_span, "unknown-key", message);
+        let part = composite.parts()[0].name;
+        reader.report.help(match OF_ONE_PART.contains(&entry.key) {
+            true => format!(
+                "its parts are {}, each with its own: `{} = {{ {part} = {{ {} = … }} }}`",
+                composite.listed(),
+                item.key,
+                entry.key
+            ),
+            false => help(),
+        });
+    }
+}
+
+/// Keys that stand in the table of a part.
+const OF_ONE_PART: [&str; 12] = [
+    "position",
+    "velocity",
+    "effort",
+    "peak_effort",
+    "viscous",
+    "coulomb",
+    "stribeck",
+    "load",
+    "stiffness",
+    "rest",
+    "damping",
+    "gear_ratio",
+];
+
+/// Why no velocity of a joint with a quaternion has something that joints with one position have.
+fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str> {
+    match (key, entry) {
+        ("limits", "position") => Some(kind.why_unlimited(0)),
+        ("spring", "stiffness" | "rest") => Some(NO_LAW_OF_POSITION),
+        ("drive", "rotor_inertia") => Some(NO_ROTOR),
+        _ => None,
     }
 }
 

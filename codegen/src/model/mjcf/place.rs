@@ -9,6 +9,9 @@ use crate::numeric::length;
 use crate::spatial::rotation_about;
 use gelenk_formula::Formula;
 
+/// What is not longer has no direction.
+const NO_LENGTH: f64 = 1e-14;
+
 /// Where an attitude can come from: the element, and for some elements its class.
 type Find<'f, 'a> = dyn Fn(&str) -> Option<Given<'a>> + 'f;
 
@@ -26,10 +29,13 @@ impl<'a> Reader<'_, 'a> {
     fn attitude(&mut self, find: &Find<'_, 'a>, owner: &str) -> Rotation {
         if let Some(given) = self.vector::<4>(find("quat"), "quat") {
             let size = length(given.value);
-            return match self.is_direction(&given, size, "quat") {
-                true => self.angles.quaternion(given.value.map(|x| x / size)),
-                false => IDENTITY,
-            };
+            if size <= NO_LENGTH {
+                let message = "`quat` has length 0, and is no rotation";
+                self.report.error(given.span, "quaternion-not-unit", message);
+                self.report.help("that of no rotation is \"1 0 0 0\"");
+                return IDENTITY;
+            }
+            return self.angles.quaternion(given.value.map(|x| x / size));
         }
         if let Some(given) = self.vector::<4>(find("axisangle"), "axisangle") {
             let [x, y, z, angle] = given.value;
@@ -99,7 +105,7 @@ impl<'a> Reader<'_, 'a> {
 
     /// Complains about what has no direction.
     fn is_direction<const N: usize>(&mut self, given: &At<[f64; N]>, size: f64, key: &str) -> bool {
-        let is_direction = size > 1e-14;
+        let is_direction = size > NO_LENGTH;
         if !is_direction {
             self.report.error(
                 given.span,

@@ -35,7 +35,9 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
     }
     if let Some(friction) = &joint.friction {
         let law = Law::of("friction", &friction.value.terms, defaults);
-        if is_finite(&law, &grid, friction.span, report) {
+        // A velocity of a joint with a quaternion has no law of the position, which is reported.
+        let is_refused = joint.part_of.is_some() && law.depends_on_position();
+        if is_finite(&law, &grid, friction.span, report) && !is_refused {
             brakes(&law, &grid, friction.span, report);
         }
         if let Some(load) = &friction.value.load {

@@ -3,6 +3,7 @@
 use super::super::QuaternionJoint;
 use super::super::QuaternionKind;
 use super::super::description::{DriveChoice, JointDescription, Name, PartOf, RobotDescription};
+use super::super::quaternion_joint::{NO_LAW_OF_POSITION, NO_ROTOR};
 use super::super::tree::Tree;
 use super::inner_links;
 use crate::diagnostic::{Report, Span};
@@ -39,25 +40,33 @@ impl Velocity<'_> {
     fn check(&self, report: &mut Report) {
         let JointDescription { name, limits, springs, friction, follows, drive, .. } = self.joint;
         if self.joint.held.is_some() {
-            self.refuse(name.span, "`held`", "hold all of it: give the joint the type \"fixed\"", report);
+            self.refuse(name.span, "`held`", self.part.kind.how_to_hold(), report);
         }
         if let Some(position) = &limits.position {
-            self.refuse(position.span, "position limits", self.why_unlimited(), report);
+            self.refuse(
+                position.span,
+                "position limits",
+                self.part.kind.why_unlimited(self.part.index),
+                report,
+            );
         }
         if let Some(follows) = follows {
             let help = "a quaternion follows no coordinate: describe the joint by revolute ones, type \"universal\" for example";
             self.refuse(follows.span, "`follows`", help, report);
         }
-        const LAW: &str = "a law of such a velocity is one of `v` alone: it has no position of its own; \
-            `[[forces]]` between two frames are springs in any direction";
         if let Some(springs) = springs
             && springs.value.iter().any(Formula::depends_on_position)
         {
-            self.refuse(springs.span, "a spring that depends on the position", LAW, report);
+            self.refuse(springs.span, "a spring that depends on the position", NO_LAW_OF_POSITION, report);
         }
         if let Some(friction) = friction {
             if friction.value.terms.iter().any(|term| term.basis.depends_on_position()) {
-                self.refuse(friction.span, "friction that depends on the position", LAW, report);
+                self.refuse(
+                    friction.span,
+                    "friction that depends on the position",
+                    NO_LAW_OF_POSITION,
+                    report,
+                );
             }
             if let Some(load) = &friction.value.load {
                 let help = "a load is that of a gear on a joint with one velocity";
@@ -68,20 +77,7 @@ impl Velocity<'_> {
             && let DriveChoice::Motor(motor) = &drive.value
             && !motor.rotor_inertia.value.is_zero()
         {
-            let help = "a rotor turns about one axis, and this joint about all: `drive = \"ideal\"` is a torque in the body's \
-                frame; a reaction wheel is a link with a joint of its own";
-            self.refuse(drive.span, "a rotor", help, report);
-        }
-    }
-
-    /// Limits stand by velocity in a module, and controllers take deviations along the velocities.
-    fn why_unlimited(&self) -> &'static str {
-        match self.part.kind {
-            QuaternionKind::Floating if self.part.index < 3 => {
-                "this velocity is along an axis of the body, which turns, so that no entry of the place belongs to it alone: keep the \
-                 place within limits by the motion that is asked for; limits of velocity and effort are those that it can have"
-            }
-            _ => "its attitude is a quaternion: limits of velocity and effort are those that it can have",
+            self.refuse(drive.span, "a rotor", NO_ROTOR, report);
         }
     }
 
