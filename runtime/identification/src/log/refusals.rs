@@ -37,7 +37,15 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         ("t,q1,q2,u1,u2\n0,1,2,NaN,NaN\n1,1,2,NaN,NaN\n".into(), "", "column `u1` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,NaN,3,4\n1,1,NaN,3,4\n".into(), "", "column `q2` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,,3,4\n1,,2,,4\n2,1,,,4\n".into(), "", "0 of 3 rows have time, 2 positions and efforts together"),
+        (thousands(), "", "28 of 30 rows cannot be used: column `t [ms]` has no number in 28 of them, the first is `1.000`"),
     ]
+}
+
+/// Times in ms with a point between thousands, beside decimal commas.
+fn thousands() -> String {
+    let row = |i: usize| format!("{}.{:03};0,5;0,{i};0,1;0,{i}\n", i / 2, 500 * (i % 2));
+    let rows: String = (2..30).map(row).collect();
+    format!("t [ms];q1;q2;u1;u2\n0;0,5;0,1;0,1;0,2\n500;0,5;0,2;0,1;0,2\n{rows}")
 }
 
 #[test]

@@ -38,6 +38,8 @@ struct Gaps {
     rows: Option<(usize, usize)>,
     /// The first of them that is text.
     text: Option<String>,
+    /// Rows with text there that is no number.
+    unread: usize,
     /// Rows that end before the column.
     short: usize,
     /// The column has a finite value.
@@ -45,15 +47,15 @@ struct Gaps {
 }
 
 impl Gaps {
-    fn add(&mut self, line: usize, field: Option<&[u8]>) {
+    fn add(&mut self, line: usize, field: Option<&[u8]>, decimals: Decimals) {
         self.count += 1;
         self.rows = Some((self.rows.map_or(line, |r| r.0), line));
         match field {
             None => self.short += 1,
-            Some(bytes) if self.text.is_none() && number(bytes, Decimals::Point).is_none() => {
+            Some(bytes) if number(bytes, decimals).is_none() && !bytes.trim_ascii().is_empty() => {
+                self.unread += 1;
                 let text = String::from_utf8_lossy(bytes);
-                let shown: String = text.trim().chars().take(40).collect();
-                self.text = Some(shown).filter(|shown| !shown.is_empty());
+                self.text.get_or_insert_with(|| text.trim().chars().take(40).collect());
             }
             Some(_) => {}
         }
@@ -108,7 +110,7 @@ impl Samples {
                 complete &= row[i].is_finite() || !needed(i);
             }
             let Some(time) = mapping.time.read(record, sheet.decimals) else {
-                gaps[sources.len()].add(line, record.get(mapping.time.column));
+                gaps[sources.len()].add(line, record.get(mapping.time.column), sheet.decimals);
                 return Ok(());
             };
             if complete {
@@ -128,6 +130,12 @@ impl Samples {
         let left_out = total - samples.lines.len() - long_rows;
         findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, left_out));
         samples.require_some(robot, &gaps, total, source)?;
+        require_most_readable(
+            sheet,
+            (&labels(mapping, &sources), &gaps),
+            (left_out, long_rows, total),
+            source,
+        )?;
         Ok(samples)
     }
 
@@ -210,7 +218,7 @@ fn value(record: &csv::ByteRecord, source: &Source, sheet: &Sheet, line: usize, 
     if value.is_finite() {
         gaps.alive = true;
     } else {
-        gaps.add(line, field);
+        gaps.add(line, field, sheet.decimals);
     }
     value
 }
@@ -248,6 +256,41 @@ fn require_alive(
     Ok(())
 }
 
+/// Columns of the file by the order of their gaps: those of the samples, then that of the time.
+fn labels(mapping: &Mapping, sources: &[Option<&Source>]) -> Vec<Option<usize>> {
+    sources.iter().map(|s| s.map(|s| s.column)).chain([Some(mapping.time.column)]).collect()
+}
+
+/// Refuses a log most of whose rows cannot be read: what is left is not what was recorded. Fields that are empty are
+/// no fault, as where two topics stand in one table.
+fn require_most_readable(
+    sheet: &Sheet,
+    (columns, gaps): (&[Option<usize>], &[Gaps]),
+    (left_out, long, total): (usize, usize, usize),
+    place: &str,
+) -> Result<()> {
+    if 2 * (left_out + long) <= total {
+        return Ok(());
+    }
+    let all = columns.iter().zip(gaps);
+    let worst = all.filter(|(_, gaps)| 2 * gaps.unread > total).max_by_key(|(_, gaps)| gaps.unread);
+    let reason = match worst {
+        Some((column, gaps)) => format!(
+            "{} has no number in {} of them, the first is `{}`. Marks between thousands, a decimal comma beside points, or a unit beside \
+             the number may be the reason: export plain numbers",
+            column.map_or_else(String::new, |column| label(sheet, column)),
+            gaps.unread,
+            gaps.text.as_deref().unwrap_or("")
+        ),
+        None if 2 * long > total => {
+            "they have more fields than the header: a separator is part of a text or of a number".to_owned()
+        }
+        None => return Ok(()),
+    };
+    let message = format!("{} of {total} rows cannot be used: {reason}", left_out + long);
+    Err(IdentificationError::File { place: place.into(), message })
+}
+
 fn gap_findings(
     sheet: &Sheet,
     mapping: &Mapping,
@@ -256,10 +299,10 @@ fn gap_findings(
     place: &str,
     left_out: usize,
 ) -> Vec<RunFinding> {
-    let columns = sources.iter().map(|s| s.map(|s| s.column)).chain([Some(mapping.time.column)]);
+    let columns = labels(mapping, sources);
     // Columns with the same gaps are one finding.
     let mut alike: Vec<(Vec<String>, &Gaps)> = Vec::new();
-    for (column, gaps) in columns.zip(gaps).filter(|(_, gaps)| gaps.count > 0) {
+    for (column, gaps) in columns.into_iter().zip(gaps).filter(|(_, gaps)| gaps.count > 0) {
         let Some(column) = column else { continue };
         match alike.iter_mut().find(|(_, known)| *known == gaps) {
             Some((names, _)) => names.push(label(sheet, column)),
