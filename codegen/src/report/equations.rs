@@ -120,11 +120,11 @@ pub(super) fn set(latex: &[String]) -> Block {
 
 /// Forces of springs and dampers on the joints that have some.
 pub(super) fn spring_laws(robot: &Robot<'_>) -> Vec<String> {
-    let joints = robot.joints().into_iter().zip(1..);
-    let sprung = joints.filter(|(joint, _)| !joint.springs.is_empty());
-    let law = |(joint, number): (&Joint, usize)| {
-        let forces = formula::sum(&joint.springs, &robot.parameter_names, ('y', number));
-        format!("s_{{{number}}} = {forces}")
+    let joints = robot.joints().into_iter().enumerate();
+    let sprung = joints.filter(|(_, joint)| !joint.springs.is_empty());
+    let law = |(coordinate, joint): (usize, &Joint)| {
+        let forces = formula::sum(&joint.springs, &robot.parameter_names, robot.motion(coordinate));
+        format!("s_{{{}}} = {forces}", coordinate + 1)
     };
     sprung.map(law).collect()
 }

@@ -3,13 +3,25 @@
 use crate::program::display::{latex_letters, latex_number};
 use gelenk_formula::{Formula, Function};
 
-/// Letter and index, as y₂.
-pub(super) type Motion = (char, usize);
+/// The position and the velocity that a formula means, as y₂ and ẏ₂. Their numbers, from 1, differ behind joints with quaternions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    pub letter: char,
+    pub position: usize,
+    pub velocity: usize,
+}
+
+impl Motion {
+    /// One whose position and velocity have the same number.
+    pub fn numbered(letter: char, number: usize) -> Self {
+        Self { letter, position: number, velocity: number }
+    }
+}
 
 /// A formula in LaTeX.
 ///
 /// - `parameters`: names of the free parameters
-/// - `motion`: letter and index, from 1, of the position and the velocity that it means
+/// - `motion`: what its position and velocity are called
 pub(super) fn latex(formula: &Formula, parameters: &[String], motion: Motion) -> String {
     Printer { parameters, motion }.print(formula, Binding::Sum)
 }
@@ -53,8 +65,8 @@ impl Printer<'_> {
         match formula {
             Formula::Number(value) => latex_number(*value),
             Formula::Parameter(index) => latex_letters(&self.parameters[*index]),
-            Formula::Position => format!("{}_{{{}}}", self.motion.0, self.motion.1),
-            Formula::Velocity => format!("\\dot{{{}}}_{{{}}}", self.motion.0, self.motion.1),
+            Formula::Position => format!("{}_{{{}}}", self.motion.letter, self.motion.position),
+            Formula::Velocity => format!("\\dot{{{}}}_{{{}}}", self.motion.letter, self.motion.velocity),
             Formula::Negate(a) => format!("-{}", factor(a)),
             Formula::Add(a, b) => join(&sum(a), &sum(b)),
             Formula::Subtract(a, b) => format!("{} - {}", sum(a), factor(b)),
@@ -131,12 +143,15 @@ mod tests {
             (Formula::Call(Function::Abs, Box::new(v())), r"\left|\dot{y}_{2}\right|"),
         ];
         for (formula, expected) in cases {
-            assert_eq!(latex(&formula, &["a1".to_owned()], ('y', 2)), expected);
+            assert_eq!(
+                latex(&formula, &["a1".to_owned()], Motion { letter: 'y', position: 9, velocity: 2 }),
+                expected
+            );
         }
         let product = Formula::Multiply(Box::new(negative()), Box::new(v()));
         let springs = [product.clone(), product, v()];
         assert_eq!(
-            super::sum(&springs, &[], ('y', 1)),
+            super::sum(&springs, &[], Motion { letter: 'y', position: 9, velocity: 1 }),
             r"-2 \, \dot{y}_{1} - 2 \, \dot{y}_{1} + \dot{y}_{1}"
         );
     }

@@ -12,7 +12,7 @@ use gelenk_formula::Formula;
 const CURVES: usize = 6;
 
 /// Friction of a joint that follows coordinates, or of the shaft of a motor that moves several of them.
-struct Following<'a> {
+pub(super) struct Following<'a> {
     name: &'a str,
     what: &'static str,
     /// Its motion z for a unit of motion of each coordinate.
@@ -23,7 +23,7 @@ struct Following<'a> {
 
 impl Following<'_> {
     /// Those of a robot that have friction.
-    fn all<'a>(robot: &Robot<'a>) -> Vec<Following<'a>> {
+    pub(super) fn all<'a>(robot: &Robot<'a>) -> Vec<Following<'a>> {
         let model = robot.model;
         let joints = model.moving_joints().into_iter().skip(model.motion_count()).map(|moving| Following {
             name: &moving.joint.name,
@@ -96,10 +96,9 @@ fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block
         .column("is", "kind", "")
         .column("its position $z$", "position", "")
         .rows(rows);
-    let laws = following
-        .iter()
-        .zip(1..)
-        .map(|(one, number)| law(robot, &format!("\\tau_{{z,{number}}}"), ('z', number), one.friction));
+    let laws = following.iter().zip(1..).map(|(one, number)| {
+        law(robot, &format!("\\tau_{{z,{number}}}"), Motion::numbered('z', number), one.friction)
+    });
     let laws: Vec<String> = laws.collect();
     vec![
         Block::Table(table),
@@ -112,12 +111,12 @@ fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block
 }
 
 /// Friction laws of the joints that have one.
-fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
+pub(super) fn friction_laws(robot: &Robot<'_>) -> Vec<String> {
     let joints = robot.joints().into_iter().enumerate();
     let rubbing = joints.filter(|(_, joint)| !joint.friction.is_empty());
     rubbing
         .map(|(index, joint)| {
-            law(robot, &format!("\\tau_{{{}}}", index + 1), ('y', index + 1), &joint.friction)
+            law(robot, &format!("\\tau_{{{}}}", index + 1), robot.motion(index), &joint.friction)
         })
         .collect()
 }
@@ -128,7 +127,7 @@ fn load_friction_laws(robot: &Robot<'_>) -> Vec<String> {
     let loaded = joints.filter(|(_, joint)| !joint.load_friction.is_empty());
     loaded
         .map(|(index, joint)| {
-            law(robot, &format!("\\sigma_{{{}}}", index + 1), ('y', index + 1), &joint.load_friction)
+            law(robot, &format!("\\sigma_{{{}}}", index + 1), robot.motion(index), &joint.load_friction)
         })
         .collect()
 }
@@ -149,7 +148,7 @@ const CAPTION: &str = "Friction over velocity, up to the velocity limit (1 where
     Friction that depends on the position is drawn at both limits and in the middle.";
 
 /// Friction over velocity, as the generated function computes it.
-fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) -> Option<Figure> {
+pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) -> Option<Figure> {
     let joints = robot.joints().into_iter().enumerate();
     let drags = |index: usize| following.iter().any(|one| one.moves_with(index));
     let rubbing = joints.filter(|(index, joint)| !joint.friction.is_empty() || drags(*index));
@@ -215,7 +214,7 @@ fn friction_curve(robot: &Robot<'_>, index: usize, joint: &Joint, position: f64)
         let velocity = *velocities.get(index)?;
         let mut positions = vec![0.0; robot.n()];
         *positions.get_mut(index)? = position;
-        let torques = robot.friction_torques(&positions, &velocities)?;
+        let torques = robot.friction_torques(&robot.model.positions_by(&positions), &velocities)?;
         Some([velocity, *torques.get(index)?])
     };
     (-HALF..=HALF).map(point).collect()

@@ -184,14 +184,15 @@ fn self_check_section(robot: &Robot<'_>) -> Section {
 fn quaternions(robot: &Robot<'_>) -> Vec<String> {
     let joint = |joint: &QuaternionJoint| {
         let Range { start, end } = joint.coordinates();
-        let origin = if joint.kind.quaternion() > 0 { "the position of its body and " } else { "" };
+        let first = robot.model.first_position(joint.first) + 1;
+        let origin = if joint.kind.quaternion() > 0 { "the position of its body, then " } else { "" };
         format!(
-            "Joint {} is {}: its positions are {origin}a quaternion, {} numbers, and its velocities $\\dot{{y}}_{{{}}}$ to \
+            "Joint {} is {}: its positions $y_{{{first}}}$ to $y_{{{}}}$ are {origin}a quaternion x, y, z, w, and its velocities $\\dot{{y}}_{{{}}}$ to \
              $\\dot{{y}}_{{{}}}$ are those of its body in the body's own axes. Here its sliders displace and turn the body along x, \
              y and z, one after the other.",
             joint.name,
             joint.kind.name(),
-            joint.kind.positions(),
+            first + joint.kind.positions() - 1,
             start + 1,
             end
         )
@@ -202,10 +203,12 @@ fn quaternions(robot: &Robot<'_>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::functions::function::ConstantValue;
     use crate::functions::selection;
     use crate::functions::size::MOST_OPERATIONS;
     use crate::model::{ReadOptions, from_toml};
-    use gelenk_report::Verdict;
+    use crate::module::Module;
+    use gelenk_report::{Cell, Verdict};
 
     const ARM: &str = r#"
         [[joints]]
@@ -269,6 +272,49 @@ mod tests {
         for (id, verdict) in verdicts {
             assert_eq!(verdict, Verdict::Holds, "{id}");
         }
+    }
+
+    /// The page counts positions as the module does: those behind a floating base begin at y₈, their velocities at ẏ₇.
+    #[test]
+    fn coordinates_of_a_free_robot_are_numbered_as_in_its_module() {
+        let base = "base = { link = \"base\", type = \"floating\" }\n";
+        let ball = "[[joints]]\nname = \"ball\"\nparent = \"lift\"\ntype = \"spherical\"\n\
+            [[bodies]]\nlink = \"ball\"\nmass = 1\ninertia = 0.1\n\
+            [[joints]]\nname = \"wheel\"\nparent = \"ball\"\nfriction = \"(2 + y.powi(2))*v\"\n\
+            [[bodies]]\nlink = \"wheel\"\nmass = 1\ninertia = 0.1\n\
+            [[bodies]]\nlink = \"base\"\nmass = 5\ninertia = 0.3\n";
+        let (model, functions) = arm(&format!("{base}{ARM}{ball}"));
+        let robot = Robot::new(&model, &functions);
+        let constants = Module::new(&model, vec![], &[]).constants;
+        let constant = |name: &str| {
+            let found = constants.iter().find(|constant| constant.name == name);
+            match &found.unwrap_or_else(|| panic!("{name}")).value {
+                ConstantValue::Names(_, names) => names.clone(),
+                ConstantValue::Indices(_, all) => all.iter().map(usize::to_string).collect(),
+                other => panic!("{name}: {other:?}"),
+            }
+        };
+        let [names, sizes, positions, velocities] =
+            ["JOINT_NAMES", "JOINT_POSITIONS", "FIRST_POSITIONS", "FIRST_VELOCITIES"].map(constant);
+        let number = |text: &str| text.parse::<usize>().unwrap() + 1;
+        let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
+        let table = tables::coordinates(&robot);
+        assert_eq!(table.rows.iter().filter(|row| row[0] == Cell::Empty).count(), 9);
+        for (joint, name) in names.iter().enumerate() {
+            let first = number(&velocities[joint]);
+            let row = &table.rows[first - 1];
+            assert_eq!(row[1], math(format!("\\dot{{y}}_{{{first}}}")), "{name}");
+            let is_plain = sizes[joint] == "1";
+            let expected =
+                if is_plain { math(format!("y_{{{}}}", number(&positions[joint]))) } else { Cell::Empty };
+            assert_eq!(row[0], expected, "{name}");
+            assert!(!is_plain || row[2] == Cell::Text(name.clone()), "{name}");
+        }
+        let laws = friction::friction_laws(&robot);
+        let law = laws.last().map_or("", String::as_str);
+        assert!(law.starts_with("\\tau_{12} = "), "{law}");
+        assert!(law.contains("y_{14}^{2}") && law.contains("\\dot{y}_{12}"), "{law}");
+        assert_eq!(friction::friction_figure(&robot, &[]).unwrap().plots.len(), 2);
     }
 
     /// A slide of a ton that carries a needle: eigenvalues of kg beside kg m² say nothing.

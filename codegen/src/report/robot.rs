@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use super::formula::Motion;
 use crate::dynamics::load_friction;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_functions;
@@ -10,6 +11,7 @@ use crate::layout::Dimension;
 use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model, PointForce};
 use crate::program::interpret::{Functions, interpret};
 use gelenk_formula::Formula;
+use gelenk_report::SceneSymbol;
 
 /// A robot with its functions, at the described values of its parameters.
 #[derive(Debug)]
@@ -55,12 +57,30 @@ impl<'a> Robot<'a> {
         velocities.iter().chain(self.driven.iter().skip(1).step_by(3)).copied().collect()
     }
 
-    /// A coordinate as a formula; driven joints stand behind these.
-    pub(super) fn symbol(&self, coordinate: usize) -> String {
-        match coordinate.checked_sub(self.model.coordinates.len()) {
-            Some(driven) => format!("d_{{{}}}", driven + 1),
-            None => format!("y_{{{}}}", coordinate + 1),
+    /// What a coordinate is called: as the position of its joint, or as its velocity where the joint has a quaternion.
+    /// Driven joints stand behind the coordinates.
+    pub(super) fn named(&self, coordinate: usize) -> SceneSymbol {
+        match coordinate.checked_sub(self.n()) {
+            Some(driven) => SceneSymbol::Driven(driven),
+            None => match self.model.position_of(coordinate) {
+                Some(position) => SceneSymbol::Position(position),
+                None => SceneSymbol::Velocity(coordinate),
+            },
         }
+    }
+
+    /// This name as a formula.
+    pub(super) fn symbol(&self, coordinate: usize) -> String {
+        match self.named(coordinate) {
+            SceneSymbol::Position(index) => format!("y_{{{}}}", index + 1),
+            SceneSymbol::Velocity(index) => format!("\\dot{{y}}_{{{}}}", index + 1),
+            SceneSymbol::Driven(index) => format!("d_{{{}}}", index + 1),
+        }
+    }
+
+    /// What the position and the velocity of a coordinate are called.
+    pub(super) fn motion(&self, coordinate: usize) -> Motion {
+        Motion { letter: 'y', position: self.model.first_position(coordinate) + 1, velocity: coordinate + 1 }
     }
 
     /// `\sum ratio y_i + offset` as a formula.

@@ -15,7 +15,7 @@ pub(super) fn scene(robot: &Robot<'_>) -> Scene {
         base: model.links.first().map_or_else(String::new, |base| base.name.clone()),
         gravity: robot.vector(&model.gravity),
         joints: joints.collect(),
-        driven: model.driven.len(),
+        symbols: (0..robot.n() + model.driven.len()).map(|coordinate| robot.named(coordinate)).collect(),
         bodies: bodies
             .map(|(link, body)| SceneBody {
                 name: body.name.clone(),

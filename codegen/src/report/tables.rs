@@ -1,6 +1,6 @@
 //! The numbers of a robot, with their units.
 
-use gelenk_report::{Cell, Inline, Table};
+use gelenk_report::{Cell, Inline, SceneSymbol, Table};
 
 use super::formula;
 use super::robot::Robot;
@@ -16,38 +16,61 @@ use gelenk_formula::Formula;
 
 /// Joints that are coordinates, with their limits.
 pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
-    let table = Table::new(
+    let mut table = Table::new(
         "coordinates",
         "Coordinates and limits at the joint; rad, rad/s and N m where a joint turns, m, m/s and N where it slides.",
     )
-    .column("", "index", "")
-    .column("joint", "joint", "")
-    .column("kind", "kind", "")
-    .column("lowest", "lowest position", "")
-    .column("highest", "highest position", "")
-    .column("speed", "velocity limit", "")
-    .column("effort", "effort limit", "")
-    .column("peak effort", "peak effort limit", "");
-    let unknown = robot.joints().into_iter().enumerate();
-    let unknown = unknown.map(|(index, joint)| (format!("y_{{{}}}", index + 1), kind(joint.kind), joint));
-    let driven = robot.model.driven_joints().enumerate();
-    let driven = driven.map(|(index, joint)| {
-        (format!("d_{{{}}}", index + 1), format!("{}, motion given", kind(joint.kind)), joint)
-    });
-    table.rows(unknown.chain(driven).map(|(symbol, kind, joint)| {
-        let limits = joint.limits;
-        let position = limits.position;
-        vec![
-            Cell::Line(vec![Inline::Math(symbol)]),
-            Cell::Text(joint.name.clone()),
-            Cell::Text(kind),
-            Cell::exact_or_empty(position.map(|[low, _]| low)),
-            Cell::exact_or_empty(position.map(|[_, high]| high)),
-            Cell::exact_or_empty(limits.velocity),
-            Cell::exact_or_empty(limits.effort),
-            Cell::exact_or_empty(limits.peak_effort),
-        ]
+    .column("", "index", "");
+    let has_quaternions = !robot.model.quaternion_joints.is_empty();
+    if has_quaternions {
+        table = table.column("", "velocity", "");
+    }
+    let table = table
+        .column("joint", "joint", "")
+        .column("kind", "kind", "")
+        .column("lowest", "lowest position", "")
+        .column("highest", "highest position", "")
+        .column("speed", "velocity limit", "")
+        .column("effort", "effort limit", "")
+        .column("peak effort", "peak effort limit", "");
+    let joints = robot.model.joints().chain(robot.model.driven_joints()).enumerate();
+    table.rows(joints.map(|(coordinate, joint)| {
+        let mut row = vec![match robot.named(coordinate) {
+            SceneSymbol::Velocity(_) => Cell::Empty,
+            SceneSymbol::Position(_) | SceneSymbol::Driven(_) => math(robot.symbol(coordinate)),
+        }];
+        row.extend(has_quaternions.then(|| math(format!("\\dot{{y}}_{{{}}}", coordinate + 1))));
+        row.extend(limit_cells(joint, role(robot, coordinate, joint)));
+        row
     }))
+}
+
+/// A joint's name, what it is, and its limits.
+fn limit_cells(joint: &Joint, role: String) -> [Cell; 7] {
+    let limits = joint.limits;
+    let position = limits.position;
+    [
+        Cell::Text(joint.name.clone()),
+        Cell::Text(role),
+        Cell::exact_or_empty(position.map(|[low, _]| low)),
+        Cell::exact_or_empty(position.map(|[_, high]| high)),
+        Cell::exact_or_empty(limits.velocity),
+        Cell::exact_or_empty(limits.effort),
+        Cell::exact_or_empty(limits.peak_effort),
+    ]
+}
+
+fn math(latex: String) -> Cell {
+    Cell::Line(vec![Inline::Math(latex)])
+}
+
+/// The type of a coordinate's joint, or the joint with a quaternion of which it is a velocity.
+fn role(robot: &Robot<'_>, coordinate: usize, joint: &Joint) -> String {
+    match (robot.named(coordinate), robot.model.quaternion_joint_of(coordinate)) {
+        (SceneSymbol::Driven(_), _) => format!("{}, motion given", kind(joint.kind)),
+        (_, Some(whole)) => format!("velocity of {} joint {}", whole.kind.name(), whole.name),
+        (_, None) => kind(joint.kind),
+    }
 }
 
 /// The type, with what it needs beyond an axis.
@@ -63,7 +86,7 @@ fn cell(robot: &Robot<'_>, value: &Formula) -> Cell {
     match value.as_number() {
         Some(number) => Cell::Exact(number),
         None => {
-            let latex = formula::latex(value, &robot.parameter_names, ('y', 0));
+            let latex = formula::latex(value, &robot.parameter_names, formula::Motion::numbered('y', 0));
             Cell::Line(vec![Inline::Math(latex)])
         }
     }

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::number::rounded;
-use super::scene::{Scene, SceneJoint, SceneKind, SceneMotion};
+use super::scene::{Scene, SceneJoint, SceneKind, SceneMotion, SceneSymbol};
 
 const BOX: (f64, f64) = (156.0, 34.0);
 const ROW: f64 = 78.0;
@@ -157,7 +157,7 @@ fn symbol(joint: &SceneJoint, x: f64, y: f64) -> Markup {
 
 fn words(scene: &Scene, joint: &SceneJoint) -> String {
     let letter = |coordinate: usize| {
-        let (letter, number) = scene.letter(coordinate);
+        let (letter, number) = scene.symbol(coordinate).letter();
         format!("{letter}{}", subscript(number))
     };
     let kind = match joint.kind {
@@ -170,7 +170,9 @@ fn words(scene: &Scene, joint: &SceneJoint) -> String {
         SceneMotion::Held(position) => format!("held at {} {}", rounded(*position, 4), joint.unit()),
         SceneMotion::Coordinate(index) => match joint.input {
             Some(_) => format!("{}, {kind}, driven", letter(*index)),
-            None if letter(*index).starts_with('d') => format!("{}, {kind} as given", letter(*index)),
+            None if matches!(scene.symbol(*index), SceneSymbol::Driven(_)) => {
+                format!("{}, {kind} as given", letter(*index))
+            }
             None => format!("{}, {kind}", letter(*index)),
         },
         SceneMotion::Follows { terms, .. } => {

@@ -47,5 +47,5 @@ pub use inline::{Inline, code};
 pub use pattern::Pattern;
 pub use plot::{Axis, Figure, Marks, Plot, Series};
 pub use report::Report;
-pub use scene::{Scene, SceneBody, SceneFrame, SceneJoint, SceneKind, SceneMotion, SceneRod};
+pub use scene::{Scene, SceneBody, SceneFrame, SceneJoint, SceneKind, SceneMotion, SceneRod, SceneSymbol};
 pub use table::{Cell, Column, Table};

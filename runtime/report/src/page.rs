@@ -10,7 +10,7 @@ use super::inline::{Inline, inlines};
 use super::pattern::Pattern;
 use super::plot::{Figure, Plot};
 use super::report::Report;
-use super::scene::{Scene, SceneJoint};
+use super::scene::{Scene, SceneJoint, SceneSymbol};
 use super::table::{Cell, Table};
 use super::{diagram, equation, number, pattern, plot};
 
@@ -355,7 +355,7 @@ fn scene_markup(scene: &Scene) -> Markup {
             }
             div.controls {
                 @for (index, joint) in scene.coordinates().into_iter().enumerate() {
-                    (slider(index, scene.letter(index), joint))
+                    (slider(index, scene.symbol(index), joint))
                 }
                 button.home type="button" { "All joints to the start" }
                 @if !scene.frames.is_empty() {
@@ -380,15 +380,21 @@ fn scene_markup(scene: &Scene) -> Markup {
     }
 }
 
-fn slider(index: usize, (letter, number): (char, usize), joint: &SceneJoint) -> Markup {
+/// The slider of a joint; those of a joint with a quaternion displace and turn its body, and are no coordinates.
+fn slider(index: usize, symbol: SceneSymbol, joint: &SceneJoint) -> Markup {
     let [low, high] = joint.range();
+    let letter = Some(symbol.letter()).filter(|_| !matches!(symbol, SceneSymbol::Velocity(_)));
+    let label = letter.map_or(String::new(), |(letter, number)| format!("{letter}{number} "));
     html! {
         div.slider {
             span.joint-name {
-                i { (letter) } sub { (number) } " " (joint.name)
+                @if let Some((letter, number)) = letter {
+                    i { (letter) } sub { (number) } " "
+                }
+                (joint.name)
             }
             output {}
-            input type="range" aria-label=(format!("{letter}{number} {}", joint.name)) min=(low) max=(high) step="any" value=(joint.start()) data-coordinate=(index)
+            input type="range" aria-label=(format!("{label}{}", joint.name)) min=(low) max=(high) step="any" value=(joint.start()) data-coordinate=(index)
                 data-start=(joint.start()) data-unit=(joint.unit());
         }
     }

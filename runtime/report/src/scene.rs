@@ -13,14 +13,36 @@ pub struct Scene {
     pub gravity: [f64; 3],
     /// Joints, each with the link that it carries; parents stand before their children.
     pub joints: Vec<SceneJoint>,
-    /// So many of the last coordinates are no unknowns of the equations: something else moves them.
-    pub driven: usize,
+    /// What the coordinates are called, in their order.
+    pub symbols: Vec<SceneSymbol>,
     /// Bodies on the links.
     pub bodies: Vec<SceneBody>,
     /// Named frames.
     pub frames: Vec<SceneFrame>,
     /// Springs and cylinders between two points.
     pub rods: Vec<SceneRod>,
+}
+
+/// What a coordinate is called; numbers count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SceneSymbol {
+    /// The position yᵢ.
+    Position(usize),
+    /// The velocity ẏᵢ of a joint with a quaternion: no position belongs to it alone.
+    Velocity(usize),
+    /// dᵢ, no unknown of the equations: something else moves it.
+    Driven(usize),
+}
+
+impl SceneSymbol {
+    /// Letter and number, from 1.
+    pub(super) fn letter(self) -> (char, usize) {
+        match self {
+            Self::Position(index) => ('y', index + 1),
+            Self::Velocity(index) => ('ẏ', index + 1),
+            Self::Driven(index) => ('d', index + 1),
+        }
+    }
 }
 
 /// A force between two points, drawn as a line between them.
@@ -157,13 +179,9 @@ impl Scene {
         moving.into_iter().map(|(_, joint)| joint).collect()
     }
 
-    /// Letter and number of a coordinate: d for those that something else moves.
-    pub(super) fn letter(&self, coordinate: usize) -> (char, usize) {
-        let unknown = self.coordinates().len().saturating_sub(self.driven);
-        match coordinate.checked_sub(unknown) {
-            Some(driven) => ('d', driven + 1),
-            None => ('y', coordinate + 1),
-        }
+    /// What a coordinate is called; its position where nothing is said.
+    pub(super) fn symbol(&self, coordinate: usize) -> SceneSymbol {
+        self.symbols.get(coordinate).copied().unwrap_or(SceneSymbol::Position(coordinate))
     }
 
     /// The scene as the script reads it.
