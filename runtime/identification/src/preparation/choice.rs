@@ -248,8 +248,10 @@ fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usiz
     let Some(found) = found else { return vec![none; efforts] };
     let seen = found.common.value.abs() > 2.0 * found.common.error && found.common.drop > DROPS[0];
     let common = if seen { found.common.value } else { 0.0 };
+    // A common delay that is not seen is zero, without an error of its own.
+    let error = if seen { found.common.error } else { 0.0 };
     let of_effort = |own: &DelayEstimate| {
-        let differs = (own.value - common).abs() > 3.0 * own.error.hypot(found.common.error);
+        let differs = (own.value - common).abs() > 3.0 * own.error.hypot(error);
         let differs = differs && own.drop > DROPS[1];
         let removed = if differs { own.value } else { common };
         Delay { removed, estimated: own.value, error: own.error, own: differs }
