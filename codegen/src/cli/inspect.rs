@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use super::arguments::{Format, Inspect, Stage};
@@ -21,7 +22,10 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     if arguments.closed_form {
         return closed_form(arguments, format);
     }
-    let what = arguments.what.unwrap_or(Stage::Model);
+    let what = match arguments.what {
+        Some(what) => what,
+        None => model_of(arguments)?,
+    };
     if arguments.latex && what != Stage::Program {
         return Err(Failure::Usage("--latex goes with `inspect program` or --closed-form".to_owned()));
     }
@@ -35,6 +39,17 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     match format {
         Format::Json => print::json(&as_json(&robot, what, arguments.latex)),
         Format::Text => print::out(&as_text(&robot, what, arguments.latex)).map(|()| ExitCode::SUCCESS),
+    }
+}
+
+/// The model is shown where nothing else is named; what is named alone lacks a description.
+fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
+    let named = arguments.description.to_str().filter(|name| Stage::from_str(name, false).is_ok());
+    match named.filter(|_| !arguments.description.exists()) {
+        Some(name) => Err(Failure::Usage(format!(
+            "`inspect {name}` needs a description: `gelenk inspect {name} arm.urdf`"
+        ))),
+        None => Ok(Stage::Model),
     }
 }
 

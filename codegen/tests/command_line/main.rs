@@ -145,6 +145,10 @@ fn inspect_shows_the_model() {
     let output = gelenk(&models, &["inspect", "two_arm.toml"]);
     assert!(output.status.success(), "{output:?}");
     assert_eq!(output.stdout, gelenk(&models, &["inspect", "model", "two_arm.toml"]).stdout);
+    let nothing = gelenk(&models, &["inspect", "counts"]);
+    let said = String::from_utf8_lossy(&nothing.stderr);
+    assert_eq!(nothing.status.code(), Some(2));
+    assert!(said.contains("`inspect counts` needs a description"), "{said}");
 }
 
 /// The vendor's 1.57079632679 is noted with the operations that taking it for π/2 saves, and those are the
