@@ -88,7 +88,8 @@ impl RobotDescription {
         of_joints.chain(self.drives.iter().map(|drive| (&drive.name.value[..], &drive.motor)))
     }
 
-    fn is_acted_on(&self, joint: &JointDescription) -> bool {
+    /// Tells whether a drive apart from the joints acts on it.
+    pub fn is_acted_on(&self, joint: &JointDescription) -> bool {
         let mut terms = self.drives.iter().flat_map(|drive| &drive.on);
         terms.any(|term| term.joint.value == joint.name.value)
     }

@@ -14,6 +14,7 @@ mod distances;
 mod drive;
 mod file_kind;
 mod floating_base;
+mod foreign_keys;
 mod frame_force;
 mod inertia;
 mod joint;

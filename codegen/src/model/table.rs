@@ -1,6 +1,7 @@
 //! TOML tables with places: every key is known or complained about, every value has the type that is asked
 //! for.
 
+use super::foreign_keys::foreign;
 use super::key_examples::example;
 use crate::diagnostic::{Report, Span, nearest};
 use toml::Spanned;
@@ -78,28 +79,6 @@ fn table_or(key: &str) -> &'static str {
         "spring" | "friction" => "a force law in quotes, or a table",
         "drive" => "\"ideal\", \"none\", or a table",
         _ => "a table",
-    }
-}
-
-/// What says the same here as a key of other formats or tables.
-fn foreign(key: &str, keys: &[&str]) -> Option<&'static str> {
-    match key {
-        "mimic" if keys.contains(&"follows") => {
-            Some("a joint follows others with `follows = { shoulder = -0.5 }`")
-        }
-        "gear_ratio" | "rotor_inertia" | "motor_constant" | "torque" | "speed" | "stall_torque"
-        | "no_load_speed"
-            if keys.contains(&"drive") =>
-        {
-            Some("a motor's keys stand in `drive = { gear_ratio = 100, … }` of its joint")
-        }
-        "stiffness" | "rest" | "damping" if keys.contains(&"law") && keys.contains(&"between") => Some(
-            "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper over the distance l and its rate dl",
-        ),
-        "on" if keys.contains(&"gear_ratio") => Some(
-            "a drive that acts on several joints stands by itself: `[[drives]]` with `on = { pitch = 1, roll = -1 }`",
-        ),
-        _ => None,
     }
 }
 

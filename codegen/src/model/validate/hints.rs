@@ -1,11 +1,11 @@
 //! What a description probably means otherwise: degrees, millimetres, legs without a floating base, meshes
-//! without mass.
+//! without mass, limits of drives that are not there.
 //!
 //! Each kind is noted once. Whoever means it so loses nothing.
 
 use super::super::JointKind;
 use super::super::angles::looks_like_degrees;
-use super::super::description::{JointDescription, RobotDescription};
+use super::super::description::{DriveChoice, JointDescription, RobotDescription};
 use super::super::name::identifier;
 use super::super::tree::Tree;
 use crate::diagnostic::{Report, Span};
@@ -25,6 +25,7 @@ pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], repo
     note_lengths(robot, tree, &moving, defaults, report);
     note_legs(robot, tree, report);
     note_shapes(robot, tree, report);
+    warn_of_missing_drives(robot, report);
 }
 
 fn note_degrees(robot: &RobotDescription, report: &mut Report) {
@@ -163,4 +164,23 @@ fn note_shapes(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
         list(found.iter().map(|name| name.value.as_str()))
     );
     report.note(Some(first.span), "shape-without-mass", message);
+}
+
+/// An effort bounds the input of a drive. `drive = "none"` says that there is none.
+fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
+    let is_still = |joint: &&JointDescription| {
+        let is_idle = joint.drive.is_none() && matches!(robot.drive_of(joint), DriveChoice::Passive);
+        joint.is_coordinate() && is_idle && !robot.is_acted_on(joint)
+    };
+    let mut found = Vec::new();
+    for joint in robot.joints.iter().filter(is_still) {
+        if let Some(effort) = &joint.limits.effort {
+            found.push((effort.span, format!("{} {}", joint.name.quoted(), as_written(effort.value))));
+        }
+    }
+    let Some(&(first, _)) = found.first() else { return };
+    let entries = listed(found.into_iter().map(|(_, entry)| entry));
+    let message = format!("the effort of joints without a drive bounds nothing: {entries}");
+    report.warning(first, "effort-without-drive", message);
+    report.help("`drive = \"ideal\"` makes the joint's force or torque an input, `drive = \"none\"` says that it has none");
 }
