@@ -74,7 +74,10 @@ fn identified() -> [FrictionResult; 2] {
             ..FrictionData::default()
         };
         joint += 1;
-        settings.identify(&data).expect("a friction law").result
+        let mut result = settings.identify(&data).expect("a friction law").result;
+        // The published friction falls nowhere: Stribeck's words would mean nothing, his curve can still be tracked with.
+        result.accept();
+        result
     })
 }
 

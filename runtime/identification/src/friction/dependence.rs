@@ -39,10 +39,10 @@ pub(super) fn dependences(data: &FrictionData, folds: usize, residuals: &[f64], 
     sentences
 }
 
-const POSITION_REMEDY: &str = "masses or centres of mass of the description (or the load, or the direction of \
-    gravity) are wrong; identify inertial parameters together with friction, or give the friction a law in `y`";
-const ACCELERATION_REMEDY: &str = "inertia or rotor inertia of the description is wrong, or the torque is delayed \
-    against the position; identify inertial parameters together with friction, and the delay";
+const POSITION_REMEDY: &str = "check masses, centres of mass, the load and the mounting (`gravity`) of the description, \
+    and describe springs and cables";
+const ACCELERATION_REMEDY: &str = "check inertia and rotor inertia of the description, and the delay of the torque \
+    against the position (--delay)";
 
 /// Gravity of turning links, or a polynomial for sliding ones.
 fn functions_of_position(y: &[f64], velocity_unit: &str) -> Vec<Vec<f64>> {

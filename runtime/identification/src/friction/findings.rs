@@ -55,7 +55,7 @@ impl<'a> Findings<'a> {
         if share > BEYOND_LIMITS {
             self.refuse(format!(
                 "{:.1} % of the {what} exceed the described limit of {limit} {unit}, up to {largest:.4}: the \
-                 log's columns or units are not this joint's, or the description's limits are wrong",
+                 log's columns or units are not this joint's (--columns), or the description's limits are wrong",
                 100.0 * share
             ));
         }

@@ -3,7 +3,7 @@
 use super::super::error::Result;
 use super::super::offset::centre;
 use super::super::result::FrictionLaw;
-use super::super::stribeck::{StribeckFit, StribeckRegression, stribeck_torque};
+use super::super::stribeck::{Robustness, StribeckFit, StribeckRegression, stribeck_torque};
 use super::design::{fold_ranges, offset_ranges, offsets};
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
@@ -27,13 +27,14 @@ pub(super) fn identify(
     let fit = fit.with_correlated_errors(v, torques, data.weights, &runs);
     let mut findings = Findings::new(data);
     findings.note(format!(
-        "Stribeck law{} by least squares, {:?} weights, {} starts, {} passes",
+        "Stribeck law{} by least squares, {}, {} starts, {} passes",
         if separate { " beside the offset of each run" } else { "" },
-        regression.robustness,
+        weights_said(regression.robustness),
         regression.starts,
         fit.iterations
     ));
     fit.warnings.iter().for_each(|warning| findings.warn(warning.clone()));
+    refuse_other_laws(&fit, v, &mut findings);
     if settings.passive {
         refuse_driving(&fit, v, &mut findings);
     }
@@ -62,6 +63,62 @@ fn judged(data: &FrictionData, fit: &StribeckFit, runs: &[Range<usize>], unseen:
     }
 }
 
+fn weights_said(robustness: Robustness) -> String {
+    match robustness {
+        Robustness::None => "samples weigh the same".into(),
+        Robustness::Huber(k) => format!("outliers weigh less (Huber's k = {k})"),
+    }
+}
+
+/// Fewest samples that tell of the fall from static to Coulomb friction.
+const FEWEST_SLOW: usize = 10;
+
+/// Share of the excess F_s − F_c that the law has to reach somewhere for its words to mean something.
+const REACHED: f64 = 0.1;
+
+/// Whether the law without viscous friction rises above F_c anywhere. It does not where the fall is over before the step at
+/// zero is.
+fn stands_out(fit: &StribeckFit) -> bool {
+    let [_, coulomb, step, excess, fall] = fit.parameters;
+    let without = [0.0, coulomb, step, excess, fall];
+    let mut speeds = (1..=500).map(|i| 0.01 * f64::from(i) / fall);
+    speeds.any(|v| stribeck_torque(v, &without) > coulomb + REACHED * excess)
+}
+
+/// Refuses a fit that is no Stribeck law: its words (Coulomb, static, Stribeck speed) would mean nothing.
+fn refuse_other_laws(fit: &StribeckFit, velocities: &[f64], findings: &mut Findings) {
+    let words = fit.words();
+    let [coulomb, highest, speed] =
+        [words.coulomb, words.static_friction, words.stribeck_speed].map(|word| word.value);
+    let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+    let slow = velocities.iter().filter(|v| v.abs() < speed).count();
+    let (torque, velocity) = (findings.unit, findings.data.velocity_unit);
+    let faults = [
+        (!fit.converged).then(|| format!("the regression did not converge in {} passes", fit.iterations)),
+        (coulomb < 0.0).then(|| format!("Coulomb friction F_c = {coulomb:.4} {torque} is negative")),
+        (highest < coulomb).then(|| {
+            format!("static friction F_s = {highest:.4} {torque} is less than Coulomb friction F_c = {coulomb:.4} {torque}")
+        }),
+        (speed > fastest).then(|| {
+            format!("the Stribeck speed v_s = {speed:.4} {velocity} is beyond the fastest motion of {fastest:.4} {velocity}")
+        }),
+        (slow < FEWEST_SLOW).then(|| {
+            format!("only {slow} samples are slower than the Stribeck speed v_s = {speed:.3e} {velocity}")
+        }),
+        (highest > coulomb && !stands_out(fit)).then(|| {
+            format!("its friction nowhere rises above Coulomb friction: the fall by v_s = {speed:.3e} {velocity} is over within the \
+                     step at zero")
+        }),
+    ];
+    let faults: Vec<String> = faults.into_iter().flatten().collect();
+    if !faults.is_empty() {
+        findings.refuse(format!(
+            "the data show no Stribeck law: {}. Record slow reversals too, or let terms be chosen (--friction viscous,coulomb)",
+            faults.join("; ")
+        ));
+    }
+}
+
 fn refuse_driving(fit: &StribeckFit, velocities: &[f64], findings: &mut Findings) {
     let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
     // The law is odd: one direction is enough.
@@ -69,8 +126,8 @@ fn refuse_driving(fit: &StribeckFit, velocities: &[f64], findings: &mut Findings
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);
     if driving > 0.0 {
         findings.refuse(format!(
-            "the Stribeck law drives the joint at up to {driving:.4}: choose a method over terms, which can be kept \
-             from it"
+            "the Stribeck law drives the joint at up to {driving:.4}: let terms be chosen, which can be kept from it \
+             (--friction viscous,coulomb)"
         ));
     }
 }
@@ -99,4 +156,56 @@ fn held_out(
         unseen.residual += fold.clone().map(|i| weight(i) * residuals[i] * residuals[i]).sum::<f64>();
     }
     unseen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::friction::FrictionMethod;
+    use super::*;
+
+    /// A Stribeck law, or viscous and Coulomb friction alone, along sines with noise; the refusal of the fit.
+    fn refusal(excess: f64, speed: f64) -> (FrictionReport, Option<String>) {
+        let mut seed = 5_u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let velocities: Vec<f64> = (0..4000).map(|i| 1.5 * (0.004 * f64::from(i)).sin()).collect();
+        let torque = |v: &f64| stribeck_torque(*v, &[2.0, 3.0, 100.0, excess, 1.0 / speed]) + 0.05 * noise();
+        let torques: Vec<f64> = velocities.iter().map(torque).collect();
+        let data = FrictionData {
+            joint: "elbow",
+            unit: "N·m",
+            velocity_unit: "rad/s",
+            velocities: &velocities,
+            torques: &torques,
+            ..FrictionData::default()
+        };
+        let method = FrictionMethod::Stribeck(StribeckRegression::default());
+        let report = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() }
+            .identify(&data)
+            .unwrap();
+        let refusal = report.result.refusal.clone();
+        (report, refusal)
+    }
+
+    /// The truth is given, so are the words that a right fit must find.
+    #[test]
+    fn a_stribeck_law_is_taken_and_another_law_is_refused() {
+        let (report, none) = refusal(2.0, 0.1);
+        assert_eq!(none, None);
+        let words = report.result.stribeck.unwrap();
+        assert!((words.static_friction.value - 5.0).abs() < 0.1, "{words:?}");
+        assert!((words.stribeck_speed.value - 0.1).abs() < 0.01, "{words:?}");
+        let note = report.result.settings.iter().find(|note| note.starts_with("Stribeck law"));
+        assert!(note.is_some_and(|note| note.contains("samples weigh the same")), "{note:?}");
+        // Friction that grows where Stribeck's falls, one that falls faster than it can be seen, and none that falls.
+        for (excess, speed, reason) in
+            [(-2.0, 0.3, "is less than Coulomb"), (2.0, 20.0, "v_s ="), (0.0, 0.1, "no Stribeck law")]
+        {
+            let (report, refusal) = refusal(excess, speed);
+            let said = refusal.unwrap_or_else(|| panic!("{:?}", report.result.stribeck));
+            assert!(said.contains(reason), "{said}");
+        }
+    }
 }

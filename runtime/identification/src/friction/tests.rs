@@ -208,9 +208,10 @@ fn a_law_that_explains_nothing_is_refused() {
         };
         let result = identify(&settings, &v, &torque).unwrap().result;
         let reason = result.refusal.unwrap();
-        assert!(reason.starts_with("the law explains nothing: R² on left-out data is"), "{reason}");
+        assert!(reason.contains("the law explains nothing: R² on left-out data is"), "{reason}");
         let lenient = FrictionIdentification { least_r_squared: -1.0, ..settings };
-        assert_eq!(identify(&lenient, &v, &torque).unwrap().result.refusal, None);
+        let refusal = identify(&lenient, &v, &torque).unwrap().result.refusal;
+        assert!(refusal.is_none_or(|reason| !reason.contains("explains nothing")));
     }
 }
 
@@ -294,7 +295,7 @@ fn a_wrong_rigid_body_is_named_with_its_remedy() {
     let gravity = warnings(0.6, 0.0);
     assert!(named(&gravity, "depends on the position") && named(&gravity, "centres of mass"), "{gravity:?}");
     let inertia = warnings(0.0, 0.4);
-    assert!(named(&inertia, "depends on the acceleration") && named(&inertia, "delayed"), "{inertia:?}");
+    assert!(named(&inertia, "depends on the acceleration") && named(&inertia, "the delay"), "{inertia:?}");
 }
 
 #[test]
