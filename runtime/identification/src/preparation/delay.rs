@@ -30,7 +30,17 @@ pub(super) struct Delays {
 }
 
 /// Smallest and largest delay looked for [s]; negative where positions are the late ones.
-pub(super) const RANGE: [f64; 2] = [-0.02, 0.08];
+pub(super) const RANGE: [f64; 2] = [-0.08, 0.08];
+
+/// Where delays are looked for first: beyond it only where most efforts fit best at its early end, because errors of the model
+/// imitate delays that are far away.
+const USUAL: [f64; 2] = [-0.02, 0.08];
+
+/// Distance from an end of the range within which a delay lies at that end [s].
+const AT_END: f64 = 1e-4;
+
+/// Step of the coarse grid [s].
+const COARSE: f64 = 4e-3;
 
 /// Samples in the regression, at most.
 const SAMPLES: usize = 2000;
@@ -55,8 +65,11 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
         return None;
     }
     let problems = problems(columns, runs, &samples);
-    let search = Search { runs, samples: &samples, problems: &problems, step };
+    let usual = Search { runs, samples: &samples, problems: &problems, step, range: USUAL };
     let all: Vec<usize> = (0..problems.len()).collect();
+    let is_early = |m: &&usize| problems[**m].is_some() && usual.least(&[**m]) <= USUAL[0] + AT_END;
+    let early = 2 * all.iter().filter(is_early).count() > all.len();
+    let search = if early { Search { range: RANGE, ..usual } } else { usual };
     let mut own: Vec<DelayEstimate> = all.iter().map(|m| search.own(*m)).collect();
     let known: Vec<usize> = all.into_iter().filter(|m| own[*m].error.is_finite()).collect();
     // Most efforts have to show a delay: one alone may be the model's error.
@@ -94,6 +107,8 @@ struct Search<'a> {
     samples: &'a [Sample],
     problems: &'a [Option<Problem>],
     step: f64,
+    /// Where delays are looked for [s].
+    range: [f64; 2],
 }
 
 impl Search<'_> {
@@ -147,7 +162,7 @@ impl Search<'_> {
         let scores: Vec<f64> = residual.iter().zip(&rate).map(|(r, x)| r * x).collect();
         let blocks = scores.chunks(scores.len().div_ceil(BLOCKS));
         let spread: f64 = blocks.map(|b| b.iter().sum::<f64>().powi(2)).sum();
-        let at_end = value <= RANGE[0] + 1e-4 || value >= RANGE[1] - 1e-4;
+        let at_end = value <= self.range[0] + AT_END || value >= self.range[1] - AT_END;
         let error = if at_end { f64::INFINITY } else { spread.sqrt() / rate.norm_squared() };
         let known = error.is_finite() && error > 0.0;
         if known { DelayEstimate { value, error, drop: 0.0 } } else { DelayEstimate::UNKNOWN }
@@ -160,14 +175,16 @@ impl Search<'_> {
             let index = (0..grid.len()).min_by(|a, b| misfits[*a].total_cmp(&misfits[*b])).unwrap_or(0);
             (index, misfits)
         };
-        let coarse: Vec<f64> = (0..=25).map(|k| RANGE[0] + 4e-3 * f64::from(k)).collect();
+        let [first, last] = self.range;
+        let steps = ((last - first) / COARSE).round() as usize;
+        let coarse: Vec<f64> = (0..=steps).map(|k| first + COARSE * k as f64).collect();
         let around = coarse[best(&coarse).0];
         let fine: Vec<f64> = (-8..=8).map(|k| around + 5e-4 * f64::from(k)).collect();
         let (index, misfits) = best(&fine);
         let [a, b, c] = [-1, 0, 1].map(|k| misfits[index.saturating_add_signed(k).min(fine.len() - 1)]);
         let curvature = a - 2.0 * b + c;
         let shift = if curvature > 0.0 { 0.5 * (a - c) / curvature } else { 0.0 };
-        (fine[index] + 5e-4 * shift.clamp(-0.5, 0.5)).clamp(RANGE[0], RANGE[1])
+        (fine[index] + 5e-4 * shift.clamp(-0.5, 0.5)).clamp(self.range[0], self.range[1])
     }
 }
 

@@ -15,7 +15,7 @@ impl Recorded<'_> {
         let longest = longest.map(|p| p.duration()).fold(0.0, f64::max);
         IdentificationError::TooFewSamples {
             what: format!(
-                "a filter of {:.3} Hz with {:.3} s cut off at both ends (`PreparationSettings::cut`, `bandwidth`, `largest_gap`)",
+                "a filter of {:.3} Hz with {:.3} s cut off at both ends (a larger --bandwidth cuts off less; `PreparationSettings::cut` and `largest_gap` of the library)",
                 how.bandwidth, how.cut
             ),
             needed: (2.0 * how.cut / self.step).ceil() as usize + 1,
@@ -37,7 +37,7 @@ impl Recorded<'_> {
         notes.extend(self.of_rests(smoothed));
         if how.step > 1.5 * self.step {
             let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
-            notes.push(format!("the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept (`PreparationSettings::rate`)", 2.0 * how.bandwidth));
+            notes.push(format!("the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept (a larger --bandwidth keeps more)", 2.0 * how.bandwidth));
         }
         Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, notes })
     }
@@ -89,7 +89,7 @@ impl Recorded<'_> {
         };
         let short = pieces.iter().filter(|p| is_too_short(signals, p, how)).map(|p| {
             let (first, last) = (signals.row(p.start), signals.row(p.end));
-            format!("{name}: rows {first} to {last} are left out; they last {:.3} s, less than the two ends of {:.3} s that are cut (`PreparationSettings::cut`)", p.duration(), how.cut)
+            format!("{name}: rows {first} to {last} are left out; they last {:.3} s, less than the two ends of {:.3} s that are cut (a larger --bandwidth cuts off less)", p.duration(), how.cut)
         });
         pieces.windows(2).map(gap).chain(short).collect()
     }
@@ -142,7 +142,7 @@ fn remarks(joint: &JointPreparation) -> Vec<String> {
     let mut remarks = Vec::new();
     if joint.moves && joint.acceleration_noise > 0.1 {
         remarks.push(format!(
-            "{name}: {:.0} % of the power of its acceleration is noise; inertia comes out too small unless it moves faster (`PreparationSettings::bandwidth` is {:.3} Hz)",
+            "{name}: {:.0} % of the power of its acceleration is noise; inertia comes out too small unless it moves faster (the filter is --bandwidth {:.3})",
             100.0 * joint.acceleration_noise, joint.bandwidth
         ));
     }
@@ -161,9 +161,12 @@ fn remarks(joint: &JointPreparation) -> Vec<String> {
         ));
     }
     if joint.delay != 0.0 {
+        let order = if joint.delay > 0.0 { "after" } else { "before" };
         remarks.push(format!(
-            "{name}: its effort comes {:.1} ms after its position; this delay is removed",
-            1e3 * joint.delay
+            "{name}: its effort comes {:.1} ms {order} its position; this delay is removed (--delay {:.4} says so, --delay 0 \
+             says otherwise)",
+            1e3 * joint.delay.abs(),
+            joint.delay
         ));
     }
     remarks
