@@ -300,7 +300,7 @@ pub(super) struct Identify {
     #[arg(
         long,
         requires = "output",
-        conflicts_with_all = ["plan", "merge", "report", "validate", "accept_poor"]
+        conflicts_with_all = ["plan", "merge", "report", "validate"]
     )]
     pub(super) reduce: bool,
     /// Identify from moments instead of logs, or add them up where --output is *.moments

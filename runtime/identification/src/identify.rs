@@ -8,6 +8,7 @@ use super::friction::{
 };
 use super::log::{ColumnOptions, FindingKind, Recording, runs_noting};
 use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
+use super::range::{far_beyond, require_in_range};
 use super::result::FrictionTerm;
 use super::robot::{JointLimits, Robot, require_no_quaternions};
 use super::run::PreparedRun;
@@ -113,6 +114,7 @@ pub fn identify(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     let (recording, prepared, preparation) = read_and_prepare(robot, logs, settings, progress)?;
+    let beyond = beyond_range(robot, (&recording, &prepared, &preparation), settings.accept_poor, progress)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
     let (joints, robot) = (robot, &rows as &dyn Robot);
@@ -122,7 +124,7 @@ pub fn identify(
     let found = estimate(robot, &prepared, &estimation, progress);
     let found = found.map_err(|error| in_words(error, shafts.as_ref()));
     let mut estimate = or_noted(found, || notes(&recording, Some(&preparation)), progress)?;
-    estimate.warnings.splice(0..0, faults(&preparation));
+    estimate.warnings.splice(0..0, beyond.into_iter().chain(faults(&preparation)));
     progress("choosing the terms of friction");
     let data = source(&recording);
     let rubs = |joint: &usize| estimate.joints[*joint].moves && !estimate.joints[*joint].exact;
@@ -160,7 +162,7 @@ pub(crate) fn read_and_prepare(
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Recording, Vec<PreparedRun>, PreparationReport)> {
     if settings.estimation.gravity_compensated {
-        let help = "nothing holds the weight of such a robot; leave the setting out";
+        let help = "nothing holds the weight of such a robot; leave --gravity-compensated out";
         require_no_quaternions(robot, "gravity is not compensated", help)?;
     }
     progress("reading the logs");
@@ -177,6 +179,23 @@ pub(crate) fn read_and_prepare(
     let (prepared, preparation) = or_noted(prepared, || notes(&recording, None), progress)?;
     or_noted(require_efforts(&preparation), || notes(&recording, Some(&preparation)), progress)?;
     Ok((recording, prepared, preparation))
+}
+
+/// What is far beyond the described limits, where it is accepted.
+///
+/// # Errors
+/// Values far beyond the limits that are not accepted.
+pub(crate) fn beyond_range(
+    robot: &dyn Robot,
+    (recording, prepared, preparation): (&Recording, &[PreparedRun], &PreparationReport),
+    accept_poor: bool,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Vec<String>> {
+    let beyond = far_beyond(robot, recording, prepared);
+    if !accept_poor {
+        or_noted(require_in_range(&beyond), || notes(recording, Some(preparation)), progress)?;
+    }
+    Ok(beyond.into_iter().map(|sentence| format!("in the logs, {sentence}")).collect())
 }
 
 /// What was noticed on the way to an error is said before it: it may be the reason.

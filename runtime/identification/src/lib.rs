@@ -34,6 +34,7 @@ mod offset;
 pub mod pose;
 pub mod preparation;
 pub mod random;
+mod range;
 pub mod recursive;
 pub mod result;
 pub mod robot;

@@ -260,6 +260,12 @@ pub struct JointLimits {
     pub effort: f64,
 }
 
+impl JointLimits {
+    /// Nothing is described.
+    pub const NONE: Self =
+        Self { position: [f64::NEG_INFINITY, f64::INFINITY], velocity: f64::INFINITY, effort: f64::INFINITY };
+}
+
 /// W at y, ẏ, ÿ, as a generated module's `inertial_regressor`.
 pub type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64; N]) -> [[f64; P]; N];
 

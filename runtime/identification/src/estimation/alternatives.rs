@@ -110,12 +110,11 @@ fn gravity(task: &Task, chosen: &Chosen) -> Result<Option<String>> {
         ));
     }
     Ok(Some(if compensated {
-        "The data are explained better with gravity: the efforts seem to hold it. Leave out the setting that the \
-         robot compensates gravity."
+        "The data are explained better with gravity: the efforts seem to hold it. Leave out --gravity-compensated."
             .into()
     } else {
-        "The data are explained better without gravity: the robot seems to compensate it outside the recorded \
-         efforts. Say so by the setting for gravity-compensated robots."
+        "The data are explained better without gravity: the robot compensates it outside the recorded efforts \
+         (--gravity-compensated), or is mounted otherwise than described, as on a wall or a ceiling (`gravity = [x, y, z]`)."
             .into()
     }))
 }

@@ -4,13 +4,12 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
 use super::residuals::Forces;
+use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 
 /// Share of the residual's variance that one quantity may explain before it is a doubt.
 const SUSPICIOUS: f64 = 0.1;
 /// The same in correlation times over samples: chance alone explains about one of these.
 const BY_CHANCE: f64 = 10.0;
-/// Factor between estimated and described rigid forces beyond which a unit may be wrong.
-const OTHER_UNIT: f64 = 3.0;
 
 /// What the checks look at.
 pub(super) struct Checked<'a> {
@@ -51,10 +50,10 @@ impl Checked<'_> {
     pub(super) fn joint(&self, joint: usize) -> Vec<String> {
         if self.layout.exact[joint] {
             // The others are doubts about sensors, gears and friction.
-            return self.other_unit(joint).into_iter().collect();
+            return unit_doubt(self.sizes(joint)).into_iter().collect();
         }
         let doubts = [
-            self.other_unit(joint),
+            unit_doubt(self.sizes(joint)),
             self.delay(joint),
             self.acceleration(joint),
             self.position(joint),
@@ -65,14 +64,19 @@ impl Checked<'_> {
         doubts.into_iter().flatten().collect()
     }
 
-    fn other_unit(&self, joint: usize) -> Option<String> {
+    /// Sizes of the rigid force as estimated and as described, and of the measured one.
+    fn sizes(&self, joint: usize) -> Sizes {
         let rms = |of: &[Vec<Vec<f64>>]| {
             let squares: f64 = of.iter().flat_map(|run| &run[joint]).map(|x| x * x).sum();
             squares.sqrt()
         };
-        let [rigid, described, measured] =
-            [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of));
-        unit_doubt([rigid, described, measured])
+        [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of))
+    }
+
+    /// The factor between estimated and described forces of the robot as a whole.
+    pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
+        let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
+        common_ratio(self.robot, self.layout, &sizes)
     }
 
     /// A torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
@@ -85,8 +89,8 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &slope)?;
         self.is_suspicious(share).then(|| {
             format!(
-                "{:.0} % of the residual's variance is a delay of {:.1} ms between torque and position. Remove the \
-                 delay before the estimate.",
+                "{:.0} % of the residual's variance is a delay of {:.1} ms between torque and position, beyond what was \
+                 removed. Say the whole delay with --delay SECONDS, above 0 where efforts are the late ones.",
                 100.0 * share,
                 -1e3 * factor
             )
@@ -110,8 +114,8 @@ impl Checked<'_> {
         let share = shares.fold(0.0, f64::max);
         self.is_suspicious(share).then(|| {
             format!(
-                "{:.0} % of the residual's variance follows the joint's position. Check gravity and the load, or \
-                 describe a spring or the pull of cables.",
+                "{:.0} % of the residual's variance follows the joint's position. Check how the robot is \
+                 mounted (`gravity` of the description) and its load, or describe a spring or the pull of cables.",
                 100.0 * share
             )
         })
@@ -122,7 +126,8 @@ impl Checked<'_> {
         self.is_suspicious(share).then(|| {
             format!(
                 "its offset drifts by {factor:+.3} from the first to the last sample ({:.0} % of the residual's \
-                 variance). Warm the robot up, or estimate offsets by run.",
+                 variance). Warm the robot up before the log, or \
+                 give it as several shorter ones, whose offsets may differ.",
                 100.0 * share
             )
         })
@@ -208,22 +213,10 @@ fn is_beyond_chance(share: f64, correlation_time: f64, samples: usize) -> bool {
     share > BY_CHANCE * correlation_time / samples as f64
 }
 
-/// A doubt about the efforts' unit, from the sizes of the rigid force as estimated, as described, and of the effort.
-pub(super) fn unit_doubt([rigid, described, measured]: [f64; 3]) -> Option<String> {
-    let ratio = rigid / described;
-    let matters = described > 0.1 * measured;
-    (matters && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then(|| {
-        format!(
-            "the rigid body needs {ratio:.2} times the described force. Check the efforts' unit and the gear \
-             ratio, or whether the efforts are currents."
-        )
-    })
-}
-
 fn acceleration_doubt(factor: f64, share: f64) -> String {
     format!(
         "{:.0} % of the residual's variance follows the acceleration ({factor:+.3} per unit). The rigid body \
-         is wrong: describe the rotor's inertia, or look for a delay or an elastic gear.",
+         is wrong: describe the rotor's inertia, or look for a delay (--delay) or an elastic gear.",
         100.0 * share
     )
 }

@@ -248,6 +248,7 @@ impl Task<'_> {
         progress("Other explanations are tried.");
         let mut doubts = other_explanations(self, &judged, &errors)?;
         self.require_explained(&held_out, &doubts, &checked)?;
+        doubts.of_all.extend(self.require_same_unit(&checked)?);
         doubts.of_all.extend(checked.warnings());
         let report = Report {
             fitted: Estimated {
@@ -278,12 +279,25 @@ impl Task<'_> {
             let mut reasons: Vec<String> =
                 doubts.of_all.iter().cloned().chain(checked.joint(joint)).collect();
             if reasons.is_empty() && doubts.of_joints[joint].is_none() {
-                let usual = "check sign, unit and assignment of the columns, and that the robot moved freely";
+                let usual = "check sign, unit and assignment of the columns, that the robot moved freely, and how it is mounted (`gravity` of \
+                             the description)";
                 reasons.push(usual.into());
             }
             reasons
         };
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
+    }
+
+    /// A doubt about the efforts of the robot as a whole.
+    ///
+    /// # Errors
+    /// Efforts that are refused.
+    fn require_same_unit(&self, checked: &Checked) -> Result<Option<String>> {
+        let Some(ratio) = checked.common_ratio() else { return Ok(None) };
+        if !self.settings.accept_poor {
+            ratio.require_same_unit()?;
+        }
+        Ok(ratio.doubt())
     }
 
     fn correlation_time(&self, forces: &Forces) -> f64 {

@@ -27,6 +27,7 @@ mod sums;
 mod task;
 #[cfg(test)]
 mod tests;
+mod unit;
 
 pub use estimate::estimate;
 pub use instruments::InstrumentSource;

@@ -11,7 +11,7 @@ use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::alternatives::signs;
-use super::checks::{acceleration_doubt_of, no_effort, unit_doubt};
+use super::checks::{acceleration_doubt_of, no_effort};
 use super::choice::{Chosen, Freedom, choose};
 use super::estimated::{Estimated, JointFit, require_explained};
 use super::fit::{HeldOut, fit};
@@ -23,6 +23,7 @@ use super::result::{Estimate, Gravity, Offsets};
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
+use super::unit::{Sizes, common_ratio, unit_doubt};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -287,10 +288,10 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         held_out,
     };
     found.require_explained()?;
-    Ok(SharedEstimate {
-        estimate: found.estimate(),
-        friction: (0..layout.joints).map(|j| found.friction(j)).collect(),
-    })
+    let unit = found.require_same_unit()?;
+    let mut estimate = found.estimate();
+    estimate.warnings.splice(0..0, unit);
+    Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
 }
 
 /// Sums as the fit takes them: columns of measured forces have no mean left.
@@ -333,12 +334,37 @@ impl Found<'_> {
         let Estimated { robot, settings, layout, .. } = self.fitted;
         let held_out: Vec<f64> =
             (0..layout.joints).map(|joint| self.r_squared(joint, self.held_out.rss[joint])).collect();
-        let usual = "check sign, unit and assignment of the columns where the logs are reduced, and that the robot moved freely";
+        let usual = "check sign, unit and assignment of the columns where the logs are reduced, that the robot moved freely, and how it is \
+                     mounted (`gravity` of the description)";
         let reasons = |joint: usize| {
             let usual = self.doubts[joint].is_none().then(|| usual.to_owned());
             usual.into_iter().collect()
         };
         require_explained(robot, layout, settings, (&held_out, &self.doubts), reasons)
+    }
+
+    /// A doubt about the efforts of the robot as a whole.
+    ///
+    /// # Errors
+    /// Efforts that are refused.
+    fn require_same_unit(&self) -> Result<Option<String>> {
+        let Estimated { robot, settings, layout, .. } = self.fitted;
+        let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
+        let Some(ratio) = common_ratio(robot, layout, &sizes) else { return Ok(None) };
+        if !settings.accept_poor {
+            ratio.require_same_unit()?;
+        }
+        Ok(ratio.doubt())
+    }
+
+    /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean.
+    fn sizes(&self, joint: usize) -> Sizes {
+        let products = self.products(joint);
+        let width = products.nrows();
+        let force = force_vector(self.fitted.layout, &self.fitted.solved.values, joint);
+        let [described, measured] = [(width - 2, 1.0), (width - 1, self.gain(joint))]
+            .map(|(place, factor)| DVector::from_fn(width, |i, _| if i == place { factor } else { 0.0 }));
+        [&force, &described, &measured].map(|of| (products * of).dot(of).max(0.0).sqrt())
     }
 
     fn gain(&self, joint: usize) -> f64 {
@@ -399,19 +425,16 @@ impl Found<'_> {
         let products = self.products(joint);
         let width = products.nrows();
         let residual = residual_vector(layout, &solved.values, joint);
-        let force = force_vector(layout, &solved.values, joint);
         let column = |place: usize| DVector::from_fn(width, |i, _| if i == place { 1.0 } else { 0.0 });
         let sum = |a: &DVector<f64>, b: &DVector<f64>| (products * a).dot(b);
         let acceleration = column(layout.first_term(joint) + ARMATURE);
-        let [described, measured] = [column(width - 2), column(width - 1) * self.gain(joint)];
-        let sizes = [&force, &described, &measured].map(|of| sum(of, of).max(0.0).sqrt());
         let sums =
             [sum(&acceleration, &acceleration), sum(&acceleration, &residual), sum(&residual, &residual)];
         let (time, samples) = (self.data.correlation_time, chosen.centred.sums.samples);
         let of_sensor = (!layout.exact[joint])
             .then(|| [self.doubts[joint].clone(), acceleration_doubt_of(sums, time, samples)]);
         let [sign, acceleration] = of_sensor.unwrap_or_default();
-        [sign, unit_doubt(sizes), acceleration].into_iter().flatten().collect()
+        [sign, unit_doubt(self.sizes(joint)), acceleration].into_iter().flatten().collect()
     }
 
     /// Measured force minus the rigid body's and an added inertia's, as factors of a joint's columns.

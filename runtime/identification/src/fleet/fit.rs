@@ -8,7 +8,7 @@ use super::super::friction::{FrictionData, SharedFriction};
 use super::super::identify::{
     Identification, IdentificationSettings, JointFriction, faults_of, unless_refused,
 };
-use super::super::log::Recording;
+use super::super::log::{Labels, Recording};
 use super::super::moments::Moments;
 use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
@@ -161,6 +161,7 @@ impl LogMoments {
             runs: Vec::new(),
             effort: self.about.effort,
             findings: Vec::new(),
+            labels: Labels::default(),
             mapping: Vec::new(),
             unused: Vec::new(),
             hashes: self.logs.iter().map(|log| (log.name.clone(), log.hash())).collect(),

@@ -5,7 +5,7 @@ use super::super::estimation::{
     Columns, Estimate, Gravity, JointEstimate, RunPiece, ShareSums, Weighted, correlation_time, estimate,
     huber, robust_deviation,
 };
-use super::super::identify::{IdentificationSettings, faults, read_and_prepare};
+use super::super::identify::{IdentificationSettings, beyond_range, faults, read_and_prepare};
 use super::super::moments::contiguous_blocks;
 use super::super::preparation::PreparationReport;
 use super::super::robot::{Robot, require_no_driven};
@@ -51,6 +51,7 @@ pub fn reduce(
     let logs = [log.to_owned()];
     let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
     recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
+    let beyond = beyond_range(robot, (&recording, &runs, &preparation), settings.accept_poor, progress)?;
     require_all_efforts(robot, &preparation)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
@@ -58,7 +59,8 @@ pub fn reduce(
     let mut alone = settings.estimation.clone();
     alone.filter = Some(preparation.filter.clone());
     alone.accept_poor = true;
-    let estimate = estimate(robot, &runs, &alone, &mut |_| ())?;
+    let mut estimate = estimate(robot, &runs, &alone, &mut |_| ())?;
+    estimate.warnings.splice(0..0, beyond);
     estimate.warnings.iter().for_each(|warning| progress(warning));
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
     let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);

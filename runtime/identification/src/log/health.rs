@@ -14,7 +14,7 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
     let mut findings = Vec::new();
     for (joint, name) in names.iter().enumerate() {
         let unit = units.get(joint).copied().unwrap_or("rad");
-        let limits = limits.get(joint).copied().unwrap_or(UNLIMITED);
+        let limits = limits.get(joint).copied().unwrap_or(JointLimits::NONE);
         let mut say = |kind: FindingKind, message: String| {
             findings.push(RunFinding { file: None, rows: None, joint: Some(name.clone()), kind, message });
         };
@@ -35,12 +35,6 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
     findings.extend(stuck(runs));
     findings
 }
-
-const UNLIMITED: JointLimits = JointLimits {
-    position: [f64::NEG_INFINITY, f64::INFINITY],
-    velocity: f64::INFINITY,
-    effort: f64::INFINITY,
-};
 
 /// A joint that moves by less than this stands still [rad or m].
 fn least_travel(unit: &str) -> f64 {
@@ -267,7 +261,7 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFi
             say(
                 FindingKind::BeyondEffort,
                 format!(
-                    "its effort goes from {low:.4} to {high:.4}, its limit is {limit:.4}: another unit, or not at the joint?"
+                    "its effort goes from {low:.4} to {high:.4}, its limit is {limit:.4}: another unit (--columns 'torque=…[UNIT]'), or not at the joint (--effort)?"
                 ),
             );
         }

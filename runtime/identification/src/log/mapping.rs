@@ -5,6 +5,7 @@ use super::super::run::Effort;
 use super::acting::Acting;
 use super::families::Targets;
 use super::finder::{Finder, RobotColumns};
+use super::labels::Labels;
 use super::options::{ColumnOptions, Named, Pattern, is_effort};
 use super::pose_columns::{self, PoseColumns};
 use super::search::{Found, Source};
@@ -27,6 +28,8 @@ pub(super) struct Mapping {
     pub poses: Vec<Source>,
     /// What the efforts act on where joints have quaternions.
     pub acting: Option<Acting>,
+    /// What the log calls its columns.
+    pub labels: Labels,
     /// One sentence for each column, then what was assumed.
     pub sentences: Vec<String>,
     /// Headers of the columns that nothing uses.
@@ -100,6 +103,7 @@ impl Finder<'_> {
             None => vec![None; joints.names.len()],
         };
         let (kind, targets) = self.of_effort(effort, acting.as_ref());
+        let labels = Labels::new(self, time.column, (&position, joints), (&efforts, targets));
         used.extend(&efforts.columns);
         let efforts_sources = self.sources(&efforts, kind, targets, &mut sentences)?;
         let desired = self.desired(&position, &mut sentences)?;
@@ -117,6 +121,7 @@ impl Finder<'_> {
             efforts: efforts_sources,
             poses: poses.sources,
             acting,
+            labels,
             effort: if self.robot.direct && effort == Effort::Input { Effort::Joint } else { effort },
             sentences,
             unused: self.unused(&used),

@@ -15,6 +15,7 @@ mod finder;
 mod finding;
 mod health;
 mod joint_forces;
+mod labels;
 mod languages;
 mod mapping;
 mod motion;
@@ -43,6 +44,7 @@ mod wording;
 
 pub use check::{Finding, FindingKind, check};
 pub use finding::RunFinding;
+pub use labels::{ColumnLabels, Labels};
 pub use motion::{Differentiation, MotionColumns};
 pub use options::ColumnOptions;
 pub(crate) use recording::runs_noting;

@@ -6,6 +6,7 @@ use super::super::run::{Effort, Run};
 use super::finder::RobotColumns;
 use super::finding::RunFinding;
 use super::health;
+use super::labels::Labels;
 use super::mapping::{Mapping, resolve};
 use super::options::ColumnOptions;
 use super::read::sha256;
@@ -22,6 +23,8 @@ pub struct Recording {
     pub effort: Effort,
     /// What is suspicious in the logs, or was repaired.
     pub findings: Vec<RunFinding>,
+    /// What the first log calls its columns.
+    pub labels: Labels,
     /// One sentence for each column that is used, then what was assumed.
     pub mapping: Vec<String>,
     /// Headers of columns that nothing uses.
@@ -120,12 +123,13 @@ fn read_bytes(
     let mapping = resolve(&sheet, &names, options, source)?;
     let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
     let runs = split(samples, &mapping, robot, source, findings)?;
-    let Mapping { effort, sentences, unused, .. } = mapping;
+    let Mapping { effort, labels, sentences, unused, .. } = mapping;
     Ok(Recording {
         // Inputs at frames have become forces at the joints.
         effort: runs.first().map_or(effort, |run| run.effort),
         runs,
         findings: Vec::new(),
+        labels,
         mapping: sentences,
         unused,
         hashes: vec![(source.into(), sha256(bytes))],

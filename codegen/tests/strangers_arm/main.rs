@@ -3,10 +3,12 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
+mod units;
+
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 use gelenk_codegen::identify::InterpretedRobot;
 use gelenk_codegen::model::{self, Model, ReadOptions};
@@ -68,6 +70,21 @@ const GEARS: [f64; 3] = [80.0, 100.0, 60.0];
 /// Viscous and Coulomb friction of each joint.
 const FRICTION: [[f64; 2]; 3] = [[3.0, 4.0], [5.0, 6.0], [2.0, 3.0]];
 
+/// How a log is recorded.
+#[derive(Clone, Copy)]
+struct Recorded {
+    /// Constants of the motors where it holds currents.
+    constants: Option<[f64; 3]>,
+    /// Factors of times, positions and efforts, as another unit has them.
+    factors: [f64; 3],
+    /// How much later than positions efforts come [s].
+    delay: f64,
+    /// Friction of the first joint beside its viscous and Coulomb friction.
+    turn: fn(f64) -> f64,
+}
+
+const RIGHT: Recorded = Recorded { constants: None, factors: [1.0; 3], delay: 0.0, turn: |_| 0.0 };
+
 struct Arm(tempfile::TempDir);
 
 impl Arm {
@@ -88,6 +105,12 @@ impl Arm {
 
     /// A log of 20 s at 100 Hz with noise; `constants` are those of the motors where it holds currents.
     fn record(&self, description: &str, log: &str, constants: Option<[f64; 3]>) {
+        self.record_as(description, log, Recorded { constants, ..RIGHT });
+    }
+
+    /// The same, recorded as somebody else would.
+    fn record_as(&self, description: &str, log: &str, how: Recorded) {
+        let Recorded { constants, factors, delay, turn } = how;
         let robot = InterpretedRobot::new(&self.model(description)).unwrap();
         let kind = if constants.is_some() { "current" } else { "effort" };
         let mut text = "t,q_turn,q_lift,q_reach".to_owned();
@@ -100,19 +123,36 @@ impl Arm {
         };
         for i in 0..2000 {
             let t = 0.01 * f64::from(i);
-            let [y, v, a] = motion(t);
+            let [now, ..] = motion(t);
+            let [y, v, a] = motion(t - delay);
             let mut forces = [0.0; 3];
             robot.rigid_forces(&y, &v, &a, &mut forces);
-            write!(text, "{t},{},{},{}", y[0], y[1], y[2]).unwrap();
+            let [q0, q1, q2] = now.map(|q| factors[1] * q);
+            write!(text, "{},{q0},{q1},{q2}", factors[0] * t).unwrap();
             for joint in 0..3 {
                 let friction = FRICTION[joint][0] * v[joint] + FRICTION[joint][1] * (50.0 * v[joint]).tanh();
+                let friction = if joint == 0 { friction + turn(v[0]) } else { friction };
                 let effort = forces[joint] + friction + 0.2 * draw();
                 let unit = constants.map_or(1.0, |constants| GEARS[joint] * constants[joint]);
-                write!(text, ",{}", effort / unit).unwrap();
+                write!(text, ",{}", factors[2] * effort / unit).unwrap();
             }
             text.push('\n');
         }
         fs::write(self.at(log), text).unwrap();
+    }
+
+    /// What the command says where it refuses.
+    fn refuses(&self, arguments: &[&str]) -> String {
+        let done = self.run(arguments);
+        let said = String::from_utf8(done.stderr).unwrap();
+        assert!(!done.status.success(), "{said}");
+        assert!(!self.at("refused.toml").exists());
+        said
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+        command.arg("identify").args(arguments).current_dir(self.0.path()).output().unwrap()
     }
 
     /// What the command prints for programs.
@@ -226,6 +266,42 @@ fn friction_is_chosen_from_the_terms_that_are_named() {
             assert!(terms.iter().zip(allowed).all(|(term, end)| term.ends_with(end)), "{law}");
         }
     }
+}
+
+/// The first joint has Stribeck's friction, the others viscous and Coulomb friction alone.
+#[test]
+fn stribeck_friction_is_taken_where_the_data_show_it() {
+    let arm = Arm::new();
+    let stribeck = |v: f64| 5.0 * (-v.abs() / 0.15).exp() * (150.0 * v).tanh();
+    arm.record_as("arm.toml", "log.csv", Recorded { turn: stribeck, ..RIGHT });
     let found = arm.identify(&["log.csv", "--friction", "stribeck", "--output", "found.toml"]);
     assert!(found["joints"][0]["friction"].as_str().unwrap().contains("exp("), "{}", found["joints"][0]);
+    let warnings = found["warnings"].as_array().unwrap();
+    for (joint, name) in [(1, "lift"), (2, "reach")] {
+        assert!(!found["joints"][joint]["friction"].to_string().contains("exp("), "{found:#}");
+        let refusal = format!("joint {name}: no friction law is written: ");
+        let said = warnings.iter().filter_map(Value::as_str).find(|words| words.contains(&refusal));
+        assert!(said.unwrap().contains("the data show no Stribeck law"), "{warnings:?}");
+    }
+}
+
+/// Drives that report torques ahead of positions are as usual as those that report them late.
+#[test]
+fn efforts_that_come_early_are_moved() {
+    let arm = Arm::new();
+    for delay in [-0.05, 0.05] {
+        arm.record_as("arm.toml", "log.csv", Recorded { delay, ..RIGHT });
+        let found = arm.identify(&["log.csv", "--output", "found.toml"]);
+        for joint in found["joints"].as_array().unwrap() {
+            assert!(number(&joint["r_squared_held_out"]) > 0.998, "{delay}: {joint:#}");
+        }
+    }
+    arm.record_as("arm.toml", "log.csv", Recorded { delay: -0.05, ..RIGHT });
+    let done = arm.run(&["arm.toml", "log.csv", "--output", "found.toml"]);
+    assert!(
+        String::from_utf8(done.stdout).unwrap().contains("ms before its position; this delay is removed")
+    );
+    // Where it is told wrong, the remedy is named.
+    let said = arm.identify(&["log.csv", "--delay", "0", "--output", "found.toml"]);
+    assert!(said["warnings"].to_string().contains("Say the whole delay with --delay SECONDS"), "{said:#}");
 }

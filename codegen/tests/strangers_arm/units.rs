@@ -1,0 +1,91 @@
+//! Logs whose columns are in other units than their names say.
+
+use super::{Arm, RIGHT, Recorded};
+use std::f64::consts::PI;
+use std::fs;
+
+/// The arm with limits, as a stranger's description has them.
+fn with_limits() -> Arm {
+    let arm = Arm::new();
+    let mut text = fs::read_to_string(arm.at("arm.toml")).unwrap();
+    for (name, effort) in [("turn", 150.0), ("lift", 150.0), ("reach", 60.0)] {
+        let limits = format!("limits = {{ position = [-3, 3], velocity = 4, effort = {effort:.1} }}");
+        text = text.replacen(
+            &format!("name = \"{name}\"\naxis"),
+            &format!("name = \"{name}\"\n{limits}\naxis"),
+            1,
+        );
+    }
+    fs::write(arm.at("limited.toml"), text).unwrap();
+    arm
+}
+
+const DEGREES: f64 = 180.0 / PI;
+const RPM: f64 = 30.0 / PI;
+
+#[test]
+fn values_far_beyond_the_limits_are_refused_with_their_unit() {
+    let arm = with_limits();
+    let cases = [
+        ([1.0, DEGREES, 1.0], "They look like deg: --columns 'position=q_{name}[deg]'"),
+        ([1.0, 1e3, 1.0], "They look like mrad: --columns 'position=q_{name}[mrad]'"),
+        ([1e-3, 1.0, 1.0], "times are in another unit (--columns 'time=t[UNIT]')"),
+        ([1.0, 1.0, 1e3], "They may be in mNm: --columns 'torque=effort_{name}[mNm]'"),
+        (
+            [1.0, 1.0, 20.0],
+            "Counts and percents have a factor, as in --columns 'torque=effort_{name}[0.05 Nm]'",
+        ),
+        ([1.0, RPM, 1.0], "positions are in deg (--columns 'position=q_{name}[deg]')"),
+    ];
+    for (factors, remedy) in cases {
+        arm.record_as("arm.toml", "log.csv", Recorded { factors, ..RIGHT });
+        let said = arm.refuses(&["limited.toml", "log.csv", "--output", "refused.toml"]);
+        let error = said.split("error: ").nth(1).unwrap();
+        assert!(error.contains(remedy) && error.contains("times the described limit"), "{factors:?}: {said}");
+        assert!(error.contains("(column `") || error.contains("(slopes of column `q_"), "{said}");
+    }
+    // The command that is named mends it.
+    arm.record_as("arm.toml", "log.csv", Recorded { factors: [1.0, DEGREES, 1e3], ..RIGHT });
+    let columns = "position=q_{name}[deg],torque=effort_{name}[mNm]";
+    let done = arm.run(&["limited.toml", "log.csv", "--output", "found.toml", "--columns", columns]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+/// Without limits the weight of the robot tells.
+#[test]
+fn efforts_that_carry_another_robot_are_refused() {
+    let arm = Arm::new();
+    let refused = [
+        ([1.0, 1.0, 1e3], "They may be in mNm: --columns 'torque=…[mNm]'"),
+        ([1.0, 1.0, DEGREES], "as in --columns 'torque=…[0.05 Nm]'"),
+        ([1.0, 1.0, 20.0], "as in --columns 'torque=…[0.05 Nm]'"),
+        ([1.0, 1.0, 0.05], "--gravity-compensated"),
+        ([1.0, 1.0, 1e-3], "--effort input"),
+        ([1.0, DEGREES, 1.0], "positions are in another unit"),
+        ([1.0, 1e-3, 1.0], "positions are in another unit"),
+    ];
+    for (factors, remedy) in refused {
+        arm.record_as("arm.toml", "log.csv", Recorded { factors, ..RIGHT });
+        let said = arm.refuses(&["arm.toml", "log.csv", "--effort", "joint", "--output", "refused.toml"]);
+        assert!(said.contains(remedy), "{factors:?}: {said}");
+    }
+    // It is written where that is asked for, and says so.
+    arm.record_as("arm.toml", "log.csv", Recorded { factors: [1.0, 1.0, 20.0], ..RIGHT });
+    let arguments = ["arm.toml", "log.csv", "--effort", "joint", "--accept-poor", "--output", "found.toml"];
+    let done = arm.run(&arguments);
+    assert!(
+        String::from_utf8(done.stdout).unwrap().contains("The efforts look wrong: the rigid bodies need")
+    );
+    // Moments say the same, where they are made and where they are merged.
+    assert!(
+        arm.run(&["arm.toml", "log.csv", "--effort", "joint", "--reduce", "--output", "log.moments"])
+            .status
+            .success()
+    );
+    let said = arm.refuses(&["arm.toml", "log.moments", "--merge", "--output", "refused.toml"]);
+    assert!(said.contains("the rigid bodies need"), "{said}");
+    // Right units pass.
+    arm.record("arm.toml", "log.csv", None);
+    let found = arm.identify(&["log.csv", "--output", "found.toml"]);
+    assert!(!found["warnings"].to_string().contains("described force"), "{:#}", found["warnings"]);
+}

@@ -1,0 +1,144 @@
+//! Doubts about the unit of efforts: what rigid bodies need, against what they would need as described.
+//!
+//! A joint by itself says little: one without gravity, behind a gear that rubs, may need ten times the described force
+//! because ten times of nearly nothing is nearly nothing. Joints that carry the robot say what its efforts are.
+
+use super::super::error::{IdentificationError, Result};
+use super::super::robot::Robot;
+use super::super::run::Effort;
+use super::layout::Layout;
+
+/// Factor between estimated and described rigid forces beyond which a unit may be wrong.
+const OTHER_UNIT: f64 = 3.0;
+/// The same for the robot as a whole beyond which results are refused: bodies that are that wrong are not described.
+const ANOTHER_UNIT: f64 = 10.0;
+/// Share of the largest described force from which on a joint carries the robot.
+const CARRIES: f64 = 0.1;
+/// Units, their values in N·m, and how far a factor may be off: described masses are guesses.
+const UNITS: [(&str, f64); 3] = [("mNm", 1e3), ("Ncm", 1e2), ("kNm", 1e-3)];
+const GUESS: f64 = 2.5;
+
+/// Rigid force as estimated, as described, and measured force, each the root of a sum of squares.
+pub(super) type Sizes = [f64; 3];
+
+/// The factor between estimated and described rigid forces of joints of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CommonRatio {
+    factor: f64,
+    /// Names of the joints that it is the median of.
+    joints: Vec<String>,
+    /// Of positions, rad or m.
+    unit: &'static str,
+    effort: Effort,
+}
+
+/// The factor that is farthest from 1 of those of turning and of sliding joints; `None` where currents are calibrated by the
+/// described bodies, and where nothing carries.
+pub(super) fn common_ratio(robot: &dyn Robot, layout: &Layout, sizes: &[Sizes]) -> Option<CommonRatio> {
+    if layout.effort == Effort::Current {
+        return None;
+    }
+    let (names, units) = (robot.joint_names(), robot.position_units());
+    let of = |unit: &'static str| {
+        let known = (0..layout.joints).filter(|joint| layout.moves[*joint] && layout.measured[*joint]);
+        let known: Vec<usize> = known.filter(|joint| (units[*joint] == "m") == (unit == "m")).collect();
+        let largest = known.iter().map(|joint| sizes[*joint][1]).fold(0.0, f64::max);
+        let mut carrying: Vec<(f64, usize)> = known
+            .into_iter()
+            .filter(|joint| sizes[*joint][1] >= CARRIES * largest && sizes[*joint][1] > 0.0)
+            .map(|joint| (sizes[joint][0] / sizes[joint][1], joint))
+            .collect();
+        carrying.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let factor = middle(&carrying.iter().map(|(ratio, _)| *ratio).collect::<Vec<_>>())?;
+        let joints = carrying.iter().map(|(_, joint)| names[*joint].clone()).collect();
+        Some(CommonRatio { factor, joints, unit, effort: layout.effort })
+    };
+    let distance = |ratio: &CommonRatio| ratio.factor.max(f64::MIN_POSITIVE).ln().abs();
+    [of("rad"), of("m")].into_iter().flatten().max_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// The median of ascending ratios, between the middle ones by logarithms.
+fn middle(ratios: &[f64]) -> Option<f64> {
+    let half = ratios.len() / 2;
+    let upper = *ratios.get(half)?;
+    Some(if ratios.len().is_multiple_of(2) { (ratios[half - 1] * upper).sqrt() } else { upper })
+}
+
+impl CommonRatio {
+    fn is_within(&self, factor: f64) -> bool {
+        (1.0 / factor..=factor).contains(&self.factor)
+    }
+
+    /// Refuses a robot whose bodies need far more or less than described.
+    ///
+    /// # Errors
+    /// [`IdentificationError::File`] with the factor and what it may come from.
+    pub(super) fn require_same_unit(&self) -> Result<()> {
+        if self.is_within(ANOTHER_UNIT) {
+            return Ok(());
+        }
+        let message = format!("{} --accept-poor takes them as they are", self.said());
+        Err(IdentificationError::File { place: "the efforts".into(), message })
+    }
+
+    /// A doubt about the robot as a whole.
+    pub(super) fn doubt(&self) -> Option<String> {
+        (!self.is_within(OTHER_UNIT)).then(|| format!("The efforts look wrong: {}", self.said()))
+    }
+
+    fn said(&self) -> String {
+        let key = if self.effort == Effort::Input { "input" } else { "torque" };
+        let unit = if self.unit == "m" { "N" } else { "Nm" };
+        let close = |(_, factor): &&(&str, f64)| {
+            self.unit != "m" && (self.factor / factor).max(factor / self.factor) < GUESS
+        };
+        let guess = UNITS
+            .iter()
+            .find(close)
+            .map(|(name, _)| format!("They may be in {name}: --columns '{key}=…[{name}]'. "));
+        let usual = if self.factor < 1.0 {
+            "Efforts of motors before their gears are --effort input, a robot that compensates its weight itself needs \
+             --gravity-compensated, and currents are --effort current."
+        } else {
+            "Currents are --effort current, efforts behind the gears --effort joint."
+        };
+        format!(
+            "the rigid bodies need {} times the described force ({}). {}{usual} Counts and percents have a factor, as in \
+             --columns '{key}=…[0.05 {unit}]'. Otherwise positions are in another unit, or the described masses or the direction \
+             of gravity are wrong.",
+            factor_said(self.factor),
+            self.joints.join(", "),
+            guess.unwrap_or_default()
+        )
+    }
+}
+
+fn factor_said(factor: f64) -> String {
+    if (0.01..1e4).contains(&factor) { format!("{factor:.2}") } else { format!("{factor:.2e}") }
+}
+
+/// A doubt about the unit of one joint's effort.
+pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<String> {
+    let ratio = rigid / described;
+    let matters = described > CARRIES * measured;
+    (matters && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then(|| {
+        format!(
+            "the rigid body needs {} times the described force. Check the efforts' unit (--columns 'torque=…[UNIT]') and the \
+             gear ratio, or whether the efforts are currents (--effort current).",
+            factor_said(ratio)
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_is_between_the_middle_ones() {
+        assert_eq!(middle(&[]), None);
+        assert_eq!(middle(&[2.0]), Some(2.0));
+        assert_eq!(middle(&[1.0, 4.0]), Some(2.0));
+        assert_eq!(middle(&[0.1, 1.0, 50.0]), Some(1.0));
+    }
+}

@@ -1,0 +1,206 @@
+//! Whether runs go so far beyond the described limits that a unit must be another one.
+
+use super::error::{IdentificationError, Result};
+use super::log::Recording;
+use super::pose::rows_of;
+use super::robot::{JointLimits, Robot};
+use super::run::{Effort, PreparedRun};
+use std::f64::consts::PI;
+
+/// Factor beyond a limit of speed or effort that no right log reaches: the least confusion of units is rpm or a gear.
+const FAR_BEYOND: f64 = 3.0;
+/// The same for positions, which may be counted from elsewhere.
+const FAR_AWAY: f64 = 10.0;
+/// Share of values at each end that are outliers.
+const OUTLIERS: usize = 200;
+
+/// Units that columns may be in: what `--columns` calls them, and their values in the SI unit.
+type Units = [(&'static str, f64)];
+const ANGLES: &Units = &[("deg", PI / 180.0), ("mrad", 1e-3)];
+const LENGTHS: &Units = &[("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6)];
+const TORQUES: &Units = &[("Ncm", 1e-2), ("mNm", 1e-3)];
+
+/// What is far beyond the limits, as sentences with the column, the factor, and the switch that states the likely unit.
+///
+/// - `prepared`: rows are joints
+pub(crate) fn far_beyond(robot: &dyn Robot, recording: &Recording, prepared: &[PreparedRun]) -> Vec<String> {
+    let runs = Runs { robot, recording, prepared };
+    // Positions in another unit have speeds in another unit.
+    let motion = runs.positions().or_else(|| runs.speeds());
+    motion.into_iter().chain(runs.efforts()).collect()
+}
+
+/// Refuses them.
+///
+/// # Errors
+/// [`IdentificationError::File`] with all of them.
+pub(crate) fn require_in_range(beyond: &[String]) -> Result<()> {
+    if beyond.is_empty() {
+        return Ok(());
+    }
+    let message = format!(
+        "{}. Nothing is estimated from such values: state the units, or correct the description's limits. \
+         --accept-poor takes the values as they are",
+        beyond.join(". And ")
+    );
+    Err(IdentificationError::File { place: "the logs".into(), message })
+}
+
+/// The joint that goes farthest.
+struct Worst {
+    joint: usize,
+    largest: f64,
+    limit: f64,
+    /// How many joints go too far.
+    joints: usize,
+}
+
+struct Runs<'a> {
+    robot: &'a dyn Robot,
+    recording: &'a Recording,
+    prepared: &'a [PreparedRun],
+}
+
+impl Runs<'_> {
+    /// Limits by joint; none where none are described.
+    fn limits(&self) -> impl Fn(usize) -> JointLimits {
+        let limits = self.robot.limits();
+        move |joint| limits.get(joint).copied().unwrap_or(JointLimits::NONE)
+    }
+
+    fn unit(&self, joint: usize) -> &'static str {
+        self.robot.position_units().get(joint).copied().unwrap_or("rad")
+    }
+
+    /// The joint whose values are farthest beyond their limit, if that is too far.
+    fn worst(
+        &self,
+        most: f64,
+        limit: impl Fn(usize) -> f64,
+        values: impl Fn(&PreparedRun, usize) -> Vec<f64>,
+    ) -> Option<Worst> {
+        let exact = rows_of(&self.robot.quaternion_joints(), self.robot.joint_names().len());
+        let judged = (0..exact.len()).filter(|joint| !exact[*joint]);
+        let judged = judged.filter(|joint| limit(*joint).is_finite() && limit(*joint) > 0.0);
+        let far = judged.filter_map(|joint| {
+            let all = self.prepared.iter().flat_map(|run| values(run, joint));
+            let largest = largest(all.collect())?;
+            (largest > most * limit(joint)).then(|| Worst { joint, largest, limit: limit(joint), joints: 1 })
+        });
+        far.reduce(|a, b| {
+            let joints = a.joints + b.joints;
+            let farther = if b.largest / b.limit > a.largest / a.limit { b } else { a };
+            Worst { joints, ..farther }
+        })
+    }
+
+    fn positions(&self) -> Option<String> {
+        let limits = self.limits();
+        let limit = |joint: usize| {
+            let [least, most] = limits(joint).position;
+            least.abs().max(most.abs())
+        };
+        let worst = self.worst(FAR_AWAY, limit, |run, joint| run.positions[joint].clone())?;
+        let labels = &self.recording.labels.positions;
+        let unit = self.unit(worst.joint);
+        let said = self.said(&worst, ("positions", unit), ("column", labels.columns.get(worst.joint)));
+        let known = likely(&worst, if unit == "m" { LENGTHS } else { ANGLES });
+        let pattern = &labels.pattern;
+        let remedy = known.map_or_else(
+            || format!("Counts have a factor: --columns 'position={pattern}[0.001 {unit}]'"),
+            |(name, _)| format!("They look like {name}: --columns 'position={pattern}[{name}]'"),
+        );
+        Some(format!("{said}. {remedy}"))
+    }
+
+    fn speeds(&self) -> Option<String> {
+        let limits = self.limits();
+        let worst =
+            self.worst(FAR_BEYOND, |j| limits(j).velocity, |run, joint| run.velocities[joint].clone())?;
+        let labels = &self.recording.labels;
+        let unit = self.unit(worst.joint);
+        let said = self.said(
+            &worst,
+            ("speeds", &format!("{unit}/s")),
+            ("slopes of column", labels.positions.columns.get(worst.joint)),
+        );
+        let known = likely(&worst, if unit == "m" { LENGTHS } else { ANGLES });
+        let positions = known.map(|(name, _)| {
+            format!("positions are in {name} (--columns 'position={}[{name}]') or ", labels.positions.pattern)
+        });
+        Some(format!(
+            "{said}. It may be that {}times are in another unit (--columns 'time={}[UNIT]')",
+            positions.unwrap_or_default(),
+            labels.time
+        ))
+    }
+
+    fn efforts(&self) -> Option<String> {
+        let limits = self.limits();
+        let matrix = self.robot.input_matrix();
+        let inputs = self.robot.input_names().len();
+        let values = |run: &PreparedRun, joint: usize| match run.effort {
+            Effort::Joint => run.efforts.get(joint).cloned().unwrap_or_default(),
+            Effort::Input if !self.robot.has_inputs_at_frames() => {
+                let row = &matrix[joint * inputs..(joint + 1) * inputs];
+                let force = |i: usize| {
+                    row.iter().zip(&run.efforts).filter(|(b, _)| **b != 0.0).map(move |(b, u)| b * u[i])
+                };
+                (0..run.times.len()).map(|i| force(i).sum()).collect()
+            }
+            _ => Vec::new(),
+        };
+        let worst = self.worst(FAR_BEYOND, |j| limits(j).effort, values)?;
+        let is_input = self.recording.effort == Effort::Input;
+        let labels = &self.recording.labels.efforts;
+        let is_force = self.unit(worst.joint) == "m";
+        let unit = if is_force { "N" } else { "N·m" };
+        let column = labels.columns.get(worst.joint).filter(|_| !is_input);
+        let said = self.said(&worst, ("efforts", unit), ("column", column));
+        let (key, pattern) = (if is_input { "input" } else { "torque" }, &labels.pattern);
+        let known = likely(&worst, if is_force { &[] } else { TORQUES });
+        let known =
+            known.map(|(name, _)| format!("They may be in {name}: --columns '{key}={pattern}[{name}]'. "));
+        let plain = unit.replace('·', "");
+        Some(format!(
+            "{said}. {}Counts and percents have a factor, as in --columns '{key}={pattern}[0.05 {plain}]'; currents are --effort \
+             current, efforts of the motors --effort input",
+            known.unwrap_or_default()
+        ))
+    }
+
+    fn said(
+        &self,
+        worst: &Worst,
+        (what, unit): (&str, &str),
+        (of, column): (&str, Option<&String>),
+    ) -> String {
+        let Worst { joint, largest, limit, joints } = *worst;
+        let name = &self.robot.joint_names()[joint];
+        let column = column.map_or_else(String::new, |column| format!(" ({of} {column})"));
+        let others = match joints - 1 {
+            0 => String::new(),
+            1 => ", and one more joint goes too far".to_owned(),
+            others => format!(", and {others} more joints go too far"),
+        };
+        format!(
+            "the {what} of joint {name}{column} reach {largest:.4} {unit}, {:.1} times the described limit of {limit:.4}{others}",
+            largest / limit
+        )
+    }
+}
+
+/// The largest magnitude without the outermost values.
+fn largest(values: Vec<f64>) -> Option<f64> {
+    let mut sizes: Vec<f64> = values.into_iter().map(f64::abs).filter(|x| x.is_finite()).collect();
+    let last = sizes.len().checked_sub(1)?;
+    let place = last - sizes.len() / OUTLIERS;
+    Some(*sizes.select_nth_unstable_by(place, f64::total_cmp).1)
+}
+
+/// The largest unit in which the values are within their limit, and use a part of it that can be seen.
+fn likely(worst: &Worst, units: &'static Units) -> Option<(&'static str, f64)> {
+    let share = worst.largest / worst.limit;
+    let fits = |(_, factor): &&(&str, f64)| (0.05..=1.1).contains(&(share * factor));
+    units.iter().find(fits).copied()
+}
