@@ -15,7 +15,7 @@ use std::path::Path;
 /// First bytes of every version.
 const MAGIC: &[u8] = b"gelenk moments ";
 /// First line of this version.
-const FIRST_LINE: &[u8] = b"gelenk moments 1\n";
+const FIRST_LINE: &[u8] = b"gelenk moments 2\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
 /// Largest file that is read: that of a robot with some hundred joints.
@@ -83,7 +83,7 @@ impl LogMoments {
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
-                "its moments are of another version than 1, which is all that this gelenk reads: reduce the logs again \
+                "its moments are of another version than 2, which is all that this gelenk reads: reduce the logs again \
                  with this gelenk",
             ));
         }
@@ -249,6 +249,7 @@ impl ReducedLog {
     fn write(&self, bytes: &mut Vec<u8>) {
         text(&self.name, bytes);
         bytes.extend(self.hash);
+        bytes.extend(self.content);
         bytes.extend(self.samples.to_le_bytes());
         let [least, largest] = self.delays;
         floats(&[self.seconds, self.bandwidth, least, largest, self.correlation], bytes);
@@ -258,6 +259,7 @@ impl ReducedLog {
         Some(Self {
             name: reader.text()?,
             hash: reader.array::<HASH>()? as Hash,
+            content: reader.array::<HASH>()? as Hash,
             samples: reader.u64()?,
             seconds: reader.finite()?,
             bandwidth: reader.finite()?,

@@ -49,6 +49,8 @@ pub struct ReducedLog {
     pub name: String,
     /// SHA-256 of its bytes.
     pub(super) hash: Hash,
+    /// SHA-256 of its samples: the same for copies that differ in empty lines or comments.
+    pub(super) content: Hash,
     /// Samples on the even grid, after smoothing.
     pub samples: u64,
     /// Their duration \[s\].
@@ -227,7 +229,7 @@ pub struct Sum {
     total: Option<LogMoments>,
     /// Where the first moments came from.
     first: String,
-    /// Where each log came from, by its hash: the file of moments, and the log's name in it.
+    /// Where each log came from, by the hash of its samples: the file of moments, and the log's name in it.
     places: BTreeMap<Hash, (String, String)>,
 }
 
@@ -243,7 +245,7 @@ impl Sum {
             place.clone_into(&mut self.first);
         }
         for log in &moments.logs {
-            let known = self.places.insert(log.hash, (place.to_owned(), log.name.clone()));
+            let known = self.places.insert(log.content, (place.to_owned(), log.name.clone()));
             if let Some((before, name)) = known {
                 return Err(twice(place, &log.name, &before, &name));
             }
@@ -268,10 +270,10 @@ impl Sum {
 
 fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationError {
     let message = if place == name && before == other {
-        format!("it holds the same bytes as {before}: give a log once")
+        format!("it holds the same samples as {before}: give a log once")
     } else {
         format!(
-            "the log {name} in it is the log {other} in {before}, byte by byte: leave out one of the two files"
+            "the log {name} in it is the log {other} in {before}, sample by sample: leave out one of the two files"
         )
     };
     IdentificationError::File { place: place.into(), message }

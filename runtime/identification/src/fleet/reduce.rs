@@ -71,6 +71,7 @@ pub fn reduce(
     let reduced = ReducedLog {
         name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
+        content: recording.content(),
         samples: runs.iter().map(|run| run.times.len() as u64).sum(),
         seconds: runs.iter().map(|run| run.times.len() as f64).sum::<f64>() / preparation.sample_rate,
         bandwidth: preparation.filter.bandwidth(),

@@ -323,8 +323,11 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     let message = sum(&[&all[0], &all[1], &copy]).unwrap_err().to_string();
     assert_eq!(
         message,
-        "2.moments: the log copy.csv in it is the log 1.csv in 0.moments, byte by byte: leave out one of the two files"
+        "2.moments: the log copy.csv in it is the log 1.csv in 0.moments, sample by sample: leave out one of the two files"
     );
+    // A copy that an editor ended with another line has the same samples.
+    let copy = reduced(folder.path(), "copy.csv", &format!("{}\n", log(1, false)), &settings()).unwrap();
+    assert!(sum(&[&all[0], &copy]).unwrap_err().to_string().contains("sample by sample"));
     let both = sum(&[&all[0], &all[1]]).unwrap();
     assert!(sum(&[&both, &all[1]]).unwrap_err().to_string().contains("2.csv"));
     let other =
@@ -348,8 +351,8 @@ fn files_that_are_something_else_are_refused_and_kept() {
     assert!(message(b"t,q1\n").contains("it holds no moments"));
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
-    newer[15] = b'2';
-    assert!(message(&newer).contains("another version than 1"));
+    newer[15] = b'3';
+    assert!(message(&newer).contains("another version than 2"));
     let refused = all[0].write(&paths[0]).unwrap_err().to_string();
     assert!(refused.contains("it holds no moments; name another file"), "{refused}");
     let path = folder.path().join("one.moments");

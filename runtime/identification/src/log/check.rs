@@ -53,6 +53,8 @@ pub enum FindingKind {
     VelocityDisagrees,
     /// Samples that repeat the values of the ones before.
     Stuck,
+    /// Efforts that stand at their largest or smallest value.
+    CutOff,
     /// Quaternions that are not quite of unit length.
     NotUnit,
 }

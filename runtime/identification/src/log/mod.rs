@@ -28,6 +28,7 @@ mod recording;
 #[cfg(test)]
 mod refusals;
 mod runs;
+mod saturation;
 mod scale;
 mod schema;
 mod search;

@@ -11,7 +11,9 @@ use super::mapping::{Mapping, resolve};
 use super::options::ColumnOptions;
 use super::read::sha256;
 use super::runs::{Samples, split};
+use super::saturation::cut_off;
 use super::sheet::Sheet;
+use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
 /// What several logs hold of one robot.
@@ -73,7 +75,7 @@ pub(crate) fn runs_noting(
         recording.ok_or_else(|| IdentificationError::Empty { what: "the list of logs".into() })?;
     recording.findings = std::mem::take(findings);
     name_by_file(&mut recording, paths);
-    recording.findings.extend(health::findings(&recording.runs, robot));
+    recording.look(robot);
     Ok(recording)
 }
 
@@ -87,8 +89,37 @@ pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOp
     let mut findings = Vec::new();
     let mut recording = read_bytes(bytes, source, (robot, columns), &mut findings)?;
     recording.findings = findings;
-    recording.findings.extend(health::findings(&recording.runs, robot));
+    recording.look(robot);
     Ok(recording)
+}
+
+impl Recording {
+    /// Adds what the runs say about their logs.
+    fn look(&mut self, robot: &dyn Robot) {
+        let columns = &self.labels.efforts.columns;
+        // Efforts of inputs at frames have become forces at joints, which no column holds.
+        let names = match self.effort {
+            Effort::Joint if !robot.has_inputs_at_frames() => robot.joint_names(),
+            Effort::Joint => Vec::new(),
+            _ => robot.input_names(),
+        };
+        let names = if names.len() == columns.len() { names } else { Vec::new() };
+        let cut_off = cut_off(&self.runs, &names, columns);
+        self.findings.extend(health::findings(&self.runs, robot));
+        self.findings.extend(cut_off);
+    }
+
+    /// SHA-256 of the samples, whatever else stands in the log: empty lines, comments, columns that nothing uses.
+    pub(crate) fn content(&self) -> [u8; 32] {
+        let mut hasher = Sha256::new();
+        for run in &self.runs {
+            hasher.update((run.times.len() as u64).to_le_bytes());
+            let columns =
+                std::iter::once(&run.times).chain(&run.positions).chain(&run.poses).chain(&run.efforts);
+            columns.flatten().for_each(|x| hasher.update(x.to_le_bytes()));
+        }
+        hasher.finalize().into()
+    }
 }
 
 fn read_file(
@@ -151,7 +182,7 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     if let Some((known, same)) = twice(&before, &one) {
         return Err(IdentificationError::File {
             place: same,
-            message: format!("it holds the same bytes as {known}: give a log once"),
+            message: format!("it holds the same samples as {known}: give a log once"),
         });
     }
     before.runs.extend(one.runs);
@@ -165,11 +196,19 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     Ok(before)
 }
 
-/// Paths of a log that is there twice.
+/// Paths of a log that is there twice: copies may differ in empty lines or comments.
 fn twice(before: &Recording, one: &Recording) -> Option<(String, String)> {
     let (path, hash) = one.hashes.first()?;
-    let known = before.hashes.iter().find(|(_, other)| other == hash)?;
-    Some((known.0.clone(), path.clone()))
+    if let Some((known, _)) = before.hashes.iter().find(|(_, other)| other == hash) {
+        return Some((known.clone(), path.clone()));
+    }
+    let bits = |columns: &[Vec<f64>]| -> Vec<u64> { columns.iter().flatten().map(|x| x.to_bits()).collect() };
+    let same = |a: &Run, b: &Run| {
+        a.times == b.times && a.positions == b.positions && bits(&a.efforts) == bits(&b.efforts)
+    };
+    let known = before.runs.iter().find(|known| one.runs.first().is_some_and(|run| same(known, run)))?;
+    let log = before.hashes.iter().map(|(path, _)| path).find(|path| known.name.starts_with(path.as_str()));
+    Some((log.unwrap_or(&known.name).clone(), path.clone()))
 }
 
 fn words(effort: Effort) -> &'static str {

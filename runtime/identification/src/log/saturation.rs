@@ -1,0 +1,113 @@
+//! Efforts that stand at their extremes: a sensor, a drive or a program had its limit there.
+
+use super::super::run::Run;
+use super::check::FindingKind;
+use super::finding::RunFinding;
+
+/// Share of the samples at an extreme from which on it is said.
+const SEEN: f64 = 0.01;
+/// How many times as many as at the next level: a coarse sensor has many samples at each level, and a wave has more at its
+/// crest than beside it.
+const MORE_THAN_BESIDE: usize = 8;
+
+/// Efforts that were cut off, by their columns.
+///
+/// - `names`: of the joints or inputs; `columns`: what the log calls their efforts
+pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec<RunFinding> {
+    let of = |(place, name): (usize, &String)| {
+        let values: Vec<f64> = runs.iter().flat_map(|run| moving(run, place)).collect();
+        let mut largest = values.clone();
+        largest.sort_by(f64::total_cmp);
+        let smallest: Vec<f64> = largest.iter().map(|x| -x).collect();
+        largest.reverse();
+        let ends = [("largest", crowd(&largest), 1.0), ("smallest", crowd(&smallest), -1.0)];
+        let said = ends.into_iter().filter_map(|(end, found, sign)| {
+            let (value, count) = found?;
+            let share = 100.0 * count as f64 / values.len() as f64;
+            Some(format!("at its {end} value of {} in {share:.1} %", sign * value))
+        });
+        let said: Vec<String> = said.collect();
+        (!said.is_empty()).then(|| RunFinding {
+            file: None,
+            rows: None,
+            joint: Some(name.clone()),
+            kind: FindingKind::CutOff,
+            message: format!(
+                "its effort (column {}) stands {} of the samples in motion: it looks cut off by a limit of the sensor or the \
+                 drive, and its model is wrong there; record a slower motion, or empty these fields",
+                columns.get(place).map_or("unknown", String::as_str),
+                said.join(" and ")
+            ),
+        })
+    };
+    names.iter().enumerate().filter_map(of).collect()
+}
+
+/// Efforts of the samples before which something moved: at rest the same effort may stand for long.
+fn moving(run: &Run, place: usize) -> Vec<f64> {
+    let Some(efforts) = run.efforts.get(place) else { return Vec::new() };
+    let moved = |i: &usize| run.positions.iter().any(|q| q[*i] != q[*i - 1]);
+    (1..efforts.len()).filter(moved).map(|i| efforts[i]).filter(|x| x.is_finite()).collect()
+}
+
+/// The first value of a sorted list and how often it stands there, where that is too often. Zero is no limit.
+fn crowd(sorted: &[f64]) -> Option<(f64, usize)> {
+    let value = *sorted.first().filter(|value| **value != 0.0)?;
+    let count = sorted.iter().take_while(|x| **x == value).count();
+    let next = *sorted.get(count)?;
+    let beside = sorted[count..].iter().take_while(|x| **x == next).count();
+    let is_seen = count as f64 >= SEEN * sorted.len() as f64;
+    (is_seen && count >= MORE_THAN_BESIDE * beside).then_some((value, count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::run::Effort;
+    use super::*;
+
+    /// A wave with noise, cut off at `limit` and in steps of `step`.
+    fn run(limit: f64, step: f64) -> Run {
+        let mut seed = 3_u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let times: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i)).collect();
+        let effort = |t: &f64| {
+            let value = 10.0 * (1.3 * t).sin() + 3.0 * (3.1 * t).cos() + 0.1 * noise();
+            if step > 0.0 { (value.clamp(-6.0, limit) / step).round() * step } else { value.min(limit) }
+        };
+        Run {
+            name: "log".into(),
+            rows: (2..2002).collect(),
+            positions: vec![times.iter().map(|t| t.sin()).collect()],
+            poses: Vec::new(),
+            velocities: vec![None],
+            efforts: vec![times.iter().map(effort).collect()],
+            effort: Effort::Joint,
+            desired: None,
+            times,
+        }
+    }
+
+    #[test]
+    fn efforts_that_are_cut_off_are_said_with_their_column_and_share() {
+        let said = |run: Run| {
+            let found = cut_off(&[run], &["lift".into()], &["`tau2`".into()]);
+            found.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        let one = said(run(6.0, 0.0));
+        let share = run(6.0, 0.0).efforts[0].iter().filter(|x| **x == 6.0).count() as f64 / 20.0;
+        assert!(
+            one[0].contains(&format!("(column `tau2`) stands at its largest value of 6 in {share:.1} %")),
+            "{one:?}"
+        );
+        let both = said(run(6.0, 0.5));
+        assert!(both[0].contains("of 6 in") && both[0].contains("smallest value of -6 in"), "{both:?}");
+        // Neither a whole wave nor a coarse one is cut off.
+        assert_eq!(said(run(f64::INFINITY, 0.0)), Vec::<String>::new());
+        let mut coarse = run(f64::INFINITY, 0.0);
+        coarse.efforts[0].iter_mut().for_each(|x| *x = x.round());
+        assert_eq!(said(coarse), Vec::<String>::new());
+    }
+}
