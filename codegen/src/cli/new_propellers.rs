@@ -3,15 +3,15 @@
 use super::new_feet;
 use crate::model::{Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::atan2;
-use crate::wording::toml_text;
+use crate::wording::{as_written, toml_text};
 
 /// One block for each joint that may carry a propeller; empty where none does.
 ///
 /// - `joints`: those that may carry a propeller, with their links
 pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     let carries = |link: usize| joints.iter().any(|(joint, _)| joint.parent == link);
-    let ends: Vec<_> =
-        joints.iter().filter(|(joint, link)| !carries(*link) && is_on_top(model, joint)).collect();
+    let ends = joints.iter().filter(|(_, link)| !carries(*link));
+    let ends: Vec<_> = ends.filter_map(|(joint, link)| Some((joint, *link, upward(model, joint)?))).collect();
     if ends.is_empty() {
         return String::new();
     }
@@ -20,13 +20,14 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
          # then moment in N m, whose sign is against the propeller's turn. Here neighbours turn against each other: put in the signs of\n\
          # your robot. A robot whose propellers all turn the same way cannot hover.\n",
     );
-    let places: Vec<[f64; 2]> = ends.iter().map(|(_, link)| place(model, *link)).collect();
-    for ((joint, link), sign) in ends.iter().zip(signs(&places)) {
+    let places: Vec<[f64; 2]> = ends.iter().map(|(_, link, _)| place(model, *link)).collect();
+    for ((joint, link, axis), sign) in ends.iter().zip(signs(&places)) {
         text.push_str(&format!(
-            "\n# [[joints]]\n# name = {0}\n# held = 0\n# [[inputs]]\n# name = {1}\n# frame = {1}\n# wrench = [0, 0, 1, 0, 0, {sign}0.016]\n\
+            "\n# [[joints]]\n# name = {0}\n# held = 0\n# [[inputs]]\n# name = {1}\n# frame = {1}\n# wrench = [{2}]\n\
              # limits = [0, 8]\n",
             toml_text(&joint.name),
-            toml_text(&model.links[*link].name)
+            toml_text(&model.links[*link].name),
+            wrench(*axis, sign)
         ));
     }
     text
@@ -35,9 +36,22 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
 /// The least cosine of a propeller's tilt: some are tilted a little.
 const UPRIGHT: f64 = 0.9;
 
-/// Whether a joint turns on the floating body about the axis z of this. Elbows, wheels and fingers do not.
-fn is_on_top(model: &Model, joint: &Joint) -> bool {
-    let turns = matches!(joint.kind, JointKind::Revolute | JointKind::Continuous);
+/// Newton metres of drag for each newton of thrust, as of a small propeller.
+const DRAG: f64 = 0.016;
+
+/// Thrust along the axis and drag about it, for a unit of the input.
+fn wrench(axis: [f64; 3], sign: f64) -> String {
+    // A sum with 0 has no negative zero.
+    let entries = axis.into_iter().chain(axis.map(|a| sign * DRAG * a)).map(|entry| as_written(entry + 0.0));
+    entries.collect::<Vec<_>>().join(", ")
+}
+
+/// Where up is for a joint that turns on the floating body about the axis z of this: its axis in its own frame, which may be
+/// turned, and against which it may be counted. Elbows, wheels and fingers have none.
+fn upward(model: &Model, joint: &Joint) -> Option<[f64; 3]> {
+    if !matches!(joint.kind, JointKind::Revolute | JointKind::Continuous) {
+        return None;
+    }
     let base = new_feet::base(model);
     let (mut pose, mut at) = (joint.origin.clone(), joint.parent);
     while Some(at) != base {
@@ -46,11 +60,11 @@ fn is_on_top(model: &Model, joint: &Joint) -> bool {
                 pose = fixed.origin.then(&pose);
                 at = fixed.parent;
             }
-            _ => return false,
+            _ => return None,
         }
     }
     let along: f64 = pose.rotation[2].iter().zip(joint.axis).map(|(r, axis)| r * axis).sum();
-    turns && along.abs() >= UPRIGHT
+    (along.abs() >= UPRIGHT).then(|| joint.axis.map(|entry| entry * along.signum()))
 }
 
 /// Where a link is beside the axis z of the root, with all joints at 0; what is no number counts as 0.
@@ -64,19 +78,58 @@ fn place(model: &Model, link: usize) -> [f64; 2] {
 }
 
 /// Signs that alternate around the middle of all places.
-fn signs(places: &[[f64; 2]]) -> Vec<&'static str> {
+fn signs(places: &[[f64; 2]]) -> Vec<f64> {
     let middle = [0, 1].map(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / places.len() as f64);
     let angle = |place: &[f64; 2]| atan2(place[1] - middle[1], place[0] - middle[0]);
     let mut around: Vec<usize> = (0..places.len()).collect();
     around.sort_by(|&a, &b| angle(&places[a]).total_cmp(&angle(&places[b])));
-    let mut signs = vec![""; places.len()];
-    around.iter().skip(1).step_by(2).for_each(|&place| signs[place] = "-");
+    let mut signs = vec![1.0; places.len()];
+    around.iter().skip(1).step_by(2).for_each(|&place| signs[place] = -1.0);
     signs
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnostic::Diagnostic;
+    use crate::model::{ReadOptions, from_toml};
+
+    /// Thrust is up whatever the frame of a propeller is, and whichever way its axis is counted.
+    #[test]
+    fn thrust_is_up_in_the_frames_of_propellers() {
+        let propeller = |name: &str, rpy: &str, axis: &str| {
+            format!(
+                "[[joints]]\nname = \"{name}\"\nparent = \"body\"\norigin = {{ xyz = [0.1, 0.1, 0], rpy = {rpy} }}\naxis = {axis}\n\
+                 [[bodies]]\nlink = \"{name}\"\nmass = 0.01\ninertia = 1e-5\n"
+            )
+        };
+        let text = [
+            "base = { link = \"body\", type = \"floating\" }\n[[bodies]]\nlink = \"body\"\nmass = 1\ninertia = 0.01\n".to_owned(),
+            propeller("plain", "[0, 0, 0]", "[0, 0, 1]"),
+            propeller("reversed", "[0, 0, 0]", "[0, 0, -1]"),
+            // y is up: R_x(90°) e_y = e_z; and the same upside down.
+            propeller("turned", "[\"pi/2\", 0, 0]", "[0, 1, 0]"),
+            propeller("inverted", "[\"pi\", 0, 0]", "[0, 0, 1]"),
+            // An arm's elbow.
+            propeller("elbow", "[0, 0, 0]", "[0, 1, 0]"),
+        ];
+        let load = &mut |file: &str| Err(Diagnostic::error("file-unreadable", file).into());
+        let read = from_toml(&text.concat(), "drone.toml", &ReadOptions::default(), load);
+        let (model, _) = read.unwrap_or_else(|wrong| panic!("{wrong}"));
+        let joints = model.links.iter().enumerate().filter_map(|(at, link)| Some((link.joint.as_ref()?, at)));
+        let joints: Vec<_> = joints.filter(|(joint, _)| joint.axis != [0.0; 3]).collect();
+        let found = |name: &str| {
+            let own: Vec<_> = joints.iter().filter(|(joint, _)| joint.name == name).copied().collect();
+            let text = description(&model, &own);
+            text.lines().find(|line| line.contains("wrench = ")).map(str::to_owned)
+        };
+        let wrench = |entries: &str| Some(format!("# wrench = [{entries}]"));
+        assert_eq!(found("plain"), wrench("0, 0, 1, 0, 0, 0.016"));
+        assert_eq!(found("reversed"), wrench("0, 0, 1, 0, 0, 0.016"));
+        assert_eq!(found("turned"), wrench("0, 1, 0, 0, 0.016, 0"));
+        assert_eq!(found("inverted"), wrench("0, 0, -1, 0, 0, -0.016"));
+        assert_eq!(found("elbow"), None);
+    }
 
     #[test]
     fn neighbours_turn_against_each_other() {
