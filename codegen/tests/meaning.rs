@@ -227,6 +227,27 @@ fn drives_that_act_alike_are_noted() {
     assert!(three.contains("note[drives-alike]: 4 drives move the joints in 3 ways only"), "{three}");
 }
 
+/// A limit that reaches no controller is worse than none.
+#[test]
+fn an_effort_without_a_drive_is_told() {
+    let said = |drive: &str, limits: &str| {
+        let body = "[[bodies]]\nlink = \"j\"\nmass = 1\ninertia = 1\n";
+        let (_, notes) = load(&format!("[[joints]]\nname = \"j\"\n{drive}\nlimits = {{ {limits} }}\n{body}"));
+        notes.entries().iter().filter(|note| note.code == "effort-without-drive").count()
+    };
+    for limits in ["effort = 40", "peak_effort = 60"] {
+        assert_eq!(said("", limits), 1);
+        assert_eq!([said("drive = \"ideal\"", limits), said("drive = \"none\"", limits)], [0, 0]);
+    }
+    assert_eq!(said("", "velocity = 2"), 0);
+    // The effort of a joint that a drive moves from elsewhere bounds this drive's input.
+    let (_, notes) = load(
+        "[[joints]]\nname = \"j\"\nlimits = { effort = 40 }\n[[drives]]\nname = \"m\"\non = { j = 1 }\n\
+         [[bodies]]\nlink = \"j\"\nmass = 1\ninertia = 1\n",
+    );
+    assert!(notes.entries().iter().all(|note| note.code != "effort-without-drive"), "{notes}");
+}
+
 #[test]
 fn a_rotor_that_is_nowhere_needs_no_carrier() {
     let left = |keys: &str| {

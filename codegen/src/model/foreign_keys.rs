@@ -30,9 +30,7 @@ pub(super) fn foreign(key: &str, known: &[&str]) -> Option<&'static str> {
         "xyz" | "rpy" if has(&["origin"]) => {
             Some("`origin = { xyz = [0, 0, 0.1], rpy = [0, 0, \"pi/2\"] }` tells where it is")
         }
-        "parent" if has(&["link", "origin"]) => {
-            Some("a frame names the link that carries it: `link = \"forearm\"`")
-        }
+        "parent" if has(&["link", "origin"]) => Some("`link = \"forearm\"` names the link that carries it"),
         "type" if has(&["between", "law"]) => {
             Some("a force has no type: `law` makes it a spring or a damper, `input` a cylinder or a cable")
         }

@@ -174,7 +174,7 @@ fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
     };
     let mut found = Vec::new();
     for joint in robot.joints.iter().filter(is_still) {
-        if let Some(effort) = &joint.limits.effort {
+        if let Some(effort) = joint.limits.effort.as_ref().or(joint.limits.peak_effort.as_ref()) {
             found.push((effort.span, format!("{} {}", joint.name.quoted(), as_written(effort.value))));
         }
     }
