@@ -157,12 +157,7 @@ impl Arm {
 
     /// What the command prints for programs.
     fn identify(&self, arguments: &[&str]) -> Value {
-        let done = Command::new(env!("CARGO_BIN_EXE_gelenk"))
-            .args(["identify", "arm.toml", "--format", "json"])
-            .args(arguments)
-            .current_dir(self.0.path())
-            .output()
-            .unwrap();
+        let done = self.run(&[&["arm.toml", "--format", "json"], arguments].concat());
         let said = String::from_utf8_lossy(&done.stderr);
         assert!(done.status.success(), "{said}");
         serde_json::from_slice(&done.stdout).unwrap()

@@ -1,11 +1,10 @@
 //! Whether runs go so far beyond the described limits that a unit must be another one.
 
 use super::error::{IdentificationError, Result};
-use super::log::Recording;
+use super::log::{Recording, unit_value};
 use super::pose::rows_of;
 use super::robot::{JointLimits, Robot};
 use super::run::{Effort, PreparedRun};
-use std::f64::consts::PI;
 
 /// Factor beyond a limit of speed or effort that no right log reaches: the least confusion of units is rpm or a gear.
 const FAR_BEYOND: f64 = 3.0;
@@ -14,11 +13,10 @@ const FAR_AWAY: f64 = 10.0;
 /// Share of values at each end that are outliers.
 const OUTLIERS: usize = 200;
 
-/// Units that columns may be in: what `--columns` calls them, and their values in the SI unit.
-type Units = [(&'static str, f64)];
-const ANGLES: &Units = &[("deg", PI / 180.0), ("mrad", 1e-3)];
-const LENGTHS: &Units = &[("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6)];
-const TORQUES: &Units = &[("Ncm", 1e-2), ("mNm", 1e-3)];
+/// Units that columns may be in, as `--columns` calls them.
+const ANGLES: &[&str] = &["deg", "mrad"];
+const LENGTHS: &[&str] = &["cm", "mm", "um"];
+const TORQUES: &[&str] = &["Ncm", "mNm"];
 
 /// What is far beyond the limits, as sentences with the column, the factor, and the switch that states the likely unit.
 ///
@@ -108,7 +106,7 @@ impl Runs<'_> {
         let pattern = &labels.pattern;
         let remedy = known.map_or_else(
             || format!("Counts have a factor: --columns 'position={pattern}[0.001 {unit}]'"),
-            |(name, _)| format!("They look like {name}: --columns 'position={pattern}[{name}]'"),
+            |name| format!("They look like {name}: --columns 'position={pattern}[{name}]'"),
         );
         Some(format!("{said}. {remedy}"))
     }
@@ -125,7 +123,7 @@ impl Runs<'_> {
             ("slopes of column", labels.positions.columns.get(worst.joint)),
         );
         let known = likely(&worst, if unit == "m" { LENGTHS } else { ANGLES });
-        let positions = known.map(|(name, _)| {
+        let positions = known.map(|name| {
             format!("positions are in {name} (--columns 'position={}[{name}]') or ", labels.positions.pattern)
         });
         Some(format!(
@@ -159,8 +157,7 @@ impl Runs<'_> {
         let said = self.said(&worst, ("efforts", unit), ("column", column));
         let (key, pattern) = (if is_input { "input" } else { "torque" }, &labels.pattern);
         let known = likely(&worst, if is_force { &[] } else { TORQUES });
-        let known =
-            known.map(|(name, _)| format!("They may be in {name}: --columns '{key}={pattern}[{name}]'. "));
+        let known = known.map(|name| format!("They may be in {name}: --columns '{key}={pattern}[{name}]'. "));
         let plain = unit.replace('·', "");
         Some(format!(
             "{said}. {}Counts and percents have a factor, as in --columns '{key}={pattern}[0.05 {plain}]'; currents are --effort \
@@ -199,8 +196,8 @@ fn largest(values: Vec<f64>) -> Option<f64> {
 }
 
 /// The largest unit in which the values are within their limit, and use a part of it that can be seen.
-fn likely(worst: &Worst, units: &'static Units) -> Option<(&'static str, f64)> {
+fn likely(worst: &Worst, units: &'static [&'static str]) -> Option<&'static str> {
     let share = worst.largest / worst.limit;
-    let fits = |(_, factor): &&(&str, f64)| (0.05..=1.1).contains(&(share * factor));
+    let fits = |name: &&&str| unit_value(name).is_some_and(|value| (0.05..=1.1).contains(&(share * value)));
     units.iter().find(fits).copied()
 }

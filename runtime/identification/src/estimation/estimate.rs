@@ -248,7 +248,9 @@ impl Task<'_> {
         progress("Other explanations are tried.");
         let mut doubts = other_explanations(self, &judged, &errors)?;
         self.require_explained(&held_out, &doubts, &checked)?;
-        doubts.of_all.extend(self.require_same_unit(&checked)?);
+        if let Some(ratio) = checked.common_ratio() {
+            doubts.of_all.extend(ratio.judged(self.settings.accept_poor)?);
+        }
         doubts.of_all.extend(checked.warnings());
         let report = Report {
             fitted: Estimated {
@@ -286,18 +288,6 @@ impl Task<'_> {
             reasons
         };
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
-    }
-
-    /// A doubt about the efforts of the robot as a whole.
-    ///
-    /// # Errors
-    /// Efforts that are refused.
-    fn require_same_unit(&self, checked: &Checked) -> Result<Option<String>> {
-        let Some(ratio) = checked.common_ratio() else { return Ok(None) };
-        if !self.settings.accept_poor {
-            ratio.require_same_unit()?;
-        }
-        Ok(ratio.doubt())
     }
 
     fn correlation_time(&self, forces: &Forces) -> f64 {

@@ -23,7 +23,7 @@ use super::result::{Estimate, Gravity, Offsets};
 use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
-use super::unit::{Sizes, common_ratio, unit_doubt};
+use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -288,7 +288,8 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         held_out,
     };
     found.require_explained()?;
-    let unit = found.require_same_unit()?;
+    let accept_poor = found.fitted.settings.accept_poor;
+    let unit = found.common_ratio().map(|ratio| ratio.judged(accept_poor)).transpose()?.flatten();
     let mut estimate = found.estimate();
     estimate.warnings.splice(0..0, unit);
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
@@ -343,18 +344,11 @@ impl Found<'_> {
         require_explained(robot, layout, settings, (&held_out, &self.doubts), reasons)
     }
 
-    /// A doubt about the efforts of the robot as a whole.
-    ///
-    /// # Errors
-    /// Efforts that are refused.
-    fn require_same_unit(&self) -> Result<Option<String>> {
-        let Estimated { robot, settings, layout, .. } = self.fitted;
+    /// The factor between estimated and described forces of the robot as a whole.
+    fn common_ratio(&self) -> Option<CommonRatio> {
+        let Estimated { robot, layout, .. } = self.fitted;
         let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
-        let Some(ratio) = common_ratio(robot, layout, &sizes) else { return Ok(None) };
-        if !settings.accept_poor {
-            ratio.require_same_unit()?;
-        }
-        Ok(ratio.doubt())
+        common_ratio(robot, layout, &sizes)
     }
 
     /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean.

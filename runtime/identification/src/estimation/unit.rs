@@ -4,6 +4,7 @@
 //! because ten times of nearly nothing is nearly nothing. Joints that carry the robot say what its efforts are.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use super::layout::Layout;
@@ -14,8 +15,8 @@ const OTHER_UNIT: f64 = 3.0;
 const ANOTHER_UNIT: f64 = 10.0;
 /// Share of the largest described force from which on a joint carries the robot.
 const CARRIES: f64 = 0.1;
-/// Units, their values in N·m, and how far a factor may be off: described masses are guesses.
-const UNITS: [(&str, f64); 3] = [("mNm", 1e3), ("Ncm", 1e2), ("kNm", 1e-3)];
+/// Units that torques may be in, and how far a factor may be off: described masses are guesses.
+const UNITS: [&str; 3] = ["mNm", "Ncm", "kNm"];
 const GUESS: f64 = 2.5;
 
 /// Rigid force as estimated, as described, and measured force, each the root of a sum of squares.
@@ -65,37 +66,33 @@ fn middle(ratios: &[f64]) -> Option<f64> {
 }
 
 impl CommonRatio {
-    fn is_within(&self, factor: f64) -> bool {
-        (1.0 / factor..=factor).contains(&self.factor)
-    }
-
-    /// Refuses a robot whose bodies need far more or less than described.
+    /// A doubt about the efforts of the robot as a whole.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] with the factor and what it may come from.
-    pub(super) fn require_same_unit(&self) -> Result<()> {
-        if self.is_within(ANOTHER_UNIT) {
-            return Ok(());
+    /// [`IdentificationError::File`] with the factor and what it may come from, where bodies need far more or less than
+    /// described and this is not accepted.
+    pub(super) fn judged(&self, accept_poor: bool) -> Result<Option<String>> {
+        if self.is_within(ANOTHER_UNIT) || accept_poor {
+            let doubt = || format!("The efforts look wrong: {}", self.said());
+            return Ok((!self.is_within(OTHER_UNIT)).then(doubt));
         }
         let message = format!("{} --accept-poor takes them as they are", self.said());
         Err(IdentificationError::File { place: "the efforts".into(), message })
     }
 
-    /// A doubt about the robot as a whole.
-    pub(super) fn doubt(&self) -> Option<String> {
-        (!self.is_within(OTHER_UNIT)).then(|| format!("The efforts look wrong: {}", self.said()))
+    fn is_within(&self, factor: f64) -> bool {
+        (1.0 / factor..=factor).contains(&self.factor)
     }
 
     fn said(&self) -> String {
         let key = if self.effort == Effort::Input { "input" } else { "torque" };
         let unit = if self.unit == "m" { "N" } else { "Nm" };
-        let close = |(_, factor): &&(&str, f64)| {
-            self.unit != "m" && (self.factor / factor).max(factor / self.factor) < GUESS
+        let is_close = |name: &&&str| {
+            let off = unit_value(name).map(|value| self.factor * value);
+            self.unit != "m" && off.is_some_and(|off| off.max(1.0 / off) < GUESS)
         };
-        let guess = UNITS
-            .iter()
-            .find(close)
-            .map(|(name, _)| format!("They may be in {name}: --columns '{key}=…[{name}]'. "));
+        let guess = UNITS.iter().find(is_close);
+        let guess = guess.map(|name| format!("They may be in {name}: --columns '{key}=…[{name}]'. "));
         let usual = if self.factor < 1.0 {
             "Efforts of motors before their gears are --effort input, a robot that compensates its weight itself needs \
              --gravity-compensated, and currents are --effort current."

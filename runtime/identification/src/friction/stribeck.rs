@@ -161,17 +161,17 @@ fn held_out(
 #[cfg(test)]
 mod tests {
     use super::super::super::friction::FrictionMethod;
+    use super::super::super::random::SplitMix64;
     use super::*;
 
     /// A Stribeck law, or viscous and Coulomb friction alone, along sines with noise; the refusal of the fit.
     fn refusal(excess: f64, speed: f64) -> (FrictionReport, Option<String>) {
-        let mut seed = 5_u64;
-        let mut noise = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut random = SplitMix64::new(5);
         let velocities: Vec<f64> = (0..4000).map(|i| 1.5 * (0.004 * f64::from(i)).sin()).collect();
-        let torque = |v: &f64| stribeck_torque(*v, &[2.0, 3.0, 100.0, excess, 1.0 / speed]) + 0.05 * noise();
+        let torque = |v: &f64| {
+            stribeck_torque(*v, &[2.0, 3.0, 100.0, excess, 1.0 / speed])
+                + 0.05 * (2.0 * random.uniform() - 1.0)
+        };
         let torques: Vec<f64> = velocities.iter().map(torque).collect();
         let data = FrictionData {
             joint: "elbow",

@@ -15,6 +15,7 @@ use super::saturation::cut_off;
 use super::sheet::Sheet;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use std::slice;
 
 /// What several logs hold of one robot.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,15 +112,18 @@ impl Recording {
 
     /// SHA-256 of the samples, whatever else stands in the log: empty lines, comments, columns that nothing uses.
     pub(crate) fn content(&self) -> [u8; 32] {
-        let mut hasher = Sha256::new();
-        for run in &self.runs {
-            hasher.update((run.times.len() as u64).to_le_bytes());
-            let columns =
-                std::iter::once(&run.times).chain(&run.positions).chain(&run.poses).chain(&run.efforts);
-            columns.flatten().for_each(|x| hasher.update(x.to_le_bytes()));
-        }
-        hasher.finalize().into()
+        content(&self.runs)
     }
+}
+
+fn content(runs: &[Run]) -> [u8; 32] {
+    let mut hasher = Sha256::new();
+    for run in runs {
+        hasher.update((run.times.len() as u64).to_le_bytes());
+        let columns = std::iter::once(&run.times).chain(&run.positions).chain(&run.poses).chain(&run.efforts);
+        columns.flatten().for_each(|x| hasher.update(x.to_le_bytes()));
+    }
+    hasher.finalize().into()
 }
 
 fn read_file(
@@ -198,16 +202,14 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
 
 /// Paths of a log that is there twice: copies may differ in empty lines or comments.
 fn twice(before: &Recording, one: &Recording) -> Option<(String, String)> {
-    let (path, hash) = one.hashes.first()?;
-    if let Some((known, _)) = before.hashes.iter().find(|(_, other)| other == hash) {
-        return Some((known.clone(), path.clone()));
-    }
-    let bits = |columns: &[Vec<f64>]| -> Vec<u64> { columns.iter().flatten().map(|x| x.to_bits()).collect() };
-    let same = |a: &Run, b: &Run| {
-        a.times == b.times && a.positions == b.positions && bits(&a.efforts) == bits(&b.efforts)
-    };
-    let known = before.runs.iter().find(|known| one.runs.first().is_some_and(|run| same(known, run)))?;
-    let log = before.hashes.iter().map(|(path, _)| path).find(|path| known.name.starts_with(path.as_str()));
+    let ((path, _), run) = (one.hashes.first()?, one.runs.first()?);
+    let samples = content(slice::from_ref(run));
+    // Times tell nearly all runs apart, for less than a hash.
+    let is_same = |known: &&Run| known.times == run.times && content(slice::from_ref(*known)) == samples;
+    let known = before.runs.iter().find(is_same)?;
+    let logs = before.hashes.iter().map(|(path, _)| path);
+    // The path of one log may begin that of another.
+    let log = logs.filter(|path| known.name.starts_with(path.as_str())).max_by_key(|path| path.len());
     Some((log.unwrap_or(&known.name).clone(), path.clone()))
 }
 

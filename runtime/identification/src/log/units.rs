@@ -63,6 +63,11 @@ pub(super) fn conversion(unit: &str) -> Option<(f64, &'static str)> {
     units().find(|(name, _)| *name == unit).map(|(_, unit)| (unit.factor, unit.si))
 }
 
+/// The value of the unit of exactly this name, in the SI unit of its kind.
+pub(crate) fn unit_value(unit: &str) -> Option<f64> {
+    conversion(unit).map(|(value, _)| value)
+}
+
 /// The unit that a stranger's log names, in one of its spellings; a number before it is a factor, as in
 /// `0.0879 deg`.
 pub(super) fn find(text: &str) -> Option<Unit> {
