@@ -25,5 +25,8 @@ pub mod friction_terms {}
 #[doc = include_str!("../docs/glossary.md")]
 pub mod glossary {}
 
+#[doc = include_str!("../docs/microcontrollers.md")]
+pub mod microcontrollers {}
+
 #[doc = include_str!("../docs/operation_counts.md")]
 pub mod operation_counts {}

@@ -22,7 +22,7 @@ const EXAMPLES: &str = "\
 Examples:
   gelenk generate models/powercube.toml        writes generated/src/powercube.rs
   gelenk generate arm.urdf --output src/arm.rs
-  gelenk generate                              everything in models/
+  gelenk generate                              everything in models/; removes other modules of generated/src/
   gelenk check                                 is generated/ fresh?
   gelenk inspect counts models/ur5.toml        operation counts of all functions
   gelenk report models/ur5.toml                a page about the robot
