@@ -137,6 +137,7 @@ impl Scope<'_> {
         let help = match name {
             "v" if is_distance => Some("did you mean `dl`, the rate of the distance?".to_owned()),
             "y" if is_distance => Some("did you mean `l`, the distance?".to_owned()),
+            "t" | "time" if self.own().next().is_some() => Some(timeless(self.own())),
             _ => nearest(name, known),
         };
         FormulaError::new("unknown-name", format!("unknown name `{name}`"), place).with_help(help)
@@ -147,6 +148,16 @@ fn has_two_meanings(name: &str, place: Range<usize>) -> FormulaError {
     let help = "give the parameter another name: here `l` is the distance and `dl` its rate".to_owned();
     let message = format!("`{name}` is a parameter, and has a meaning of its own in this law");
     FormulaError::new("ambiguous-name", message, place).with_help(help)
+}
+
+/// Help for a law over the time.
+fn timeless(own: impl Iterator<Item = &'static str>) -> String {
+    let own: Vec<String> = own.map(|name| format!("`{name}`")).collect();
+    format!(
+        "a law knows {} and parameters, and no time: a force that changes with time is an input, or has a factor under \
+         `[parameters]` which your program changes",
+        own.join(", ")
+    )
 }
 
 fn not_generated(function: &str, place: Range<usize>) -> FormulaError {
@@ -186,6 +197,21 @@ mod tests {
         );
         assert_eq!(value("26.45*0.0254"), 26.45 * 0.0254);
         assert_eq!(value("pow(v, 3) + v.powi(0)"), v.powi(3) + 1.0);
+    }
+
+    /// Where a law knows a motion, the time is what is missing; elsewhere it is any name.
+    #[test]
+    fn laws_over_time_are_refused_with_the_reason() {
+        let message = |text: &str, allowed| parse(text, allowed, &names()).unwrap_err().to_string();
+        for (text, allowed, own) in [
+            ("sin(3*t)*v", Allowed::Motion, "`v`, `y`"),
+            ("a1*time", Allowed::Velocity, "`v`"),
+            ("100*(l - 0.1*t)", Allowed::Distance, "`dl`, `l`"),
+        ] {
+            let message = message(text, allowed);
+            assert!(message.contains(&format!("a law knows {own} and parameters, and no time")), "{message}");
+        }
+        assert!(!message("2*t", Allowed::Parameters).contains("no time"));
     }
 
     #[test]
