@@ -102,6 +102,9 @@ fn inspect_shows_forces_at_frames() {
     assert!(said.contains("gas_spring spring_foot – spring_head pulls with "), "{said}");
     assert!(said.contains("wrench acts at in the axes of contact tool base"), "{said}");
     assert!(!said.contains("gear ratio"), "each drive moves its own joint: {said}");
+    let cylinder = "boom_cylinder_foot – boom_cylinder_rod pulls with u -60000 … 35000 N";
+    let said = flat(&gelenk(&models, &["inspect", "model", "excavator.toml"]));
+    assert!(said.contains(cylinder), "{said}");
     let found = json_of(&models, "excavator.toml");
     let boom = json!({
         "name": "boom_cylinder", "limits": [-60e3, 35e3], "between": ["boom_cylinder_foot", "boom_cylinder_rod"],
@@ -110,6 +113,20 @@ fn inspect_shows_forces_at_frames() {
     let found = json_of(&models, "quadrotor.toml");
     assert_eq!(found["inputs_at_frames"].as_array().unwrap().len(), 4);
     assert_eq!(found["inputs_at_frames"][0]["wrench"].as_array().unwrap().len(), 6);
+}
+
+/// Springs of a joint that follows are over its own position, which the page says; one number stands for it in both sections.
+#[test]
+fn the_page_has_the_springs_of_joints_that_follow() {
+    let sprung = WRIST.replace("friction = { viscous = 0.75 }", "spring = { stiffness = 12, damping = 0.5 }");
+    let folder = folder(&sprung);
+    gelenk(folder.path(), &["report", "robot.toml", "--output", "page"]);
+    let read = |name: &str| fs::read_to_string(folder.path().join("page").join(name)).unwrap();
+    let table = read("springs-following.csv");
+    assert!(table.contains("$z_{1}$,c,a joint that follows,"), "{table}");
+    assert!(read("friction-following.csv").contains("$z_{2}$,m1,"), "{}", read("friction-following.csv"));
+    let report = read("report.json");
+    assert!(report.contains("s_{z,1} = ") && report.contains("12"), "{report}");
 }
 
 #[test]

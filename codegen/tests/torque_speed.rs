@@ -108,7 +108,7 @@ fn a_module_without_them_has_no_such_constants() {
 fn inspect_and_report_show_them() {
     let (_kept, path) = folder(ROBOT);
     let said = flat(&run(&path, &["inspect", "model", "robot.toml"]));
-    let table = "motor stall torque [N m] no-load speed [rad/s] shoulder 0.6 300.0 both 1.5 200.0";
+    let table = "motor stall torque [N m] no-load speed [rad/s] shoulder 0.6 300 both 1.5 200";
     assert!(said.contains(table), "{said}");
     let json = run(&path, &["inspect", "model", "robot.toml", "--format", "json"]);
     let json: serde_json::Value = serde_json::from_str(&json[json.find('{').unwrap()..]).unwrap();

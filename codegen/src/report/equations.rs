@@ -2,10 +2,8 @@
 
 use gelenk_report::{Block, Cell, Equation, Inline, ReportError, Table, code, plain, text};
 
-use super::formula;
 use super::robot::Robot;
 use crate::functions::function::Function;
-use crate::model::Joint;
 use crate::program::display::{self, Notation};
 
 /// Closed forms in LaTeX, free of what made them.
@@ -116,17 +114,6 @@ pub(super) fn set(latex: &[String]) -> Block {
         Ok(equations) => Block::Equations(equations),
         Err(_) => Block::Code(latex.join("\n")),
     }
-}
-
-/// Forces of springs and dampers on the joints that have some.
-pub(super) fn spring_laws(robot: &Robot<'_>) -> Vec<String> {
-    let joints = robot.joints().into_iter().enumerate();
-    let sprung = joints.filter(|(_, joint)| !joint.springs.is_empty());
-    let law = |(coordinate, joint): (usize, &Joint)| {
-        let forces = formula::sum(&joint.springs, &robot.parameter_names, robot.motion(coordinate));
-        format!("s_{{{}}} = {forces}", coordinate + 1)
-    };
-    sprung.map(law).collect()
 }
 
 /// Closed forms as blocks.

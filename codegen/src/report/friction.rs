@@ -1,62 +1,22 @@
 //! Friction: laws and curves.
 
-use gelenk_report::{Axis, Block, Cell, Figure, Inline, Marks, Plot, ReportError, Section, Table, text};
+use gelenk_report::{Axis, Block, Figure, Marks, Plot, ReportError, Section, text};
 
 use super::equations;
+use super::following::{self, Following};
 use super::formula::{self, Motion};
 use super::robot::Robot;
-use crate::model::{FollowedCoordinate, FrictionTerm, Joint, JointKind};
+use crate::model::{FrictionTerm, Joint, JointKind};
 use gelenk_formula::Formula;
 
 /// Joints in one plot.
 const CURVES: usize = 6;
 
-/// Friction of a joint that follows coordinates, or of the shaft of a motor that moves several of them.
-pub(super) struct Following<'a> {
-    name: &'a str,
-    what: &'static str,
-    /// Its motion z for a unit of motion of each coordinate.
-    follows: Vec<FollowedCoordinate>,
-    offset: f64,
-    friction: &'a [FrictionTerm],
-}
-
-impl Following<'_> {
-    /// Those of a robot that have friction.
-    pub(super) fn all<'a>(robot: &Robot<'a>) -> Vec<Following<'a>> {
-        let model = robot.model;
-        let joints = model.moving_joints().into_iter().skip(model.motion_count()).map(|moving| Following {
-            name: &moving.joint.name,
-            what: "a joint that follows",
-            follows: moving.follows,
-            offset: moving.offset,
-            friction: &moving.joint.friction,
-        });
-        let shafts = model.rubbing_drives().map(|drive| {
-            let gear_ratio = robot.value(&drive.gear_ratio);
-            let turned = |term: &FollowedCoordinate| FollowedCoordinate {
-                coordinate: term.coordinate,
-                ratio: Formula::Number(gear_ratio * robot.value(&term.ratio)),
-            };
-            Following {
-                name: &drive.name,
-                what: "a motor's shaft",
-                follows: drive.acts_on.iter().map(turned).collect(),
-                offset: 0.0,
-                friction: &drive.friction,
-            }
-        });
-        joints.chain(shafts).filter(|one| !one.friction.is_empty()).collect()
-    }
-
-    fn moves_with(&self, coordinate: usize) -> bool {
-        self.follows.iter().any(|term| term.coordinate == coordinate)
-    }
-}
-
 /// The section, where there is friction.
 pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
-    let (laws, following) = (friction_laws(robot), Following::all(robot));
+    let laws = friction_laws(robot);
+    let following: Vec<Following<'_>> =
+        Following::all(robot).into_iter().filter(|one| !one.friction.is_empty()).collect();
     if laws.is_empty() && following.is_empty() && !robot.has_load_friction() {
         return Ok(None);
     }
@@ -85,23 +45,12 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
 
 /// What follows with friction, and its laws.
 fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
-    let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
-    let rows = following.iter().zip(1..).map(|(one, number)| {
-        let motion = robot.followed(&one.follows, one.offset);
-        vec![math(format!("z_{{{number}}}")), Cell::text(one.name), Cell::text(one.what), math(motion)]
-    });
-    let table = Table::new("friction-following", "What moves with coordinates and has friction of its own.")
-        .column("", "index", "")
-        .column("name", "name", "")
-        .column("is", "kind", "")
-        .column("its position $z$", "position", "")
-        .rows(rows);
-    let laws = following.iter().zip(1..).map(|(one, number)| {
-        law(robot, &format!("\\tau_{{z,{number}}}"), Motion::numbered('z', number), one.friction)
-    });
+    let laws = following
+        .iter()
+        .map(|one| law(robot, &format!("\\tau_{{z,{}}}", one.number), one.motion(), one.friction));
     let laws: Vec<String> = laws.collect();
     vec![
-        Block::Table(table),
+        Block::Table(following::table(robot, following, "friction")),
         text(
             "Its friction $\\tau_{z,k}$ is over its own position $z_k$ and velocity. The friction of coordinate $i$ gains \
              $\\sum_k \\tau_{z,k} \\, \\partial z_k / \\partial y_i$.",

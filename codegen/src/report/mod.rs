@@ -4,6 +4,7 @@
 //! The page is written by [`gelenk_report`], as are those of the runtime's examples; here are its contents.
 
 mod equations;
+mod following;
 mod formula;
 mod friction;
 mod motion;
@@ -11,6 +12,7 @@ mod robot;
 mod scene;
 mod self_check;
 mod sparsity;
+mod springs;
 mod states;
 mod tables;
 
@@ -53,11 +55,7 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     if let Some(section) = friction::section(&robot)? {
         report = report.section(section);
     }
-    let springs = equations::spring_laws(&robot);
-    if !springs.is_empty() {
-        let section = Section::new("springs", "Springs and dampers")
-            .block(text("Force (or torque) $s_i$ on joint $i$, part of the applied forces $q$."))
-            .block(equations::set(&springs));
+    if let Some(section) = springs::section(&robot) {
         report = report.section(section);
     }
     report = report.section(structure_section(&robot)).section(self_check_section(&robot));

@@ -1,0 +1,82 @@
+//! What moves with coordinates and has friction or springs of its own.
+
+use gelenk_report::{Cell, Inline, Table};
+
+use super::formula::Motion;
+use super::robot::Robot;
+use crate::model::{FollowedCoordinate, FrictionTerm};
+use gelenk_formula::Formula;
+
+/// A joint that follows coordinates, or the shaft of a motor that moves several of them.
+pub(super) struct Following<'a> {
+    name: &'a str,
+    what: &'static str,
+    /// Its motion z for a unit of motion of each coordinate.
+    follows: Vec<FollowedCoordinate>,
+    offset: f64,
+    pub(super) friction: &'a [FrictionTerm],
+    pub(super) springs: &'a [Formula],
+    /// The number of its z, from 1.
+    pub(super) number: usize,
+}
+
+impl Following<'_> {
+    /// Those of a robot that have friction or springs.
+    pub(super) fn all<'a>(robot: &Robot<'a>) -> Vec<Following<'a>> {
+        let model = robot.model;
+        let joints = model.moving_joints().into_iter().skip(model.motion_count()).map(|moving| Following {
+            name: &moving.joint.name,
+            what: "a joint that follows",
+            follows: moving.follows,
+            offset: moving.offset,
+            friction: &moving.joint.friction,
+            springs: &moving.joint.springs,
+            number: 0,
+        });
+        let shafts = model.rubbing_drives().map(|drive| {
+            let gear_ratio = robot.value(&drive.gear_ratio);
+            let turned = |term: &FollowedCoordinate| FollowedCoordinate {
+                coordinate: term.coordinate,
+                ratio: Formula::Number(gear_ratio * robot.value(&term.ratio)),
+            };
+            Following {
+                name: &drive.name,
+                what: "a motor's shaft",
+                follows: drive.acts_on.iter().map(turned).collect(),
+                offset: 0.0,
+                friction: &drive.friction,
+                springs: &[],
+                number: 0,
+            }
+        });
+        let all = joints.chain(shafts).filter(|one| !one.friction.is_empty() || !one.springs.is_empty());
+        all.zip(1..).map(|(one, number)| Following { number, ..one }).collect()
+    }
+
+    pub(super) fn moves_with(&self, coordinate: usize) -> bool {
+        self.follows.iter().any(|term| term.coordinate == coordinate)
+    }
+
+    /// What its position and its velocity are called.
+    pub(super) fn motion(&self) -> Motion {
+        Motion::numbered('z', self.number)
+    }
+}
+
+/// Their names and positions.
+///
+/// - `what`: they have this
+pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {
+    let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
+    let rows = following.iter().map(|one| {
+        let motion = robot.followed(&one.follows, one.offset);
+        vec![math(format!("z_{{{}}}", one.number)), Cell::text(one.name), Cell::text(one.what), math(motion)]
+    });
+    let caption = format!("What moves with coordinates and has {what} of its own.");
+    Table::new(format!("{what}-following"), &caption)
+        .column("", "index", "")
+        .column("name", "name", "")
+        .column("is", "kind", "")
+        .column("its position $z$", "position", "")
+        .rows(rows)
+}
