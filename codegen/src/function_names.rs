@@ -68,7 +68,8 @@ pub enum FrameKind {
 }
 
 impl FrameKind {
-    const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
 
     /// What stands before and behind the frame in a function's name.
     fn around(self) -> [&'static str; 2] {

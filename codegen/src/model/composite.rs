@@ -140,6 +140,7 @@ pub(super) fn expand(
             origin: origin.take(),
             axis: Some(part.axis.along(place.axis)),
             part_of: composite.quaternion().map(|kind| PartOf { joint: name.clone(), kind, index }),
+            leads_on: index + 1 < parts.len(),
             drive: values.drive.or_else(passive),
             ..values
         });

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::diagnostic::{At, Span};
 use gelenk_formula::Formula;
+use std::collections::BTreeSet;
 
 /// A name as described.
 pub(super) type Name = At<String>;
@@ -88,6 +89,21 @@ impl RobotDescription {
         of_joints.chain(self.drives.iter().map(|drive| (&drive.name.value[..], &drive.motor)))
     }
 
+    /// The frames and links that forces, inputs and wrenches name.
+    pub fn names_at_frames(&self) -> impl Iterator<Item = &Name> {
+        let between = self.point_forces.iter().flat_map(|force| &force.between);
+        let inputs = self.wrench_inputs.iter().map(|input| &input.frame);
+        between.chain(inputs).chain(self.wrenches.iter().map(|wrench| &wrench.frame))
+    }
+
+    /// The links of a list that are described: not those between the parts of a joint of several degrees of freedom.
+    pub fn described_links<'l>(&self, links: &'l [Name]) -> impl Iterator<Item = &'l str> + use<'l> {
+        let inner =
+            self.joints.iter().filter(|joint| joint.leads_on).filter_map(|joint| joint.child.as_ref());
+        let inner: BTreeSet<String> = inner.map(|link| link.value.clone()).collect();
+        links.iter().map(|link| link.value.as_str()).filter(move |link| !inner.contains(*link))
+    }
+
     /// Tells whether a drive apart from the joints acts on it.
     pub fn is_acted_on(&self, joint: &JointDescription) -> bool {
         let mut terms = self.drives.iter().flat_map(|drive| &drive.on);
@@ -161,6 +177,8 @@ pub(super) struct JointDescription {
     pub offset: Option<At<f64>>,
     /// The spherical or floating joint of which it is a velocity.
     pub part_of: Option<PartOf>,
+    /// Whether it is a part of a joint of several degrees of freedom and not the last: nobody has described its link.
+    pub leads_on: bool,
 }
 
 /// The place of a velocity in a joint with a quaternion.
@@ -208,6 +226,7 @@ impl JointDescription {
             follows: None,
             offset: None,
             part_of: None,
+            leads_on: false,
         }
     }
 

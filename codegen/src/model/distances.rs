@@ -187,7 +187,7 @@ impl<'m> Distances<'m> {
 }
 
 /// Origin of a frame in the base frame.
-fn origin(model: &Model, described: &[f64], positions: &[f64], at: &Attachment) -> [f64; 3] {
+pub(super) fn origin(model: &Model, described: &[f64], positions: &[f64], at: &Attachment) -> [f64; 3] {
     let mut point = at.pose.translation.each_ref().map(|x| x.evaluate(described, 0.0, 0.0));
     let mut link = at.link;
     while let Some(joint) = &model.links[link].joint {

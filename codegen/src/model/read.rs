@@ -4,7 +4,7 @@ use super::description::{BodyDescription, DriveChoice, JointDescription, Name, R
 use super::load::Load;
 use super::read_options::ReadOptions;
 use super::toml_values::Reader;
-use super::{JointKind, Model, file_kind, floating_base, mjcf, toml_file, urdf, validate};
+use super::{JointKind, Model, extended_frames, file_kind, floating_base, mjcf, toml_file, urdf, validate};
 use crate::diagnostic::{At, Diagnostics, Report, Span, nearest};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -313,13 +313,10 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
     replace_or_add(&mut base.point_forces, extension.point_forces, |force| &force.name);
     replace_or_add(&mut base.wrench_inputs, extension.wrench_inputs, |input| &input.name);
     replace_or_add(&mut base.wrenches, extension.wrenches, |wrench| &wrench.name);
-    if !extension.frames.is_empty() {
-        base.frames = extension.frames;
-    }
     if !extension.description.is_empty() {
         base.description = extension.description;
     }
-    RobotDescription {
+    let mut whole = RobotDescription {
         name: extension.name,
         gravity: extension.gravity.or(base.gravity),
         base: extension.base.or(base.base),
@@ -327,7 +324,9 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
         options: extension.options.or(base.options),
         accept_unphysical: extension.accept_unphysical || base.accept_unphysical,
         ..base
-    }
+    };
+    extended_frames::replace(&mut whole, extension.frames);
+    whole
 }
 
 /// A base that moves freely has its joint before the rest of the extension, so that this can speak of it.

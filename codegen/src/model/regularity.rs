@@ -182,7 +182,8 @@ fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
     sum
 }
 
-fn motion_axis(joint: &Joint) -> [f64; 6] {
+/// Column of a joint in its own frame, rotation first.
+pub(super) fn motion_axis(joint: &Joint) -> [f64; 6] {
     let [x, y, z] = joint.axis;
     let [turn, slide] = joint.kind.turn_and_slide();
     [x * turn, y * turn, z * turn, x * slide, y * slide, z * slide]

@@ -252,6 +252,7 @@ impl Reader<'_> {
             follows: mimic.and_then(|node| self.mimicked(node)),
             kind,
             part_of: None,
+            leads_on: false,
             link_frame: None,
             driven: None,
             held: None,

@@ -226,7 +226,7 @@ impl Builder<'_, '_> {
         let found = self.tree.index.get(&name.value).copied();
         if found.is_none() {
             self.report.error(name.span, "unknown-link", format!("unknown link `{}`", name.value));
-            if let Some(help) = nearest(&name.value, self.tree.links.iter().map(|link| link.value.as_str())) {
+            if let Some(help) = nearest(&name.value, self.robot.described_links(&self.tree.links)) {
                 self.report.help(help);
             }
         }

@@ -4,7 +4,7 @@ use super::super::description::{FollowsDescription, Name, RobotDescription};
 use super::super::tree::Tree;
 use super::super::{FollowedCoordinate, Follower, FrictionTerm};
 use crate::diagnostic::{At, Report, nearest};
-use crate::wording::as_written;
+use crate::wording::{as_written, list};
 use gelenk_formula::{Formula, Function};
 use std::collections::BTreeMap;
 
@@ -13,6 +13,16 @@ use std::collections::BTreeMap;
 pub(super) struct Row {
     pub(super) terms: Vec<FollowedCoordinate>,
     pub(super) offset: f64,
+}
+
+/// Ways to one coordinate that leave less than this part of them cancel.
+const CANCELLED: f64 = 1e-12;
+const ADDED_UP: &str = "the ways to a joint, along joints that follow others too, are added up";
+
+/// The row of what follows several joints, and the coordinates to which their ways cancel.
+struct Combined {
+    row: Row,
+    cancelled: Vec<usize>,
 }
 
 /// The rows of all joints and drives, by their order in the description.
@@ -34,9 +44,11 @@ impl Couplings {
         report: &mut Report,
     ) -> Self {
         let rows = vec![Progress::Open; robot.joints.len()];
-        let mut resolver = Resolver { robot, by_name: by_name(robot), defaults, report, rows };
+        let names = vec![""; coordinates.len()];
+        let mut resolver = Resolver { robot, by_name: by_name(robot), defaults, report, rows, names };
         for (coordinate, &link) in coordinates.iter().enumerate() {
             if let Some(joint) = tree.joints[link] {
+                resolver.names[coordinate] = &robot.joints[joint].name.value;
                 let terms = vec![FollowedCoordinate::itself(coordinate)];
                 resolver.rows[joint] = Progress::Done(Some(Row { terms, offset: 0.0 }));
             }
@@ -47,8 +59,8 @@ impl Couplings {
             resolver.joint(joint);
         }
         let drives = robot.drives.iter().map(|drive| {
-            let row = resolver.combined(&drive.on)?;
-            resolver.moves(&drive.name, "drive", "acts on", &row).then_some(row)
+            let combined = resolver.combined(&drive.on)?;
+            resolver.moving(&drive.name, ["drive", "acts on", "on"], combined)
         });
         let drives: Vec<Option<Row>> = drives.collect();
         let joints: Vec<Option<Row>> = resolver.rows.into_iter().map(Progress::done).collect();
@@ -105,6 +117,8 @@ struct Resolver<'d, 'r> {
     defaults: &'d [f64],
     report: &'r mut Report,
     rows: Vec<Progress>,
+    /// Names of the coordinates.
+    names: Vec<&'d str>,
 }
 
 impl Resolver<'_, '_> {
@@ -154,9 +168,9 @@ impl Resolver<'_, '_> {
             // What could not be read was reported.
             return None;
         }
-        let mut row = self.combined(&follows.value)?;
-        row.offset += described.offset.as_ref().map_or(0.0, |offset| offset.value);
-        self.moves(&described.name, "joint", "follows", &row).then_some(row)
+        let mut combined = self.combined(&follows.value)?;
+        combined.row.offset += described.offset.as_ref().map_or(0.0, |offset| offset.value);
+        self.moving(&described.name, ["joint", "follows", "follows"], combined)
     }
 
     fn report_circle(&mut self, stack: &[usize], closing: usize) {
@@ -168,29 +182,64 @@ impl Resolver<'_, '_> {
         self.report.help("one of them has to be a coordinate: remove its `follows` or `<mimic>`");
     }
 
-    /// Tells whether a row has a coordinate, and complains otherwise.
-    fn moves(&mut self, name: &Name, what: &str, verb: &str, row: &Row) -> bool {
-        if row.terms.is_empty() {
+    /// A row that has a coordinate; says where ways to coordinates cancel.
+    fn moving(
+        &mut self,
+        name: &Name,
+        words: [&str; 3],
+        Combined { row, cancelled }: Combined,
+    ) -> Option<Row> {
+        let [what, verb, key] = words;
+        let names: Vec<&str> = cancelled.iter().map(|&coordinate| self.names[coordinate]).collect();
+        let ways = format!("the ways from `{key}` to {} cancel", list(names.iter().copied()));
+        if row.terms.is_empty() && names.is_empty() {
             let message = format!("{what} `{}` {verb} nothing that moves", name.value);
             self.report.error(name.span, "follows-nothing", message);
-            self.report.help("hold the joint (`held = …`), or name joints that move");
+            self.report.help(match key {
+                "on" => "name joints that move, or leave the drive out",
+                _ => "hold the joint (`held = …`), or name joints that move",
+            });
+        } else if row.terms.is_empty() {
+            let message = format!("{what} `{}` {verb} nothing that moves: {ways}", name.value);
+            self.report.error(name.span, "follows-nothing", message);
+            self.report.help(match key {
+                "on" => format!("{ADDED_UP}: correct a weight, or leave the drive out"),
+                _ => format!("{ADDED_UP}: correct a ratio, or hold the joint (`held = …`)"),
+            });
+        } else if !names.is_empty() {
+            let message =
+                format!("{what} `{}` does not move with {}: {ways}", name.value, list(names.into_iter()));
+            self.report.note(Some(name.span), "follows-cancel", message);
+            self.report.help(format!("{ADDED_UP}; where that is not meant, correct a sign"));
         }
-        !row.terms.is_empty()
+        (!row.terms.is_empty()).then_some(row)
     }
 
     /// `Σ ratio · row`
-    fn combined(&mut self, follows: &[FollowsDescription]) -> Option<Row> {
-        let mut sum = Row::default();
+    fn combined(&mut self, follows: &[FollowsDescription]) -> Option<Combined> {
+        let mut row = Row::default();
+        let mut sizes = vec![0.0_f64; self.names.len()];
         let mut is_known = true;
         for term in follows {
             match self.scaled(term) {
-                Some(row) => add(&mut sum, row),
+                Some(part) => {
+                    for term in &part.terms {
+                        sizes[term.coordinate] += term.ratio.evaluate(self.defaults, 0.0, 0.0).abs();
+                    }
+                    add(&mut row, part);
+                }
                 None => is_known = false,
             }
         }
-        sum.terms.retain(|term| !term.ratio.is_zero());
-        sum.terms.sort_by_key(|term| term.coordinate);
-        is_known.then_some(sum)
+        let is_cancelled = |term: &FollowedCoordinate| {
+            let rest = |ratio: f64| ratio.abs() <= CANCELLED * sizes[term.coordinate];
+            term.ratio.as_number().is_some_and(rest)
+        };
+        let cancelled =
+            row.terms.iter().filter(|term| is_cancelled(term)).map(|term| term.coordinate).collect();
+        row.terms.retain(|term| !is_cancelled(term));
+        row.terms.sort_by_key(|term| term.coordinate);
+        is_known.then_some(Combined { row, cancelled })
     }
 
     /// `ratio · row`

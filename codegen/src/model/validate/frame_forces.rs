@@ -4,7 +4,7 @@ use super::super::description::{Name, PointForceDescription, RobotDescription};
 use super::super::distances::Distances;
 use super::super::tree::Tree;
 use super::super::{Attachment, Drive, ForceEffect, ForceInput, Model, PointForce, Pose, Wrench};
-use super::{dead_centres, frame_names};
+use super::{dead_centres, frame_names, idle_inputs};
 use crate::diagnostic::{At, Report, nearest};
 use crate::wording::{as_written, list, three_digits};
 use gelenk_formula::{Formula, Function};
@@ -98,7 +98,7 @@ impl Resolver<'_> {
             let message = format!("there is no frame or link `{}`", name.value);
             self.report.error(name.span, "unknown-frame", message);
             let frames = self.robot.frames.iter().map(|frame| frame.name.value.as_str());
-            let links = self.tree.links.iter().map(|link| link.value.as_str());
+            let links = self.robot.described_links(&self.tree.links);
             if let Some(help) = nearest(&name.value, frames.chain(links)) {
                 self.report.help(help);
             }
@@ -184,47 +184,20 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
             note_drive_beside(force, between, model, report);
             let changing = distances.changing();
             if !changing.is_empty() && !changing.iter().any(|link| model.coordinates.contains(link)) {
-                refuse_idle(&force.name, model, report);
+                idle_inputs::refuse_on_driven(&force.name, model, report);
             }
             if has_direction {
                 dead_centres::warn(force, &distances, (robot, model), report);
             }
         }
     }
-    for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
-        if let ForceEffect::Wrench { at, .. } = &found.effect
-            && !is_moved(at.link, model)
-        {
-            refuse_idle(&input.name, model, report);
-        }
-    }
+    idle_inputs::check_wrenches(robot, model, report);
     refuse_load(robot, model, report);
 }
 
 /// Number of inputs that pull frames together, which stand before the others.
-fn pulls(model: &Model) -> usize {
+pub(super) fn pulls(model: &Model) -> usize {
     model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
-}
-
-/// Tells whether a coordinate moves a link, by a joint of its own or by one that follows.
-fn is_moved(link: usize, model: &Model) -> bool {
-    let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
-    let follows = |link: usize| {
-        let mut followers = model.followers.iter().filter(|follower| follower.link == link);
-        followers.any(|one| one.follows.iter().any(|term| term.coordinate < model.coordinates.len()))
-    };
-    std::iter::successors(Some(link), parent).any(|link| model.coordinates.contains(&link) || follows(link))
-}
-
-/// An input whose column of B is zero: only joints whose motion is prescribed give way to it.
-fn refuse_idle(name: &Name, model: &Model, report: &mut Report) {
-    let driven: Vec<&str> = model.driven_joints().map(|joint| joint.name.as_str()).collect();
-    let driven = list(driven.into_iter());
-    let message = format!("input `{}` moves nothing: it acts on driven joints alone, {driven}", name.value);
-    report.error(name.span, "input-moves-nothing", message);
-    report.help(
-        "no input changes the motion of a driven joint: leave the input out, or let the joint move freely",
-    );
 }
 
 /// The frames of a force.

@@ -45,9 +45,6 @@ fn carriers(robot: &RobotDescription) -> impl Iterator<Item = &Name> {
 
 /// Links that forces, wrenches and inputs name in the place of a frame.
 fn links_of_forces(robot: &RobotDescription) -> impl Iterator<Item = &Name> {
-    let between = robot.point_forces.iter().flat_map(|force| &force.between);
-    let inputs = robot.wrench_inputs.iter().map(|input| &input.frame);
-    let wrenches = robot.wrenches.iter().map(|wrench| &wrench.frame);
     let is_frame = |name: &Name| robot.frames.iter().any(|frame| frame.name.value == name.value);
-    between.chain(inputs).chain(wrenches).filter(move |name| !is_frame(name))
+    robot.names_at_frames().filter(move |name| !is_frame(name))
 }

@@ -12,8 +12,10 @@ mod force_laws;
 mod frame_forces;
 mod frame_names;
 mod hints;
+mod idle_inputs;
 mod inertias;
 mod inner_links;
+mod inputs_alike;
 mod mass_matrix;
 mod motion_limits;
 mod names;
@@ -60,6 +62,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
         torque_speed::check(robot, model, report);
         frame_forces::check(robot, model, report);
         coupling_hints::note(robot, model, report);
+        inputs_alike::note(robot, model, report);
     }
     let pivots = model.as_ref().map(Pivots::of);
     published.report(pivots.as_ref(), report);

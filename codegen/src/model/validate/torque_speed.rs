@@ -1,8 +1,12 @@
-//! Torque–speed lines that no controller could keep.
+//! Torque–speed lines that no controller could keep, or that other limits do not fit.
 
 use super::super::description::{DriveDescription, RobotDescription};
-use super::super::{Drive, Model};
-use crate::diagnostic::{Report, Span};
+use super::super::{Drive, JointKind, Model, TorqueSpeedLine};
+use crate::diagnostic::{At, Report, Span};
+use crate::wording::{as_written, three_digits};
+
+/// Limits are written numbers.
+const ROUNDING: f64 = 1e-9;
 
 /// Complains about lines that are no constants of the module. The motor of a held joint turns nothing and has none.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
@@ -25,7 +29,57 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
                 report.error(span, "torque-speed-line", message);
                 report.help("stall torque over no-load speed times gear ratio, in the unit of the input, must be a number");
             }
+            doubt_limits(name, motor, report);
+            note_effort(name, drive, (model, span), report);
         }
+    }
+}
+
+/// Limits of the motor that its line does not let it reach.
+fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
+    let Some(At { value: TorqueSpeedLine { stall_torque, no_load_speed }, span }) = &motor.line else {
+        return;
+    };
+    let beyond = |torque: Option<f64>| torque.filter(|torque| torque > stall_torque);
+    let told = |kind: &str, torque: f64| {
+        let [torque, stall] = [torque, *stall_torque].map(as_written);
+        format!("the {kind}torque of motor `{name}` is {torque} N m, and it has {stall} N m at rest")
+    };
+    if let Some(torque) = beyond(motor.torque.nominal) {
+        report.warning(*span, "beyond-stall-torque", told("", torque));
+        report.help("`torque` and `stall_torque` are both at the motor's shaft: a motor has its largest torque at rest, unless it brakes");
+    } else if let Some(torque) = beyond(motor.torque.peak) {
+        report.note(Some(*span), "beyond-stall-torque", told("peak ", torque));
+        report.help(
+            "the line is the narrower limit, unless the motor brakes: the peak torque changes nothing else",
+        );
+    }
+    if let Some(speed) = motor.speed.as_ref().filter(|speed| speed.value > *no_load_speed) {
+        let [most, free] = [speed.value, *no_load_speed].map(as_written);
+        let message = format!(
+            "motor `{name}` has no torque left at {free} rad/s, its `no_load_speed`, and may turn at {most} rad/s, its `speed`"
+        );
+        report.note(Some(speed.span), "beyond-no-load-speed", message);
+        report.help("beyond its speed without load a motor only brakes, and something else has to turn it: both are in rad/s at the shaft");
+    }
+}
+
+/// An effort of the joint that its motor does not have.
+fn note_effort(name: &str, drive: &Drive, (model, span): (&Model, Span), report: &mut Report) {
+    let joint = drive.coordinate().and_then(|coordinate| model.joints().nth(coordinate));
+    let effort = joint.and_then(|joint| joint.limits.effort);
+    let (Some(joint), Some(effort), Some(line)) = (joint, effort, drive.line) else { return };
+    let most = line.stall_torque * drive.gear_ratio.value(&[]).unwrap_or(f64::INFINITY).abs();
+    if effort > most * (1.0 + ROUNDING) {
+        let unit = if joint.kind == JointKind::Prismatic { "N" } else { "N m" };
+        let message = format!(
+            "joint `{}` has an effort of {} {unit}, and its motor `{name}` {} {unit} at rest",
+            joint.name,
+            as_written(effort),
+            three_digits(most)
+        );
+        report.note(Some(span), "beyond-stall-torque", message);
+        report.help("`stall_torque` times the gear ratio is the narrower limit: `effort` is at the joint, `stall_torque` at the motor");
     }
 }
 

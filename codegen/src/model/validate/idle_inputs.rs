@@ -1,0 +1,72 @@
+//! Inputs at frames whose column of B is zero: nothing gives way to them.
+
+use super::super::description::{Name, RobotDescription, WrenchInputDescription};
+use super::super::levers::Levers;
+use super::super::{Attachment, ForceEffect, Model};
+use super::frame_forces::pulls;
+use crate::diagnostic::Report;
+use crate::random::Random;
+use crate::wording::list;
+use gelenk_formula::Formula;
+
+const SEED: u64 = 0x6964_6c65;
+
+/// Complains about inputs that are wrenches and move nothing.
+pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
+    for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
+        let ForceEffect::Wrench { at, wrench } = &found.effect else { continue };
+        if !is_moved(at.link, model) {
+            refuse_on_driven(&input.name, model, report);
+        } else {
+            check_levers(input, (at, wrench), model, report);
+        }
+    }
+}
+
+/// Tells whether a coordinate moves a link, by a joint of its own or by one that follows.
+fn is_moved(link: usize, model: &Model) -> bool {
+    let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
+    let follows = |link: usize| {
+        let mut followers = model.followers.iter().filter(|follower| follower.link == link);
+        followers.any(|one| one.follows.iter().any(|term| term.coordinate < model.coordinates.len()))
+    };
+    std::iter::successors(Some(link), parent).any(|link| model.coordinates.contains(&link) || follows(link))
+}
+
+/// An input to which only joints whose motion is prescribed give way.
+pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) {
+    let driven: Vec<&str> = model.driven_joints().map(|joint| joint.name.as_str()).collect();
+    let driven = list(driven.into_iter());
+    let message = format!("input `{}` moves nothing: it acts on driven joints alone, {driven}", name.value);
+    report.error(name.span, "input-moves-nothing", message);
+    report.help(
+        "no input changes the motion of a driven joint: leave the input out, or let the joint move freely",
+    );
+}
+
+/// A wrench to which joints could give way, and none does: a force along an axis of nothing, or one through the axes of all that turns.
+fn check_levers(
+    input: &WrenchInputDescription,
+    (at, wrench): (&Attachment, &[Formula; 6]),
+    model: &Model,
+    report: &mut Report,
+) {
+    let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    if Levers::new(model, described.clone()).are_moved_by(at, wrench) {
+        return;
+    }
+    let mut random = Random::new(SEED);
+    let others = described.iter().map(|value| value + random.either_side(0.1, 1.0)).collect();
+    let (name, frame) = (&input.name.value, &at.name);
+    let message = format!("input `{name}` moves nothing: no joint gives way to its wrench at `{frame}`");
+    let help = "a force moves a joint that turns where it passes by the axis, and one that slides where it has a part along the axis; a \
+                moment turns about axes that are not across it";
+    if Levers::new(model, others).are_moved_by(at, wrench) {
+        let message = format!("{message} at the described values of the free parameters");
+        report.warning(input.wrench.span, "input-moves-nothing", message);
+        report.help(help);
+        return;
+    }
+    report.error(input.wrench.span, "input-moves-nothing", message);
+    report.help(format!("{help}: correct `wrench` or `frame`, or leave the input out"));
+}

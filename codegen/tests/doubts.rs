@@ -1,0 +1,238 @@
+//! What descriptions of mechanisms probably mean otherwise is told, and descriptions without such doubts are silent.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics, Severity};
+use gelenk_codegen::model::{Model, ReadOptions, from_toml};
+
+fn load_onto(text: &str, base: &str) -> Result<(Model, Diagnostics), Diagnostics> {
+    let load = &mut |file: &str| match file {
+        "base.toml" => Ok((file.to_owned(), base.to_owned())),
+        _ => Err(Diagnostic::error("file-unreadable", file).into()),
+    };
+    from_toml(text, "robot.toml", &ReadOptions::default(), load)
+}
+
+/// What is told of a description, with the severity of each.
+fn told(text: &str) -> Vec<(Severity, String)> {
+    let (_, notes) = load_onto(text, "").unwrap_or_else(|wrong| panic!("{wrong}"));
+    notes.entries().iter().map(|entry| (entry.severity, entry.to_string())).collect()
+}
+
+/// The one thing that is told.
+fn only(text: &str) -> (Severity, String) {
+    let mut told = told(text);
+    assert_eq!(told.len(), 1, "{told:?}");
+    told.remove(0)
+}
+
+/// A boom between two cylinders, and a thruster on it.
+const BOOM: &str = r#"
+[parameters]
+lever = 0.0
+
+[[joints]]
+name = "boom"
+axis = [0, -1, 0]
+limits = { position = [0.1, 1.3] }
+
+[[bodies]]
+link = "boom"
+mass = 60
+inertia = [0.5, 30, 30]
+
+[[frames]]
+name = "foot"
+link = "base"
+origin = { xyz = [0.1, 0, -0.6] }
+
+[[frames]]
+name = "other_foot"
+link = "base"
+origin = { xyz = [0.1, 0.4, -0.6] }
+
+[[frames]]
+name = "rod"
+link = "boom"
+origin = { xyz = [0.9, 0, 0] }
+
+[[frames]]
+name = "tip"
+link = "boom"
+origin = { xyz = [2.4, 0, 0] }
+
+[[frames]]
+name = "pin"
+link = "boom"
+origin = { xyz = ["lever", 0, 0] }
+"#;
+
+fn boom(more: &str) -> String {
+    format!("{BOOM}{more}")
+}
+
+const CYLINDER: &str = "[[forces]]\nbetween = [\"foot\", \"rod\"]\ninput = \"cylinder\"\n";
+
+#[test]
+fn inputs_that_act_alike_are_noted() {
+    assert_eq!(told(&boom(CYLINDER)), []);
+    let thruster = "[[inputs]]\nname = \"thruster\"\nframe = \"tip\"\nwrench = [0, 0, 1, 0, 0, 0]\n";
+    for second in ["[[forces]]\nbetween = [\"tip\", \"other_foot\"]\ninput = \"thruster\"\n", thruster] {
+        let (severity, told) = only(&boom(&[CYLINDER, second].concat()));
+        assert_eq!(severity, Severity::Note);
+        let words = "[inputs-alike]: inputs `cylinder` and `thruster` act alike at every position";
+        assert!(told.contains(words), "{told}");
+    }
+    // On a second joint a thruster moves both, and neither input does what the other does.
+    let stick = "[[joints]]\nname = \"stick\"\naxis = [0, -1, 0]\norigin = { xyz = [2.4, 0, 0] }\n\
+        [[bodies]]\nlink = \"stick\"\nmass = 20\ninertia = 5\n";
+    let thruster =
+        thruster.replace("\"tip\"", "\"stick\"").replace("[0, 0, 1, 0, 0, 0]", "[0, 0, 1, 0, 1, 0]");
+    assert_eq!(told(&boom(&[stick, CYLINDER, &thruster].concat())), []);
+    // A drive beside a cylinder has one note, not two.
+    let driven = boom(CYLINDER).replace("axis = [0, -1, 0]", "axis = [0, -1, 0]\ndrive = \"ideal\"");
+    assert!(only(&driven).1.contains("note[drive-beside-input]"));
+    let driven = driven
+        .replace(CYLINDER, "[[inputs]]\nname = \"wind\"\nframe = \"tip\"\nwrench = [0, 0, 1, 0, 0, 0]\n");
+    assert!(only(&driven).1.contains("inputs `boom` and `wind` act alike"));
+}
+
+#[test]
+fn springs_between_the_same_points_are_noted() {
+    let spring = |name: &str, between: &str| {
+        format!("[[forces]]\nname = \"{name}\"\nbetween = [{between}]\nlaw = \"100*(l - 0.5)\"\n")
+    };
+    let first = spring("spring", r#""foot", "rod""#);
+    for (between, alike) in
+        [(r#""rod", "foot""#, true), (r#""tip", "foot""#, false), (r#""other_foot", "rod""#, false)]
+    {
+        let told = told(&boom(&[&first[..], &spring("other", between)].concat()));
+        assert_eq!(told.len(), usize::from(alike), "{between}: {told:?}");
+        let words =
+            "note[forces-alike]: forces `spring` and `other` act between the same points: they add up";
+        assert!(told.iter().all(|(_, told)| told.contains(words)), "{told:?}");
+    }
+    // A law beside a cylinder is one strut.
+    assert_eq!(told(&boom(&[&first[..], CYLINDER].concat())), []);
+}
+
+/// A lever that is a free parameter may be 0 as it is described.
+#[test]
+fn an_input_without_effect_at_the_described_parameters_is_a_warning() {
+    let input = "[[inputs]]\nname = \"jet\"\nframe = \"pin\"\nwrench = [0, 0, 1, 0, 0, 0]\n";
+    let (severity, told) = only(&boom(input));
+    assert_eq!(severity, Severity::Warning);
+    let words = "no joint gives way to its wrench at `pin` at the described values of the free parameters";
+    assert!(told.contains(words), "{told}");
+    assert_eq!(self::told(&boom(input).replace("lever = 0.0", "lever = 0.2")), []);
+}
+
+/// A wrist behind a parallelogram.
+fn wrist(follows: &str) -> String {
+    let joint = |name: &str, more: &str| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\naxis = [0, 1, 0]\norigin = {{ xyz = [0, 0, 0.3] }}\n{more}\n\
+             [[bodies]]\nlink = \"{name}\"\nmass = 1\ninertia = 0.1\n"
+        )
+    };
+    let rod = "follows = { shoulder = -0.1, elbow = 1 }";
+    [joint("shoulder", ""), joint("elbow", ""), joint("rod", rod), joint("hand", follows)].concat()
+}
+
+#[test]
+fn ways_that_cancel_are_noted() {
+    assert_eq!(told(&wrist("follows = { shoulder = -1, elbow = -1 }")), []);
+    // In binary 0.1 + 0.2 is not 0.3.
+    for follows in ["{ rod = 1, elbow = -1 }", "{ rod = 3, shoulder = 0.3 }"] {
+        let told = told(&wrist(&format!("follows = {follows}")));
+        let [(severity, told)] = &told[..] else { panic!("{follows}: {told:?}") };
+        assert_eq!(*severity, Severity::Note);
+        let gone = if follows.contains("elbow") { "elbow" } else { "shoulder" };
+        let words =
+            format!("joint `hand` does not move with `{gone}`: the ways from `follows` to `{gone}` cancel");
+        assert!(told.contains(&words), "{told}");
+    }
+    let drive = "[[drives]]\nname = \"motor\"\non = { rod = 1, elbow = -1 }\n";
+    let (_, told) = only(&[&wrist("")[..], drive].concat());
+    assert!(
+        told.contains("drive `motor` does not move with `elbow`: the ways from `on` to `elbow` cancel"),
+        "{told}"
+    );
+}
+
+/// The row of a joint has no rest of rounding where ways cancel.
+#[test]
+fn what_cancels_leaves_nothing() {
+    let (model, _) = load_onto(&wrist("follows = { rod = 3, shoulder = 0.3 }"), "").unwrap();
+    let coordinates: Vec<usize> = model.followers[1].follows.iter().map(|term| term.coordinate).collect();
+    assert_eq!(coordinates, [1]);
+}
+
+fn motor(keys: &str, limits: &str) -> String {
+    format!(
+        "[[joints]]\nname = \"arm\"\naxis = [0, 1, 0]\nlimits = {{ velocity = 3{limits} }}\n\
+         drive = {{ gear_ratio = 100, rotor_inertia = 2e-5, stall_torque = 1.2, no_load_speed = 600{keys} }}\n\
+         [[bodies]]\nlink = \"arm\"\nmass = 2\ninertia = 0.1\n"
+    )
+}
+
+#[test]
+fn limits_beyond_a_torque_speed_line_are_told() {
+    assert_eq!(told(&motor(", torque = 1.2, speed = 600", ", effort = 120")), []);
+    for (keys, limits, severity, words) in [
+        (
+            ", torque = 1.5",
+            "",
+            Severity::Warning,
+            "the torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
+        ),
+        (
+            ", torque = { nominal = 0.5, peak = 1.5 }",
+            "",
+            Severity::Note,
+            "the peak torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
+        ),
+        (
+            ", speed = 700",
+            "",
+            Severity::Note,
+            "motor `arm` has no torque left at 600 rad/s, its `no_load_speed`, and may turn at 700 rad/s, its `speed`",
+        ),
+        (
+            "",
+            ", effort = 150",
+            Severity::Note,
+            "joint `arm` has an effort of 150 N m, and its motor `arm` 120 N m at rest",
+        ),
+    ] {
+        let (found, told) = only(&motor(keys, limits));
+        assert_eq!(found, severity);
+        assert!(told.contains(words), "{told}");
+    }
+}
+
+/// Frames of an extension replace those of its base, but for those that the whole still names.
+#[test]
+fn frames_that_an_extension_needs_stay() {
+    let base = boom(&[CYLINDER, "[generate]\nfunctions = [\"frame_tip_pose\", \"mass_matrix\"]\n"].concat());
+    let extension = "extends = \"base.toml\"\n[[frames]]\nname = \"tool\"\nlink = \"boom\"\n\
+        [[frames]]\nname = \"rod\"\nlink = \"boom\"\norigin = { xyz = [1, 0, 0] }\n";
+    let (model, _) = load_onto(extension, &base).unwrap_or_else(|wrong| panic!("{wrong}"));
+    let names: Vec<&str> = model.frames.iter().map(|frame| frame.name.as_str()).collect();
+    // The cylinder needs `foot`, a function `tip`; nothing needs `other_foot` and `pin`.
+    assert_eq!(names, ["foot", "tip", "tool", "rod"]);
+    assert_eq!(model.frames[3].pose.translation[0].as_number(), Some(1.0));
+    let contact = "[[wrenches]]\nname = \"contact\"\nframe = \"pin\"\n";
+    let (model, _) = load_onto(&[extension, contact].concat(), &base).unwrap();
+    assert!(model.frames.iter().any(|frame| frame.name == "pin"));
+}
+
+/// A help names links that somebody has described, not those between the parts of a joint.
+#[test]
+fn help_lists_described_links_alone() {
+    let hook = "[[joints]]\nname = \"hook\"\ntype = \"universal\"\n[[bodies]]\nlink = \"hook\"\nmass = 1\ninertia = 0.1\n";
+    let wrong =
+        load_onto(&[hook, "[[wrenches]]\nname = \"pull\"\nframe = \"rope\"\n"].concat(), "").unwrap_err();
+    let told = wrong.to_string();
+    assert!(told.contains("known are `base`, `hook`") && !told.contains("hook_x"), "{told}");
+}
