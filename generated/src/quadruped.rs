@@ -402,7 +402,9 @@ pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Names of the functions.
-pub const FUNCTIONS: [&str; 21] = [
+pub const FUNCTIONS: [&str; 23] = [
+    "inertial_parameters",
+    "base_regressor",
     "inverse_dynamics_with_wrenches",
     "forward_dynamics_with_wrenches",
     "frame_front_left_pose",
@@ -425,6 +427,6830 @@ pub const FUNCTIONS: [&str; 21] = [
     "integrate_derivatives",
     "normalize",
 ];
+
+/// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
+/// in the link's frame of the description, with all that is fixed to it: mass m (kg), first moments mcx, mcy, mcz
+/// (kg m), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin (kg m²), entries of the matrix (Ixy = −∫ x y
+/// dm). Then J, the axial inertia of the rotor of each drive that has one (kg m²).
+pub const INERTIAL_PARAMETER_NAMES: [&str; 130] = [
+    "m_base",
+    "mcx_base",
+    "mcy_base",
+    "mcz_base",
+    "Ixx_base",
+    "Ixy_base",
+    "Iyy_base",
+    "Ixz_base",
+    "Iyz_base",
+    "Izz_base",
+    "m_front_left_hip",
+    "mcx_front_left_hip",
+    "mcy_front_left_hip",
+    "mcz_front_left_hip",
+    "Ixx_front_left_hip",
+    "Ixy_front_left_hip",
+    "Iyy_front_left_hip",
+    "Ixz_front_left_hip",
+    "Iyz_front_left_hip",
+    "Izz_front_left_hip",
+    "m_front_left_thigh",
+    "mcx_front_left_thigh",
+    "mcy_front_left_thigh",
+    "mcz_front_left_thigh",
+    "Ixx_front_left_thigh",
+    "Ixy_front_left_thigh",
+    "Iyy_front_left_thigh",
+    "Ixz_front_left_thigh",
+    "Iyz_front_left_thigh",
+    "Izz_front_left_thigh",
+    "m_front_left_calf",
+    "mcx_front_left_calf",
+    "mcy_front_left_calf",
+    "mcz_front_left_calf",
+    "Ixx_front_left_calf",
+    "Ixy_front_left_calf",
+    "Iyy_front_left_calf",
+    "Ixz_front_left_calf",
+    "Iyz_front_left_calf",
+    "Izz_front_left_calf",
+    "m_front_right_hip",
+    "mcx_front_right_hip",
+    "mcy_front_right_hip",
+    "mcz_front_right_hip",
+    "Ixx_front_right_hip",
+    "Ixy_front_right_hip",
+    "Iyy_front_right_hip",
+    "Ixz_front_right_hip",
+    "Iyz_front_right_hip",
+    "Izz_front_right_hip",
+    "m_front_right_thigh",
+    "mcx_front_right_thigh",
+    "mcy_front_right_thigh",
+    "mcz_front_right_thigh",
+    "Ixx_front_right_thigh",
+    "Ixy_front_right_thigh",
+    "Iyy_front_right_thigh",
+    "Ixz_front_right_thigh",
+    "Iyz_front_right_thigh",
+    "Izz_front_right_thigh",
+    "m_front_right_calf",
+    "mcx_front_right_calf",
+    "mcy_front_right_calf",
+    "mcz_front_right_calf",
+    "Ixx_front_right_calf",
+    "Ixy_front_right_calf",
+    "Iyy_front_right_calf",
+    "Ixz_front_right_calf",
+    "Iyz_front_right_calf",
+    "Izz_front_right_calf",
+    "m_rear_left_hip",
+    "mcx_rear_left_hip",
+    "mcy_rear_left_hip",
+    "mcz_rear_left_hip",
+    "Ixx_rear_left_hip",
+    "Ixy_rear_left_hip",
+    "Iyy_rear_left_hip",
+    "Ixz_rear_left_hip",
+    "Iyz_rear_left_hip",
+    "Izz_rear_left_hip",
+    "m_rear_left_thigh",
+    "mcx_rear_left_thigh",
+    "mcy_rear_left_thigh",
+    "mcz_rear_left_thigh",
+    "Ixx_rear_left_thigh",
+    "Ixy_rear_left_thigh",
+    "Iyy_rear_left_thigh",
+    "Ixz_rear_left_thigh",
+    "Iyz_rear_left_thigh",
+    "Izz_rear_left_thigh",
+    "m_rear_left_calf",
+    "mcx_rear_left_calf",
+    "mcy_rear_left_calf",
+    "mcz_rear_left_calf",
+    "Ixx_rear_left_calf",
+    "Ixy_rear_left_calf",
+    "Iyy_rear_left_calf",
+    "Ixz_rear_left_calf",
+    "Iyz_rear_left_calf",
+    "Izz_rear_left_calf",
+    "m_rear_right_hip",
+    "mcx_rear_right_hip",
+    "mcy_rear_right_hip",
+    "mcz_rear_right_hip",
+    "Ixx_rear_right_hip",
+    "Ixy_rear_right_hip",
+    "Iyy_rear_right_hip",
+    "Ixz_rear_right_hip",
+    "Iyz_rear_right_hip",
+    "Izz_rear_right_hip",
+    "m_rear_right_thigh",
+    "mcx_rear_right_thigh",
+    "mcy_rear_right_thigh",
+    "mcz_rear_right_thigh",
+    "Ixx_rear_right_thigh",
+    "Ixy_rear_right_thigh",
+    "Iyy_rear_right_thigh",
+    "Ixz_rear_right_thigh",
+    "Iyz_rear_right_thigh",
+    "Izz_rear_right_thigh",
+    "m_rear_right_calf",
+    "mcx_rear_right_calf",
+    "mcy_rear_right_calf",
+    "mcz_rear_right_calf",
+    "Ixx_rear_right_calf",
+    "Ixy_rear_right_calf",
+    "Iyy_rear_right_calf",
+    "Ixz_rear_right_calf",
+    "Iyz_rear_right_calf",
+    "Izz_rear_right_calf",
+];
+
+/// Inertial parameters `π` of links and rotors as described.
+///
+/// `W(y, ẏ, ÿ) π = M ÿ + k − q_gravity`
+///
+/// - returns `π: [130]`: in the order of `INERTIAL_PARAMETER_NAMES`
+///
+/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+#[inline]
+#[must_use]
+pub fn inertial_parameters() -> [f64; 130] {
+    let mut pi = [0.0; 130];
+    inertial_parameters_into(&mut pi);
+    pi
+}
+
+/// `inertial_parameters` with its results written in place; nothing of what stood there is read.
+pub fn inertial_parameters_into(pi: &mut [f64; 130]) {
+    pi[0] = 8.0;
+    pi[1] = 0.08;
+    pi[2] = 0.0;
+    pi[3] = 0.16;
+    pi[4] = 0.05320000000000002;
+    pi[5] = 0.0;
+    pi[6] = 0.154;
+    pi[7] = -0.0016;
+    pi[8] = 0.0;
+    pi[9] = 0.1708;
+    pi[10] = 0.7;
+    pi[11] = -0.0034999999999999996;
+    pi[12] = 0.0;
+    pi[13] = 0.0;
+    pi[14] = 0.0005;
+    pi[15] = 0.0;
+    pi[16] = 0.0009175000000000001;
+    pi[17] = 0.0;
+    pi[18] = 0.0;
+    pi[19] = 0.0006175;
+    pi[20] = 1.1;
+    pi[21] = 0.0;
+    pi[22] = -0.022000000000000002;
+    pi[23] = -0.033;
+    pi[24] = 0.007429999999999999;
+    pi[25] = 0.0;
+    pi[26] = 0.00699;
+    pi[27] = 0.0;
+    pi[28] = -0.00066;
+    pi[29] = 0.00144;
+    pi[30] = 0.25;
+    pi[31] = 0.0;
+    pi[32] = 0.0;
+    pi[33] = -0.03;
+    pi[34] = 0.0056;
+    pi[35] = 0.0;
+    pi[36] = 0.0056;
+    pi[37] = 0.0;
+    pi[38] = 0.0;
+    pi[39] = 3.000000000000008e-5;
+    pi[40] = 0.7;
+    pi[41] = -0.0034999999999999996;
+    pi[42] = 0.0;
+    pi[43] = 0.0;
+    pi[44] = 0.0005;
+    pi[45] = 0.0;
+    pi[46] = 0.0009175000000000001;
+    pi[47] = 0.0;
+    pi[48] = 0.0;
+    pi[49] = 0.0006175;
+    pi[50] = 1.1;
+    pi[51] = 0.0;
+    pi[52] = 0.022000000000000002;
+    pi[53] = -0.033;
+    pi[54] = 0.007429999999999999;
+    pi[55] = 0.0;
+    pi[56] = 0.00699;
+    pi[57] = 0.0;
+    pi[58] = 0.00066;
+    pi[59] = 0.00144;
+    pi[60] = 0.25;
+    pi[61] = 0.0;
+    pi[62] = 0.0;
+    pi[63] = -0.03;
+    pi[64] = 0.0056;
+    pi[65] = 0.0;
+    pi[66] = 0.0056;
+    pi[67] = 0.0;
+    pi[68] = 0.0;
+    pi[69] = 3.000000000000008e-5;
+    pi[70] = 0.7;
+    pi[71] = 0.0034999999999999996;
+    pi[72] = 0.0;
+    pi[73] = 0.0;
+    pi[74] = 0.0005;
+    pi[75] = 0.0;
+    pi[76] = 0.0009175000000000001;
+    pi[77] = 0.0;
+    pi[78] = 0.0;
+    pi[79] = 0.0006175;
+    pi[80] = 1.1;
+    pi[81] = 0.0;
+    pi[82] = -0.022000000000000002;
+    pi[83] = -0.033;
+    pi[84] = 0.007429999999999999;
+    pi[85] = 0.0;
+    pi[86] = 0.00699;
+    pi[87] = 0.0;
+    pi[88] = -0.00066;
+    pi[89] = 0.00144;
+    pi[90] = 0.25;
+    pi[91] = 0.0;
+    pi[92] = 0.0;
+    pi[93] = -0.03;
+    pi[94] = 0.0056;
+    pi[95] = 0.0;
+    pi[96] = 0.0056;
+    pi[97] = 0.0;
+    pi[98] = 0.0;
+    pi[99] = 3.000000000000008e-5;
+    pi[100] = 0.7;
+    pi[101] = 0.0034999999999999996;
+    pi[102] = 0.0;
+    pi[103] = 0.0;
+    pi[104] = 0.0005;
+    pi[105] = 0.0;
+    pi[106] = 0.0009175000000000001;
+    pi[107] = 0.0;
+    pi[108] = 0.0;
+    pi[109] = 0.0006175;
+    pi[110] = 1.1;
+    pi[111] = 0.0;
+    pi[112] = 0.022000000000000002;
+    pi[113] = -0.033;
+    pi[114] = 0.007429999999999999;
+    pi[115] = 0.0;
+    pi[116] = 0.00699;
+    pi[117] = 0.0;
+    pi[118] = 0.00066;
+    pi[119] = 0.00144;
+    pi[120] = 0.25;
+    pi[121] = 0.0;
+    pi[122] = 0.0;
+    pi[123] = -0.03;
+    pi[124] = 0.0056;
+    pi[125] = 0.0;
+    pi[126] = 0.0056;
+    pi[127] = 0.0;
+    pi[128] = 0.0;
+    pi[129] = 3.000000000000008e-5;
+}
+
+/// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
+/// group. 36 of 130 parameters enter the motion only in these sums:
+///
+/// - `m_base + m_front_left_hip + m_front_left_thigh + m_front_left_calf + m_front_right_hip + m_front_right_thigh + m_front_right_calf + m_rear_left_hip + m_rear_left_thigh + m_rear_left_calf + m_rear_right_hip + m_rear_right_thigh + m_rear_right_calf`
+/// - `mcx_base + 0.2 m_front_left_hip + mcx_front_left_hip + 0.2 m_front_left_thigh + 0.2 m_front_left_calf + 0.2 m_front_right_hip + mcx_front_right_hip + 0.2 m_front_right_thigh + 0.2 m_front_right_calf − 0.2 m_rear_left_hip + mcx_rear_left_hip − 0.2 m_rear_left_thigh − 0.2 m_rear_left_calf − 0.2 m_rear_right_hip + mcx_rear_right_hip − 0.2 m_rear_right_thigh − 0.2 m_rear_right_calf`
+/// - `mcy_base + 0.05 m_front_left_hip + 0.05 m_front_left_thigh + 0.05 m_front_left_calf − 0.05 m_front_right_hip − 0.05 m_front_right_thigh − 0.05 m_front_right_calf + 0.05 m_rear_left_hip + 0.05 m_rear_left_thigh + 0.05 m_rear_left_calf − 0.05 m_rear_right_hip − 0.05 m_rear_right_thigh − 0.05 m_rear_right_calf`
+/// - `mcz_base`
+/// - `Ixx_base + 0.0025 m_front_left_hip + 0.0025 m_front_left_thigh + 0.0025 m_front_left_calf + 0.0025 m_front_right_hip + 0.0025 m_front_right_thigh + 0.0025 m_front_right_calf + 0.0025 m_rear_left_hip + 0.0025 m_rear_left_thigh + 0.0025 m_rear_left_calf + 0.0025 m_rear_right_hip + 0.0025 m_rear_right_thigh + 0.0025 m_rear_right_calf`
+/// - `Ixy_base − 0.01 m_front_left_hip − 0.05 mcx_front_left_hip − 0.01 m_front_left_thigh − 0.01 m_front_left_calf + 0.01 m_front_right_hip + 0.05 mcx_front_right_hip + 0.01 m_front_right_thigh + 0.01 m_front_right_calf + 0.01 m_rear_left_hip − 0.05 mcx_rear_left_hip + 0.01 m_rear_left_thigh + 0.01 m_rear_left_calf − 0.01 m_rear_right_hip + 0.05 mcx_rear_right_hip − 0.01 m_rear_right_thigh − 0.01 m_rear_right_calf`
+/// - `Iyy_base + 0.04 m_front_left_hip + 0.4 mcx_front_left_hip + Izz_front_left_hip + 0.0481 m_front_left_thigh + 0.18 mcy_front_left_thigh + Izz_front_left_thigh + 0.0481 m_front_left_calf + 0.18 mcy_front_left_calf + Izz_front_left_calf + 0.04 m_front_right_hip + 0.4 mcx_front_right_hip + Izz_front_right_hip + 0.0481 m_front_right_thigh − 0.18 mcy_front_right_thigh + Izz_front_right_thigh + 0.0481 m_front_right_calf − 0.18 mcy_front_right_calf + Izz_front_right_calf + 0.04 m_rear_left_hip − 0.4 mcx_rear_left_hip + Izz_rear_left_hip + 0.0481 m_rear_left_thigh + 0.18 mcy_rear_left_thigh + Izz_rear_left_thigh + 0.0481 m_rear_left_calf + 0.18 mcy_rear_left_calf + Izz_rear_left_calf + 0.04 m_rear_right_hip − 0.4 mcx_rear_right_hip + Izz_rear_right_hip + 0.0481 m_rear_right_thigh − 0.18 mcy_rear_right_thigh + Izz_rear_right_thigh + 0.0481 m_rear_right_calf − 0.18 mcy_rear_right_calf + Izz_rear_right_calf`
+/// - `Ixz_base`
+/// - `Iyz_base`
+/// - `Izz_base + 0.0425 m_front_left_hip + 0.4 mcx_front_left_hip + Izz_front_left_hip + 0.0506 m_front_left_thigh + 0.18 mcy_front_left_thigh + Izz_front_left_thigh + 0.0506 m_front_left_calf + 0.18 mcy_front_left_calf + Izz_front_left_calf + 0.0425 m_front_right_hip + 0.4 mcx_front_right_hip + Izz_front_right_hip + 0.0506 m_front_right_thigh − 0.18 mcy_front_right_thigh + Izz_front_right_thigh + 0.0506 m_front_right_calf − 0.18 mcy_front_right_calf + Izz_front_right_calf + 0.0425 m_rear_left_hip − 0.4 mcx_rear_left_hip + Izz_rear_left_hip + 0.0506 m_rear_left_thigh + 0.18 mcy_rear_left_thigh + Izz_rear_left_thigh + 0.0506 m_rear_left_calf + 0.18 mcy_rear_left_calf + Izz_rear_left_calf + 0.0425 m_rear_right_hip − 0.4 mcx_rear_right_hip + Izz_rear_right_hip + 0.0506 m_rear_right_thigh − 0.18 mcy_rear_right_thigh + Izz_rear_right_thigh + 0.0506 m_rear_right_calf − 0.18 mcy_rear_right_calf + Izz_rear_right_calf`
+/// - `mcy_front_left_hip + 0.09 m_front_left_thigh + mcy_front_left_thigh + 0.09 m_front_left_calf + mcy_front_left_calf`
+/// - `mcz_front_left_hip`
+/// - `Ixx_front_left_hip + 0.0081 m_front_left_thigh + 0.18 mcy_front_left_thigh + Izz_front_left_thigh + 0.0081 m_front_left_calf + 0.18 mcy_front_left_calf + Izz_front_left_calf`
+/// - `Ixy_front_left_hip`
+/// - `Iyy_front_left_hip − Izz_front_left_hip − 0.0081 m_front_left_thigh − 0.18 mcy_front_left_thigh − Izz_front_left_thigh − 0.0081 m_front_left_calf − 0.18 mcy_front_left_calf − Izz_front_left_calf`
+/// - `Ixz_front_left_hip`
+/// - `Iyz_front_left_hip`
+/// - `mcx_front_left_thigh`
+/// - `mcz_front_left_thigh − 0.2 m_front_left_calf`
+/// - `Ixx_front_left_thigh − Izz_front_left_thigh + 0.04 m_front_left_calf`
+/// - `Ixy_front_left_thigh`
+/// - `Iyy_front_left_thigh + 0.04 m_front_left_calf`
+/// - `Ixz_front_left_thigh`
+/// - `Iyz_front_left_thigh + 0.2 mcy_front_left_calf`
+/// - `mcx_front_left_calf`
+/// - `mcz_front_left_calf`
+/// - `Ixx_front_left_calf − Izz_front_left_calf`
+/// - `Ixy_front_left_calf`
+/// - `Iyy_front_left_calf`
+/// - `Ixz_front_left_calf`
+/// - `Iyz_front_left_calf`
+/// - `mcy_front_right_hip − 0.09 m_front_right_thigh + mcy_front_right_thigh − 0.09 m_front_right_calf + mcy_front_right_calf`
+/// - `mcz_front_right_hip`
+/// - `Ixx_front_right_hip + 0.0081 m_front_right_thigh − 0.18 mcy_front_right_thigh + Izz_front_right_thigh + 0.0081 m_front_right_calf − 0.18 mcy_front_right_calf + Izz_front_right_calf`
+/// - `Ixy_front_right_hip`
+/// - `Iyy_front_right_hip − Izz_front_right_hip − 0.0081 m_front_right_thigh + 0.18 mcy_front_right_thigh − Izz_front_right_thigh − 0.0081 m_front_right_calf + 0.18 mcy_front_right_calf − Izz_front_right_calf`
+/// - `Ixz_front_right_hip`
+/// - `Iyz_front_right_hip`
+/// - `mcx_front_right_thigh`
+/// - `mcz_front_right_thigh − 0.2 m_front_right_calf`
+/// - `Ixx_front_right_thigh − Izz_front_right_thigh + 0.04 m_front_right_calf`
+/// - `Ixy_front_right_thigh`
+/// - `Iyy_front_right_thigh + 0.04 m_front_right_calf`
+/// - `Ixz_front_right_thigh`
+/// - `Iyz_front_right_thigh + 0.2 mcy_front_right_calf`
+/// - `mcx_front_right_calf`
+/// - `mcz_front_right_calf`
+/// - `Ixx_front_right_calf − Izz_front_right_calf`
+/// - `Ixy_front_right_calf`
+/// - `Iyy_front_right_calf`
+/// - `Ixz_front_right_calf`
+/// - `Iyz_front_right_calf`
+/// - `mcy_rear_left_hip + 0.09 m_rear_left_thigh + mcy_rear_left_thigh + 0.09 m_rear_left_calf + mcy_rear_left_calf`
+/// - `mcz_rear_left_hip`
+/// - `Ixx_rear_left_hip + 0.0081 m_rear_left_thigh + 0.18 mcy_rear_left_thigh + Izz_rear_left_thigh + 0.0081 m_rear_left_calf + 0.18 mcy_rear_left_calf + Izz_rear_left_calf`
+/// - `Ixy_rear_left_hip`
+/// - `Iyy_rear_left_hip − Izz_rear_left_hip − 0.0081 m_rear_left_thigh − 0.18 mcy_rear_left_thigh − Izz_rear_left_thigh − 0.0081 m_rear_left_calf − 0.18 mcy_rear_left_calf − Izz_rear_left_calf`
+/// - `Ixz_rear_left_hip`
+/// - `Iyz_rear_left_hip`
+/// - `mcx_rear_left_thigh`
+/// - `mcz_rear_left_thigh − 0.2 m_rear_left_calf`
+/// - `Ixx_rear_left_thigh − Izz_rear_left_thigh + 0.04 m_rear_left_calf`
+/// - `Ixy_rear_left_thigh`
+/// - `Iyy_rear_left_thigh + 0.04 m_rear_left_calf`
+/// - `Ixz_rear_left_thigh`
+/// - `Iyz_rear_left_thigh + 0.2 mcy_rear_left_calf`
+/// - `mcx_rear_left_calf`
+/// - `mcz_rear_left_calf`
+/// - `Ixx_rear_left_calf − Izz_rear_left_calf`
+/// - `Ixy_rear_left_calf`
+/// - `Iyy_rear_left_calf`
+/// - `Ixz_rear_left_calf`
+/// - `Iyz_rear_left_calf`
+/// - `mcy_rear_right_hip − 0.09 m_rear_right_thigh + mcy_rear_right_thigh − 0.09 m_rear_right_calf + mcy_rear_right_calf`
+/// - `mcz_rear_right_hip`
+/// - `Ixx_rear_right_hip + 0.0081 m_rear_right_thigh − 0.18 mcy_rear_right_thigh + Izz_rear_right_thigh + 0.0081 m_rear_right_calf − 0.18 mcy_rear_right_calf + Izz_rear_right_calf`
+/// - `Ixy_rear_right_hip`
+/// - `Iyy_rear_right_hip − Izz_rear_right_hip − 0.0081 m_rear_right_thigh + 0.18 mcy_rear_right_thigh − Izz_rear_right_thigh − 0.0081 m_rear_right_calf + 0.18 mcy_rear_right_calf − Izz_rear_right_calf`
+/// - `Ixz_rear_right_hip`
+/// - `Iyz_rear_right_hip`
+/// - `mcx_rear_right_thigh`
+/// - `mcz_rear_right_thigh − 0.2 m_rear_right_calf`
+/// - `Ixx_rear_right_thigh − Izz_rear_right_thigh + 0.04 m_rear_right_calf`
+/// - `Ixy_rear_right_thigh`
+/// - `Iyy_rear_right_thigh + 0.04 m_rear_right_calf`
+/// - `Ixz_rear_right_thigh`
+/// - `Iyz_rear_right_thigh + 0.2 mcy_rear_right_calf`
+/// - `mcx_rear_right_calf`
+/// - `mcz_rear_right_calf`
+/// - `Ixx_rear_right_calf − Izz_rear_right_calf`
+/// - `Ixy_rear_right_calf`
+/// - `Iyy_rear_right_calf`
+/// - `Ixz_rear_right_calf`
+/// - `Iyz_rear_right_calf`
+pub const BASE_PARAMETER_NAMES: [&str; 94] = [
+    "m_base",
+    "mcx_base",
+    "mcy_base",
+    "mcz_base",
+    "Ixx_base",
+    "Ixy_base",
+    "Iyy_base",
+    "Ixz_base",
+    "Iyz_base",
+    "Izz_base",
+    "mcy_front_left_hip",
+    "mcz_front_left_hip",
+    "Ixx_front_left_hip",
+    "Ixy_front_left_hip",
+    "Iyy_front_left_hip",
+    "Ixz_front_left_hip",
+    "Iyz_front_left_hip",
+    "mcx_front_left_thigh",
+    "mcz_front_left_thigh",
+    "Ixx_front_left_thigh",
+    "Ixy_front_left_thigh",
+    "Iyy_front_left_thigh",
+    "Ixz_front_left_thigh",
+    "Iyz_front_left_thigh",
+    "mcx_front_left_calf",
+    "mcz_front_left_calf",
+    "Ixx_front_left_calf",
+    "Ixy_front_left_calf",
+    "Iyy_front_left_calf",
+    "Ixz_front_left_calf",
+    "Iyz_front_left_calf",
+    "mcy_front_right_hip",
+    "mcz_front_right_hip",
+    "Ixx_front_right_hip",
+    "Ixy_front_right_hip",
+    "Iyy_front_right_hip",
+    "Ixz_front_right_hip",
+    "Iyz_front_right_hip",
+    "mcx_front_right_thigh",
+    "mcz_front_right_thigh",
+    "Ixx_front_right_thigh",
+    "Ixy_front_right_thigh",
+    "Iyy_front_right_thigh",
+    "Ixz_front_right_thigh",
+    "Iyz_front_right_thigh",
+    "mcx_front_right_calf",
+    "mcz_front_right_calf",
+    "Ixx_front_right_calf",
+    "Ixy_front_right_calf",
+    "Iyy_front_right_calf",
+    "Ixz_front_right_calf",
+    "Iyz_front_right_calf",
+    "mcy_rear_left_hip",
+    "mcz_rear_left_hip",
+    "Ixx_rear_left_hip",
+    "Ixy_rear_left_hip",
+    "Iyy_rear_left_hip",
+    "Ixz_rear_left_hip",
+    "Iyz_rear_left_hip",
+    "mcx_rear_left_thigh",
+    "mcz_rear_left_thigh",
+    "Ixx_rear_left_thigh",
+    "Ixy_rear_left_thigh",
+    "Iyy_rear_left_thigh",
+    "Ixz_rear_left_thigh",
+    "Iyz_rear_left_thigh",
+    "mcx_rear_left_calf",
+    "mcz_rear_left_calf",
+    "Ixx_rear_left_calf",
+    "Ixy_rear_left_calf",
+    "Iyy_rear_left_calf",
+    "Ixz_rear_left_calf",
+    "Iyz_rear_left_calf",
+    "mcy_rear_right_hip",
+    "mcz_rear_right_hip",
+    "Ixx_rear_right_hip",
+    "Ixy_rear_right_hip",
+    "Iyy_rear_right_hip",
+    "Ixz_rear_right_hip",
+    "Iyz_rear_right_hip",
+    "mcx_rear_right_thigh",
+    "mcz_rear_right_thigh",
+    "Ixx_rear_right_thigh",
+    "Ixy_rear_right_thigh",
+    "Iyy_rear_right_thigh",
+    "Ixz_rear_right_thigh",
+    "Iyz_rear_right_thigh",
+    "mcx_rear_right_calf",
+    "mcz_rear_right_calf",
+    "Ixx_rear_right_calf",
+    "Ixy_rear_right_calf",
+    "Iyy_rear_right_calf",
+    "Ixz_rear_right_calf",
+    "Iyz_rear_right_calf",
+];
+
+/// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
+pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 326] = [
+    (0, 0, 1.0),
+    (0, 10, 1.0),
+    (0, 20, 1.0),
+    (0, 30, 1.0),
+    (0, 40, 1.0),
+    (0, 50, 1.0),
+    (0, 60, 1.0),
+    (0, 70, 1.0),
+    (0, 80, 1.0),
+    (0, 90, 1.0),
+    (0, 100, 1.0),
+    (0, 110, 1.0),
+    (0, 120, 1.0),
+    (1, 1, 1.0),
+    (1, 10, 0.2),
+    (1, 11, 1.0),
+    (1, 20, 0.2),
+    (1, 30, 0.2),
+    (1, 40, 0.2),
+    (1, 41, 1.0),
+    (1, 50, 0.2),
+    (1, 60, 0.2),
+    (1, 70, -0.2),
+    (1, 71, 1.0),
+    (1, 80, -0.2),
+    (1, 90, -0.2),
+    (1, 100, -0.2),
+    (1, 101, 1.0),
+    (1, 110, -0.2),
+    (1, 120, -0.2),
+    (2, 2, 1.0),
+    (2, 10, 0.05),
+    (2, 20, 0.05),
+    (2, 30, 0.05),
+    (2, 40, -0.05),
+    (2, 50, -0.05),
+    (2, 60, -0.05),
+    (2, 70, 0.05),
+    (2, 80, 0.05),
+    (2, 90, 0.05),
+    (2, 100, -0.05),
+    (2, 110, -0.05),
+    (2, 120, -0.05),
+    (3, 3, 1.0),
+    (4, 4, 1.0),
+    (4, 10, 0.0025),
+    (4, 20, 0.0025),
+    (4, 30, 0.0025),
+    (4, 40, 0.0025),
+    (4, 50, 0.0025),
+    (4, 60, 0.0025),
+    (4, 70, 0.0025),
+    (4, 80, 0.0025),
+    (4, 90, 0.0025),
+    (4, 100, 0.0025),
+    (4, 110, 0.0025),
+    (4, 120, 0.0025),
+    (5, 5, 1.0),
+    (5, 10, -0.01),
+    (5, 11, -0.05),
+    (5, 20, -0.01),
+    (5, 30, -0.01),
+    (5, 40, 0.01),
+    (5, 41, 0.05),
+    (5, 50, 0.01),
+    (5, 60, 0.01),
+    (5, 70, 0.01),
+    (5, 71, -0.05),
+    (5, 80, 0.01),
+    (5, 90, 0.01),
+    (5, 100, -0.01),
+    (5, 101, 0.05),
+    (5, 110, -0.01),
+    (5, 120, -0.01),
+    (6, 6, 1.0),
+    (6, 10, 0.04),
+    (6, 11, 0.4),
+    (6, 19, 1.0),
+    (6, 20, 0.0481),
+    (6, 22, 0.18),
+    (6, 29, 1.0),
+    (6, 30, 0.0481),
+    (6, 32, 0.18),
+    (6, 39, 1.0),
+    (6, 40, 0.04),
+    (6, 41, 0.4),
+    (6, 49, 1.0),
+    (6, 50, 0.0481),
+    (6, 52, -0.18),
+    (6, 59, 1.0),
+    (6, 60, 0.0481),
+    (6, 62, -0.18),
+    (6, 69, 1.0),
+    (6, 70, 0.04),
+    (6, 71, -0.4),
+    (6, 79, 1.0),
+    (6, 80, 0.0481),
+    (6, 82, 0.18),
+    (6, 89, 1.0),
+    (6, 90, 0.0481),
+    (6, 92, 0.18),
+    (6, 99, 1.0),
+    (6, 100, 0.04),
+    (6, 101, -0.4),
+    (6, 109, 1.0),
+    (6, 110, 0.0481),
+    (6, 112, -0.18),
+    (6, 119, 1.0),
+    (6, 120, 0.0481),
+    (6, 122, -0.18),
+    (6, 129, 1.0),
+    (7, 7, 1.0),
+    (8, 8, 1.0),
+    (9, 9, 1.0),
+    (9, 10, 0.0425),
+    (9, 11, 0.4),
+    (9, 19, 1.0),
+    (9, 20, 0.0506),
+    (9, 22, 0.18),
+    (9, 29, 1.0),
+    (9, 30, 0.0506),
+    (9, 32, 0.18),
+    (9, 39, 1.0),
+    (9, 40, 0.0425),
+    (9, 41, 0.4),
+    (9, 49, 1.0),
+    (9, 50, 0.0506),
+    (9, 52, -0.18),
+    (9, 59, 1.0),
+    (9, 60, 0.0506),
+    (9, 62, -0.18),
+    (9, 69, 1.0),
+    (9, 70, 0.0425),
+    (9, 71, -0.4),
+    (9, 79, 1.0),
+    (9, 80, 0.0506),
+    (9, 82, 0.18),
+    (9, 89, 1.0),
+    (9, 90, 0.0506),
+    (9, 92, 0.18),
+    (9, 99, 1.0),
+    (9, 100, 0.0425),
+    (9, 101, -0.4),
+    (9, 109, 1.0),
+    (9, 110, 0.0506),
+    (9, 112, -0.18),
+    (9, 119, 1.0),
+    (9, 120, 0.0506),
+    (9, 122, -0.18),
+    (9, 129, 1.0),
+    (10, 12, 1.0),
+    (10, 20, 0.09),
+    (10, 22, 1.0),
+    (10, 30, 0.09),
+    (10, 32, 1.0),
+    (11, 13, 1.0),
+    (12, 14, 1.0),
+    (12, 20, 0.0081),
+    (12, 22, 0.18),
+    (12, 29, 1.0),
+    (12, 30, 0.0081),
+    (12, 32, 0.18),
+    (12, 39, 1.0),
+    (13, 15, 1.0),
+    (14, 16, 1.0),
+    (14, 19, -1.0),
+    (14, 20, -0.0081),
+    (14, 22, -0.18),
+    (14, 29, -1.0),
+    (14, 30, -0.0081),
+    (14, 32, -0.18),
+    (14, 39, -1.0),
+    (15, 17, 1.0),
+    (16, 18, 1.0),
+    (17, 21, 1.0),
+    (18, 23, 1.0),
+    (18, 30, -0.2),
+    (19, 24, 1.0),
+    (19, 29, -1.0),
+    (19, 30, 0.04),
+    (20, 25, 1.0),
+    (21, 26, 1.0),
+    (21, 30, 0.04),
+    (22, 27, 1.0),
+    (23, 28, 1.0),
+    (23, 32, 0.2),
+    (24, 31, 1.0),
+    (25, 33, 1.0),
+    (26, 34, 1.0),
+    (26, 39, -1.0),
+    (27, 35, 1.0),
+    (28, 36, 1.0),
+    (29, 37, 1.0),
+    (30, 38, 1.0),
+    (31, 42, 1.0),
+    (31, 50, -0.09),
+    (31, 52, 1.0),
+    (31, 60, -0.09),
+    (31, 62, 1.0),
+    (32, 43, 1.0),
+    (33, 44, 1.0),
+    (33, 50, 0.0081),
+    (33, 52, -0.18),
+    (33, 59, 1.0),
+    (33, 60, 0.0081),
+    (33, 62, -0.18),
+    (33, 69, 1.0),
+    (34, 45, 1.0),
+    (35, 46, 1.0),
+    (35, 49, -1.0),
+    (35, 50, -0.0081),
+    (35, 52, 0.18),
+    (35, 59, -1.0),
+    (35, 60, -0.0081),
+    (35, 62, 0.18),
+    (35, 69, -1.0),
+    (36, 47, 1.0),
+    (37, 48, 1.0),
+    (38, 51, 1.0),
+    (39, 53, 1.0),
+    (39, 60, -0.2),
+    (40, 54, 1.0),
+    (40, 59, -1.0),
+    (40, 60, 0.04),
+    (41, 55, 1.0),
+    (42, 56, 1.0),
+    (42, 60, 0.04),
+    (43, 57, 1.0),
+    (44, 58, 1.0),
+    (44, 62, 0.2),
+    (45, 61, 1.0),
+    (46, 63, 1.0),
+    (47, 64, 1.0),
+    (47, 69, -1.0),
+    (48, 65, 1.0),
+    (49, 66, 1.0),
+    (50, 67, 1.0),
+    (51, 68, 1.0),
+    (52, 72, 1.0),
+    (52, 80, 0.09),
+    (52, 82, 1.0),
+    (52, 90, 0.09),
+    (52, 92, 1.0),
+    (53, 73, 1.0),
+    (54, 74, 1.0),
+    (54, 80, 0.0081),
+    (54, 82, 0.18),
+    (54, 89, 1.0),
+    (54, 90, 0.0081),
+    (54, 92, 0.18),
+    (54, 99, 1.0),
+    (55, 75, 1.0),
+    (56, 76, 1.0),
+    (56, 79, -1.0),
+    (56, 80, -0.0081),
+    (56, 82, -0.18),
+    (56, 89, -1.0),
+    (56, 90, -0.0081),
+    (56, 92, -0.18),
+    (56, 99, -1.0),
+    (57, 77, 1.0),
+    (58, 78, 1.0),
+    (59, 81, 1.0),
+    (60, 83, 1.0),
+    (60, 90, -0.2),
+    (61, 84, 1.0),
+    (61, 89, -1.0),
+    (61, 90, 0.04),
+    (62, 85, 1.0),
+    (63, 86, 1.0),
+    (63, 90, 0.04),
+    (64, 87, 1.0),
+    (65, 88, 1.0),
+    (65, 92, 0.2),
+    (66, 91, 1.0),
+    (67, 93, 1.0),
+    (68, 94, 1.0),
+    (68, 99, -1.0),
+    (69, 95, 1.0),
+    (70, 96, 1.0),
+    (71, 97, 1.0),
+    (72, 98, 1.0),
+    (73, 102, 1.0),
+    (73, 110, -0.09),
+    (73, 112, 1.0),
+    (73, 120, -0.09),
+    (73, 122, 1.0),
+    (74, 103, 1.0),
+    (75, 104, 1.0),
+    (75, 110, 0.0081),
+    (75, 112, -0.18),
+    (75, 119, 1.0),
+    (75, 120, 0.0081),
+    (75, 122, -0.18),
+    (75, 129, 1.0),
+    (76, 105, 1.0),
+    (77, 106, 1.0),
+    (77, 109, -1.0),
+    (77, 110, -0.0081),
+    (77, 112, 0.18),
+    (77, 119, -1.0),
+    (77, 120, -0.0081),
+    (77, 122, 0.18),
+    (77, 129, -1.0),
+    (78, 107, 1.0),
+    (79, 108, 1.0),
+    (80, 111, 1.0),
+    (81, 113, 1.0),
+    (81, 120, -0.2),
+    (82, 114, 1.0),
+    (82, 119, -1.0),
+    (82, 120, 0.04),
+    (83, 115, 1.0),
+    (84, 116, 1.0),
+    (84, 120, 0.04),
+    (85, 117, 1.0),
+    (86, 118, 1.0),
+    (86, 122, 0.2),
+    (87, 121, 1.0),
+    (88, 123, 1.0),
+    (89, 124, 1.0),
+    (89, 129, -1.0),
+    (90, 125, 1.0),
+    (91, 126, 1.0),
+    (92, 127, 1.0),
+    (93, 128, 1.0),
+];
+
+/// Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.
+///
+/// `W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity`
+///
+/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `front_left_hip`, `front_left_thigh`,
+///   `front_left_calf`, `front_right_hip`, `front_right_thigh`, `front_right_calf`, `rear_left_hip`,
+///   `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad
+/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
+///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
+///   `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`, `front_right_thigh`,
+///   `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`, `rear_right_hip`,
+///   `rear_right_thigh`, `rear_right_calf` in rad/s
+/// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
+///   `base_rx`, `base_ry`, `base_rz`, `front_left_hip`, `front_left_thigh`, `front_left_calf`, `front_right_hip`,
+///   `front_right_thigh`, `front_right_calf`, `rear_left_hip`, `rear_left_thigh`, `rear_left_calf`,
+///   `rear_right_hip`, `rear_right_thigh`, `rear_right_calf` in rad/s²
+/// - returns `W_b: [N × 94]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+///
+/// Cost: 1388 multiplications, 1091 additions, 0 divisions, 12 function calls (`sin_cos`).
+///
+/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
+/// robot, W\_b has full rank, for almost all values of free parameters.
+#[inline]
+#[must_use]
+pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 94]; N] {
+    let mut w_b = [[0.0; 94]; 18];
+    base_regressor_into(y, v, a, &mut w_b);
+    w_b
+}
+
+/// `base_regressor` with its results written in place; nothing of what stood there is read.
+pub fn base_regressor_into(
+    y: &[f64; NY],
+    v: &[f64; N],
+    a: &[f64; N],
+    w_b: &mut [[f64; 94]; N],
+) {
+    let [sin_front_left_hip, cos_front_left_hip, sin_front_left_thigh,
+    cos_front_left_thigh, sin_front_left_calf, cos_front_left_calf, sin_front_right_hip,
+    cos_front_right_hip, sin_front_right_thigh, cos_front_right_thigh,
+    sin_front_right_calf, cos_front_right_calf, sin_rear_left_hip, cos_rear_left_hip,
+    sin_rear_left_thigh, cos_rear_left_thigh, sin_rear_left_calf, cos_rear_left_calf,
+    sin_rear_right_hip, cos_rear_right_hip, sin_rear_right_thigh, cos_rear_right_thigh,
+    sin_rear_right_calf, cos_rear_right_calf, acceleration_base_x, t35, t36, t37, t38,
+    t39, t49, t50, t58, t59, t60, t67, t68, t69, t74, t76, t78, t80, t82, t89, t90, t91,
+    t99, t104, t106, t108, t110, t120, t121, t129, t130, t131, t138, t139, t140, t145,
+    t147, t149, t151, t153, t160, t161, t162, t170, t175, t177, t179, t181, t189, t191,
+    t192, t200, t201, t202, t209, t210, t211, t213, t216, t218, t219, t220, t222, t224,
+    t231, t232, t233, t236, t238, t241, t244, t246, t247, t248, t250, t252, t260, t262,
+    t263, t271, t272, t273, t280, t281, t282, t284, t287, t289, t290, t291, t293, t295,
+    t302, t303, t304, t307, t309, t312, t315, t317, t318, t319, t321, t323,
+    acceleration_base_y, t333, t335, t336, t337, t338, t339, t340, t341, t342, t344,
+    t346, t347, t348, t350, t351, t352, t357, t358, t359, t361, t363, t366, t371, t372,
+    t373, t378, t383, t384, t385, t389, t393, t396, t401, t402, t403, t408, t409, t410,
+    t411, t412, t413, t415, t417, t418, t419, t421, t422, t423, t428, t429, t430, t432,
+    t434, t437, t442, t443, t444, t449, t454, t455, t456, t460, t464, t467, t472, t473,
+    t474, t479, t480, t481, t482, t483, t484, t486, t488, t489, t490, t492, t493, t494,
+    t499, t500, t501, t503, t505, t508, t513, t514, t515, t520, t525, t526, t527, t531,
+    t535, t538, t543, t544, t545, t550, t551, t552, t553, t554, t555, t557, t559, t560,
+    t561, t563, t564, t565, t570, t571, t572, t574, t576, t579, t584, t585, t586, t591,
+    t596, t597, t598, t602, t606, t609, t614, t615, t616, t621, acceleration_base_z,
+    t633, t634, t635, t636, t638, t640, t641, t643, t645, t648, t653, t657, t661, t664,
+    t669, t670, t672, t674, t675, t677, t679, t682, t687, t691, t695, t698, t703, t704,
+    t706, t708, t709, t711, t713, t716, t721, t725, t729, t732, t737, t738, t740, t742,
+    t743, t745, t747, t750, t755, t759, t763, t766, t771, t772, t775, t780,
+    acceleration_front_left_hip_x, t789, acceleration_front_left_hip_y, t796, t797, t798,
+    t799, t802, t803, t805, t809, t815, t816, t822, t825, t826, t829, t831, t834, t835,
+    t838, t843, t844, t845, t851, t859, t862, t863, t869, t872, t873, t876, t878, t881,
+    t882, t885, acceleration_front_right_hip_x, t896, acceleration_front_right_hip_y,
+    t903, t904, t905, t906, t909, t910, t912, t916, t922, t923, t929, t932, t933, t936,
+    t938, t941, t942, t945, t950, t951, t952, t958, t966, t969, t970, t976, t979, t980,
+    t983, t985, t988, t989, t992, t993, t994, t996, t997, acceleration_rear_left_hip_x,
+    ] = base_regressor_part_1(y, v, a);
+    let [acceleration_rear_left_hip_y, t1013, t1015, t1031, t1045, t1047, t1050, t1054,
+    t1078, t1094, t1112, t1119, t1120, t1122, t1145, t1152, t1154, t1157, t1161, t1192,
+    t1201, t1209, t1220, t1225, t1232, t1281, t1296, t1353, t1368, t1381, t1386, t1393,
+    t1420, t1422, t1435, t1437, t1442, t1457, t1514, t1529, t1555, t1604, t1619, t1676,
+    t1691, t1716, t1743, t1745, t1758, t1760, t1765, t1780, t1837, t1852, t1875, t1877,
+    t1879, t1924, t1979, t1995, t2001, t2006, t2008, t2010, t2032, t2041, t2055, t2110,
+    t2137, t2139, t2141, t2186, t2241, t2257, t2263, t2268, t2270, t2272, t2294, t2303,
+    t2317, t2372, t2386, t2408, t2420, t2426, t2432, t2438, t2446, t2468, t2480, t2486,
+    t2492, t2498, t2503, t2504, t2505, t2506, t2507, t2508, t2509, t2510, t2511, t2512,
+    t2513, t2514, t2515, t2516, t2517, t2518, t2519, t2520, t2521, t2522, t2523, t2524,
+    t2525, t2526, t2527, t2528, t2529, t2530, t2531, t2532, t2533, t2534, t2535, t2536,
+    t2537, t2538, t2539, t2540, t2541, t2542, t2543, t2544, t2545, t2546, t2547, t2548,
+    minus_acceleration_base_y, t2550, t2551, t2552, t2553, t2554, t2555, t2556, t2557,
+    t2558, t2559, t2560, t2561, t2562, t2563, t2564, t2565, t2566, t2567, t2568, t2569,
+    t2570, t2571, t2572, t2573, t2574, t2575, t2576, t2577, t2578, t2579, t2580, t2581,
+    t2582, t2583, t2584, t2585, t2586, t2587, minus_acceleration_base_z, t2589, t2590,
+    t2591, t2592, t2593, t2594, t2595, t2596, t2597, t2598, t2599, t2600, t2601, t2602,
+    t2603, t2604, t2605, t2606, t2607, t2608, t2609, t2610, t2611, t2612, t2613, t2614,
+    t2615, t2616, t2617, t2618, t2619, t2620, t2621, t2622, t2623, t2624, t2625, t2626,
+    t2627, t2628, t2629, t2630, t2631, t2632, t2633, t2634, t2635, t2636, t2637, t2638,
+    t2639, t2640, t2641, t2642, t2643, t2644, t2645, minus_acceleration_base_x, t2647,
+    t2648, t2649, t2650, t2651, t2652, t2653, t2654, t2655, t2656, t2657, t2658, t2659,
+    t2660, t2661, t2662, t2663, t2664, t2665, t2666, t2667, t2668, t2669, t2670, t2671,
+    t2672, t2673, t2674, t2675, t2676, t2677, t2678, t2679, t2680, t2681, t2682, t2683,
+    t2684, t2685, t2686, t2687, t2688, t2689, t2690, t2691, t2692, t2693, t2694, t2695,
+    t2696, t2697, t2698, t2699, t2700, t2701, t2702, t2703, t2704, t2705, t2706, t2707,
+    t2708, t2709, t2710, t2711, t2712, t2713, t2714, t2715, t2716, t2717, t2718, t2719,
+    t2720, minus_acceleration_front_right_hip_x, minus_acceleration_front_right_hip_y,
+    t2723, t2724, t2725, t2726, t2727, t2728, t2729, t2730, t2731, t2732, t2733, t2734,
+    t2735, t2736, t2737, t2738, t2739, t2740, t2741, t2742, t2743, t2744, t2745, t2746,
+    t2747, t2748, t2749, t2750, minus_acceleration_rear_right_hip_x,
+    minus_acceleration_rear_right_hip_y, t2753, t2754, t2755, t2756, t2757, t2758, t2759,
+    t2760, t2761, t2762, t2763, t2764] = base_regressor_part_2([
+        sin_front_left_hip,
+        cos_front_left_hip,
+        sin_front_left_thigh,
+        cos_front_left_thigh,
+        sin_front_left_calf,
+        cos_front_left_calf,
+        sin_front_right_hip,
+        cos_front_right_hip,
+        sin_front_right_thigh,
+        cos_front_right_thigh,
+        sin_front_right_calf,
+        cos_front_right_calf,
+        sin_rear_left_hip,
+        cos_rear_left_hip,
+        sin_rear_left_thigh,
+        cos_rear_left_thigh,
+        sin_rear_left_calf,
+        cos_rear_left_calf,
+        sin_rear_right_hip,
+        cos_rear_right_hip,
+        sin_rear_right_thigh,
+        cos_rear_right_thigh,
+        sin_rear_right_calf,
+        cos_rear_right_calf,
+        acceleration_base_x,
+        t35,
+        t36,
+        t37,
+        t38,
+        t49,
+        t50,
+        t58,
+        t59,
+        t60,
+        t67,
+        t68,
+        t69,
+        t74,
+        t76,
+        t78,
+        t80,
+        t89,
+        t90,
+        t91,
+        t99,
+        t106,
+        t108,
+        t110,
+        t120,
+        t121,
+        t129,
+        t130,
+        t131,
+        t138,
+        t139,
+        t140,
+        t145,
+        t147,
+        t149,
+        t151,
+        t160,
+        t161,
+        t162,
+        t170,
+        t177,
+        t179,
+        t181,
+        t189,
+        t191,
+        t192,
+        t200,
+        t201,
+        t202,
+        t209,
+        t210,
+        t211,
+        t213,
+        t216,
+        t218,
+        t219,
+        t220,
+        t222,
+        t231,
+        t232,
+        t233,
+        t236,
+        t238,
+        t241,
+        t244,
+        t247,
+        t248,
+        t250,
+        t252,
+        t260,
+        t262,
+        t263,
+        t271,
+        t272,
+        t273,
+        t280,
+        t281,
+        t282,
+        t284,
+        t287,
+        t289,
+        t290,
+        t291,
+        t293,
+        t302,
+        t303,
+        t304,
+        t307,
+        t309,
+        t312,
+        t315,
+        t318,
+        t319,
+        t321,
+        t323,
+        acceleration_base_y,
+        t335,
+        t336,
+        t337,
+        t340,
+        t341,
+        t342,
+        t344,
+        t346,
+        t347,
+        t348,
+        t350,
+        t351,
+        t352,
+        t357,
+        t358,
+        t359,
+        t361,
+        t363,
+        t371,
+        t372,
+        t373,
+        t378,
+        t383,
+        t384,
+        t385,
+        t389,
+        t393,
+        t401,
+        t402,
+        t403,
+        t408,
+        t411,
+        t412,
+        t413,
+        t415,
+        t417,
+        t418,
+        t419,
+        t421,
+        t422,
+        t423,
+        t428,
+        t429,
+        t430,
+        t432,
+        t434,
+        t442,
+        t443,
+        t444,
+        t449,
+        t454,
+        t455,
+        t456,
+        t460,
+        t464,
+        t472,
+        t473,
+        t474,
+        t479,
+        t482,
+        t483,
+        t484,
+        t486,
+        t488,
+        t489,
+        t490,
+        t492,
+        t493,
+        t494,
+        t499,
+        t500,
+        t501,
+        t503,
+        t505,
+        t513,
+        t514,
+        t515,
+        t520,
+        t525,
+        t526,
+        t527,
+        t531,
+        t535,
+        t543,
+        t544,
+        t545,
+        t550,
+        t553,
+        t554,
+        t555,
+        t557,
+        t559,
+        t560,
+        t561,
+        t563,
+        t564,
+        t565,
+        t570,
+        t571,
+        t572,
+        t574,
+        t576,
+        t584,
+        t585,
+        t586,
+        t591,
+        t596,
+        t597,
+        t598,
+        t602,
+        t606,
+        t614,
+        t615,
+        t616,
+        t621,
+        acceleration_base_z,
+        t633,
+        t635,
+        t636,
+        t638,
+        t640,
+        t641,
+        t643,
+        t645,
+        t653,
+        t657,
+        t661,
+        t669,
+        t670,
+        t672,
+        t674,
+        t675,
+        t677,
+        t679,
+        t687,
+        t691,
+        t695,
+        t703,
+        t704,
+        t706,
+        t708,
+        t709,
+        t711,
+        t713,
+        t721,
+        t725,
+        t729,
+        t737,
+        t738,
+        t740,
+        t742,
+        t743,
+        t745,
+        t747,
+        t755,
+        t759,
+        t763,
+        t771,
+        t772,
+        t775,
+        t780,
+        acceleration_front_left_hip_x,
+        t789,
+        t796,
+        t798,
+        t802,
+        t803,
+        t805,
+        t809,
+        t816,
+        t822,
+        t825,
+        t826,
+        t835,
+        t843,
+        t844,
+        t845,
+        t851,
+        t859,
+        t863,
+        t869,
+        t872,
+        t873,
+        t876,
+        t881,
+        t882,
+        t885,
+        acceleration_front_right_hip_x,
+        acceleration_front_right_hip_y,
+        t905,
+        t909,
+        t910,
+        t912,
+        t916,
+        t922,
+        t923,
+        t932,
+        t933,
+        t942,
+        t950,
+        t951,
+        t952,
+        t958,
+        t966,
+        t969,
+        t970,
+        t979,
+        t980,
+        t983,
+        t988,
+        t989,
+        t992,
+        t993,
+        t994,
+        t996,
+        t997,
+        acceleration_rear_left_hip_x,
+    ]);
+    w_b[0][0] = acceleration_base_x;
+    w_b[0][1] = t2503;
+    w_b[0][2] = t2504;
+    w_b[0][3] = t39;
+    w_b[0][4] = 0.0;
+    w_b[0][5] = 0.0;
+    w_b[0][6] = 0.0;
+    w_b[0][7] = 0.0;
+    w_b[0][8] = 0.0;
+    w_b[0][9] = 0.0;
+    w_b[0][10] = t50;
+    w_b[0][11] = t60;
+    w_b[0][12] = 0.0;
+    w_b[0][13] = 0.0;
+    w_b[0][14] = 0.0;
+    w_b[0][15] = 0.0;
+    w_b[0][16] = 0.0;
+    w_b[0][17] = t2505;
+    w_b[0][18] = t82;
+    w_b[0][19] = 0.0;
+    w_b[0][20] = 0.0;
+    w_b[0][21] = 0.0;
+    w_b[0][22] = 0.0;
+    w_b[0][23] = 0.0;
+    w_b[0][24] = t104;
+    w_b[0][25] = t2506;
+    w_b[0][26] = 0.0;
+    w_b[0][27] = 0.0;
+    w_b[0][28] = 0.0;
+    w_b[0][29] = 0.0;
+    w_b[0][30] = 0.0;
+    w_b[0][31] = t121;
+    w_b[0][32] = t131;
+    w_b[0][33] = 0.0;
+    w_b[0][34] = 0.0;
+    w_b[0][35] = 0.0;
+    w_b[0][36] = 0.0;
+    w_b[0][37] = 0.0;
+    w_b[0][38] = t2507;
+    w_b[0][39] = t153;
+    w_b[0][40] = 0.0;
+    w_b[0][41] = 0.0;
+    w_b[0][42] = 0.0;
+    w_b[0][43] = 0.0;
+    w_b[0][44] = 0.0;
+    w_b[0][45] = t175;
+    w_b[0][46] = t2508;
+    w_b[0][47] = 0.0;
+    w_b[0][48] = 0.0;
+    w_b[0][49] = 0.0;
+    w_b[0][50] = 0.0;
+    w_b[0][51] = 0.0;
+    w_b[0][52] = t192;
+    w_b[0][53] = t202;
+    w_b[0][54] = 0.0;
+    w_b[0][55] = 0.0;
+    w_b[0][56] = 0.0;
+    w_b[0][57] = 0.0;
+    w_b[0][58] = 0.0;
+    w_b[0][59] = t2509;
+    w_b[0][60] = t224;
+    w_b[0][61] = 0.0;
+    w_b[0][62] = 0.0;
+    w_b[0][63] = 0.0;
+    w_b[0][64] = 0.0;
+    w_b[0][65] = 0.0;
+    w_b[0][66] = t246;
+    w_b[0][67] = t2510;
+    w_b[0][68] = 0.0;
+    w_b[0][69] = 0.0;
+    w_b[0][70] = 0.0;
+    w_b[0][71] = 0.0;
+    w_b[0][72] = 0.0;
+    w_b[0][73] = t263;
+    w_b[0][74] = t273;
+    w_b[0][75] = 0.0;
+    w_b[0][76] = 0.0;
+    w_b[0][77] = 0.0;
+    w_b[0][78] = 0.0;
+    w_b[0][79] = 0.0;
+    w_b[0][80] = t2511;
+    w_b[0][81] = t295;
+    w_b[0][82] = 0.0;
+    w_b[0][83] = 0.0;
+    w_b[0][84] = 0.0;
+    w_b[0][85] = 0.0;
+    w_b[0][86] = 0.0;
+    w_b[0][87] = t317;
+    w_b[0][88] = t2512;
+    w_b[0][89] = 0.0;
+    w_b[0][90] = 0.0;
+    w_b[0][91] = 0.0;
+    w_b[0][92] = 0.0;
+    w_b[0][93] = 0.0;
+    w_b[1][0] = acceleration_base_y;
+    w_b[1][1] = t333;
+    w_b[1][2] = t2513;
+    w_b[1][3] = t2514;
+    w_b[1][4] = 0.0;
+    w_b[1][5] = 0.0;
+    w_b[1][6] = 0.0;
+    w_b[1][7] = 0.0;
+    w_b[1][8] = 0.0;
+    w_b[1][9] = 0.0;
+    w_b[1][10] = t2515;
+    w_b[1][11] = t2516;
+    w_b[1][12] = 0.0;
+    w_b[1][13] = 0.0;
+    w_b[1][14] = 0.0;
+    w_b[1][15] = 0.0;
+    w_b[1][16] = 0.0;
+    w_b[1][17] = t366;
+    w_b[1][18] = t2517;
+    w_b[1][19] = 0.0;
+    w_b[1][20] = 0.0;
+    w_b[1][21] = 0.0;
+    w_b[1][22] = 0.0;
+    w_b[1][23] = 0.0;
+    w_b[1][24] = t396;
+    w_b[1][25] = t2518;
+    w_b[1][26] = 0.0;
+    w_b[1][27] = 0.0;
+    w_b[1][28] = 0.0;
+    w_b[1][29] = 0.0;
+    w_b[1][30] = 0.0;
+    w_b[1][31] = t2519;
+    w_b[1][32] = t2520;
+    w_b[1][33] = 0.0;
+    w_b[1][34] = 0.0;
+    w_b[1][35] = 0.0;
+    w_b[1][36] = 0.0;
+    w_b[1][37] = 0.0;
+    w_b[1][38] = t437;
+    w_b[1][39] = t2521;
+    w_b[1][40] = 0.0;
+    w_b[1][41] = 0.0;
+    w_b[1][42] = 0.0;
+    w_b[1][43] = 0.0;
+    w_b[1][44] = 0.0;
+    w_b[1][45] = t467;
+    w_b[1][46] = t2522;
+    w_b[1][47] = 0.0;
+    w_b[1][48] = 0.0;
+    w_b[1][49] = 0.0;
+    w_b[1][50] = 0.0;
+    w_b[1][51] = 0.0;
+    w_b[1][52] = t2523;
+    w_b[1][53] = t2524;
+    w_b[1][54] = 0.0;
+    w_b[1][55] = 0.0;
+    w_b[1][56] = 0.0;
+    w_b[1][57] = 0.0;
+    w_b[1][58] = 0.0;
+    w_b[1][59] = t508;
+    w_b[1][60] = t2525;
+    w_b[1][61] = 0.0;
+    w_b[1][62] = 0.0;
+    w_b[1][63] = 0.0;
+    w_b[1][64] = 0.0;
+    w_b[1][65] = 0.0;
+    w_b[1][66] = t538;
+    w_b[1][67] = t2526;
+    w_b[1][68] = 0.0;
+    w_b[1][69] = 0.0;
+    w_b[1][70] = 0.0;
+    w_b[1][71] = 0.0;
+    w_b[1][72] = 0.0;
+    w_b[1][73] = t2527;
+    w_b[1][74] = t2528;
+    w_b[1][75] = 0.0;
+    w_b[1][76] = 0.0;
+    w_b[1][77] = 0.0;
+    w_b[1][78] = 0.0;
+    w_b[1][79] = 0.0;
+    w_b[1][80] = t579;
+    w_b[1][81] = t2529;
+    w_b[1][82] = 0.0;
+    w_b[1][83] = 0.0;
+    w_b[1][84] = 0.0;
+    w_b[1][85] = 0.0;
+    w_b[1][86] = 0.0;
+    w_b[1][87] = t609;
+    w_b[1][88] = t2530;
+    w_b[1][89] = 0.0;
+    w_b[1][90] = 0.0;
+    w_b[1][91] = 0.0;
+    w_b[1][92] = 0.0;
+    w_b[1][93] = 0.0;
+    w_b[2][0] = acceleration_base_z;
+    w_b[2][1] = t2531;
+    w_b[2][2] = t634;
+    w_b[2][3] = t2532;
+    w_b[2][4] = 0.0;
+    w_b[2][5] = 0.0;
+    w_b[2][6] = 0.0;
+    w_b[2][7] = 0.0;
+    w_b[2][8] = 0.0;
+    w_b[2][9] = 0.0;
+    w_b[2][10] = t2533;
+    w_b[2][11] = t2534;
+    w_b[2][12] = 0.0;
+    w_b[2][13] = 0.0;
+    w_b[2][14] = 0.0;
+    w_b[2][15] = 0.0;
+    w_b[2][16] = 0.0;
+    w_b[2][17] = t648;
+    w_b[2][18] = t2535;
+    w_b[2][19] = 0.0;
+    w_b[2][20] = 0.0;
+    w_b[2][21] = 0.0;
+    w_b[2][22] = 0.0;
+    w_b[2][23] = 0.0;
+    w_b[2][24] = t664;
+    w_b[2][25] = t2536;
+    w_b[2][26] = 0.0;
+    w_b[2][27] = 0.0;
+    w_b[2][28] = 0.0;
+    w_b[2][29] = 0.0;
+    w_b[2][30] = 0.0;
+    w_b[2][31] = t2537;
+    w_b[2][32] = t2538;
+    w_b[2][33] = 0.0;
+    w_b[2][34] = 0.0;
+    w_b[2][35] = 0.0;
+    w_b[2][36] = 0.0;
+    w_b[2][37] = 0.0;
+    w_b[2][38] = t682;
+    w_b[2][39] = t2539;
+    w_b[2][40] = 0.0;
+    w_b[2][41] = 0.0;
+    w_b[2][42] = 0.0;
+    w_b[2][43] = 0.0;
+    w_b[2][44] = 0.0;
+    w_b[2][45] = t698;
+    w_b[2][46] = t2540;
+    w_b[2][47] = 0.0;
+    w_b[2][48] = 0.0;
+    w_b[2][49] = 0.0;
+    w_b[2][50] = 0.0;
+    w_b[2][51] = 0.0;
+    w_b[2][52] = t2541;
+    w_b[2][53] = t2542;
+    w_b[2][54] = 0.0;
+    w_b[2][55] = 0.0;
+    w_b[2][56] = 0.0;
+    w_b[2][57] = 0.0;
+    w_b[2][58] = 0.0;
+    w_b[2][59] = t716;
+    w_b[2][60] = t2543;
+    w_b[2][61] = 0.0;
+    w_b[2][62] = 0.0;
+    w_b[2][63] = 0.0;
+    w_b[2][64] = 0.0;
+    w_b[2][65] = 0.0;
+    w_b[2][66] = t732;
+    w_b[2][67] = t2544;
+    w_b[2][68] = 0.0;
+    w_b[2][69] = 0.0;
+    w_b[2][70] = 0.0;
+    w_b[2][71] = 0.0;
+    w_b[2][72] = 0.0;
+    w_b[2][73] = t2545;
+    w_b[2][74] = t2546;
+    w_b[2][75] = 0.0;
+    w_b[2][76] = 0.0;
+    w_b[2][77] = 0.0;
+    w_b[2][78] = 0.0;
+    w_b[2][79] = 0.0;
+    w_b[2][80] = t750;
+    w_b[2][81] = t2547;
+    w_b[2][82] = 0.0;
+    w_b[2][83] = 0.0;
+    w_b[2][84] = 0.0;
+    w_b[2][85] = 0.0;
+    w_b[2][86] = 0.0;
+    w_b[2][87] = t766;
+    w_b[2][88] = t2548;
+    w_b[2][89] = 0.0;
+    w_b[2][90] = 0.0;
+    w_b[2][91] = 0.0;
+    w_b[2][92] = 0.0;
+    w_b[2][93] = 0.0;
+    w_b[3][0] = 0.0;
+    w_b[3][1] = 0.0;
+    w_b[3][2] = acceleration_base_z;
+    w_b[3][3] = minus_acceleration_base_y;
+    w_b[3][4] = a[3];
+    w_b[3][5] = t633;
+    w_b[3][6] = t2550;
+    w_b[3][7] = t333;
+    w_b[3][8] = t2551;
+    w_b[3][9] = t336;
+    w_b[3][10] = t2552;
+    w_b[3][11] = t2553;
+    w_b[3][12] = t339;
+    w_b[3][13] = t797;
+    w_b[3][14] = t338;
+    w_b[3][15] = t2554;
+    w_b[3][16] = t799;
+    w_b[3][17] = t815;
+    w_b[3][18] = t2555;
+    w_b[3][19] = t2556;
+    w_b[3][20] = t829;
+    w_b[3][21] = t831;
+    w_b[3][22] = t834;
+    w_b[3][23] = t838;
+    w_b[3][24] = t862;
+    w_b[3][25] = t2557;
+    w_b[3][26] = t2558;
+    w_b[3][27] = t2559;
+    w_b[3][28] = t878;
+    w_b[3][29] = t2560;
+    w_b[3][30] = t2561;
+    w_b[3][31] = t896;
+    w_b[3][32] = t903;
+    w_b[3][33] = t410;
+    w_b[3][34] = t904;
+    w_b[3][35] = t409;
+    w_b[3][36] = t2562;
+    w_b[3][37] = t906;
+    w_b[3][38] = t2563;
+    w_b[3][39] = t929;
+    w_b[3][40] = t2564;
+    w_b[3][41] = t936;
+    w_b[3][42] = t938;
+    w_b[3][43] = t941;
+    w_b[3][44] = t945;
+    w_b[3][45] = t2565;
+    w_b[3][46] = t976;
+    w_b[3][47] = t2566;
+    w_b[3][48] = t2567;
+    w_b[3][49] = t985;
+    w_b[3][50] = t2568;
+    w_b[3][51] = t2569;
+    w_b[3][52] = t2570;
+    w_b[3][53] = t2571;
+    w_b[3][54] = t481;
+    w_b[3][55] = t1013;
+    w_b[3][56] = t480;
+    w_b[3][57] = t2572;
+    w_b[3][58] = t1015;
+    w_b[3][59] = t1031;
+    w_b[3][60] = t2573;
+    w_b[3][61] = t2574;
+    w_b[3][62] = t1045;
+    w_b[3][63] = t1047;
+    w_b[3][64] = t1050;
+    w_b[3][65] = t1054;
+    w_b[3][66] = t1078;
+    w_b[3][67] = t2575;
+    w_b[3][68] = t2576;
+    w_b[3][69] = t2577;
+    w_b[3][70] = t1094;
+    w_b[3][71] = t2578;
+    w_b[3][72] = t2579;
+    w_b[3][73] = t1112;
+    w_b[3][74] = t1119;
+    w_b[3][75] = t552;
+    w_b[3][76] = t1120;
+    w_b[3][77] = t551;
+    w_b[3][78] = t2580;
+    w_b[3][79] = t1122;
+    w_b[3][80] = t2581;
+    w_b[3][81] = t1145;
+    w_b[3][82] = t2582;
+    w_b[3][83] = t1152;
+    w_b[3][84] = t1154;
+    w_b[3][85] = t1157;
+    w_b[3][86] = t1161;
+    w_b[3][87] = t2583;
+    w_b[3][88] = t1192;
+    w_b[3][89] = t2584;
+    w_b[3][90] = t2585;
+    w_b[3][91] = t1201;
+    w_b[3][92] = t2586;
+    w_b[3][93] = t2587;
+    w_b[4][0] = 0.0;
+    w_b[4][1] = minus_acceleration_base_z;
+    w_b[4][2] = 0.0;
+    w_b[4][3] = acceleration_base_x;
+    w_b[4][4] = t38;
+    w_b[4][5] = t634;
+    w_b[4][6] = a[4];
+    w_b[4][7] = t1209;
+    w_b[4][8] = t37;
+    w_b[4][9] = t2589;
+    w_b[4][10] = t1220;
+    w_b[4][11] = t1225;
+    w_b[4][12] = t2590;
+    w_b[4][13] = t1232;
+    w_b[4][14] = t2591;
+    w_b[4][15] = t2592;
+    w_b[4][16] = t2593;
+    w_b[4][17] = t2594;
+    w_b[4][18] = t2595;
+    w_b[4][19] = t1281;
+    w_b[4][20] = t2596;
+    w_b[4][21] = t2597;
+    w_b[4][22] = t1296;
+    w_b[4][23] = t2598;
+    w_b[4][24] = t2599;
+    w_b[4][25] = t2600;
+    w_b[4][26] = t1353;
+    w_b[4][27] = t2601;
+    w_b[4][28] = t2602;
+    w_b[4][29] = t1368;
+    w_b[4][30] = t2603;
+    w_b[4][31] = t1381;
+    w_b[4][32] = t1386;
+    w_b[4][33] = t2604;
+    w_b[4][34] = t1393;
+    w_b[4][35] = t2605;
+    w_b[4][36] = t2606;
+    w_b[4][37] = t2607;
+    w_b[4][38] = t1422;
+    w_b[4][39] = t1437;
+    w_b[4][40] = t1442;
+    w_b[4][41] = t2608;
+    w_b[4][42] = t2609;
+    w_b[4][43] = t1457;
+    w_b[4][44] = t2610;
+    w_b[4][45] = t2611;
+    w_b[4][46] = t2612;
+    w_b[4][47] = t1514;
+    w_b[4][48] = t2613;
+    w_b[4][49] = t2614;
+    w_b[4][50] = t1529;
+    w_b[4][51] = t2615;
+    w_b[4][52] = t2616;
+    w_b[4][53] = t2617;
+    w_b[4][54] = t2618;
+    w_b[4][55] = t1555;
+    w_b[4][56] = t2619;
+    w_b[4][57] = t2620;
+    w_b[4][58] = t2621;
+    w_b[4][59] = t2622;
+    w_b[4][60] = t2623;
+    w_b[4][61] = t1604;
+    w_b[4][62] = t2624;
+    w_b[4][63] = t2625;
+    w_b[4][64] = t1619;
+    w_b[4][65] = t2626;
+    w_b[4][66] = t2627;
+    w_b[4][67] = t2628;
+    w_b[4][68] = t1676;
+    w_b[4][69] = t2629;
+    w_b[4][70] = t2630;
+    w_b[4][71] = t1691;
+    w_b[4][72] = t2631;
+    w_b[4][73] = t2632;
+    w_b[4][74] = t2633;
+    w_b[4][75] = t2634;
+    w_b[4][76] = t1716;
+    w_b[4][77] = t2635;
+    w_b[4][78] = t2636;
+    w_b[4][79] = t2637;
+    w_b[4][80] = t1745;
+    w_b[4][81] = t1760;
+    w_b[4][82] = t1765;
+    w_b[4][83] = t2638;
+    w_b[4][84] = t2639;
+    w_b[4][85] = t1780;
+    w_b[4][86] = t2640;
+    w_b[4][87] = t2641;
+    w_b[4][88] = t2642;
+    w_b[4][89] = t1837;
+    w_b[4][90] = t2643;
+    w_b[4][91] = t2644;
+    w_b[4][92] = t1852;
+    w_b[4][93] = t2645;
+    w_b[5][0] = 0.0;
+    w_b[5][1] = acceleration_base_y;
+    w_b[5][2] = minus_acceleration_base_x;
+    w_b[5][3] = 0.0;
+    w_b[5][4] = t2647;
+    w_b[5][5] = t2648;
+    w_b[5][6] = t36;
+    w_b[5][7] = t337;
+    w_b[5][8] = t39;
+    w_b[5][9] = a[5];
+    w_b[5][10] = t2649;
+    w_b[5][11] = t2650;
+    w_b[5][12] = t2651;
+    w_b[5][13] = t1875;
+    w_b[5][14] = t1877;
+    w_b[5][15] = t1879;
+    w_b[5][16] = t2652;
+    w_b[5][17] = t2653;
+    w_b[5][18] = t2654;
+    w_b[5][19] = t2655;
+    w_b[5][20] = t2656;
+    w_b[5][21] = t1924;
+    w_b[5][22] = t2657;
+    w_b[5][23] = t2658;
+    w_b[5][24] = t2659;
+    w_b[5][25] = t2660;
+    w_b[5][26] = t2661;
+    w_b[5][27] = t2662;
+    w_b[5][28] = t1979;
+    w_b[5][29] = t2663;
+    w_b[5][30] = t2664;
+    w_b[5][31] = t1995;
+    w_b[5][32] = t2001;
+    w_b[5][33] = t2665;
+    w_b[5][34] = t2006;
+    w_b[5][35] = t2008;
+    w_b[5][36] = t2010;
+    w_b[5][37] = t2666;
+    w_b[5][38] = t2032;
+    w_b[5][39] = t2041;
+    w_b[5][40] = t2667;
+    w_b[5][41] = t2668;
+    w_b[5][42] = t2055;
+    w_b[5][43] = t2669;
+    w_b[5][44] = t2670;
+    w_b[5][45] = t2671;
+    w_b[5][46] = t2672;
+    w_b[5][47] = t2673;
+    w_b[5][48] = t2674;
+    w_b[5][49] = t2110;
+    w_b[5][50] = t2675;
+    w_b[5][51] = t2676;
+    w_b[5][52] = t2677;
+    w_b[5][53] = t2678;
+    w_b[5][54] = t2679;
+    w_b[5][55] = t2137;
+    w_b[5][56] = t2139;
+    w_b[5][57] = t2141;
+    w_b[5][58] = t2680;
+    w_b[5][59] = t2681;
+    w_b[5][60] = t2682;
+    w_b[5][61] = t2683;
+    w_b[5][62] = t2684;
+    w_b[5][63] = t2186;
+    w_b[5][64] = t2685;
+    w_b[5][65] = t2686;
+    w_b[5][66] = t2687;
+    w_b[5][67] = t2688;
+    w_b[5][68] = t2689;
+    w_b[5][69] = t2690;
+    w_b[5][70] = t2241;
+    w_b[5][71] = t2691;
+    w_b[5][72] = t2692;
+    w_b[5][73] = t2257;
+    w_b[5][74] = t2263;
+    w_b[5][75] = t2693;
+    w_b[5][76] = t2268;
+    w_b[5][77] = t2270;
+    w_b[5][78] = t2272;
+    w_b[5][79] = t2694;
+    w_b[5][80] = t2294;
+    w_b[5][81] = t2303;
+    w_b[5][82] = t2695;
+    w_b[5][83] = t2696;
+    w_b[5][84] = t2317;
+    w_b[5][85] = t2697;
+    w_b[5][86] = t2698;
+    w_b[5][87] = t2699;
+    w_b[5][88] = t2700;
+    w_b[5][89] = t2701;
+    w_b[5][90] = t2702;
+    w_b[5][91] = t2372;
+    w_b[5][92] = t2703;
+    w_b[5][93] = t2704;
+    w_b[6][0] = 0.0;
+    w_b[6][1] = 0.0;
+    w_b[6][2] = 0.0;
+    w_b[6][3] = 0.0;
+    w_b[6][4] = 0.0;
+    w_b[6][5] = 0.0;
+    w_b[6][6] = 0.0;
+    w_b[6][7] = 0.0;
+    w_b[6][8] = 0.0;
+    w_b[6][9] = 0.0;
+    w_b[6][10] = acceleration_front_left_hip_x;
+    w_b[6][11] = acceleration_front_left_hip_y;
+    w_b[6][12] = t339;
+    w_b[6][13] = t797;
+    w_b[6][14] = t338;
+    w_b[6][15] = t2554;
+    w_b[6][16] = t799;
+    w_b[6][17] = t2386;
+    w_b[6][18] = t2705;
+    w_b[6][19] = t2556;
+    w_b[6][20] = t829;
+    w_b[6][21] = t831;
+    w_b[6][22] = t834;
+    w_b[6][23] = t838;
+    w_b[6][24] = t2706;
+    w_b[6][25] = t2707;
+    w_b[6][26] = t2558;
+    w_b[6][27] = t2559;
+    w_b[6][28] = t878;
+    w_b[6][29] = t2560;
+    w_b[6][30] = t2561;
+    w_b[6][31] = 0.0;
+    w_b[6][32] = 0.0;
+    w_b[6][33] = 0.0;
+    w_b[6][34] = 0.0;
+    w_b[6][35] = 0.0;
+    w_b[6][36] = 0.0;
+    w_b[6][37] = 0.0;
+    w_b[6][38] = 0.0;
+    w_b[6][39] = 0.0;
+    w_b[6][40] = 0.0;
+    w_b[6][41] = 0.0;
+    w_b[6][42] = 0.0;
+    w_b[6][43] = 0.0;
+    w_b[6][44] = 0.0;
+    w_b[6][45] = 0.0;
+    w_b[6][46] = 0.0;
+    w_b[6][47] = 0.0;
+    w_b[6][48] = 0.0;
+    w_b[6][49] = 0.0;
+    w_b[6][50] = 0.0;
+    w_b[6][51] = 0.0;
+    w_b[6][52] = 0.0;
+    w_b[6][53] = 0.0;
+    w_b[6][54] = 0.0;
+    w_b[6][55] = 0.0;
+    w_b[6][56] = 0.0;
+    w_b[6][57] = 0.0;
+    w_b[6][58] = 0.0;
+    w_b[6][59] = 0.0;
+    w_b[6][60] = 0.0;
+    w_b[6][61] = 0.0;
+    w_b[6][62] = 0.0;
+    w_b[6][63] = 0.0;
+    w_b[6][64] = 0.0;
+    w_b[6][65] = 0.0;
+    w_b[6][66] = 0.0;
+    w_b[6][67] = 0.0;
+    w_b[6][68] = 0.0;
+    w_b[6][69] = 0.0;
+    w_b[6][70] = 0.0;
+    w_b[6][71] = 0.0;
+    w_b[6][72] = 0.0;
+    w_b[6][73] = 0.0;
+    w_b[6][74] = 0.0;
+    w_b[6][75] = 0.0;
+    w_b[6][76] = 0.0;
+    w_b[6][77] = 0.0;
+    w_b[6][78] = 0.0;
+    w_b[6][79] = 0.0;
+    w_b[6][80] = 0.0;
+    w_b[6][81] = 0.0;
+    w_b[6][82] = 0.0;
+    w_b[6][83] = 0.0;
+    w_b[6][84] = 0.0;
+    w_b[6][85] = 0.0;
+    w_b[6][86] = 0.0;
+    w_b[6][87] = 0.0;
+    w_b[6][88] = 0.0;
+    w_b[6][89] = 0.0;
+    w_b[6][90] = 0.0;
+    w_b[6][91] = 0.0;
+    w_b[6][92] = 0.0;
+    w_b[6][93] = 0.0;
+    w_b[7][0] = 0.0;
+    w_b[7][1] = 0.0;
+    w_b[7][2] = 0.0;
+    w_b[7][3] = 0.0;
+    w_b[7][4] = 0.0;
+    w_b[7][5] = 0.0;
+    w_b[7][6] = 0.0;
+    w_b[7][7] = 0.0;
+    w_b[7][8] = 0.0;
+    w_b[7][9] = 0.0;
+    w_b[7][10] = 0.0;
+    w_b[7][11] = 0.0;
+    w_b[7][12] = 0.0;
+    w_b[7][13] = 0.0;
+    w_b[7][14] = 0.0;
+    w_b[7][15] = 0.0;
+    w_b[7][16] = 0.0;
+    w_b[7][17] = t2708;
+    w_b[7][18] = t2709;
+    w_b[7][19] = t2710;
+    w_b[7][20] = t2711;
+    w_b[7][21] = t68;
+    w_b[7][22] = t2712;
+    w_b[7][23] = t2713;
+    w_b[7][24] = t2408;
+    w_b[7][25] = t2714;
+    w_b[7][26] = t2715;
+    w_b[7][27] = t2716;
+    w_b[7][28] = t90;
+    w_b[7][29] = t2717;
+    w_b[7][30] = t2718;
+    w_b[7][31] = 0.0;
+    w_b[7][32] = 0.0;
+    w_b[7][33] = 0.0;
+    w_b[7][34] = 0.0;
+    w_b[7][35] = 0.0;
+    w_b[7][36] = 0.0;
+    w_b[7][37] = 0.0;
+    w_b[7][38] = 0.0;
+    w_b[7][39] = 0.0;
+    w_b[7][40] = 0.0;
+    w_b[7][41] = 0.0;
+    w_b[7][42] = 0.0;
+    w_b[7][43] = 0.0;
+    w_b[7][44] = 0.0;
+    w_b[7][45] = 0.0;
+    w_b[7][46] = 0.0;
+    w_b[7][47] = 0.0;
+    w_b[7][48] = 0.0;
+    w_b[7][49] = 0.0;
+    w_b[7][50] = 0.0;
+    w_b[7][51] = 0.0;
+    w_b[7][52] = 0.0;
+    w_b[7][53] = 0.0;
+    w_b[7][54] = 0.0;
+    w_b[7][55] = 0.0;
+    w_b[7][56] = 0.0;
+    w_b[7][57] = 0.0;
+    w_b[7][58] = 0.0;
+    w_b[7][59] = 0.0;
+    w_b[7][60] = 0.0;
+    w_b[7][61] = 0.0;
+    w_b[7][62] = 0.0;
+    w_b[7][63] = 0.0;
+    w_b[7][64] = 0.0;
+    w_b[7][65] = 0.0;
+    w_b[7][66] = 0.0;
+    w_b[7][67] = 0.0;
+    w_b[7][68] = 0.0;
+    w_b[7][69] = 0.0;
+    w_b[7][70] = 0.0;
+    w_b[7][71] = 0.0;
+    w_b[7][72] = 0.0;
+    w_b[7][73] = 0.0;
+    w_b[7][74] = 0.0;
+    w_b[7][75] = 0.0;
+    w_b[7][76] = 0.0;
+    w_b[7][77] = 0.0;
+    w_b[7][78] = 0.0;
+    w_b[7][79] = 0.0;
+    w_b[7][80] = 0.0;
+    w_b[7][81] = 0.0;
+    w_b[7][82] = 0.0;
+    w_b[7][83] = 0.0;
+    w_b[7][84] = 0.0;
+    w_b[7][85] = 0.0;
+    w_b[7][86] = 0.0;
+    w_b[7][87] = 0.0;
+    w_b[7][88] = 0.0;
+    w_b[7][89] = 0.0;
+    w_b[7][90] = 0.0;
+    w_b[7][91] = 0.0;
+    w_b[7][92] = 0.0;
+    w_b[7][93] = 0.0;
+    w_b[8][0] = 0.0;
+    w_b[8][1] = 0.0;
+    w_b[8][2] = 0.0;
+    w_b[8][3] = 0.0;
+    w_b[8][4] = 0.0;
+    w_b[8][5] = 0.0;
+    w_b[8][6] = 0.0;
+    w_b[8][7] = 0.0;
+    w_b[8][8] = 0.0;
+    w_b[8][9] = 0.0;
+    w_b[8][10] = 0.0;
+    w_b[8][11] = 0.0;
+    w_b[8][12] = 0.0;
+    w_b[8][13] = 0.0;
+    w_b[8][14] = 0.0;
+    w_b[8][15] = 0.0;
+    w_b[8][16] = 0.0;
+    w_b[8][17] = 0.0;
+    w_b[8][18] = 0.0;
+    w_b[8][19] = 0.0;
+    w_b[8][20] = 0.0;
+    w_b[8][21] = 0.0;
+    w_b[8][22] = 0.0;
+    w_b[8][23] = 0.0;
+    w_b[8][24] = t2719;
+    w_b[8][25] = t2720;
+    w_b[8][26] = t2715;
+    w_b[8][27] = t2716;
+    w_b[8][28] = t90;
+    w_b[8][29] = t2717;
+    w_b[8][30] = t2718;
+    w_b[8][31] = 0.0;
+    w_b[8][32] = 0.0;
+    w_b[8][33] = 0.0;
+    w_b[8][34] = 0.0;
+    w_b[8][35] = 0.0;
+    w_b[8][36] = 0.0;
+    w_b[8][37] = 0.0;
+    w_b[8][38] = 0.0;
+    w_b[8][39] = 0.0;
+    w_b[8][40] = 0.0;
+    w_b[8][41] = 0.0;
+    w_b[8][42] = 0.0;
+    w_b[8][43] = 0.0;
+    w_b[8][44] = 0.0;
+    w_b[8][45] = 0.0;
+    w_b[8][46] = 0.0;
+    w_b[8][47] = 0.0;
+    w_b[8][48] = 0.0;
+    w_b[8][49] = 0.0;
+    w_b[8][50] = 0.0;
+    w_b[8][51] = 0.0;
+    w_b[8][52] = 0.0;
+    w_b[8][53] = 0.0;
+    w_b[8][54] = 0.0;
+    w_b[8][55] = 0.0;
+    w_b[8][56] = 0.0;
+    w_b[8][57] = 0.0;
+    w_b[8][58] = 0.0;
+    w_b[8][59] = 0.0;
+    w_b[8][60] = 0.0;
+    w_b[8][61] = 0.0;
+    w_b[8][62] = 0.0;
+    w_b[8][63] = 0.0;
+    w_b[8][64] = 0.0;
+    w_b[8][65] = 0.0;
+    w_b[8][66] = 0.0;
+    w_b[8][67] = 0.0;
+    w_b[8][68] = 0.0;
+    w_b[8][69] = 0.0;
+    w_b[8][70] = 0.0;
+    w_b[8][71] = 0.0;
+    w_b[8][72] = 0.0;
+    w_b[8][73] = 0.0;
+    w_b[8][74] = 0.0;
+    w_b[8][75] = 0.0;
+    w_b[8][76] = 0.0;
+    w_b[8][77] = 0.0;
+    w_b[8][78] = 0.0;
+    w_b[8][79] = 0.0;
+    w_b[8][80] = 0.0;
+    w_b[8][81] = 0.0;
+    w_b[8][82] = 0.0;
+    w_b[8][83] = 0.0;
+    w_b[8][84] = 0.0;
+    w_b[8][85] = 0.0;
+    w_b[8][86] = 0.0;
+    w_b[8][87] = 0.0;
+    w_b[8][88] = 0.0;
+    w_b[8][89] = 0.0;
+    w_b[8][90] = 0.0;
+    w_b[8][91] = 0.0;
+    w_b[8][92] = 0.0;
+    w_b[8][93] = 0.0;
+    w_b[9][0] = 0.0;
+    w_b[9][1] = 0.0;
+    w_b[9][2] = 0.0;
+    w_b[9][3] = 0.0;
+    w_b[9][4] = 0.0;
+    w_b[9][5] = 0.0;
+    w_b[9][6] = 0.0;
+    w_b[9][7] = 0.0;
+    w_b[9][8] = 0.0;
+    w_b[9][9] = 0.0;
+    w_b[9][10] = 0.0;
+    w_b[9][11] = 0.0;
+    w_b[9][12] = 0.0;
+    w_b[9][13] = 0.0;
+    w_b[9][14] = 0.0;
+    w_b[9][15] = 0.0;
+    w_b[9][16] = 0.0;
+    w_b[9][17] = 0.0;
+    w_b[9][18] = 0.0;
+    w_b[9][19] = 0.0;
+    w_b[9][20] = 0.0;
+    w_b[9][21] = 0.0;
+    w_b[9][22] = 0.0;
+    w_b[9][23] = 0.0;
+    w_b[9][24] = 0.0;
+    w_b[9][25] = 0.0;
+    w_b[9][26] = 0.0;
+    w_b[9][27] = 0.0;
+    w_b[9][28] = 0.0;
+    w_b[9][29] = 0.0;
+    w_b[9][30] = 0.0;
+    w_b[9][31] = minus_acceleration_front_right_hip_x;
+    w_b[9][32] = minus_acceleration_front_right_hip_y;
+    w_b[9][33] = t410;
+    w_b[9][34] = t904;
+    w_b[9][35] = t409;
+    w_b[9][36] = t2562;
+    w_b[9][37] = t906;
+    w_b[9][38] = t2723;
+    w_b[9][39] = t2420;
+    w_b[9][40] = t2564;
+    w_b[9][41] = t936;
+    w_b[9][42] = t938;
+    w_b[9][43] = t941;
+    w_b[9][44] = t945;
+    w_b[9][45] = t2426;
+    w_b[9][46] = t2432;
+    w_b[9][47] = t2566;
+    w_b[9][48] = t2567;
+    w_b[9][49] = t985;
+    w_b[9][50] = t2568;
+    w_b[9][51] = t2569;
+    w_b[9][52] = 0.0;
+    w_b[9][53] = 0.0;
+    w_b[9][54] = 0.0;
+    w_b[9][55] = 0.0;
+    w_b[9][56] = 0.0;
+    w_b[9][57] = 0.0;
+    w_b[9][58] = 0.0;
+    w_b[9][59] = 0.0;
+    w_b[9][60] = 0.0;
+    w_b[9][61] = 0.0;
+    w_b[9][62] = 0.0;
+    w_b[9][63] = 0.0;
+    w_b[9][64] = 0.0;
+    w_b[9][65] = 0.0;
+    w_b[9][66] = 0.0;
+    w_b[9][67] = 0.0;
+    w_b[9][68] = 0.0;
+    w_b[9][69] = 0.0;
+    w_b[9][70] = 0.0;
+    w_b[9][71] = 0.0;
+    w_b[9][72] = 0.0;
+    w_b[9][73] = 0.0;
+    w_b[9][74] = 0.0;
+    w_b[9][75] = 0.0;
+    w_b[9][76] = 0.0;
+    w_b[9][77] = 0.0;
+    w_b[9][78] = 0.0;
+    w_b[9][79] = 0.0;
+    w_b[9][80] = 0.0;
+    w_b[9][81] = 0.0;
+    w_b[9][82] = 0.0;
+    w_b[9][83] = 0.0;
+    w_b[9][84] = 0.0;
+    w_b[9][85] = 0.0;
+    w_b[9][86] = 0.0;
+    w_b[9][87] = 0.0;
+    w_b[9][88] = 0.0;
+    w_b[9][89] = 0.0;
+    w_b[9][90] = 0.0;
+    w_b[9][91] = 0.0;
+    w_b[9][92] = 0.0;
+    w_b[9][93] = 0.0;
+    w_b[10][0] = 0.0;
+    w_b[10][1] = 0.0;
+    w_b[10][2] = 0.0;
+    w_b[10][3] = 0.0;
+    w_b[10][4] = 0.0;
+    w_b[10][5] = 0.0;
+    w_b[10][6] = 0.0;
+    w_b[10][7] = 0.0;
+    w_b[10][8] = 0.0;
+    w_b[10][9] = 0.0;
+    w_b[10][10] = 0.0;
+    w_b[10][11] = 0.0;
+    w_b[10][12] = 0.0;
+    w_b[10][13] = 0.0;
+    w_b[10][14] = 0.0;
+    w_b[10][15] = 0.0;
+    w_b[10][16] = 0.0;
+    w_b[10][17] = 0.0;
+    w_b[10][18] = 0.0;
+    w_b[10][19] = 0.0;
+    w_b[10][20] = 0.0;
+    w_b[10][21] = 0.0;
+    w_b[10][22] = 0.0;
+    w_b[10][23] = 0.0;
+    w_b[10][24] = 0.0;
+    w_b[10][25] = 0.0;
+    w_b[10][26] = 0.0;
+    w_b[10][27] = 0.0;
+    w_b[10][28] = 0.0;
+    w_b[10][29] = 0.0;
+    w_b[10][30] = 0.0;
+    w_b[10][31] = 0.0;
+    w_b[10][32] = 0.0;
+    w_b[10][33] = 0.0;
+    w_b[10][34] = 0.0;
+    w_b[10][35] = 0.0;
+    w_b[10][36] = 0.0;
+    w_b[10][37] = 0.0;
+    w_b[10][38] = t1420;
+    w_b[10][39] = t1435;
+    w_b[10][40] = t2724;
+    w_b[10][41] = t2725;
+    w_b[10][42] = t139;
+    w_b[10][43] = t2726;
+    w_b[10][44] = t2727;
+    w_b[10][45] = t2438;
+    w_b[10][46] = t2728;
+    w_b[10][47] = t2729;
+    w_b[10][48] = t2730;
+    w_b[10][49] = t161;
+    w_b[10][50] = t2731;
+    w_b[10][51] = t2732;
+    w_b[10][52] = 0.0;
+    w_b[10][53] = 0.0;
+    w_b[10][54] = 0.0;
+    w_b[10][55] = 0.0;
+    w_b[10][56] = 0.0;
+    w_b[10][57] = 0.0;
+    w_b[10][58] = 0.0;
+    w_b[10][59] = 0.0;
+    w_b[10][60] = 0.0;
+    w_b[10][61] = 0.0;
+    w_b[10][62] = 0.0;
+    w_b[10][63] = 0.0;
+    w_b[10][64] = 0.0;
+    w_b[10][65] = 0.0;
+    w_b[10][66] = 0.0;
+    w_b[10][67] = 0.0;
+    w_b[10][68] = 0.0;
+    w_b[10][69] = 0.0;
+    w_b[10][70] = 0.0;
+    w_b[10][71] = 0.0;
+    w_b[10][72] = 0.0;
+    w_b[10][73] = 0.0;
+    w_b[10][74] = 0.0;
+    w_b[10][75] = 0.0;
+    w_b[10][76] = 0.0;
+    w_b[10][77] = 0.0;
+    w_b[10][78] = 0.0;
+    w_b[10][79] = 0.0;
+    w_b[10][80] = 0.0;
+    w_b[10][81] = 0.0;
+    w_b[10][82] = 0.0;
+    w_b[10][83] = 0.0;
+    w_b[10][84] = 0.0;
+    w_b[10][85] = 0.0;
+    w_b[10][86] = 0.0;
+    w_b[10][87] = 0.0;
+    w_b[10][88] = 0.0;
+    w_b[10][89] = 0.0;
+    w_b[10][90] = 0.0;
+    w_b[10][91] = 0.0;
+    w_b[10][92] = 0.0;
+    w_b[10][93] = 0.0;
+    w_b[11][0] = 0.0;
+    w_b[11][1] = 0.0;
+    w_b[11][2] = 0.0;
+    w_b[11][3] = 0.0;
+    w_b[11][4] = 0.0;
+    w_b[11][5] = 0.0;
+    w_b[11][6] = 0.0;
+    w_b[11][7] = 0.0;
+    w_b[11][8] = 0.0;
+    w_b[11][9] = 0.0;
+    w_b[11][10] = 0.0;
+    w_b[11][11] = 0.0;
+    w_b[11][12] = 0.0;
+    w_b[11][13] = 0.0;
+    w_b[11][14] = 0.0;
+    w_b[11][15] = 0.0;
+    w_b[11][16] = 0.0;
+    w_b[11][17] = 0.0;
+    w_b[11][18] = 0.0;
+    w_b[11][19] = 0.0;
+    w_b[11][20] = 0.0;
+    w_b[11][21] = 0.0;
+    w_b[11][22] = 0.0;
+    w_b[11][23] = 0.0;
+    w_b[11][24] = 0.0;
+    w_b[11][25] = 0.0;
+    w_b[11][26] = 0.0;
+    w_b[11][27] = 0.0;
+    w_b[11][28] = 0.0;
+    w_b[11][29] = 0.0;
+    w_b[11][30] = 0.0;
+    w_b[11][31] = 0.0;
+    w_b[11][32] = 0.0;
+    w_b[11][33] = 0.0;
+    w_b[11][34] = 0.0;
+    w_b[11][35] = 0.0;
+    w_b[11][36] = 0.0;
+    w_b[11][37] = 0.0;
+    w_b[11][38] = 0.0;
+    w_b[11][39] = 0.0;
+    w_b[11][40] = 0.0;
+    w_b[11][41] = 0.0;
+    w_b[11][42] = 0.0;
+    w_b[11][43] = 0.0;
+    w_b[11][44] = 0.0;
+    w_b[11][45] = t2733;
+    w_b[11][46] = t2734;
+    w_b[11][47] = t2729;
+    w_b[11][48] = t2730;
+    w_b[11][49] = t161;
+    w_b[11][50] = t2731;
+    w_b[11][51] = t2732;
+    w_b[11][52] = 0.0;
+    w_b[11][53] = 0.0;
+    w_b[11][54] = 0.0;
+    w_b[11][55] = 0.0;
+    w_b[11][56] = 0.0;
+    w_b[11][57] = 0.0;
+    w_b[11][58] = 0.0;
+    w_b[11][59] = 0.0;
+    w_b[11][60] = 0.0;
+    w_b[11][61] = 0.0;
+    w_b[11][62] = 0.0;
+    w_b[11][63] = 0.0;
+    w_b[11][64] = 0.0;
+    w_b[11][65] = 0.0;
+    w_b[11][66] = 0.0;
+    w_b[11][67] = 0.0;
+    w_b[11][68] = 0.0;
+    w_b[11][69] = 0.0;
+    w_b[11][70] = 0.0;
+    w_b[11][71] = 0.0;
+    w_b[11][72] = 0.0;
+    w_b[11][73] = 0.0;
+    w_b[11][74] = 0.0;
+    w_b[11][75] = 0.0;
+    w_b[11][76] = 0.0;
+    w_b[11][77] = 0.0;
+    w_b[11][78] = 0.0;
+    w_b[11][79] = 0.0;
+    w_b[11][80] = 0.0;
+    w_b[11][81] = 0.0;
+    w_b[11][82] = 0.0;
+    w_b[11][83] = 0.0;
+    w_b[11][84] = 0.0;
+    w_b[11][85] = 0.0;
+    w_b[11][86] = 0.0;
+    w_b[11][87] = 0.0;
+    w_b[11][88] = 0.0;
+    w_b[11][89] = 0.0;
+    w_b[11][90] = 0.0;
+    w_b[11][91] = 0.0;
+    w_b[11][92] = 0.0;
+    w_b[11][93] = 0.0;
+    w_b[12][0] = 0.0;
+    w_b[12][1] = 0.0;
+    w_b[12][2] = 0.0;
+    w_b[12][3] = 0.0;
+    w_b[12][4] = 0.0;
+    w_b[12][5] = 0.0;
+    w_b[12][6] = 0.0;
+    w_b[12][7] = 0.0;
+    w_b[12][8] = 0.0;
+    w_b[12][9] = 0.0;
+    w_b[12][10] = 0.0;
+    w_b[12][11] = 0.0;
+    w_b[12][12] = 0.0;
+    w_b[12][13] = 0.0;
+    w_b[12][14] = 0.0;
+    w_b[12][15] = 0.0;
+    w_b[12][16] = 0.0;
+    w_b[12][17] = 0.0;
+    w_b[12][18] = 0.0;
+    w_b[12][19] = 0.0;
+    w_b[12][20] = 0.0;
+    w_b[12][21] = 0.0;
+    w_b[12][22] = 0.0;
+    w_b[12][23] = 0.0;
+    w_b[12][24] = 0.0;
+    w_b[12][25] = 0.0;
+    w_b[12][26] = 0.0;
+    w_b[12][27] = 0.0;
+    w_b[12][28] = 0.0;
+    w_b[12][29] = 0.0;
+    w_b[12][30] = 0.0;
+    w_b[12][31] = 0.0;
+    w_b[12][32] = 0.0;
+    w_b[12][33] = 0.0;
+    w_b[12][34] = 0.0;
+    w_b[12][35] = 0.0;
+    w_b[12][36] = 0.0;
+    w_b[12][37] = 0.0;
+    w_b[12][38] = 0.0;
+    w_b[12][39] = 0.0;
+    w_b[12][40] = 0.0;
+    w_b[12][41] = 0.0;
+    w_b[12][42] = 0.0;
+    w_b[12][43] = 0.0;
+    w_b[12][44] = 0.0;
+    w_b[12][45] = 0.0;
+    w_b[12][46] = 0.0;
+    w_b[12][47] = 0.0;
+    w_b[12][48] = 0.0;
+    w_b[12][49] = 0.0;
+    w_b[12][50] = 0.0;
+    w_b[12][51] = 0.0;
+    w_b[12][52] = acceleration_rear_left_hip_x;
+    w_b[12][53] = acceleration_rear_left_hip_y;
+    w_b[12][54] = t481;
+    w_b[12][55] = t1013;
+    w_b[12][56] = t480;
+    w_b[12][57] = t2572;
+    w_b[12][58] = t1015;
+    w_b[12][59] = t2446;
+    w_b[12][60] = t2735;
+    w_b[12][61] = t2574;
+    w_b[12][62] = t1045;
+    w_b[12][63] = t1047;
+    w_b[12][64] = t1050;
+    w_b[12][65] = t1054;
+    w_b[12][66] = t2736;
+    w_b[12][67] = t2737;
+    w_b[12][68] = t2576;
+    w_b[12][69] = t2577;
+    w_b[12][70] = t1094;
+    w_b[12][71] = t2578;
+    w_b[12][72] = t2579;
+    w_b[12][73] = 0.0;
+    w_b[12][74] = 0.0;
+    w_b[12][75] = 0.0;
+    w_b[12][76] = 0.0;
+    w_b[12][77] = 0.0;
+    w_b[12][78] = 0.0;
+    w_b[12][79] = 0.0;
+    w_b[12][80] = 0.0;
+    w_b[12][81] = 0.0;
+    w_b[12][82] = 0.0;
+    w_b[12][83] = 0.0;
+    w_b[12][84] = 0.0;
+    w_b[12][85] = 0.0;
+    w_b[12][86] = 0.0;
+    w_b[12][87] = 0.0;
+    w_b[12][88] = 0.0;
+    w_b[12][89] = 0.0;
+    w_b[12][90] = 0.0;
+    w_b[12][91] = 0.0;
+    w_b[12][92] = 0.0;
+    w_b[12][93] = 0.0;
+    w_b[13][0] = 0.0;
+    w_b[13][1] = 0.0;
+    w_b[13][2] = 0.0;
+    w_b[13][3] = 0.0;
+    w_b[13][4] = 0.0;
+    w_b[13][5] = 0.0;
+    w_b[13][6] = 0.0;
+    w_b[13][7] = 0.0;
+    w_b[13][8] = 0.0;
+    w_b[13][9] = 0.0;
+    w_b[13][10] = 0.0;
+    w_b[13][11] = 0.0;
+    w_b[13][12] = 0.0;
+    w_b[13][13] = 0.0;
+    w_b[13][14] = 0.0;
+    w_b[13][15] = 0.0;
+    w_b[13][16] = 0.0;
+    w_b[13][17] = 0.0;
+    w_b[13][18] = 0.0;
+    w_b[13][19] = 0.0;
+    w_b[13][20] = 0.0;
+    w_b[13][21] = 0.0;
+    w_b[13][22] = 0.0;
+    w_b[13][23] = 0.0;
+    w_b[13][24] = 0.0;
+    w_b[13][25] = 0.0;
+    w_b[13][26] = 0.0;
+    w_b[13][27] = 0.0;
+    w_b[13][28] = 0.0;
+    w_b[13][29] = 0.0;
+    w_b[13][30] = 0.0;
+    w_b[13][31] = 0.0;
+    w_b[13][32] = 0.0;
+    w_b[13][33] = 0.0;
+    w_b[13][34] = 0.0;
+    w_b[13][35] = 0.0;
+    w_b[13][36] = 0.0;
+    w_b[13][37] = 0.0;
+    w_b[13][38] = 0.0;
+    w_b[13][39] = 0.0;
+    w_b[13][40] = 0.0;
+    w_b[13][41] = 0.0;
+    w_b[13][42] = 0.0;
+    w_b[13][43] = 0.0;
+    w_b[13][44] = 0.0;
+    w_b[13][45] = 0.0;
+    w_b[13][46] = 0.0;
+    w_b[13][47] = 0.0;
+    w_b[13][48] = 0.0;
+    w_b[13][49] = 0.0;
+    w_b[13][50] = 0.0;
+    w_b[13][51] = 0.0;
+    w_b[13][52] = 0.0;
+    w_b[13][53] = 0.0;
+    w_b[13][54] = 0.0;
+    w_b[13][55] = 0.0;
+    w_b[13][56] = 0.0;
+    w_b[13][57] = 0.0;
+    w_b[13][58] = 0.0;
+    w_b[13][59] = t2738;
+    w_b[13][60] = t2739;
+    w_b[13][61] = t2740;
+    w_b[13][62] = t2741;
+    w_b[13][63] = t210;
+    w_b[13][64] = t2742;
+    w_b[13][65] = t2743;
+    w_b[13][66] = t2468;
+    w_b[13][67] = t2744;
+    w_b[13][68] = t2745;
+    w_b[13][69] = t2746;
+    w_b[13][70] = t232;
+    w_b[13][71] = t2747;
+    w_b[13][72] = t2748;
+    w_b[13][73] = 0.0;
+    w_b[13][74] = 0.0;
+    w_b[13][75] = 0.0;
+    w_b[13][76] = 0.0;
+    w_b[13][77] = 0.0;
+    w_b[13][78] = 0.0;
+    w_b[13][79] = 0.0;
+    w_b[13][80] = 0.0;
+    w_b[13][81] = 0.0;
+    w_b[13][82] = 0.0;
+    w_b[13][83] = 0.0;
+    w_b[13][84] = 0.0;
+    w_b[13][85] = 0.0;
+    w_b[13][86] = 0.0;
+    w_b[13][87] = 0.0;
+    w_b[13][88] = 0.0;
+    w_b[13][89] = 0.0;
+    w_b[13][90] = 0.0;
+    w_b[13][91] = 0.0;
+    w_b[13][92] = 0.0;
+    w_b[13][93] = 0.0;
+    w_b[14][0] = 0.0;
+    w_b[14][1] = 0.0;
+    w_b[14][2] = 0.0;
+    w_b[14][3] = 0.0;
+    w_b[14][4] = 0.0;
+    w_b[14][5] = 0.0;
+    w_b[14][6] = 0.0;
+    w_b[14][7] = 0.0;
+    w_b[14][8] = 0.0;
+    w_b[14][9] = 0.0;
+    w_b[14][10] = 0.0;
+    w_b[14][11] = 0.0;
+    w_b[14][12] = 0.0;
+    w_b[14][13] = 0.0;
+    w_b[14][14] = 0.0;
+    w_b[14][15] = 0.0;
+    w_b[14][16] = 0.0;
+    w_b[14][17] = 0.0;
+    w_b[14][18] = 0.0;
+    w_b[14][19] = 0.0;
+    w_b[14][20] = 0.0;
+    w_b[14][21] = 0.0;
+    w_b[14][22] = 0.0;
+    w_b[14][23] = 0.0;
+    w_b[14][24] = 0.0;
+    w_b[14][25] = 0.0;
+    w_b[14][26] = 0.0;
+    w_b[14][27] = 0.0;
+    w_b[14][28] = 0.0;
+    w_b[14][29] = 0.0;
+    w_b[14][30] = 0.0;
+    w_b[14][31] = 0.0;
+    w_b[14][32] = 0.0;
+    w_b[14][33] = 0.0;
+    w_b[14][34] = 0.0;
+    w_b[14][35] = 0.0;
+    w_b[14][36] = 0.0;
+    w_b[14][37] = 0.0;
+    w_b[14][38] = 0.0;
+    w_b[14][39] = 0.0;
+    w_b[14][40] = 0.0;
+    w_b[14][41] = 0.0;
+    w_b[14][42] = 0.0;
+    w_b[14][43] = 0.0;
+    w_b[14][44] = 0.0;
+    w_b[14][45] = 0.0;
+    w_b[14][46] = 0.0;
+    w_b[14][47] = 0.0;
+    w_b[14][48] = 0.0;
+    w_b[14][49] = 0.0;
+    w_b[14][50] = 0.0;
+    w_b[14][51] = 0.0;
+    w_b[14][52] = 0.0;
+    w_b[14][53] = 0.0;
+    w_b[14][54] = 0.0;
+    w_b[14][55] = 0.0;
+    w_b[14][56] = 0.0;
+    w_b[14][57] = 0.0;
+    w_b[14][58] = 0.0;
+    w_b[14][59] = 0.0;
+    w_b[14][60] = 0.0;
+    w_b[14][61] = 0.0;
+    w_b[14][62] = 0.0;
+    w_b[14][63] = 0.0;
+    w_b[14][64] = 0.0;
+    w_b[14][65] = 0.0;
+    w_b[14][66] = t2749;
+    w_b[14][67] = t2750;
+    w_b[14][68] = t2745;
+    w_b[14][69] = t2746;
+    w_b[14][70] = t232;
+    w_b[14][71] = t2747;
+    w_b[14][72] = t2748;
+    w_b[14][73] = 0.0;
+    w_b[14][74] = 0.0;
+    w_b[14][75] = 0.0;
+    w_b[14][76] = 0.0;
+    w_b[14][77] = 0.0;
+    w_b[14][78] = 0.0;
+    w_b[14][79] = 0.0;
+    w_b[14][80] = 0.0;
+    w_b[14][81] = 0.0;
+    w_b[14][82] = 0.0;
+    w_b[14][83] = 0.0;
+    w_b[14][84] = 0.0;
+    w_b[14][85] = 0.0;
+    w_b[14][86] = 0.0;
+    w_b[14][87] = 0.0;
+    w_b[14][88] = 0.0;
+    w_b[14][89] = 0.0;
+    w_b[14][90] = 0.0;
+    w_b[14][91] = 0.0;
+    w_b[14][92] = 0.0;
+    w_b[14][93] = 0.0;
+    w_b[15][0] = 0.0;
+    w_b[15][1] = 0.0;
+    w_b[15][2] = 0.0;
+    w_b[15][3] = 0.0;
+    w_b[15][4] = 0.0;
+    w_b[15][5] = 0.0;
+    w_b[15][6] = 0.0;
+    w_b[15][7] = 0.0;
+    w_b[15][8] = 0.0;
+    w_b[15][9] = 0.0;
+    w_b[15][10] = 0.0;
+    w_b[15][11] = 0.0;
+    w_b[15][12] = 0.0;
+    w_b[15][13] = 0.0;
+    w_b[15][14] = 0.0;
+    w_b[15][15] = 0.0;
+    w_b[15][16] = 0.0;
+    w_b[15][17] = 0.0;
+    w_b[15][18] = 0.0;
+    w_b[15][19] = 0.0;
+    w_b[15][20] = 0.0;
+    w_b[15][21] = 0.0;
+    w_b[15][22] = 0.0;
+    w_b[15][23] = 0.0;
+    w_b[15][24] = 0.0;
+    w_b[15][25] = 0.0;
+    w_b[15][26] = 0.0;
+    w_b[15][27] = 0.0;
+    w_b[15][28] = 0.0;
+    w_b[15][29] = 0.0;
+    w_b[15][30] = 0.0;
+    w_b[15][31] = 0.0;
+    w_b[15][32] = 0.0;
+    w_b[15][33] = 0.0;
+    w_b[15][34] = 0.0;
+    w_b[15][35] = 0.0;
+    w_b[15][36] = 0.0;
+    w_b[15][37] = 0.0;
+    w_b[15][38] = 0.0;
+    w_b[15][39] = 0.0;
+    w_b[15][40] = 0.0;
+    w_b[15][41] = 0.0;
+    w_b[15][42] = 0.0;
+    w_b[15][43] = 0.0;
+    w_b[15][44] = 0.0;
+    w_b[15][45] = 0.0;
+    w_b[15][46] = 0.0;
+    w_b[15][47] = 0.0;
+    w_b[15][48] = 0.0;
+    w_b[15][49] = 0.0;
+    w_b[15][50] = 0.0;
+    w_b[15][51] = 0.0;
+    w_b[15][52] = 0.0;
+    w_b[15][53] = 0.0;
+    w_b[15][54] = 0.0;
+    w_b[15][55] = 0.0;
+    w_b[15][56] = 0.0;
+    w_b[15][57] = 0.0;
+    w_b[15][58] = 0.0;
+    w_b[15][59] = 0.0;
+    w_b[15][60] = 0.0;
+    w_b[15][61] = 0.0;
+    w_b[15][62] = 0.0;
+    w_b[15][63] = 0.0;
+    w_b[15][64] = 0.0;
+    w_b[15][65] = 0.0;
+    w_b[15][66] = 0.0;
+    w_b[15][67] = 0.0;
+    w_b[15][68] = 0.0;
+    w_b[15][69] = 0.0;
+    w_b[15][70] = 0.0;
+    w_b[15][71] = 0.0;
+    w_b[15][72] = 0.0;
+    w_b[15][73] = minus_acceleration_rear_right_hip_x;
+    w_b[15][74] = minus_acceleration_rear_right_hip_y;
+    w_b[15][75] = t552;
+    w_b[15][76] = t1120;
+    w_b[15][77] = t551;
+    w_b[15][78] = t2580;
+    w_b[15][79] = t1122;
+    w_b[15][80] = t2753;
+    w_b[15][81] = t2480;
+    w_b[15][82] = t2582;
+    w_b[15][83] = t1152;
+    w_b[15][84] = t1154;
+    w_b[15][85] = t1157;
+    w_b[15][86] = t1161;
+    w_b[15][87] = t2486;
+    w_b[15][88] = t2492;
+    w_b[15][89] = t2584;
+    w_b[15][90] = t2585;
+    w_b[15][91] = t1201;
+    w_b[15][92] = t2586;
+    w_b[15][93] = t2587;
+    w_b[16][0] = 0.0;
+    w_b[16][1] = 0.0;
+    w_b[16][2] = 0.0;
+    w_b[16][3] = 0.0;
+    w_b[16][4] = 0.0;
+    w_b[16][5] = 0.0;
+    w_b[16][6] = 0.0;
+    w_b[16][7] = 0.0;
+    w_b[16][8] = 0.0;
+    w_b[16][9] = 0.0;
+    w_b[16][10] = 0.0;
+    w_b[16][11] = 0.0;
+    w_b[16][12] = 0.0;
+    w_b[16][13] = 0.0;
+    w_b[16][14] = 0.0;
+    w_b[16][15] = 0.0;
+    w_b[16][16] = 0.0;
+    w_b[16][17] = 0.0;
+    w_b[16][18] = 0.0;
+    w_b[16][19] = 0.0;
+    w_b[16][20] = 0.0;
+    w_b[16][21] = 0.0;
+    w_b[16][22] = 0.0;
+    w_b[16][23] = 0.0;
+    w_b[16][24] = 0.0;
+    w_b[16][25] = 0.0;
+    w_b[16][26] = 0.0;
+    w_b[16][27] = 0.0;
+    w_b[16][28] = 0.0;
+    w_b[16][29] = 0.0;
+    w_b[16][30] = 0.0;
+    w_b[16][31] = 0.0;
+    w_b[16][32] = 0.0;
+    w_b[16][33] = 0.0;
+    w_b[16][34] = 0.0;
+    w_b[16][35] = 0.0;
+    w_b[16][36] = 0.0;
+    w_b[16][37] = 0.0;
+    w_b[16][38] = 0.0;
+    w_b[16][39] = 0.0;
+    w_b[16][40] = 0.0;
+    w_b[16][41] = 0.0;
+    w_b[16][42] = 0.0;
+    w_b[16][43] = 0.0;
+    w_b[16][44] = 0.0;
+    w_b[16][45] = 0.0;
+    w_b[16][46] = 0.0;
+    w_b[16][47] = 0.0;
+    w_b[16][48] = 0.0;
+    w_b[16][49] = 0.0;
+    w_b[16][50] = 0.0;
+    w_b[16][51] = 0.0;
+    w_b[16][52] = 0.0;
+    w_b[16][53] = 0.0;
+    w_b[16][54] = 0.0;
+    w_b[16][55] = 0.0;
+    w_b[16][56] = 0.0;
+    w_b[16][57] = 0.0;
+    w_b[16][58] = 0.0;
+    w_b[16][59] = 0.0;
+    w_b[16][60] = 0.0;
+    w_b[16][61] = 0.0;
+    w_b[16][62] = 0.0;
+    w_b[16][63] = 0.0;
+    w_b[16][64] = 0.0;
+    w_b[16][65] = 0.0;
+    w_b[16][66] = 0.0;
+    w_b[16][67] = 0.0;
+    w_b[16][68] = 0.0;
+    w_b[16][69] = 0.0;
+    w_b[16][70] = 0.0;
+    w_b[16][71] = 0.0;
+    w_b[16][72] = 0.0;
+    w_b[16][73] = 0.0;
+    w_b[16][74] = 0.0;
+    w_b[16][75] = 0.0;
+    w_b[16][76] = 0.0;
+    w_b[16][77] = 0.0;
+    w_b[16][78] = 0.0;
+    w_b[16][79] = 0.0;
+    w_b[16][80] = t1743;
+    w_b[16][81] = t1758;
+    w_b[16][82] = t2754;
+    w_b[16][83] = t2755;
+    w_b[16][84] = t281;
+    w_b[16][85] = t2756;
+    w_b[16][86] = t2757;
+    w_b[16][87] = t2498;
+    w_b[16][88] = t2758;
+    w_b[16][89] = t2759;
+    w_b[16][90] = t2760;
+    w_b[16][91] = t303;
+    w_b[16][92] = t2761;
+    w_b[16][93] = t2762;
+    w_b[17][0] = 0.0;
+    w_b[17][1] = 0.0;
+    w_b[17][2] = 0.0;
+    w_b[17][3] = 0.0;
+    w_b[17][4] = 0.0;
+    w_b[17][5] = 0.0;
+    w_b[17][6] = 0.0;
+    w_b[17][7] = 0.0;
+    w_b[17][8] = 0.0;
+    w_b[17][9] = 0.0;
+    w_b[17][10] = 0.0;
+    w_b[17][11] = 0.0;
+    w_b[17][12] = 0.0;
+    w_b[17][13] = 0.0;
+    w_b[17][14] = 0.0;
+    w_b[17][15] = 0.0;
+    w_b[17][16] = 0.0;
+    w_b[17][17] = 0.0;
+    w_b[17][18] = 0.0;
+    w_b[17][19] = 0.0;
+    w_b[17][20] = 0.0;
+    w_b[17][21] = 0.0;
+    w_b[17][22] = 0.0;
+    w_b[17][23] = 0.0;
+    w_b[17][24] = 0.0;
+    w_b[17][25] = 0.0;
+    w_b[17][26] = 0.0;
+    w_b[17][27] = 0.0;
+    w_b[17][28] = 0.0;
+    w_b[17][29] = 0.0;
+    w_b[17][30] = 0.0;
+    w_b[17][31] = 0.0;
+    w_b[17][32] = 0.0;
+    w_b[17][33] = 0.0;
+    w_b[17][34] = 0.0;
+    w_b[17][35] = 0.0;
+    w_b[17][36] = 0.0;
+    w_b[17][37] = 0.0;
+    w_b[17][38] = 0.0;
+    w_b[17][39] = 0.0;
+    w_b[17][40] = 0.0;
+    w_b[17][41] = 0.0;
+    w_b[17][42] = 0.0;
+    w_b[17][43] = 0.0;
+    w_b[17][44] = 0.0;
+    w_b[17][45] = 0.0;
+    w_b[17][46] = 0.0;
+    w_b[17][47] = 0.0;
+    w_b[17][48] = 0.0;
+    w_b[17][49] = 0.0;
+    w_b[17][50] = 0.0;
+    w_b[17][51] = 0.0;
+    w_b[17][52] = 0.0;
+    w_b[17][53] = 0.0;
+    w_b[17][54] = 0.0;
+    w_b[17][55] = 0.0;
+    w_b[17][56] = 0.0;
+    w_b[17][57] = 0.0;
+    w_b[17][58] = 0.0;
+    w_b[17][59] = 0.0;
+    w_b[17][60] = 0.0;
+    w_b[17][61] = 0.0;
+    w_b[17][62] = 0.0;
+    w_b[17][63] = 0.0;
+    w_b[17][64] = 0.0;
+    w_b[17][65] = 0.0;
+    w_b[17][66] = 0.0;
+    w_b[17][67] = 0.0;
+    w_b[17][68] = 0.0;
+    w_b[17][69] = 0.0;
+    w_b[17][70] = 0.0;
+    w_b[17][71] = 0.0;
+    w_b[17][72] = 0.0;
+    w_b[17][73] = 0.0;
+    w_b[17][74] = 0.0;
+    w_b[17][75] = 0.0;
+    w_b[17][76] = 0.0;
+    w_b[17][77] = 0.0;
+    w_b[17][78] = 0.0;
+    w_b[17][79] = 0.0;
+    w_b[17][80] = 0.0;
+    w_b[17][81] = 0.0;
+    w_b[17][82] = 0.0;
+    w_b[17][83] = 0.0;
+    w_b[17][84] = 0.0;
+    w_b[17][85] = 0.0;
+    w_b[17][86] = 0.0;
+    w_b[17][87] = t2763;
+    w_b[17][88] = t2764;
+    w_b[17][89] = t2759;
+    w_b[17][90] = t2760;
+    w_b[17][91] = t303;
+    w_b[17][92] = t2761;
+    w_b[17][93] = t2762;
+}
+
+/// Part 1 of `base_regressor`: values that later parts read.
+#[inline(never)]
+fn base_regressor_part_1(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; 393] {
+    let (
+        [sin_front_left_hip,
+        sin_front_left_thigh,
+        sin_front_left_calf,
+        sin_front_right_hip,
+        sin_front_right_thigh,
+        sin_front_right_calf,
+        sin_rear_left_hip,
+        sin_rear_left_thigh,
+        ],
+        [cos_front_left_hip,
+        cos_front_left_thigh,
+        cos_front_left_calf,
+        cos_front_right_hip,
+        cos_front_right_thigh,
+        cos_front_right_calf,
+        cos_rear_left_hip,
+        cos_rear_left_thigh,
+        ],
+    ) = math::sin_cos_8(y[7], y[8], y[9], y[10], y[11], y[12], y[13], y[14]);
+    let (
+        [sin_rear_left_calf,
+        sin_rear_right_hip,
+        sin_rear_right_thigh,
+        sin_rear_right_calf,
+        ],
+        [cos_rear_left_calf,
+        cos_rear_right_hip,
+        cos_rear_right_thigh,
+        cos_rear_right_calf,
+        ],
+    ) = math::sin_cos_4(y[15], y[16], y[17], y[18]);
+    let t24 = v[1] * v[5];
+    let t25 = a[0] - t24;
+    let t26 = v[2] * v[4];
+    let t27 = t26 + t25;
+    let t28 = y[4] * y[6];
+    let t29 = y[3] * y[5];
+    let t30 = t29 - t28;
+    let t31 = t30 * 19.62;
+    let acceleration_base_x = t31 + t27;
+    let t33 = v[5] * v[5];
+    let t34 = v[4] * v[4];
+    let t35 = t34 + t33;
+    let t36 = v[3] * v[4];
+    let t37 = a[5] - t36;
+    let t38 = v[3] * v[5];
+    let t39 = a[4] + t38;
+    let t40 = v[5] * sin_front_left_hip;
+    let t41 = v[4] * cos_front_left_hip;
+    let omega_front_left_hip_y = t41 + t40;
+    let t43 = v[6] * omega_front_left_hip_y;
+    let t44 = a[5] * cos_front_left_hip;
+    let t45 = a[4] * sin_front_left_hip;
+    let t46 = t45 - t44;
+    let t47 = t46 + t43;
+    let omega_front_left_hip_z = v[3] + v[6];
+    let t49 = omega_front_left_hip_y * omega_front_left_hip_z;
+    let t50 = t47 + t49;
+    let t51 = v[5] * cos_front_left_hip;
+    let t52 = v[4] * sin_front_left_hip;
+    let omega_front_left_hip_x = t52 - t51;
+    let t54 = v[6] * omega_front_left_hip_x;
+    let t55 = a[5] * sin_front_left_hip;
+    let t56 = a[4] * cos_front_left_hip;
+    let t57 = t56 + t55;
+    let t58 = t57 - t54;
+    let t59 = omega_front_left_hip_x * omega_front_left_hip_z;
+    let t60 = t58 - t59;
+    let t61 = sin_front_left_thigh * omega_front_left_hip_x;
+    let t62 = cos_front_left_thigh * omega_front_left_hip_z;
+    let omega_front_left_thigh_y = t61 + t62;
+    let t64 = cos_front_left_thigh * omega_front_left_hip_x;
+    let t65 = sin_front_left_thigh * omega_front_left_hip_z;
+    let omega_front_left_thigh_x = t64 - t65;
+    let t67 = omega_front_left_thigh_x * omega_front_left_thigh_y;
+    let t68 = a[7] + t58;
+    let t69 = t68 + t67;
+    let t70 = sin_front_left_thigh * t69;
+    let t71 = omega_front_left_thigh_x * omega_front_left_thigh_x;
+    let omega_front_left_thigh_z = v[7] + omega_front_left_hip_y;
+    let t73 = omega_front_left_thigh_z * omega_front_left_thigh_z;
+    let t74 = t71 + t73;
+    let t75 = cos_front_left_thigh * t74;
+    let t76 = t75 + t70;
+    let t77 = omega_front_left_thigh_y * omega_front_left_thigh_y;
+    let t78 = t77 + t73;
+    let t79 = sin_front_left_thigh * t78;
+    let t80 = t68 - t67;
+    let t81 = cos_front_left_thigh * t80;
+    let t82 = t81 - t79;
+    let t83 = cos_front_left_calf * omega_front_left_thigh_y;
+    let t84 = sin_front_left_calf * omega_front_left_thigh_x;
+    let omega_front_left_calf_y = t84 + t83;
+    let t86 = sin_front_left_calf * omega_front_left_thigh_y;
+    let t87 = cos_front_left_calf * omega_front_left_thigh_x;
+    let omega_front_left_calf_x = t87 - t86;
+    let t89 = omega_front_left_calf_x * omega_front_left_calf_y;
+    let t90 = a[8] + t68;
+    let t91 = t90 + t89;
+    let t92 = cos_front_left_thigh * sin_front_left_calf;
+    let t93 = sin_front_left_thigh * cos_front_left_calf;
+    let t94 = t93 + t92;
+    let t95 = t91 * t94;
+    let t96 = omega_front_left_calf_x * omega_front_left_calf_x;
+    let omega_front_left_calf_z = v[8] + omega_front_left_thigh_z;
+    let t98 = omega_front_left_calf_z * omega_front_left_calf_z;
+    let t99 = t96 + t98;
+    let t100 = cos_front_left_thigh * cos_front_left_calf;
+    let t101 = sin_front_left_thigh * sin_front_left_calf;
+    let t102 = t101 - t100;
+    let t103 = t99 * t102;
+    let t104 = t103 - t95;
+    let t105 = omega_front_left_calf_y * omega_front_left_calf_y;
+    let t106 = t105 + t98;
+    let t107 = t106 * t94;
+    let t108 = t90 - t89;
+    let t109 = t108 * t102;
+    let t110 = t109 + t107;
+    let t111 = v[5] * sin_front_right_hip;
+    let t112 = v[4] * cos_front_right_hip;
+    let omega_front_right_hip_y = t112 + t111;
+    let t114 = v[9] * omega_front_right_hip_y;
+    let t115 = a[5] * cos_front_right_hip;
+    let t116 = a[4] * sin_front_right_hip;
+    let t117 = t116 - t115;
+    let t118 = t117 + t114;
+    let omega_front_right_hip_z = v[3] + v[9];
+    let t120 = omega_front_right_hip_y * omega_front_right_hip_z;
+    let t121 = t118 + t120;
+    let t122 = v[5] * cos_front_right_hip;
+    let t123 = v[4] * sin_front_right_hip;
+    let omega_front_right_hip_x = t123 - t122;
+    let t125 = v[9] * omega_front_right_hip_x;
+    let t126 = a[5] * sin_front_right_hip;
+    let t127 = a[4] * cos_front_right_hip;
+    let t128 = t127 + t126;
+    let t129 = t128 - t125;
+    let t130 = omega_front_right_hip_x * omega_front_right_hip_z;
+    let t131 = t129 - t130;
+    let t132 = sin_front_right_thigh * omega_front_right_hip_x;
+    let t133 = cos_front_right_thigh * omega_front_right_hip_z;
+    let omega_front_right_thigh_y = t132 + t133;
+    let t135 = cos_front_right_thigh * omega_front_right_hip_x;
+    let t136 = sin_front_right_thigh * omega_front_right_hip_z;
+    let omega_front_right_thigh_x = t135 - t136;
+    let t138 = omega_front_right_thigh_x * omega_front_right_thigh_y;
+    let t139 = a[10] + t129;
+    let t140 = t139 + t138;
+    let t141 = sin_front_right_thigh * t140;
+    let t142 = omega_front_right_thigh_x * omega_front_right_thigh_x;
+    let omega_front_right_thigh_z = v[10] + omega_front_right_hip_y;
+    let t144 = omega_front_right_thigh_z * omega_front_right_thigh_z;
+    let t145 = t142 + t144;
+    let t146 = cos_front_right_thigh * t145;
+    let t147 = t146 + t141;
+    let t148 = omega_front_right_thigh_y * omega_front_right_thigh_y;
+    let t149 = t148 + t144;
+    let t150 = sin_front_right_thigh * t149;
+    let t151 = t139 - t138;
+    let t152 = cos_front_right_thigh * t151;
+    let t153 = t152 - t150;
+    let t154 = cos_front_right_calf * omega_front_right_thigh_y;
+    let t155 = sin_front_right_calf * omega_front_right_thigh_x;
+    let omega_front_right_calf_y = t155 + t154;
+    let t157 = sin_front_right_calf * omega_front_right_thigh_y;
+    let t158 = cos_front_right_calf * omega_front_right_thigh_x;
+    let omega_front_right_calf_x = t158 - t157;
+    let t160 = omega_front_right_calf_x * omega_front_right_calf_y;
+    let t161 = a[11] + t139;
+    let t162 = t161 + t160;
+    let t163 = cos_front_right_thigh * sin_front_right_calf;
+    let t164 = sin_front_right_thigh * cos_front_right_calf;
+    let t165 = t164 + t163;
+    let t166 = t162 * t165;
+    let t167 = omega_front_right_calf_x * omega_front_right_calf_x;
+    let omega_front_right_calf_z = v[11] + omega_front_right_thigh_z;
+    let t169 = omega_front_right_calf_z * omega_front_right_calf_z;
+    let t170 = t167 + t169;
+    let t171 = cos_front_right_thigh * cos_front_right_calf;
+    let t172 = sin_front_right_thigh * sin_front_right_calf;
+    let t173 = t172 - t171;
+    let t174 = t170 * t173;
+    let t175 = t174 - t166;
+    let t176 = omega_front_right_calf_y * omega_front_right_calf_y;
+    let t177 = t176 + t169;
+    let t178 = t177 * t165;
+    let t179 = t161 - t160;
+    let t180 = t179 * t173;
+    let t181 = t180 + t178;
+    let t182 = v[5] * sin_rear_left_hip;
+    let t183 = v[4] * cos_rear_left_hip;
+    let omega_rear_left_hip_y = t183 + t182;
+    let t185 = v[12] * omega_rear_left_hip_y;
+    let t186 = a[5] * cos_rear_left_hip;
+    let t187 = a[4] * sin_rear_left_hip;
+    let t188 = t187 - t186;
+    let t189 = t188 + t185;
+    let omega_rear_left_hip_z = v[3] + v[12];
+    let t191 = omega_rear_left_hip_y * omega_rear_left_hip_z;
+    let t192 = t189 + t191;
+    let t193 = v[5] * cos_rear_left_hip;
+    let t194 = v[4] * sin_rear_left_hip;
+    let omega_rear_left_hip_x = t194 - t193;
+    let t196 = v[12] * omega_rear_left_hip_x;
+    let t197 = a[5] * sin_rear_left_hip;
+    let t198 = a[4] * cos_rear_left_hip;
+    let t199 = t198 + t197;
+    let t200 = t199 - t196;
+    let t201 = omega_rear_left_hip_x * omega_rear_left_hip_z;
+    let t202 = t200 - t201;
+    let t203 = sin_rear_left_thigh * omega_rear_left_hip_x;
+    let t204 = cos_rear_left_thigh * omega_rear_left_hip_z;
+    let omega_rear_left_thigh_y = t203 + t204;
+    let t206 = cos_rear_left_thigh * omega_rear_left_hip_x;
+    let t207 = sin_rear_left_thigh * omega_rear_left_hip_z;
+    let omega_rear_left_thigh_x = t206 - t207;
+    let t209 = omega_rear_left_thigh_x * omega_rear_left_thigh_y;
+    let t210 = a[13] + t200;
+    let t211 = t210 + t209;
+    let t212 = sin_rear_left_thigh * t211;
+    let t213 = omega_rear_left_thigh_x * omega_rear_left_thigh_x;
+    let omega_rear_left_thigh_z = v[13] + omega_rear_left_hip_y;
+    let t215 = omega_rear_left_thigh_z * omega_rear_left_thigh_z;
+    let t216 = t213 + t215;
+    let t217 = cos_rear_left_thigh * t216;
+    let t218 = t217 + t212;
+    let t219 = omega_rear_left_thigh_y * omega_rear_left_thigh_y;
+    let t220 = t219 + t215;
+    let t221 = sin_rear_left_thigh * t220;
+    let t222 = t210 - t209;
+    let t223 = cos_rear_left_thigh * t222;
+    let t224 = t223 - t221;
+    let t225 = cos_rear_left_calf * omega_rear_left_thigh_y;
+    let t226 = sin_rear_left_calf * omega_rear_left_thigh_x;
+    let omega_rear_left_calf_y = t226 + t225;
+    let t228 = sin_rear_left_calf * omega_rear_left_thigh_y;
+    let t229 = cos_rear_left_calf * omega_rear_left_thigh_x;
+    let omega_rear_left_calf_x = t229 - t228;
+    let t231 = omega_rear_left_calf_x * omega_rear_left_calf_y;
+    let t232 = a[14] + t210;
+    let t233 = t232 + t231;
+    let t234 = cos_rear_left_thigh * sin_rear_left_calf;
+    let t235 = sin_rear_left_thigh * cos_rear_left_calf;
+    let t236 = t235 + t234;
+    let t237 = t233 * t236;
+    let t238 = omega_rear_left_calf_x * omega_rear_left_calf_x;
+    let omega_rear_left_calf_z = v[14] + omega_rear_left_thigh_z;
+    let t240 = omega_rear_left_calf_z * omega_rear_left_calf_z;
+    let t241 = t238 + t240;
+    let t242 = cos_rear_left_thigh * cos_rear_left_calf;
+    let t243 = sin_rear_left_thigh * sin_rear_left_calf;
+    let t244 = t243 - t242;
+    let t245 = t241 * t244;
+    let t246 = t245 - t237;
+    let t247 = omega_rear_left_calf_y * omega_rear_left_calf_y;
+    let t248 = t247 + t240;
+    let t249 = t248 * t236;
+    let t250 = t232 - t231;
+    let t251 = t250 * t244;
+    let t252 = t251 + t249;
+    let t253 = v[5] * sin_rear_right_hip;
+    let t254 = v[4] * cos_rear_right_hip;
+    let omega_rear_right_hip_y = t254 + t253;
+    let t256 = v[15] * omega_rear_right_hip_y;
+    let t257 = a[5] * cos_rear_right_hip;
+    let t258 = a[4] * sin_rear_right_hip;
+    let t259 = t258 - t257;
+    let t260 = t259 + t256;
+    let omega_rear_right_hip_z = v[3] + v[15];
+    let t262 = omega_rear_right_hip_y * omega_rear_right_hip_z;
+    let t263 = t260 + t262;
+    let t264 = v[5] * cos_rear_right_hip;
+    let t265 = v[4] * sin_rear_right_hip;
+    let omega_rear_right_hip_x = t265 - t264;
+    let t267 = v[15] * omega_rear_right_hip_x;
+    let t268 = a[5] * sin_rear_right_hip;
+    let t269 = a[4] * cos_rear_right_hip;
+    let t270 = t269 + t268;
+    let t271 = t270 - t267;
+    let t272 = omega_rear_right_hip_x * omega_rear_right_hip_z;
+    let t273 = t271 - t272;
+    let t274 = sin_rear_right_thigh * omega_rear_right_hip_x;
+    let t275 = cos_rear_right_thigh * omega_rear_right_hip_z;
+    let omega_rear_right_thigh_y = t274 + t275;
+    let t277 = cos_rear_right_thigh * omega_rear_right_hip_x;
+    let t278 = sin_rear_right_thigh * omega_rear_right_hip_z;
+    let omega_rear_right_thigh_x = t277 - t278;
+    let t280 = omega_rear_right_thigh_x * omega_rear_right_thigh_y;
+    let t281 = a[16] + t271;
+    let t282 = t281 + t280;
+    let t283 = sin_rear_right_thigh * t282;
+    let t284 = omega_rear_right_thigh_x * omega_rear_right_thigh_x;
+    let omega_rear_right_thigh_z = v[16] + omega_rear_right_hip_y;
+    let t286 = omega_rear_right_thigh_z * omega_rear_right_thigh_z;
+    let t287 = t284 + t286;
+    let t288 = cos_rear_right_thigh * t287;
+    let t289 = t288 + t283;
+    let t290 = omega_rear_right_thigh_y * omega_rear_right_thigh_y;
+    let t291 = t290 + t286;
+    let t292 = sin_rear_right_thigh * t291;
+    let t293 = t281 - t280;
+    let t294 = cos_rear_right_thigh * t293;
+    let t295 = t294 - t292;
+    let t296 = cos_rear_right_calf * omega_rear_right_thigh_y;
+    let t297 = sin_rear_right_calf * omega_rear_right_thigh_x;
+    let omega_rear_right_calf_y = t297 + t296;
+    let t299 = sin_rear_right_calf * omega_rear_right_thigh_y;
+    let t300 = cos_rear_right_calf * omega_rear_right_thigh_x;
+    let omega_rear_right_calf_x = t300 - t299;
+    let t302 = omega_rear_right_calf_x * omega_rear_right_calf_y;
+    let t303 = a[17] + t281;
+    let t304 = t303 + t302;
+    let t305 = cos_rear_right_thigh * sin_rear_right_calf;
+    let t306 = sin_rear_right_thigh * cos_rear_right_calf;
+    let t307 = t306 + t305;
+    let t308 = t304 * t307;
+    let t309 = omega_rear_right_calf_x * omega_rear_right_calf_x;
+    let omega_rear_right_calf_z = v[17] + omega_rear_right_thigh_z;
+    let t311 = omega_rear_right_calf_z * omega_rear_right_calf_z;
+    let t312 = t309 + t311;
+    let t313 = cos_rear_right_thigh * cos_rear_right_calf;
+    let t314 = sin_rear_right_thigh * sin_rear_right_calf;
+    let t315 = t314 - t313;
+    let t316 = t312 * t315;
+    let t317 = t316 - t308;
+    let t318 = omega_rear_right_calf_y * omega_rear_right_calf_y;
+    let t319 = t318 + t311;
+    let t320 = t319 * t307;
+    let t321 = t303 - t302;
+    let t322 = t321 * t315;
+    let t323 = t322 + t320;
+    let t324 = v[2] * v[3];
+    let t325 = a[1] - t324;
+    let t326 = v[0] * v[5];
+    let t327 = t326 + t325;
+    let t328 = y[3] * y[6];
+    let t329 = y[4] * y[5];
+    let t330 = t329 + t328;
+    let t331 = t330 * 19.62;
+    let acceleration_base_y = t331 + t327;
+    let t333 = a[5] + t36;
+    let t334 = v[3] * v[3];
+    let t335 = t334 + t33;
+    let t336 = v[4] * v[5];
+    let t337 = a[3] - t336;
+    let t338 = omega_front_left_hip_x * omega_front_left_hip_y;
+    let t339 = a[3] + a[6];
+    let t340 = t339 - t338;
+    let t341 = sin_front_left_hip * t340;
+    let t342 = omega_front_left_hip_x * omega_front_left_hip_x;
+    let t343 = omega_front_left_hip_z * omega_front_left_hip_z;
+    let t344 = t342 + t343;
+    let t345 = cos_front_left_hip * t344;
+    let t346 = t345 + t341;
+    let t347 = omega_front_left_hip_y * omega_front_left_hip_y;
+    let t348 = t347 + t343;
+    let t349 = sin_front_left_hip * t348;
+    let t350 = t339 + t338;
+    let t351 = cos_front_left_hip * t350;
+    let t352 = t351 - t349;
+    let t353 = v[7] * omega_front_left_thigh_y;
+    let t354 = sin_front_left_thigh * t339;
+    let t355 = t354 + t353;
+    let t356 = cos_front_left_thigh * t47;
+    let t357 = t356 - t355;
+    let t358 = omega_front_left_thigh_y * omega_front_left_thigh_z;
+    let t359 = t358 - t357;
+    let t360 = cos_front_left_hip * t359;
+    let t361 = sin_front_left_hip * cos_front_left_thigh;
+    let t362 = t69 * t361;
+    let t363 = sin_front_left_hip * sin_front_left_thigh;
+    let t364 = t74 * t363;
+    let t365 = t364 - t362;
+    let t366 = t360 - t365;
+    let t367 = v[7] * omega_front_left_thigh_x;
+    let t368 = cos_front_left_thigh * t339;
+    let t369 = t368 + t367;
+    let t370 = sin_front_left_thigh * t47;
+    let t371 = t370 + t369;
+    let t372 = omega_front_left_thigh_x * omega_front_left_thigh_z;
+    let t373 = t372 + t371;
+    let t374 = cos_front_left_hip * t373;
+    let t375 = t78 * t361;
+    let t376 = t80 * t363;
+    let t377 = t376 + t375;
+    let t378 = t374 - t377;
+    let t379 = sin_front_left_calf * t371;
+    let t380 = v[8] * omega_front_left_calf_y;
+    let t381 = t380 + t379;
+    let t382 = cos_front_left_calf * t357;
+    let t383 = t382 - t381;
+    let t384 = omega_front_left_calf_y * omega_front_left_calf_z;
+    let t385 = t384 - t383;
+    let t386 = cos_front_left_hip * t385;
+    let t387 = sin_front_left_calf * t363;
+    let t388 = cos_front_left_calf * t361;
+    let t389 = t388 - t387;
+    let t390 = t91 * t389;
+    let t391 = cos_front_left_calf * t363;
+    let t392 = sin_front_left_calf * t361;
+    let t393 = t392 + t391;
+    let t394 = t99 * t393;
+    let t395 = t394 - t390;
+    let t396 = t386 - t395;
+    let t397 = cos_front_left_calf * t371;
+    let t398 = v[8] * omega_front_left_calf_x;
+    let t399 = t398 + t397;
+    let t400 = sin_front_left_calf * t357;
+    let t401 = t400 + t399;
+    let t402 = omega_front_left_calf_x * omega_front_left_calf_z;
+    let t403 = t402 + t401;
+    let t404 = cos_front_left_hip * t403;
+    let t405 = t106 * t389;
+    let t406 = t108 * t393;
+    let t407 = t406 + t405;
+    let t408 = t404 - t407;
+    let t409 = omega_front_right_hip_x * omega_front_right_hip_y;
+    let t410 = a[3] + a[9];
+    let t411 = t410 - t409;
+    let t412 = sin_front_right_hip * t411;
+    let t413 = omega_front_right_hip_x * omega_front_right_hip_x;
+    let t414 = omega_front_right_hip_z * omega_front_right_hip_z;
+    let t415 = t413 + t414;
+    let t416 = cos_front_right_hip * t415;
+    let t417 = t416 + t412;
+    let t418 = omega_front_right_hip_y * omega_front_right_hip_y;
+    let t419 = t418 + t414;
+    let t420 = sin_front_right_hip * t419;
+    let t421 = t410 + t409;
+    let t422 = cos_front_right_hip * t421;
+    let t423 = t422 - t420;
+    let t424 = v[10] * omega_front_right_thigh_y;
+    let t425 = sin_front_right_thigh * t410;
+    let t426 = t425 + t424;
+    let t427 = cos_front_right_thigh * t118;
+    let t428 = t427 - t426;
+    let t429 = omega_front_right_thigh_y * omega_front_right_thigh_z;
+    let t430 = t429 - t428;
+    let t431 = cos_front_right_hip * t430;
+    let t432 = sin_front_right_hip * cos_front_right_thigh;
+    let t433 = t140 * t432;
+    let t434 = sin_front_right_hip * sin_front_right_thigh;
+    let t435 = t145 * t434;
+    let t436 = t435 - t433;
+    let t437 = t431 - t436;
+    let t438 = v[10] * omega_front_right_thigh_x;
+    let t439 = cos_front_right_thigh * t410;
+    let t440 = t439 + t438;
+    let t441 = sin_front_right_thigh * t118;
+    let t442 = t441 + t440;
+    let t443 = omega_front_right_thigh_x * omega_front_right_thigh_z;
+    let t444 = t443 + t442;
+    let t445 = cos_front_right_hip * t444;
+    let t446 = t149 * t432;
+    let t447 = t151 * t434;
+    let t448 = t447 + t446;
+    let t449 = t445 - t448;
+    let t450 = sin_front_right_calf * t442;
+    let t451 = v[11] * omega_front_right_calf_y;
+    let t452 = t451 + t450;
+    let t453 = cos_front_right_calf * t428;
+    let t454 = t453 - t452;
+    let t455 = omega_front_right_calf_y * omega_front_right_calf_z;
+    let t456 = t455 - t454;
+    let t457 = cos_front_right_hip * t456;
+    let t458 = sin_front_right_calf * t434;
+    let t459 = cos_front_right_calf * t432;
+    let t460 = t459 - t458;
+    let t461 = t162 * t460;
+    let t462 = cos_front_right_calf * t434;
+    let t463 = sin_front_right_calf * t432;
+    let t464 = t463 + t462;
+    let t465 = t170 * t464;
+    let t466 = t465 - t461;
+    let t467 = t457 - t466;
+    let t468 = cos_front_right_calf * t442;
+    let t469 = v[11] * omega_front_right_calf_x;
+    let t470 = t469 + t468;
+    let t471 = sin_front_right_calf * t428;
+    let t472 = t471 + t470;
+    let t473 = omega_front_right_calf_x * omega_front_right_calf_z;
+    let t474 = t473 + t472;
+    let t475 = cos_front_right_hip * t474;
+    let t476 = t177 * t460;
+    let t477 = t179 * t464;
+    let t478 = t477 + t476;
+    let t479 = t475 - t478;
+    let t480 = omega_rear_left_hip_x * omega_rear_left_hip_y;
+    let t481 = a[3] + a[12];
+    let t482 = t481 - t480;
+    let t483 = sin_rear_left_hip * t482;
+    let t484 = omega_rear_left_hip_x * omega_rear_left_hip_x;
+    let t485 = omega_rear_left_hip_z * omega_rear_left_hip_z;
+    let t486 = t484 + t485;
+    let t487 = cos_rear_left_hip * t486;
+    let t488 = t487 + t483;
+    let t489 = omega_rear_left_hip_y * omega_rear_left_hip_y;
+    let t490 = t489 + t485;
+    let t491 = sin_rear_left_hip * t490;
+    let t492 = t481 + t480;
+    let t493 = cos_rear_left_hip * t492;
+    let t494 = t493 - t491;
+    let t495 = v[13] * omega_rear_left_thigh_y;
+    let t496 = sin_rear_left_thigh * t481;
+    let t497 = t496 + t495;
+    let t498 = cos_rear_left_thigh * t189;
+    let t499 = t498 - t497;
+    let t500 = omega_rear_left_thigh_y * omega_rear_left_thigh_z;
+    let t501 = t500 - t499;
+    let t502 = cos_rear_left_hip * t501;
+    let t503 = sin_rear_left_hip * cos_rear_left_thigh;
+    let t504 = t211 * t503;
+    let t505 = sin_rear_left_hip * sin_rear_left_thigh;
+    let t506 = t216 * t505;
+    let t507 = t506 - t504;
+    let t508 = t502 - t507;
+    let t509 = v[13] * omega_rear_left_thigh_x;
+    let t510 = cos_rear_left_thigh * t481;
+    let t511 = t510 + t509;
+    let t512 = sin_rear_left_thigh * t189;
+    let t513 = t512 + t511;
+    let t514 = omega_rear_left_thigh_x * omega_rear_left_thigh_z;
+    let t515 = t514 + t513;
+    let t516 = cos_rear_left_hip * t515;
+    let t517 = t220 * t503;
+    let t518 = t222 * t505;
+    let t519 = t518 + t517;
+    let t520 = t516 - t519;
+    let t521 = sin_rear_left_calf * t513;
+    let t522 = v[14] * omega_rear_left_calf_y;
+    let t523 = t522 + t521;
+    let t524 = cos_rear_left_calf * t499;
+    let t525 = t524 - t523;
+    let t526 = omega_rear_left_calf_y * omega_rear_left_calf_z;
+    let t527 = t526 - t525;
+    let t528 = cos_rear_left_hip * t527;
+    let t529 = sin_rear_left_calf * t505;
+    let t530 = cos_rear_left_calf * t503;
+    let t531 = t530 - t529;
+    let t532 = t233 * t531;
+    let t533 = cos_rear_left_calf * t505;
+    let t534 = sin_rear_left_calf * t503;
+    let t535 = t534 + t533;
+    let t536 = t241 * t535;
+    let t537 = t536 - t532;
+    let t538 = t528 - t537;
+    let t539 = cos_rear_left_calf * t513;
+    let t540 = v[14] * omega_rear_left_calf_x;
+    let t541 = t540 + t539;
+    let t542 = sin_rear_left_calf * t499;
+    let t543 = t542 + t541;
+    let t544 = omega_rear_left_calf_x * omega_rear_left_calf_z;
+    let t545 = t544 + t543;
+    let t546 = cos_rear_left_hip * t545;
+    let t547 = t248 * t531;
+    let t548 = t250 * t535;
+    let t549 = t548 + t547;
+    let t550 = t546 - t549;
+    let t551 = omega_rear_right_hip_x * omega_rear_right_hip_y;
+    let t552 = a[3] + a[15];
+    let t553 = t552 - t551;
+    let t554 = sin_rear_right_hip * t553;
+    let t555 = omega_rear_right_hip_x * omega_rear_right_hip_x;
+    let t556 = omega_rear_right_hip_z * omega_rear_right_hip_z;
+    let t557 = t555 + t556;
+    let t558 = cos_rear_right_hip * t557;
+    let t559 = t558 + t554;
+    let t560 = omega_rear_right_hip_y * omega_rear_right_hip_y;
+    let t561 = t560 + t556;
+    let t562 = sin_rear_right_hip * t561;
+    let t563 = t552 + t551;
+    let t564 = cos_rear_right_hip * t563;
+    let t565 = t564 - t562;
+    let t566 = v[16] * omega_rear_right_thigh_y;
+    let t567 = sin_rear_right_thigh * t552;
+    let t568 = t567 + t566;
+    let t569 = cos_rear_right_thigh * t260;
+    let t570 = t569 - t568;
+    let t571 = omega_rear_right_thigh_y * omega_rear_right_thigh_z;
+    let t572 = t571 - t570;
+    let t573 = cos_rear_right_hip * t572;
+    let t574 = sin_rear_right_hip * cos_rear_right_thigh;
+    let t575 = t282 * t574;
+    let t576 = sin_rear_right_hip * sin_rear_right_thigh;
+    let t577 = t287 * t576;
+    let t578 = t577 - t575;
+    let t579 = t573 - t578;
+    let t580 = v[16] * omega_rear_right_thigh_x;
+    let t581 = cos_rear_right_thigh * t552;
+    let t582 = t581 + t580;
+    let t583 = sin_rear_right_thigh * t260;
+    let t584 = t583 + t582;
+    let t585 = omega_rear_right_thigh_x * omega_rear_right_thigh_z;
+    let t586 = t585 + t584;
+    let t587 = cos_rear_right_hip * t586;
+    let t588 = t291 * t574;
+    let t589 = t293 * t576;
+    let t590 = t589 + t588;
+    let t591 = t587 - t590;
+    let t592 = sin_rear_right_calf * t584;
+    let t593 = v[17] * omega_rear_right_calf_y;
+    let t594 = t593 + t592;
+    let t595 = cos_rear_right_calf * t570;
+    let t596 = t595 - t594;
+    let t597 = omega_rear_right_calf_y * omega_rear_right_calf_z;
+    let t598 = t597 - t596;
+    let t599 = cos_rear_right_hip * t598;
+    let t600 = sin_rear_right_calf * t576;
+    let t601 = cos_rear_right_calf * t574;
+    let t602 = t601 - t600;
+    let t603 = t304 * t602;
+    let t604 = cos_rear_right_calf * t576;
+    let t605 = sin_rear_right_calf * t574;
+    let t606 = t605 + t604;
+    let t607 = t312 * t606;
+    let t608 = t607 - t603;
+    let t609 = t599 - t608;
+    let t610 = cos_rear_right_calf * t584;
+    let t611 = v[17] * omega_rear_right_calf_x;
+    let t612 = t611 + t610;
+    let t613 = sin_rear_right_calf * t570;
+    let t614 = t613 + t612;
+    let t615 = omega_rear_right_calf_x * omega_rear_right_calf_z;
+    let t616 = t615 + t614;
+    let t617 = cos_rear_right_hip * t616;
+    let t618 = t319 * t602;
+    let t619 = t321 * t606;
+    let t620 = t619 + t618;
+    let t621 = t617 - t620;
+    let t622 = y[4] * y[4];
+    let t623 = y[3] * y[3];
+    let t624 = t623 + t622;
+    let t625 = 2.0 * t624;
+    let t626 = 1.0 - t625;
+    let t627 = t626 * 9.81;
+    let t628 = v[0] * v[4];
+    let t629 = a[2] - t628;
+    let t630 = v[1] * v[3];
+    let t631 = t630 + t629;
+    let acceleration_base_z = t627 + t631;
+    let t633 = a[4] - t38;
+    let t634 = a[3] + t336;
+    let t635 = t334 + t34;
+    let t636 = cos_front_left_hip * t340;
+    let t637 = sin_front_left_hip * t344;
+    let t638 = t637 - t636;
+    let t639 = cos_front_left_hip * t348;
+    let t640 = sin_front_left_hip * t350;
+    let t641 = t640 + t639;
+    let t642 = sin_front_left_hip * t359;
+    let t643 = cos_front_left_hip * cos_front_left_thigh;
+    let t644 = t69 * t643;
+    let t645 = cos_front_left_hip * sin_front_left_thigh;
+    let t646 = t74 * t645;
+    let t647 = t646 - t644;
+    let t648 = t642 + t647;
+    let t649 = sin_front_left_hip * t373;
+    let t650 = t78 * t643;
+    let t651 = t80 * t645;
+    let t652 = t651 + t650;
+    let t653 = t649 + t652;
+    let t654 = sin_front_left_hip * t385;
+    let t655 = sin_front_left_calf * t645;
+    let t656 = cos_front_left_calf * t643;
+    let t657 = t656 - t655;
+    let t658 = t91 * t657;
+    let t659 = cos_front_left_calf * t645;
+    let t660 = sin_front_left_calf * t643;
+    let t661 = t660 + t659;
+    let t662 = t99 * t661;
+    let t663 = t662 - t658;
+    let t664 = t654 + t663;
+    let t665 = sin_front_left_hip * t403;
+    let t666 = t106 * t657;
+    let t667 = t108 * t661;
+    let t668 = t667 + t666;
+    let t669 = t665 + t668;
+    let t670 = cos_front_right_hip * t411;
+    let t671 = sin_front_right_hip * t415;
+    let t672 = t671 - t670;
+    let t673 = cos_front_right_hip * t419;
+    let t674 = sin_front_right_hip * t421;
+    let t675 = t674 + t673;
+    let t676 = sin_front_right_hip * t430;
+    let t677 = cos_front_right_hip * cos_front_right_thigh;
+    let t678 = t140 * t677;
+    let t679 = cos_front_right_hip * sin_front_right_thigh;
+    let t680 = t145 * t679;
+    let t681 = t680 - t678;
+    let t682 = t676 + t681;
+    let t683 = sin_front_right_hip * t444;
+    let t684 = t149 * t677;
+    let t685 = t151 * t679;
+    let t686 = t685 + t684;
+    let t687 = t683 + t686;
+    let t688 = sin_front_right_hip * t456;
+    let t689 = sin_front_right_calf * t679;
+    let t690 = cos_front_right_calf * t677;
+    let t691 = t690 - t689;
+    let t692 = t162 * t691;
+    let t693 = cos_front_right_calf * t679;
+    let t694 = sin_front_right_calf * t677;
+    let t695 = t694 + t693;
+    let t696 = t170 * t695;
+    let t697 = t696 - t692;
+    let t698 = t688 + t697;
+    let t699 = sin_front_right_hip * t474;
+    let t700 = t177 * t691;
+    let t701 = t179 * t695;
+    let t702 = t701 + t700;
+    let t703 = t699 + t702;
+    let t704 = cos_rear_left_hip * t482;
+    let t705 = sin_rear_left_hip * t486;
+    let t706 = t705 - t704;
+    let t707 = cos_rear_left_hip * t490;
+    let t708 = sin_rear_left_hip * t492;
+    let t709 = t708 + t707;
+    let t710 = sin_rear_left_hip * t501;
+    let t711 = cos_rear_left_hip * cos_rear_left_thigh;
+    let t712 = t211 * t711;
+    let t713 = cos_rear_left_hip * sin_rear_left_thigh;
+    let t714 = t216 * t713;
+    let t715 = t714 - t712;
+    let t716 = t710 + t715;
+    let t717 = sin_rear_left_hip * t515;
+    let t718 = t220 * t711;
+    let t719 = t222 * t713;
+    let t720 = t719 + t718;
+    let t721 = t717 + t720;
+    let t722 = sin_rear_left_hip * t527;
+    let t723 = sin_rear_left_calf * t713;
+    let t724 = cos_rear_left_calf * t711;
+    let t725 = t724 - t723;
+    let t726 = t233 * t725;
+    let t727 = cos_rear_left_calf * t713;
+    let t728 = sin_rear_left_calf * t711;
+    let t729 = t728 + t727;
+    let t730 = t241 * t729;
+    let t731 = t730 - t726;
+    let t732 = t722 + t731;
+    let t733 = sin_rear_left_hip * t545;
+    let t734 = t248 * t725;
+    let t735 = t250 * t729;
+    let t736 = t735 + t734;
+    let t737 = t733 + t736;
+    let t738 = cos_rear_right_hip * t553;
+    let t739 = sin_rear_right_hip * t557;
+    let t740 = t739 - t738;
+    let t741 = cos_rear_right_hip * t561;
+    let t742 = sin_rear_right_hip * t563;
+    let t743 = t742 + t741;
+    let t744 = sin_rear_right_hip * t572;
+    let t745 = cos_rear_right_hip * cos_rear_right_thigh;
+    let t746 = t282 * t745;
+    let t747 = cos_rear_right_hip * sin_rear_right_thigh;
+    let t748 = t287 * t747;
+    let t749 = t748 - t746;
+    let t750 = t744 + t749;
+    let t751 = sin_rear_right_hip * t586;
+    let t752 = t291 * t745;
+    let t753 = t293 * t747;
+    let t754 = t753 + t752;
+    let t755 = t751 + t754;
+    let t756 = sin_rear_right_hip * t598;
+    let t757 = sin_rear_right_calf * t747;
+    let t758 = cos_rear_right_calf * t745;
+    let t759 = t758 - t757;
+    let t760 = t304 * t759;
+    let t761 = cos_rear_right_calf * t747;
+    let t762 = sin_rear_right_calf * t745;
+    let t763 = t762 + t761;
+    let t764 = t312 * t763;
+    let t765 = t764 - t760;
+    let t766 = t756 + t765;
+    let t767 = sin_rear_right_hip * t616;
+    let t768 = t319 * t759;
+    let t769 = t321 * t763;
+    let t770 = t769 + t768;
+    let t771 = t767 + t770;
+    let t772 = t335 - t635;
+    let t773 = 0.2 * t633;
+    let t774 = t773 - acceleration_base_z;
+    let t775 = 0.05 * t634;
+    let t776 = t775 - t774;
+    let t777 = cos_front_left_hip * t776;
+    let t778 = 0.2 * t333;
+    let t779 = t778 + acceleration_base_y;
+    let t780 = 0.05 * t335;
+    let t781 = t780 - t779;
+    let t782 = sin_front_left_hip * t781;
+    let acceleration_front_left_hip_x = t782 + t777;
+    let t784 = 0.05 * cos_front_left_hip;
+    let t785 = t340 * t784;
+    let t786 = t785 + acceleration_front_left_hip_x;
+    let t787 = 0.05 * sin_front_left_hip;
+    let t788 = t344 * t787;
+    let t789 = t788 - t786;
+    let t790 = sin_front_left_hip * t776;
+    let t791 = cos_front_left_hip * t781;
+    let acceleration_front_left_hip_y = t791 - t790;
+    let t793 = t348 * t784;
+    let t794 = t793 - acceleration_front_left_hip_y;
+    let t795 = t350 * t787;
+    let t796 = t795 + t794;
+    let t797 = t58 + t59;
+    let t798 = t47 - t49;
+    let t799 = t348 - t344;
+    let t800 = t71 + t77;
+    let t801 = 0.09 * t800;
+    let t802 = t801 + acceleration_front_left_hip_y;
+    let t803 = sin_front_left_thigh * t802;
+    let t804 = cos_front_left_thigh * t784;
+    let t805 = 0.09 * cos_front_left_thigh;
+    let t806 = t804 + t805;
+    let t807 = t69 * t806;
+    let t808 = sin_front_left_thigh * t784;
+    let t809 = 0.09 * sin_front_left_thigh;
+    let t810 = t808 + t809;
+    let t811 = t74 * t810;
+    let t812 = t811 - t807;
+    let t813 = t803 - t812;
+    let t814 = t787 * t359;
+    let t815 = t814 - t813;
+    let t816 = cos_front_left_thigh * t802;
+    let t817 = t78 * t806;
+    let t818 = t80 * t810;
+    let t819 = t818 + t817;
+    let t820 = t816 - t819;
+    let t821 = t787 * t373;
+    let t822 = t821 - t820;
+    let t823 = cos_front_left_thigh * t371;
+    let t824 = sin_front_left_thigh * t358;
+    let t825 = t824 - t823;
+    let t826 = t74 - t800;
+    let t827 = sin_front_left_thigh * t826;
+    let t828 = cos_front_left_thigh * t69;
+    let t829 = t828 - t827;
+    let t830 = cos_front_left_thigh * t372;
+    let t831 = t824 + t830;
+    let t832 = sin_front_left_thigh * t373;
+    let t833 = cos_front_left_thigh * t359;
+    let t834 = t833 + t832;
+    let t835 = t78 - t800;
+    let t836 = cos_front_left_thigh * t835;
+    let t837 = sin_front_left_thigh * t80;
+    let t838 = t836 + t837;
+    let t839 = 0.2 * t373;
+    let acceleration_front_left_calf_z = acceleration_front_left_hip_y - t839;
+    let t841 = t96 + t105;
+    let t842 = 0.09 * t841;
+    let t843 = t842 + acceleration_front_left_calf_z;
+    let t844 = t94 * t843;
+    let t845 = 0.09 * t102;
+    let t846 = sin_front_left_calf * t808;
+    let t847 = t846 + t845;
+    let t848 = cos_front_left_calf * t804;
+    let t849 = t848 - t847;
+    let t850 = t91 * t849;
+    let t851 = 0.09 * t94;
+    let t852 = cos_front_left_calf * t808;
+    let t853 = t852 + t851;
+    let t854 = sin_front_left_calf * t804;
+    let t855 = t854 + t853;
+    let t856 = t99 * t855;
+    let t857 = t856 - t850;
+    let t858 = t844 - t857;
+    let t859 = 0.2 * cos_front_left_thigh;
+    let t860 = t787 + t859;
+    let t861 = t860 * t385;
+    let t862 = t861 - t858;
+    let t863 = t102 * t843;
+    let t864 = t106 * t849;
+    let t865 = t108 * t855;
+    let t866 = t865 + t864;
+    let t867 = t863 + t866;
+    let t868 = t860 * t403;
+    let t869 = t868 + t867;
+    let t870 = t102 * t401;
+    let t871 = t384 * t94;
+    let t872 = t871 + t870;
+    let t873 = t99 - t841;
+    let t874 = t94 * t873;
+    let t875 = t91 * t102;
+    let t876 = t875 + t874;
+    let t877 = t402 * t102;
+    let t878 = t871 - t877;
+    let t879 = t94 * t403;
+    let t880 = t102 * t385;
+    let t881 = t880 - t879;
+    let t882 = t106 - t841;
+    let t883 = t102 * t882;
+    let t884 = t108 * t94;
+    let t885 = t883 - t884;
+    let t886 = t775 + t774;
+    let t887 = cos_front_right_hip * t886;
+    let t888 = t780 + t779;
+    let t889 = sin_front_right_hip * t888;
+    let acceleration_front_right_hip_x = t889 + t887;
+    let t891 = 0.05 * cos_front_right_hip;
+    let t892 = t411 * t891;
+    let t893 = t892 + acceleration_front_right_hip_x;
+    let t894 = 0.05 * sin_front_right_hip;
+    let t895 = t415 * t894;
+    let t896 = t895 - t893;
+    let t897 = sin_front_right_hip * t886;
+    let t898 = cos_front_right_hip * t888;
+    let acceleration_front_right_hip_y = t898 - t897;
+    let t900 = t419 * t891;
+    let t901 = t900 - acceleration_front_right_hip_y;
+    let t902 = t421 * t894;
+    let t903 = t902 + t901;
+    let t904 = t129 + t130;
+    let t905 = t118 - t120;
+    let t906 = t419 - t415;
+    let t907 = t142 + t148;
+    let t908 = 0.09 * t907;
+    let t909 = t908 + acceleration_front_right_hip_y;
+    let t910 = sin_front_right_thigh * t909;
+    let t911 = cos_front_right_thigh * t891;
+    let t912 = 0.09 * cos_front_right_thigh;
+    let t913 = t911 + t912;
+    let t914 = t140 * t913;
+    let t915 = sin_front_right_thigh * t891;
+    let t916 = 0.09 * sin_front_right_thigh;
+    let t917 = t915 + t916;
+    let t918 = t145 * t917;
+    let t919 = t918 - t914;
+    let t920 = t910 - t919;
+    let t921 = t894 * t430;
+    let t922 = t921 - t920;
+    let t923 = cos_front_right_thigh * t909;
+    let t924 = t149 * t913;
+    let t925 = t151 * t917;
+    let t926 = t925 + t924;
+    let t927 = t923 - t926;
+    let t928 = t894 * t444;
+    let t929 = t928 - t927;
+    let t930 = cos_front_right_thigh * t442;
+    let t931 = sin_front_right_thigh * t429;
+    let t932 = t931 - t930;
+    let t933 = t145 - t907;
+    let t934 = sin_front_right_thigh * t933;
+    let t935 = cos_front_right_thigh * t140;
+    let t936 = t935 - t934;
+    let t937 = cos_front_right_thigh * t443;
+    let t938 = t931 + t937;
+    let t939 = sin_front_right_thigh * t444;
+    let t940 = cos_front_right_thigh * t430;
+    let t941 = t940 + t939;
+    let t942 = t149 - t907;
+    let t943 = cos_front_right_thigh * t942;
+    let t944 = sin_front_right_thigh * t151;
+    let t945 = t943 + t944;
+    let t946 = 0.2 * t444;
+    let acceleration_front_right_calf_z = acceleration_front_right_hip_y + t946;
+    let t948 = t167 + t176;
+    let t949 = 0.09 * t948;
+    let t950 = t949 + acceleration_front_right_calf_z;
+    let t951 = t165 * t950;
+    let t952 = 0.09 * t173;
+    let t953 = sin_front_right_calf * t915;
+    let t954 = t953 + t952;
+    let t955 = cos_front_right_calf * t911;
+    let t956 = t955 - t954;
+    let t957 = t162 * t956;
+    let t958 = 0.09 * t165;
+    let t959 = cos_front_right_calf * t915;
+    let t960 = t959 + t958;
+    let t961 = sin_front_right_calf * t911;
+    let t962 = t961 + t960;
+    let t963 = t170 * t962;
+    let t964 = t963 - t957;
+    let t965 = t951 - t964;
+    let t966 = 0.2 * cos_front_right_thigh;
+    let t967 = t894 - t966;
+    let t968 = t967 * t456;
+    let t969 = t968 - t965;
+    let t970 = t173 * t950;
+    let t971 = t177 * t956;
+    let t972 = t179 * t962;
+    let t973 = t972 + t971;
+    let t974 = t970 + t973;
+    let t975 = t967 * t474;
+    let t976 = t975 + t974;
+    let t977 = t173 * t472;
+    let t978 = t455 * t165;
+    let t979 = t978 + t977;
+    let t980 = t170 - t948;
+    let t981 = t165 * t980;
+    let t982 = t162 * t173;
+    let t983 = t982 + t981;
+    let t984 = t473 * t173;
+    let t985 = t978 - t984;
+    let t986 = t165 * t474;
+    let t987 = t173 * t456;
+    let t988 = t987 - t986;
+    let t989 = t177 - t948;
+    let t990 = t173 * t989;
+    let t991 = t179 * t165;
+    let t992 = t990 - t991;
+    let t993 = t773 + acceleration_base_z;
+    let t994 = t775 + t993;
+    let t995 = cos_rear_left_hip * t994;
+    let t996 = t778 - acceleration_base_y;
+    let t997 = t780 + t996;
+    let t998 = sin_rear_left_hip * t997;
+    let acceleration_rear_left_hip_x = t998 + t995;
+    [
+        sin_front_left_hip,
+        cos_front_left_hip,
+        sin_front_left_thigh,
+        cos_front_left_thigh,
+        sin_front_left_calf,
+        cos_front_left_calf,
+        sin_front_right_hip,
+        cos_front_right_hip,
+        sin_front_right_thigh,
+        cos_front_right_thigh,
+        sin_front_right_calf,
+        cos_front_right_calf,
+        sin_rear_left_hip,
+        cos_rear_left_hip,
+        sin_rear_left_thigh,
+        cos_rear_left_thigh,
+        sin_rear_left_calf,
+        cos_rear_left_calf,
+        sin_rear_right_hip,
+        cos_rear_right_hip,
+        sin_rear_right_thigh,
+        cos_rear_right_thigh,
+        sin_rear_right_calf,
+        cos_rear_right_calf,
+        acceleration_base_x,
+        t35,
+        t36,
+        t37,
+        t38,
+        t39,
+        t49,
+        t50,
+        t58,
+        t59,
+        t60,
+        t67,
+        t68,
+        t69,
+        t74,
+        t76,
+        t78,
+        t80,
+        t82,
+        t89,
+        t90,
+        t91,
+        t99,
+        t104,
+        t106,
+        t108,
+        t110,
+        t120,
+        t121,
+        t129,
+        t130,
+        t131,
+        t138,
+        t139,
+        t140,
+        t145,
+        t147,
+        t149,
+        t151,
+        t153,
+        t160,
+        t161,
+        t162,
+        t170,
+        t175,
+        t177,
+        t179,
+        t181,
+        t189,
+        t191,
+        t192,
+        t200,
+        t201,
+        t202,
+        t209,
+        t210,
+        t211,
+        t213,
+        t216,
+        t218,
+        t219,
+        t220,
+        t222,
+        t224,
+        t231,
+        t232,
+        t233,
+        t236,
+        t238,
+        t241,
+        t244,
+        t246,
+        t247,
+        t248,
+        t250,
+        t252,
+        t260,
+        t262,
+        t263,
+        t271,
+        t272,
+        t273,
+        t280,
+        t281,
+        t282,
+        t284,
+        t287,
+        t289,
+        t290,
+        t291,
+        t293,
+        t295,
+        t302,
+        t303,
+        t304,
+        t307,
+        t309,
+        t312,
+        t315,
+        t317,
+        t318,
+        t319,
+        t321,
+        t323,
+        acceleration_base_y,
+        t333,
+        t335,
+        t336,
+        t337,
+        t338,
+        t339,
+        t340,
+        t341,
+        t342,
+        t344,
+        t346,
+        t347,
+        t348,
+        t350,
+        t351,
+        t352,
+        t357,
+        t358,
+        t359,
+        t361,
+        t363,
+        t366,
+        t371,
+        t372,
+        t373,
+        t378,
+        t383,
+        t384,
+        t385,
+        t389,
+        t393,
+        t396,
+        t401,
+        t402,
+        t403,
+        t408,
+        t409,
+        t410,
+        t411,
+        t412,
+        t413,
+        t415,
+        t417,
+        t418,
+        t419,
+        t421,
+        t422,
+        t423,
+        t428,
+        t429,
+        t430,
+        t432,
+        t434,
+        t437,
+        t442,
+        t443,
+        t444,
+        t449,
+        t454,
+        t455,
+        t456,
+        t460,
+        t464,
+        t467,
+        t472,
+        t473,
+        t474,
+        t479,
+        t480,
+        t481,
+        t482,
+        t483,
+        t484,
+        t486,
+        t488,
+        t489,
+        t490,
+        t492,
+        t493,
+        t494,
+        t499,
+        t500,
+        t501,
+        t503,
+        t505,
+        t508,
+        t513,
+        t514,
+        t515,
+        t520,
+        t525,
+        t526,
+        t527,
+        t531,
+        t535,
+        t538,
+        t543,
+        t544,
+        t545,
+        t550,
+        t551,
+        t552,
+        t553,
+        t554,
+        t555,
+        t557,
+        t559,
+        t560,
+        t561,
+        t563,
+        t564,
+        t565,
+        t570,
+        t571,
+        t572,
+        t574,
+        t576,
+        t579,
+        t584,
+        t585,
+        t586,
+        t591,
+        t596,
+        t597,
+        t598,
+        t602,
+        t606,
+        t609,
+        t614,
+        t615,
+        t616,
+        t621,
+        acceleration_base_z,
+        t633,
+        t634,
+        t635,
+        t636,
+        t638,
+        t640,
+        t641,
+        t643,
+        t645,
+        t648,
+        t653,
+        t657,
+        t661,
+        t664,
+        t669,
+        t670,
+        t672,
+        t674,
+        t675,
+        t677,
+        t679,
+        t682,
+        t687,
+        t691,
+        t695,
+        t698,
+        t703,
+        t704,
+        t706,
+        t708,
+        t709,
+        t711,
+        t713,
+        t716,
+        t721,
+        t725,
+        t729,
+        t732,
+        t737,
+        t738,
+        t740,
+        t742,
+        t743,
+        t745,
+        t747,
+        t750,
+        t755,
+        t759,
+        t763,
+        t766,
+        t771,
+        t772,
+        t775,
+        t780,
+        acceleration_front_left_hip_x,
+        t789,
+        acceleration_front_left_hip_y,
+        t796,
+        t797,
+        t798,
+        t799,
+        t802,
+        t803,
+        t805,
+        t809,
+        t815,
+        t816,
+        t822,
+        t825,
+        t826,
+        t829,
+        t831,
+        t834,
+        t835,
+        t838,
+        t843,
+        t844,
+        t845,
+        t851,
+        t859,
+        t862,
+        t863,
+        t869,
+        t872,
+        t873,
+        t876,
+        t878,
+        t881,
+        t882,
+        t885,
+        acceleration_front_right_hip_x,
+        t896,
+        acceleration_front_right_hip_y,
+        t903,
+        t904,
+        t905,
+        t906,
+        t909,
+        t910,
+        t912,
+        t916,
+        t922,
+        t923,
+        t929,
+        t932,
+        t933,
+        t936,
+        t938,
+        t941,
+        t942,
+        t945,
+        t950,
+        t951,
+        t952,
+        t958,
+        t966,
+        t969,
+        t970,
+        t976,
+        t979,
+        t980,
+        t983,
+        t985,
+        t988,
+        t989,
+        t992,
+        t993,
+        t994,
+        t996,
+        t997,
+        acceleration_rear_left_hip_x,
+    ]
+}
+
+/// Part 2 of `base_regressor`: values that later parts read.
+#[inline(never)]
+fn base_regressor_part_2(
+    [sin_front_left_hip,
+    cos_front_left_hip,
+    sin_front_left_thigh,
+    cos_front_left_thigh,
+    sin_front_left_calf,
+    cos_front_left_calf,
+    sin_front_right_hip,
+    cos_front_right_hip,
+    sin_front_right_thigh,
+    cos_front_right_thigh,
+    sin_front_right_calf,
+    cos_front_right_calf,
+    sin_rear_left_hip,
+    cos_rear_left_hip,
+    sin_rear_left_thigh,
+    cos_rear_left_thigh,
+    sin_rear_left_calf,
+    cos_rear_left_calf,
+    sin_rear_right_hip,
+    cos_rear_right_hip,
+    sin_rear_right_thigh,
+    cos_rear_right_thigh,
+    sin_rear_right_calf,
+    cos_rear_right_calf,
+    acceleration_base_x,
+    t35,
+    t36,
+    t37,
+    t38,
+    t49,
+    t50,
+    t58,
+    t59,
+    t60,
+    t67,
+    t68,
+    t69,
+    t74,
+    t76,
+    t78,
+    t80,
+    t89,
+    t90,
+    t91,
+    t99,
+    t106,
+    t108,
+    t110,
+    t120,
+    t121,
+    t129,
+    t130,
+    t131,
+    t138,
+    t139,
+    t140,
+    t145,
+    t147,
+    t149,
+    t151,
+    t160,
+    t161,
+    t162,
+    t170,
+    t177,
+    t179,
+    t181,
+    t189,
+    t191,
+    t192,
+    t200,
+    t201,
+    t202,
+    t209,
+    t210,
+    t211,
+    t213,
+    t216,
+    t218,
+    t219,
+    t220,
+    t222,
+    t231,
+    t232,
+    t233,
+    t236,
+    t238,
+    t241,
+    t244,
+    t247,
+    t248,
+    t250,
+    t252,
+    t260,
+    t262,
+    t263,
+    t271,
+    t272,
+    t273,
+    t280,
+    t281,
+    t282,
+    t284,
+    t287,
+    t289,
+    t290,
+    t291,
+    t293,
+    t302,
+    t303,
+    t304,
+    t307,
+    t309,
+    t312,
+    t315,
+    t318,
+    t319,
+    t321,
+    t323,
+    acceleration_base_y,
+    t335,
+    t336,
+    t337,
+    t340,
+    t341,
+    t342,
+    t344,
+    t346,
+    t347,
+    t348,
+    t350,
+    t351,
+    t352,
+    t357,
+    t358,
+    t359,
+    t361,
+    t363,
+    t371,
+    t372,
+    t373,
+    t378,
+    t383,
+    t384,
+    t385,
+    t389,
+    t393,
+    t401,
+    t402,
+    t403,
+    t408,
+    t411,
+    t412,
+    t413,
+    t415,
+    t417,
+    t418,
+    t419,
+    t421,
+    t422,
+    t423,
+    t428,
+    t429,
+    t430,
+    t432,
+    t434,
+    t442,
+    t443,
+    t444,
+    t449,
+    t454,
+    t455,
+    t456,
+    t460,
+    t464,
+    t472,
+    t473,
+    t474,
+    t479,
+    t482,
+    t483,
+    t484,
+    t486,
+    t488,
+    t489,
+    t490,
+    t492,
+    t493,
+    t494,
+    t499,
+    t500,
+    t501,
+    t503,
+    t505,
+    t513,
+    t514,
+    t515,
+    t520,
+    t525,
+    t526,
+    t527,
+    t531,
+    t535,
+    t543,
+    t544,
+    t545,
+    t550,
+    t553,
+    t554,
+    t555,
+    t557,
+    t559,
+    t560,
+    t561,
+    t563,
+    t564,
+    t565,
+    t570,
+    t571,
+    t572,
+    t574,
+    t576,
+    t584,
+    t585,
+    t586,
+    t591,
+    t596,
+    t597,
+    t598,
+    t602,
+    t606,
+    t614,
+    t615,
+    t616,
+    t621,
+    acceleration_base_z,
+    t633,
+    t635,
+    t636,
+    t638,
+    t640,
+    t641,
+    t643,
+    t645,
+    t653,
+    t657,
+    t661,
+    t669,
+    t670,
+    t672,
+    t674,
+    t675,
+    t677,
+    t679,
+    t687,
+    t691,
+    t695,
+    t703,
+    t704,
+    t706,
+    t708,
+    t709,
+    t711,
+    t713,
+    t721,
+    t725,
+    t729,
+    t737,
+    t738,
+    t740,
+    t742,
+    t743,
+    t745,
+    t747,
+    t755,
+    t759,
+    t763,
+    t771,
+    t772,
+    t775,
+    t780,
+    acceleration_front_left_hip_x,
+    t789,
+    t796,
+    t798,
+    t802,
+    t803,
+    t805,
+    t809,
+    t816,
+    t822,
+    t825,
+    t826,
+    t835,
+    t843,
+    t844,
+    t845,
+    t851,
+    t859,
+    t863,
+    t869,
+    t872,
+    t873,
+    t876,
+    t881,
+    t882,
+    t885,
+    acceleration_front_right_hip_x,
+    acceleration_front_right_hip_y,
+    t905,
+    t909,
+    t910,
+    t912,
+    t916,
+    t922,
+    t923,
+    t932,
+    t933,
+    t942,
+    t950,
+    t951,
+    t952,
+    t958,
+    t966,
+    t969,
+    t970,
+    t979,
+    t980,
+    t983,
+    t988,
+    t989,
+    t992,
+    t993,
+    t994,
+    t996,
+    t997,
+    acceleration_rear_left_hip_x,
+    ]: [f64; 337],
+) -> [f64; 356] {
+    let t1000 = 0.05 * cos_rear_left_hip;
+    let t1001 = t482 * t1000;
+    let t1002 = t1001 + acceleration_rear_left_hip_x;
+    let t1003 = 0.05 * sin_rear_left_hip;
+    let t1004 = t486 * t1003;
+    let t1005 = t1004 - t1002;
+    let t1006 = sin_rear_left_hip * t994;
+    let t1007 = cos_rear_left_hip * t997;
+    let acceleration_rear_left_hip_y = t1007 - t1006;
+    let t1009 = t490 * t1000;
+    let t1010 = t1009 - acceleration_rear_left_hip_y;
+    let t1011 = t492 * t1003;
+    let t1012 = t1011 + t1010;
+    let t1013 = t200 + t201;
+    let t1014 = t189 - t191;
+    let t1015 = t490 - t486;
+    let t1016 = t213 + t219;
+    let t1017 = 0.09 * t1016;
+    let t1018 = t1017 + acceleration_rear_left_hip_y;
+    let t1019 = sin_rear_left_thigh * t1018;
+    let t1020 = cos_rear_left_thigh * t1000;
+    let t1021 = 0.09 * cos_rear_left_thigh;
+    let t1022 = t1020 + t1021;
+    let t1023 = t211 * t1022;
+    let t1024 = sin_rear_left_thigh * t1000;
+    let t1025 = 0.09 * sin_rear_left_thigh;
+    let t1026 = t1024 + t1025;
+    let t1027 = t216 * t1026;
+    let t1028 = t1027 - t1023;
+    let t1029 = t1019 - t1028;
+    let t1030 = t1003 * t501;
+    let t1031 = t1030 - t1029;
+    let t1032 = cos_rear_left_thigh * t1018;
+    let t1033 = t220 * t1022;
+    let t1034 = t222 * t1026;
+    let t1035 = t1034 + t1033;
+    let t1036 = t1032 - t1035;
+    let t1037 = t1003 * t515;
+    let t1038 = t1037 - t1036;
+    let t1039 = cos_rear_left_thigh * t513;
+    let t1040 = sin_rear_left_thigh * t500;
+    let t1041 = t1040 - t1039;
+    let t1042 = t216 - t1016;
+    let t1043 = sin_rear_left_thigh * t1042;
+    let t1044 = cos_rear_left_thigh * t211;
+    let t1045 = t1044 - t1043;
+    let t1046 = cos_rear_left_thigh * t514;
+    let t1047 = t1040 + t1046;
+    let t1048 = sin_rear_left_thigh * t515;
+    let t1049 = cos_rear_left_thigh * t501;
+    let t1050 = t1049 + t1048;
+    let t1051 = t220 - t1016;
+    let t1052 = cos_rear_left_thigh * t1051;
+    let t1053 = sin_rear_left_thigh * t222;
+    let t1054 = t1052 + t1053;
+    let t1055 = 0.2 * t515;
+    let acceleration_rear_left_calf_z = acceleration_rear_left_hip_y - t1055;
+    let t1057 = t238 + t247;
+    let t1058 = 0.09 * t1057;
+    let t1059 = t1058 + acceleration_rear_left_calf_z;
+    let t1060 = t236 * t1059;
+    let t1061 = 0.09 * t244;
+    let t1062 = sin_rear_left_calf * t1024;
+    let t1063 = t1062 + t1061;
+    let t1064 = cos_rear_left_calf * t1020;
+    let t1065 = t1064 - t1063;
+    let t1066 = t233 * t1065;
+    let t1067 = 0.09 * t236;
+    let t1068 = cos_rear_left_calf * t1024;
+    let t1069 = t1068 + t1067;
+    let t1070 = sin_rear_left_calf * t1020;
+    let t1071 = t1070 + t1069;
+    let t1072 = t241 * t1071;
+    let t1073 = t1072 - t1066;
+    let t1074 = t1060 - t1073;
+    let t1075 = 0.2 * cos_rear_left_thigh;
+    let t1076 = t1003 + t1075;
+    let t1077 = t1076 * t527;
+    let t1078 = t1077 - t1074;
+    let t1079 = t244 * t1059;
+    let t1080 = t248 * t1065;
+    let t1081 = t250 * t1071;
+    let t1082 = t1081 + t1080;
+    let t1083 = t1079 + t1082;
+    let t1084 = t1076 * t545;
+    let t1085 = t1084 + t1083;
+    let t1086 = t244 * t543;
+    let t1087 = t526 * t236;
+    let t1088 = t1087 + t1086;
+    let t1089 = t241 - t1057;
+    let t1090 = t236 * t1089;
+    let t1091 = t233 * t244;
+    let t1092 = t1091 + t1090;
+    let t1093 = t544 * t244;
+    let t1094 = t1087 - t1093;
+    let t1095 = t236 * t545;
+    let t1096 = t244 * t527;
+    let t1097 = t1096 - t1095;
+    let t1098 = t248 - t1057;
+    let t1099 = t244 * t1098;
+    let t1100 = t250 * t236;
+    let t1101 = t1099 - t1100;
+    let t1102 = t775 - t993;
+    let t1103 = cos_rear_right_hip * t1102;
+    let t1104 = t780 - t996;
+    let t1105 = sin_rear_right_hip * t1104;
+    let acceleration_rear_right_hip_x = t1105 + t1103;
+    let t1107 = 0.05 * cos_rear_right_hip;
+    let t1108 = t553 * t1107;
+    let t1109 = t1108 + acceleration_rear_right_hip_x;
+    let t1110 = 0.05 * sin_rear_right_hip;
+    let t1111 = t557 * t1110;
+    let t1112 = t1111 - t1109;
+    let t1113 = sin_rear_right_hip * t1102;
+    let t1114 = cos_rear_right_hip * t1104;
+    let acceleration_rear_right_hip_y = t1114 - t1113;
+    let t1116 = t561 * t1107;
+    let t1117 = t1116 - acceleration_rear_right_hip_y;
+    let t1118 = t563 * t1110;
+    let t1119 = t1118 + t1117;
+    let t1120 = t271 + t272;
+    let t1121 = t260 - t262;
+    let t1122 = t561 - t557;
+    let t1123 = t284 + t290;
+    let t1124 = 0.09 * t1123;
+    let t1125 = t1124 + acceleration_rear_right_hip_y;
+    let t1126 = sin_rear_right_thigh * t1125;
+    let t1127 = cos_rear_right_thigh * t1107;
+    let t1128 = 0.09 * cos_rear_right_thigh;
+    let t1129 = t1127 + t1128;
+    let t1130 = t282 * t1129;
+    let t1131 = sin_rear_right_thigh * t1107;
+    let t1132 = 0.09 * sin_rear_right_thigh;
+    let t1133 = t1131 + t1132;
+    let t1134 = t287 * t1133;
+    let t1135 = t1134 - t1130;
+    let t1136 = t1126 - t1135;
+    let t1137 = t1110 * t572;
+    let t1138 = t1137 - t1136;
+    let t1139 = cos_rear_right_thigh * t1125;
+    let t1140 = t291 * t1129;
+    let t1141 = t293 * t1133;
+    let t1142 = t1141 + t1140;
+    let t1143 = t1139 - t1142;
+    let t1144 = t1110 * t586;
+    let t1145 = t1144 - t1143;
+    let t1146 = cos_rear_right_thigh * t584;
+    let t1147 = sin_rear_right_thigh * t571;
+    let t1148 = t1147 - t1146;
+    let t1149 = t287 - t1123;
+    let t1150 = sin_rear_right_thigh * t1149;
+    let t1151 = cos_rear_right_thigh * t282;
+    let t1152 = t1151 - t1150;
+    let t1153 = cos_rear_right_thigh * t585;
+    let t1154 = t1147 + t1153;
+    let t1155 = sin_rear_right_thigh * t586;
+    let t1156 = cos_rear_right_thigh * t572;
+    let t1157 = t1156 + t1155;
+    let t1158 = t291 - t1123;
+    let t1159 = cos_rear_right_thigh * t1158;
+    let t1160 = sin_rear_right_thigh * t293;
+    let t1161 = t1159 + t1160;
+    let t1162 = 0.2 * t586;
+    let acceleration_rear_right_calf_z = acceleration_rear_right_hip_y + t1162;
+    let t1164 = t309 + t318;
+    let t1165 = 0.09 * t1164;
+    let t1166 = t1165 + acceleration_rear_right_calf_z;
+    let t1167 = t307 * t1166;
+    let t1168 = 0.09 * t315;
+    let t1169 = sin_rear_right_calf * t1131;
+    let t1170 = t1169 + t1168;
+    let t1171 = cos_rear_right_calf * t1127;
+    let t1172 = t1171 - t1170;
+    let t1173 = t304 * t1172;
+    let t1174 = 0.09 * t307;
+    let t1175 = cos_rear_right_calf * t1131;
+    let t1176 = t1175 + t1174;
+    let t1177 = sin_rear_right_calf * t1127;
+    let t1178 = t1177 + t1176;
+    let t1179 = t312 * t1178;
+    let t1180 = t1179 - t1173;
+    let t1181 = t1167 - t1180;
+    let t1182 = 0.2 * cos_rear_right_thigh;
+    let t1183 = t1110 - t1182;
+    let t1184 = t1183 * t598;
+    let t1185 = t1184 - t1181;
+    let t1186 = t315 * t1166;
+    let t1187 = t319 * t1172;
+    let t1188 = t321 * t1178;
+    let t1189 = t1188 + t1187;
+    let t1190 = t1186 + t1189;
+    let t1191 = t1183 * t616;
+    let t1192 = t1191 + t1190;
+    let t1193 = t315 * t614;
+    let t1194 = t597 * t307;
+    let t1195 = t1194 + t1193;
+    let t1196 = t312 - t1164;
+    let t1197 = t307 * t1196;
+    let t1198 = t304 * t315;
+    let t1199 = t1198 + t1197;
+    let t1200 = t615 * t315;
+    let t1201 = t1194 - t1200;
+    let t1202 = t307 * t616;
+    let t1203 = t315 * t598;
+    let t1204 = t1203 - t1202;
+    let t1205 = t319 - t1164;
+    let t1206 = t315 * t1205;
+    let t1207 = t321 * t307;
+    let t1208 = t1206 - t1207;
+    let t1209 = t35 - t635;
+    let t1210 = 0.2 * t35;
+    let t1211 = t1210 - acceleration_base_x;
+    let t1212 = 0.05 * t37;
+    let acceleration_front_left_hip_z = t1212 + t1211;
+    let t1214 = sin_front_left_hip * acceleration_front_left_hip_z;
+    let t1215 = 0.2 * cos_front_left_hip;
+    let t1216 = t340 * t1215;
+    let t1217 = t1216 + t1214;
+    let t1218 = 0.2 * sin_front_left_hip;
+    let t1219 = t344 * t1218;
+    let t1220 = t1219 - t1217;
+    let t1221 = cos_front_left_hip * acceleration_front_left_hip_z;
+    let t1222 = t348 * t1215;
+    let t1223 = t1222 - t1221;
+    let t1224 = t350 * t1218;
+    let t1225 = t1224 + t1223;
+    let t1226 = sin_front_left_hip * t49;
+    let t1227 = cos_front_left_hip * t59;
+    let t1228 = t1227 - t1226;
+    let t1229 = t342 + t347;
+    let t1230 = t344 - t1229;
+    let t1231 = sin_front_left_hip * t1230;
+    let t1232 = t636 - t1231;
+    let t1233 = cos_front_left_hip * t58;
+    let t1234 = t1226 - t1233;
+    let t1235 = t348 - t1229;
+    let t1236 = cos_front_left_hip * t1235;
+    let t1237 = t640 + t1236;
+    let t1238 = sin_front_left_hip * t60;
+    let t1239 = cos_front_left_hip * t50;
+    let t1240 = t1239 + t1238;
+    let t1241 = t361 * t802;
+    let t1242 = 0.09 * t363;
+    let t1243 = cos_front_left_thigh * t1215;
+    let t1244 = t1243 - t1242;
+    let t1245 = t69 * t1244;
+    let t1246 = 0.09 * t361;
+    let t1247 = sin_front_left_thigh * t1215;
+    let t1248 = t1247 + t1246;
+    let t1249 = t74 * t1248;
+    let t1250 = t1249 - t1245;
+    let t1251 = t1241 - t1250;
+    let t1252 = t1218 * t359;
+    let t1253 = t1252 - t1251;
+    let t1254 = cos_front_left_thigh * acceleration_front_left_hip_x;
+    let t1255 = sin_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_x = t1254 - t1255;
+    let t1257 = t372 - t371;
+    let t1258 = 0.09 * t1257;
+    let t1259 = acceleration_front_left_thigh_x - t1258;
+    let t1260 = cos_front_left_hip * t1259;
+    let t1261 = t1260 + t1253;
+    let t1262 = t363 * t802;
+    let t1263 = t78 * t1244;
+    let t1264 = t80 * t1248;
+    let t1265 = t1264 + t1263;
+    let t1266 = t1262 + t1265;
+    let t1267 = t1218 * t373;
+    let t1268 = t1267 + t1266;
+    let t1269 = sin_front_left_thigh * acceleration_front_left_hip_x;
+    let t1270 = cos_front_left_thigh * acceleration_front_left_hip_z;
+    let acceleration_front_left_thigh_y = t1269 + t1270;
+    let t1272 = t358 + t357;
+    let t1273 = 0.09 * t1272;
+    let t1274 = acceleration_front_left_thigh_y - t1273;
+    let t1275 = cos_front_left_hip * t1274;
+    let t1276 = t1275 - t1268;
+    let t1277 = t363 * t371;
+    let t1278 = t358 * t361;
+    let t1279 = cos_front_left_hip * t67;
+    let t1280 = t1279 - t1278;
+    let t1281 = t1277 - t1280;
+    let t1282 = t361 * t826;
+    let t1283 = t69 * t363;
+    let t1284 = t1283 + t1282;
+    let t1285 = cos_front_left_hip * t1257;
+    let t1286 = t1285 - t1284;
+    let t1287 = cos_front_left_hip * t68;
+    let t1288 = t372 * t363;
+    let t1289 = t1288 + t1287;
+    let t1290 = t1278 - t1289;
+    let t1291 = t361 * t373;
+    let t1292 = t78 - t74;
+    let t1293 = cos_front_left_hip * t1292;
+    let t1294 = t1293 + t1291;
+    let t1295 = t363 * t359;
+    let t1296 = t1295 - t1294;
+    let t1297 = t363 * t835;
+    let t1298 = t80 * t361;
+    let t1299 = t1297 - t1298;
+    let t1300 = cos_front_left_hip * t1272;
+    let t1301 = t1300 - t1299;
+    let t1302 = 0.2 * t80;
+    let t1303 = t1302 + acceleration_front_left_thigh_y;
+    let t1304 = sin_front_left_calf * t1303;
+    let t1305 = 0.2 * t78;
+    let t1306 = t1305 + acceleration_front_left_thigh_x;
+    let t1307 = cos_front_left_calf * t1306;
+    let acceleration_front_left_calf_x = t1307 - t1304;
+    let t1309 = t402 - t401;
+    let t1310 = 0.09 * t1309;
+    let t1311 = acceleration_front_left_calf_x - t1310;
+    let t1312 = cos_front_left_hip * t1311;
+    let t1313 = t389 * t843;
+    let t1314 = 0.09 * t393;
+    let t1315 = cos_front_left_calf * t1243;
+    let t1316 = t1315 - t1314;
+    let t1317 = t1215 - t1247;
+    let t1318 = sin_front_left_calf * t1317;
+    let t1319 = t1318 + t1316;
+    let t1320 = t91 * t1319;
+    let t1321 = 0.09 * t389;
+    let t1322 = sin_front_left_calf * t1243;
+    let t1323 = t1322 + t1321;
+    let t1324 = cos_front_left_calf * t1317;
+    let t1325 = t1324 - t1323;
+    let t1326 = t99 * t1325;
+    let t1327 = t1326 + t1320;
+    let t1328 = t1313 + t1327;
+    let t1329 = 0.2 * t363;
+    let t1330 = t1218 - t1329;
+    let t1331 = t1330 * t385;
+    let t1332 = t1331 - t1328;
+    let t1333 = t1312 + t1332;
+    let t1334 = cos_front_left_calf * t1303;
+    let t1335 = sin_front_left_calf * t1306;
+    let acceleration_front_left_calf_y = t1335 + t1334;
+    let t1337 = t384 + t383;
+    let t1338 = 0.09 * t1337;
+    let t1339 = acceleration_front_left_calf_y - t1338;
+    let t1340 = cos_front_left_hip * t1339;
+    let t1341 = t393 * t843;
+    let t1342 = t106 * t1319;
+    let t1343 = t108 * t1325;
+    let t1344 = t1343 - t1342;
+    let t1345 = t1341 - t1344;
+    let t1346 = t1330 * t403;
+    let t1347 = t1346 + t1345;
+    let t1348 = t1340 - t1347;
+    let t1349 = t393 * t401;
+    let t1350 = t384 * t389;
+    let t1351 = cos_front_left_hip * t89;
+    let t1352 = t1351 - t1350;
+    let t1353 = t1349 - t1352;
+    let t1354 = cos_front_left_hip * t1309;
+    let t1355 = t389 * t873;
+    let t1356 = t91 * t393;
+    let t1357 = t1356 + t1355;
+    let t1358 = t1354 - t1357;
+    let t1359 = t402 * t393;
+    let t1360 = cos_front_left_hip * t90;
+    let t1361 = t1359 + t1360;
+    let t1362 = t1350 - t1361;
+    let t1363 = t389 * t403;
+    let t1364 = t106 - t99;
+    let t1365 = cos_front_left_hip * t1364;
+    let t1366 = t1365 + t1363;
+    let t1367 = t393 * t385;
+    let t1368 = t1367 - t1366;
+    let t1369 = cos_front_left_hip * t1337;
+    let t1370 = t393 * t882;
+    let t1371 = t108 * t389;
+    let t1372 = t1370 - t1371;
+    let t1373 = t1369 - t1372;
+    let acceleration_front_right_hip_z = t1212 - t1211;
+    let t1375 = sin_front_right_hip * acceleration_front_right_hip_z;
+    let t1376 = 0.2 * cos_front_right_hip;
+    let t1377 = t411 * t1376;
+    let t1378 = t1377 - t1375;
+    let t1379 = 0.2 * sin_front_right_hip;
+    let t1380 = t415 * t1379;
+    let t1381 = t1380 - t1378;
+    let t1382 = cos_front_right_hip * acceleration_front_right_hip_z;
+    let t1383 = t419 * t1376;
+    let t1384 = t1383 + t1382;
+    let t1385 = t421 * t1379;
+    let t1386 = t1385 + t1384;
+    let t1387 = sin_front_right_hip * t120;
+    let t1388 = cos_front_right_hip * t130;
+    let t1389 = t1388 - t1387;
+    let t1390 = t413 + t418;
+    let t1391 = t415 - t1390;
+    let t1392 = sin_front_right_hip * t1391;
+    let t1393 = t670 - t1392;
+    let t1394 = cos_front_right_hip * t129;
+    let t1395 = t1387 - t1394;
+    let t1396 = t419 - t1390;
+    let t1397 = cos_front_right_hip * t1396;
+    let t1398 = t674 + t1397;
+    let t1399 = sin_front_right_hip * t131;
+    let t1400 = cos_front_right_hip * t121;
+    let t1401 = t1400 + t1399;
+    let t1402 = t432 * t909;
+    let t1403 = 0.09 * t434;
+    let t1404 = cos_front_right_thigh * t1376;
+    let t1405 = t1404 + t1403;
+    let t1406 = t140 * t1405;
+    let t1407 = 0.09 * t432;
+    let t1408 = sin_front_right_thigh * t1376;
+    let t1409 = t1408 - t1407;
+    let t1410 = t145 * t1409;
+    let t1411 = t1410 - t1406;
+    let t1412 = t1402 + t1411;
+    let t1413 = t1379 * t430;
+    let t1414 = t1413 + t1412;
+    let t1415 = cos_front_right_thigh * acceleration_front_right_hip_x;
+    let t1416 = sin_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_x = t1415 - t1416;
+    let t1418 = t443 - t442;
+    let t1419 = 0.09 * t1418;
+    let t1420 = acceleration_front_right_thigh_x - t1419;
+    let t1421 = cos_front_right_hip * t1420;
+    let t1422 = t1421 - t1414;
+    let t1423 = t434 * t909;
+    let t1424 = t149 * t1405;
+    let t1425 = t151 * t1409;
+    let t1426 = t1425 + t1424;
+    let t1427 = t1423 - t1426;
+    let t1428 = t1379 * t444;
+    let t1429 = t1428 - t1427;
+    let t1430 = sin_front_right_thigh * acceleration_front_right_hip_x;
+    let t1431 = cos_front_right_thigh * acceleration_front_right_hip_z;
+    let acceleration_front_right_thigh_y = t1430 + t1431;
+    let t1433 = t429 + t428;
+    let t1434 = 0.09 * t1433;
+    let t1435 = acceleration_front_right_thigh_y - t1434;
+    let t1436 = cos_front_right_hip * t1435;
+    let t1437 = t1436 + t1429;
+    let t1438 = t434 * t442;
+    let t1439 = t429 * t432;
+    let t1440 = cos_front_right_hip * t138;
+    let t1441 = t1440 - t1439;
+    let t1442 = t1438 - t1441;
+    let t1443 = t432 * t933;
+    let t1444 = t140 * t434;
+    let t1445 = t1444 + t1443;
+    let t1446 = cos_front_right_hip * t1418;
+    let t1447 = t1446 - t1445;
+    let t1448 = cos_front_right_hip * t139;
+    let t1449 = t443 * t434;
+    let t1450 = t1449 + t1448;
+    let t1451 = t1439 - t1450;
+    let t1452 = t432 * t444;
+    let t1453 = t149 - t145;
+    let t1454 = cos_front_right_hip * t1453;
+    let t1455 = t1454 + t1452;
+    let t1456 = t434 * t430;
+    let t1457 = t1456 - t1455;
+    let t1458 = t434 * t942;
+    let t1459 = t151 * t432;
+    let t1460 = t1458 - t1459;
+    let t1461 = cos_front_right_hip * t1433;
+    let t1462 = t1461 - t1460;
+    let t1463 = 0.2 * t151;
+    let t1464 = t1463 - acceleration_front_right_thigh_y;
+    let t1465 = sin_front_right_calf * t1464;
+    let t1466 = 0.2 * t149;
+    let t1467 = t1466 - acceleration_front_right_thigh_x;
+    let t1468 = cos_front_right_calf * t1467;
+    let acceleration_front_right_calf_x = t1468 - t1465;
+    let t1470 = t473 - t472;
+    let t1471 = 0.09 * t1470;
+    let t1472 = acceleration_front_right_calf_x + t1471;
+    let t1473 = cos_front_right_hip * t1472;
+    let t1474 = t460 * t950;
+    let t1475 = 0.09 * t464;
+    let t1476 = cos_front_right_calf * t1404;
+    let t1477 = t1476 + t1475;
+    let t1478 = t1376 - t1408;
+    let t1479 = sin_front_right_calf * t1478;
+    let t1480 = t1479 + t1477;
+    let t1481 = t162 * t1480;
+    let t1482 = 0.09 * t460;
+    let t1483 = sin_front_right_calf * t1404;
+    let t1484 = t1483 - t1482;
+    let t1485 = cos_front_right_calf * t1478;
+    let t1486 = t1485 - t1484;
+    let t1487 = t170 * t1486;
+    let t1488 = t1487 + t1481;
+    let t1489 = t1474 - t1488;
+    let t1490 = 0.2 * t434;
+    let t1491 = t1379 - t1490;
+    let t1492 = t1491 * t456;
+    let t1493 = t1492 + t1489;
+    let t1494 = t1473 + t1493;
+    let t1495 = cos_front_right_calf * t1464;
+    let t1496 = sin_front_right_calf * t1467;
+    let acceleration_front_right_calf_y = t1496 + t1495;
+    let t1498 = t455 + t454;
+    let t1499 = 0.09 * t1498;
+    let t1500 = acceleration_front_right_calf_y + t1499;
+    let t1501 = cos_front_right_hip * t1500;
+    let t1502 = t464 * t950;
+    let t1503 = t177 * t1480;
+    let t1504 = t179 * t1486;
+    let t1505 = t1504 - t1503;
+    let t1506 = t1502 + t1505;
+    let t1507 = t1491 * t474;
+    let t1508 = t1507 - t1506;
+    let t1509 = t1501 - t1508;
+    let t1510 = t464 * t472;
+    let t1511 = t455 * t460;
+    let t1512 = cos_front_right_hip * t160;
+    let t1513 = t1512 - t1511;
+    let t1514 = t1510 - t1513;
+    let t1515 = cos_front_right_hip * t1470;
+    let t1516 = t460 * t980;
+    let t1517 = t162 * t464;
+    let t1518 = t1517 + t1516;
+    let t1519 = t1515 - t1518;
+    let t1520 = t473 * t464;
+    let t1521 = cos_front_right_hip * t161;
+    let t1522 = t1520 + t1521;
+    let t1523 = t1511 - t1522;
+    let t1524 = t460 * t474;
+    let t1525 = t177 - t170;
+    let t1526 = cos_front_right_hip * t1525;
+    let t1527 = t1526 + t1524;
+    let t1528 = t464 * t456;
+    let t1529 = t1528 - t1527;
+    let t1530 = cos_front_right_hip * t1498;
+    let t1531 = t464 * t989;
+    let t1532 = t179 * t460;
+    let t1533 = t1531 - t1532;
+    let t1534 = t1530 - t1533;
+    let t1535 = t1210 + acceleration_base_x;
+    let acceleration_rear_left_hip_z = t1212 - t1535;
+    let t1537 = sin_rear_left_hip * acceleration_rear_left_hip_z;
+    let t1538 = 0.2 * cos_rear_left_hip;
+    let t1539 = t482 * t1538;
+    let t1540 = t1539 - t1537;
+    let t1541 = 0.2 * sin_rear_left_hip;
+    let t1542 = t486 * t1541;
+    let t1543 = t1542 - t1540;
+    let t1544 = cos_rear_left_hip * acceleration_rear_left_hip_z;
+    let t1545 = t490 * t1538;
+    let t1546 = t1545 + t1544;
+    let t1547 = t492 * t1541;
+    let t1548 = t1547 + t1546;
+    let t1549 = sin_rear_left_hip * t191;
+    let t1550 = cos_rear_left_hip * t201;
+    let t1551 = t1550 - t1549;
+    let t1552 = t484 + t489;
+    let t1553 = t486 - t1552;
+    let t1554 = sin_rear_left_hip * t1553;
+    let t1555 = t704 - t1554;
+    let t1556 = cos_rear_left_hip * t200;
+    let t1557 = t1549 - t1556;
+    let t1558 = t490 - t1552;
+    let t1559 = cos_rear_left_hip * t1558;
+    let t1560 = t708 + t1559;
+    let t1561 = sin_rear_left_hip * t202;
+    let t1562 = cos_rear_left_hip * t192;
+    let t1563 = t1562 + t1561;
+    let t1564 = t503 * t1018;
+    let t1565 = 0.09 * t505;
+    let t1566 = cos_rear_left_thigh * t1538;
+    let t1567 = t1566 + t1565;
+    let t1568 = t211 * t1567;
+    let t1569 = 0.09 * t503;
+    let t1570 = sin_rear_left_thigh * t1538;
+    let t1571 = t1570 - t1569;
+    let t1572 = t216 * t1571;
+    let t1573 = t1572 - t1568;
+    let t1574 = t1564 + t1573;
+    let t1575 = t1541 * t501;
+    let t1576 = t1575 + t1574;
+    let t1577 = cos_rear_left_thigh * acceleration_rear_left_hip_x;
+    let t1578 = sin_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_x = t1577 - t1578;
+    let t1580 = t514 - t513;
+    let t1581 = 0.09 * t1580;
+    let t1582 = acceleration_rear_left_thigh_x - t1581;
+    let t1583 = cos_rear_left_hip * t1582;
+    let t1584 = t1583 - t1576;
+    let t1585 = t505 * t1018;
+    let t1586 = t220 * t1567;
+    let t1587 = t222 * t1571;
+    let t1588 = t1587 + t1586;
+    let t1589 = t1585 - t1588;
+    let t1590 = t1541 * t515;
+    let t1591 = t1590 - t1589;
+    let t1592 = sin_rear_left_thigh * acceleration_rear_left_hip_x;
+    let t1593 = cos_rear_left_thigh * acceleration_rear_left_hip_z;
+    let acceleration_rear_left_thigh_y = t1592 + t1593;
+    let t1595 = t500 + t499;
+    let t1596 = 0.09 * t1595;
+    let t1597 = acceleration_rear_left_thigh_y - t1596;
+    let t1598 = cos_rear_left_hip * t1597;
+    let t1599 = t1598 + t1591;
+    let t1600 = t505 * t513;
+    let t1601 = t500 * t503;
+    let t1602 = cos_rear_left_hip * t209;
+    let t1603 = t1602 - t1601;
+    let t1604 = t1600 - t1603;
+    let t1605 = t503 * t1042;
+    let t1606 = t211 * t505;
+    let t1607 = t1606 + t1605;
+    let t1608 = cos_rear_left_hip * t1580;
+    let t1609 = t1608 - t1607;
+    let t1610 = cos_rear_left_hip * t210;
+    let t1611 = t514 * t505;
+    let t1612 = t1611 + t1610;
+    let t1613 = t1601 - t1612;
+    let t1614 = t503 * t515;
+    let t1615 = t220 - t216;
+    let t1616 = cos_rear_left_hip * t1615;
+    let t1617 = t1616 + t1614;
+    let t1618 = t505 * t501;
+    let t1619 = t1618 - t1617;
+    let t1620 = t505 * t1051;
+    let t1621 = t222 * t503;
+    let t1622 = t1620 - t1621;
+    let t1623 = cos_rear_left_hip * t1595;
+    let t1624 = t1623 - t1622;
+    let t1625 = 0.2 * t222;
+    let t1626 = t1625 + acceleration_rear_left_thigh_y;
+    let t1627 = sin_rear_left_calf * t1626;
+    let t1628 = 0.2 * t220;
+    let t1629 = t1628 + acceleration_rear_left_thigh_x;
+    let t1630 = cos_rear_left_calf * t1629;
+    let acceleration_rear_left_calf_x = t1630 - t1627;
+    let t1632 = t544 - t543;
+    let t1633 = 0.09 * t1632;
+    let t1634 = acceleration_rear_left_calf_x - t1633;
+    let t1635 = cos_rear_left_hip * t1634;
+    let t1636 = t531 * t1059;
+    let t1637 = 0.09 * t535;
+    let t1638 = cos_rear_left_calf * t1566;
+    let t1639 = t1638 + t1637;
+    let t1640 = t1538 + t1570;
+    let t1641 = sin_rear_left_calf * t1640;
+    let t1642 = t1641 - t1639;
+    let t1643 = t233 * t1642;
+    let t1644 = 0.09 * t531;
+    let t1645 = sin_rear_left_calf * t1566;
+    let t1646 = t1645 - t1644;
+    let t1647 = cos_rear_left_calf * t1640;
+    let t1648 = t1647 + t1646;
+    let t1649 = t241 * t1648;
+    let t1650 = t1649 + t1643;
+    let t1651 = t1636 + t1650;
+    let t1652 = 0.2 * t505;
+    let t1653 = t1541 + t1652;
+    let t1654 = t1653 * t527;
+    let t1655 = t1654 + t1651;
+    let t1656 = t1635 - t1655;
+    let t1657 = cos_rear_left_calf * t1626;
+    let t1658 = sin_rear_left_calf * t1629;
+    let acceleration_rear_left_calf_y = t1658 + t1657;
+    let t1660 = t526 + t525;
+    let t1661 = 0.09 * t1660;
+    let t1662 = acceleration_rear_left_calf_y - t1661;
+    let t1663 = cos_rear_left_hip * t1662;
+    let t1664 = t535 * t1059;
+    let t1665 = t248 * t1642;
+    let t1666 = t250 * t1648;
+    let t1667 = t1666 - t1665;
+    let t1668 = t1664 - t1667;
+    let t1669 = t1653 * t545;
+    let t1670 = t1669 - t1668;
+    let t1671 = t1663 + t1670;
+    let t1672 = t535 * t543;
+    let t1673 = t526 * t531;
+    let t1674 = cos_rear_left_hip * t231;
+    let t1675 = t1674 - t1673;
+    let t1676 = t1672 - t1675;
+    let t1677 = cos_rear_left_hip * t1632;
+    let t1678 = t531 * t1089;
+    let t1679 = t233 * t535;
+    let t1680 = t1679 + t1678;
+    let t1681 = t1677 - t1680;
+    let t1682 = t544 * t535;
+    let t1683 = cos_rear_left_hip * t232;
+    let t1684 = t1682 + t1683;
+    let t1685 = t1673 - t1684;
+    let t1686 = t531 * t545;
+    let t1687 = t248 - t241;
+    let t1688 = cos_rear_left_hip * t1687;
+    let t1689 = t1688 + t1686;
+    let t1690 = t535 * t527;
+    let t1691 = t1690 - t1689;
+    let t1692 = cos_rear_left_hip * t1660;
+    let t1693 = t535 * t1098;
+    let t1694 = t250 * t531;
+    let t1695 = t1693 - t1694;
+    let t1696 = t1692 - t1695;
+    let acceleration_rear_right_hip_z = t1212 + t1535;
+    let t1698 = sin_rear_right_hip * acceleration_rear_right_hip_z;
+    let t1699 = 0.2 * cos_rear_right_hip;
+    let t1700 = t553 * t1699;
+    let t1701 = t1700 + t1698;
+    let t1702 = 0.2 * sin_rear_right_hip;
+    let t1703 = t557 * t1702;
+    let t1704 = t1703 - t1701;
+    let t1705 = cos_rear_right_hip * acceleration_rear_right_hip_z;
+    let t1706 = t561 * t1699;
+    let t1707 = t1706 - t1705;
+    let t1708 = t563 * t1702;
+    let t1709 = t1708 + t1707;
+    let t1710 = sin_rear_right_hip * t262;
+    let t1711 = cos_rear_right_hip * t272;
+    let t1712 = t1711 - t1710;
+    let t1713 = t555 + t560;
+    let t1714 = t557 - t1713;
+    let t1715 = sin_rear_right_hip * t1714;
+    let t1716 = t738 - t1715;
+    let t1717 = cos_rear_right_hip * t271;
+    let t1718 = t1710 - t1717;
+    let t1719 = t561 - t1713;
+    let t1720 = cos_rear_right_hip * t1719;
+    let t1721 = t742 + t1720;
+    let t1722 = sin_rear_right_hip * t273;
+    let t1723 = cos_rear_right_hip * t263;
+    let t1724 = t1723 + t1722;
+    let t1725 = t574 * t1125;
+    let t1726 = 0.09 * t576;
+    let t1727 = cos_rear_right_thigh * t1699;
+    let t1728 = t1727 - t1726;
+    let t1729 = t282 * t1728;
+    let t1730 = 0.09 * t574;
+    let t1731 = sin_rear_right_thigh * t1699;
+    let t1732 = t1731 + t1730;
+    let t1733 = t287 * t1732;
+    let t1734 = t1733 - t1729;
+    let t1735 = t1725 - t1734;
+    let t1736 = t1702 * t572;
+    let t1737 = t1736 - t1735;
+    let t1738 = cos_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t1739 = sin_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_x = t1738 - t1739;
+    let t1741 = t585 - t584;
+    let t1742 = 0.09 * t1741;
+    let t1743 = acceleration_rear_right_thigh_x - t1742;
+    let t1744 = cos_rear_right_hip * t1743;
+    let t1745 = t1744 + t1737;
+    let t1746 = t576 * t1125;
+    let t1747 = t291 * t1728;
+    let t1748 = t293 * t1732;
+    let t1749 = t1748 + t1747;
+    let t1750 = t1746 + t1749;
+    let t1751 = t1702 * t586;
+    let t1752 = t1751 + t1750;
+    let t1753 = sin_rear_right_thigh * acceleration_rear_right_hip_x;
+    let t1754 = cos_rear_right_thigh * acceleration_rear_right_hip_z;
+    let acceleration_rear_right_thigh_y = t1753 + t1754;
+    let t1756 = t571 + t570;
+    let t1757 = 0.09 * t1756;
+    let t1758 = acceleration_rear_right_thigh_y - t1757;
+    let t1759 = cos_rear_right_hip * t1758;
+    let t1760 = t1759 - t1752;
+    let t1761 = t576 * t584;
+    let t1762 = t571 * t574;
+    let t1763 = cos_rear_right_hip * t280;
+    let t1764 = t1763 - t1762;
+    let t1765 = t1761 - t1764;
+    let t1766 = t574 * t1149;
+    let t1767 = t282 * t576;
+    let t1768 = t1767 + t1766;
+    let t1769 = cos_rear_right_hip * t1741;
+    let t1770 = t1769 - t1768;
+    let t1771 = cos_rear_right_hip * t281;
+    let t1772 = t585 * t576;
+    let t1773 = t1772 + t1771;
+    let t1774 = t1762 - t1773;
+    let t1775 = t574 * t586;
+    let t1776 = t291 - t287;
+    let t1777 = cos_rear_right_hip * t1776;
+    let t1778 = t1777 + t1775;
+    let t1779 = t576 * t572;
+    let t1780 = t1779 - t1778;
+    let t1781 = t576 * t1158;
+    let t1782 = t293 * t574;
+    let t1783 = t1781 - t1782;
+    let t1784 = cos_rear_right_hip * t1756;
+    let t1785 = t1784 - t1783;
+    let t1786 = 0.2 * t293;
+    let t1787 = t1786 - acceleration_rear_right_thigh_y;
+    let t1788 = sin_rear_right_calf * t1787;
+    let t1789 = 0.2 * t291;
+    let t1790 = t1789 - acceleration_rear_right_thigh_x;
+    let t1791 = cos_rear_right_calf * t1790;
+    let acceleration_rear_right_calf_x = t1791 - t1788;
+    let t1793 = t615 - t614;
+    let t1794 = 0.09 * t1793;
+    let t1795 = acceleration_rear_right_calf_x + t1794;
+    let t1796 = cos_rear_right_hip * t1795;
+    let t1797 = t602 * t1166;
+    let t1798 = 0.09 * t606;
+    let t1799 = cos_rear_right_calf * t1727;
+    let t1800 = t1799 - t1798;
+    let t1801 = t1699 + t1731;
+    let t1802 = sin_rear_right_calf * t1801;
+    let t1803 = t1802 - t1800;
+    let t1804 = t304 * t1803;
+    let t1805 = 0.09 * t602;
+    let t1806 = sin_rear_right_calf * t1727;
+    let t1807 = t1806 + t1805;
+    let t1808 = cos_rear_right_calf * t1801;
+    let t1809 = t1808 + t1807;
+    let t1810 = t312 * t1809;
+    let t1811 = t1810 + t1804;
+    let t1812 = t1797 - t1811;
+    let t1813 = 0.2 * t576;
+    let t1814 = t1702 + t1813;
+    let t1815 = t1814 * t598;
+    let t1816 = t1815 - t1812;
+    let t1817 = t1796 - t1816;
+    let t1818 = cos_rear_right_calf * t1787;
+    let t1819 = sin_rear_right_calf * t1790;
+    let acceleration_rear_right_calf_y = t1819 + t1818;
+    let t1821 = t597 + t596;
+    let t1822 = 0.09 * t1821;
+    let t1823 = acceleration_rear_right_calf_y + t1822;
+    let t1824 = cos_rear_right_hip * t1823;
+    let t1825 = t606 * t1166;
+    let t1826 = t319 * t1803;
+    let t1827 = t321 * t1809;
+    let t1828 = t1827 - t1826;
+    let t1829 = t1825 + t1828;
+    let t1830 = t1814 * t616;
+    let t1831 = t1830 + t1829;
+    let t1832 = t1824 + t1831;
+    let t1833 = t606 * t614;
+    let t1834 = t597 * t602;
+    let t1835 = cos_rear_right_hip * t302;
+    let t1836 = t1835 - t1834;
+    let t1837 = t1833 - t1836;
+    let t1838 = cos_rear_right_hip * t1793;
+    let t1839 = t602 * t1196;
+    let t1840 = t304 * t606;
+    let t1841 = t1840 + t1839;
+    let t1842 = t1838 - t1841;
+    let t1843 = t615 * t606;
+    let t1844 = cos_rear_right_hip * t303;
+    let t1845 = t1843 + t1844;
+    let t1846 = t1834 - t1845;
+    let t1847 = t602 * t616;
+    let t1848 = t319 - t312;
+    let t1849 = cos_rear_right_hip * t1848;
+    let t1850 = t1849 + t1847;
+    let t1851 = t606 * t598;
+    let t1852 = t1851 - t1850;
+    let t1853 = cos_rear_right_hip * t1821;
+    let t1854 = t606 * t1205;
+    let t1855 = t321 * t602;
+    let t1856 = t1854 - t1855;
+    let t1857 = t1853 - t1856;
+    let t1858 = t35 - t335;
+    let t1859 = t340 * t1218;
+    let t1860 = t1859 - t1221;
+    let t1861 = t344 * t1215;
+    let t1862 = t1861 + t1860;
+    let t1863 = 0.05 * t50;
+    let t1864 = t1863 + t1862;
+    let t1865 = t348 * t1218;
+    let t1866 = t1865 - t1214;
+    let t1867 = t350 * t1215;
+    let t1868 = t1867 - t1866;
+    let t1869 = 0.05 * t60;
+    let t1870 = t1869 + t1868;
+    let t1871 = cos_front_left_hip * t49;
+    let t1872 = sin_front_left_hip * t59;
+    let t1873 = t1872 + t1871;
+    let t1874 = cos_front_left_hip * t1230;
+    let t1875 = t341 + t1874;
+    let t1876 = sin_front_left_hip * t58;
+    let t1877 = t1871 + t1876;
+    let t1878 = sin_front_left_hip * t1235;
+    let t1879 = t351 - t1878;
+    let t1880 = cos_front_left_hip * t60;
+    let t1881 = sin_front_left_hip * t50;
+    let t1882 = t1881 - t1880;
+    let t1883 = t643 * t802;
+    let t1884 = cos_front_left_thigh * t1218;
+    let t1885 = 0.05 * sin_front_left_thigh;
+    let t1886 = t1884 + t1885;
+    let t1887 = 0.09 * t645;
+    let t1888 = t1886 + t1887;
+    let t1889 = t69 * t1888;
+    let t1890 = sin_front_left_thigh * t1218;
+    let t1891 = 0.05 * cos_front_left_thigh;
+    let t1892 = t1890 - t1891;
+    let t1893 = 0.09 * t643;
+    let t1894 = t1892 - t1893;
+    let t1895 = t74 * t1894;
+    let t1896 = t1895 - t1889;
+    let t1897 = t1883 + t1896;
+    let t1898 = t1215 * t359;
+    let t1899 = t1898 - t1897;
+    let t1900 = sin_front_left_hip * t1259;
+    let t1901 = t1900 - t1899;
+    let t1902 = t645 * t802;
+    let t1903 = t78 * t1888;
+    let t1904 = t80 * t1894;
+    let t1905 = t1904 + t1903;
+    let t1906 = t1902 - t1905;
+    let t1907 = t1215 * t373;
+    let t1908 = t1907 + t1906;
+    let t1909 = sin_front_left_hip * t1274;
+    let t1910 = t1909 + t1908;
+    let t1911 = t645 * t371;
+    let t1912 = t358 * t643;
+    let t1913 = sin_front_left_hip * t67;
+    let t1914 = t1913 + t1912;
+    let t1915 = t1911 + t1914;
+    let t1916 = t643 * t826;
+    let t1917 = t69 * t645;
+    let t1918 = t1917 + t1916;
+    let t1919 = sin_front_left_hip * t1257;
+    let t1920 = t1919 + t1918;
+    let t1921 = sin_front_left_hip * t68;
+    let t1922 = t372 * t645;
+    let t1923 = t1922 - t1921;
+    let t1924 = t1912 - t1923;
+    let t1925 = t643 * t373;
+    let t1926 = sin_front_left_hip * t1292;
+    let t1927 = t1926 - t1925;
+    let t1928 = t645 * t359;
+    let t1929 = t1928 + t1927;
+    let t1930 = t645 * t835;
+    let t1931 = t80 * t643;
+    let t1932 = t1930 - t1931;
+    let t1933 = sin_front_left_hip * t1272;
+    let t1934 = t1933 + t1932;
+    let t1935 = sin_front_left_hip * t1311;
+    let t1936 = t657 * t843;
+    let t1937 = 0.09 * t661;
+    let t1938 = cos_front_left_calf * t1886;
+    let t1939 = t1938 + t1937;
+    let t1940 = t1218 - t1892;
+    let t1941 = sin_front_left_calf * t1940;
+    let t1942 = t1941 + t1939;
+    let t1943 = t91 * t1942;
+    let t1944 = 0.09 * t657;
+    let t1945 = sin_front_left_calf * t1886;
+    let t1946 = t1945 - t1944;
+    let t1947 = cos_front_left_calf * t1940;
+    let t1948 = t1947 - t1946;
+    let t1949 = t99 * t1948;
+    let t1950 = t1949 + t1943;
+    let t1951 = t1936 - t1950;
+    let t1952 = 0.2 * t645;
+    let t1953 = t1215 - t1952;
+    let t1954 = t1953 * t385;
+    let t1955 = t1954 - t1951;
+    let t1956 = t1935 - t1955;
+    let t1957 = sin_front_left_hip * t1339;
+    let t1958 = t661 * t843;
+    let t1959 = t106 * t1942;
+    let t1960 = t108 * t1948;
+    let t1961 = t1960 - t1959;
+    let t1962 = t1958 + t1961;
+    let t1963 = t1953 * t403;
+    let t1964 = t1963 + t1962;
+    let t1965 = t1957 + t1964;
+    let t1966 = t661 * t401;
+    let t1967 = t384 * t657;
+    let t1968 = sin_front_left_hip * t89;
+    let t1969 = t1968 + t1967;
+    let t1970 = t1966 + t1969;
+    let t1971 = sin_front_left_hip * t1309;
+    let t1972 = t657 * t873;
+    let t1973 = t91 * t661;
+    let t1974 = t1973 + t1972;
+    let t1975 = t1971 + t1974;
+    let t1976 = t402 * t661;
+    let t1977 = sin_front_left_hip * t90;
+    let t1978 = t1976 - t1977;
+    let t1979 = t1967 - t1978;
+    let t1980 = t657 * t403;
+    let t1981 = sin_front_left_hip * t1364;
+    let t1982 = t1981 - t1980;
+    let t1983 = t661 * t385;
+    let t1984 = t1983 + t1982;
+    let t1985 = sin_front_left_hip * t1337;
+    let t1986 = t661 * t882;
+    let t1987 = t108 * t657;
+    let t1988 = t1986 - t1987;
+    let t1989 = t1985 + t1988;
+    let t1990 = t411 * t1379;
+    let t1991 = t1990 + t1382;
+    let t1992 = t415 * t1376;
+    let t1993 = t1992 + t1991;
+    let t1994 = 0.05 * t121;
+    let t1995 = t1994 - t1993;
+    let t1996 = t419 * t1379;
+    let t1997 = t1996 + t1375;
+    let t1998 = t421 * t1376;
+    let t1999 = t1998 - t1997;
+    let t2000 = 0.05 * t131;
+    let t2001 = t2000 - t1999;
+    let t2002 = cos_front_right_hip * t120;
+    let t2003 = sin_front_right_hip * t130;
+    let t2004 = t2003 + t2002;
+    let t2005 = cos_front_right_hip * t1391;
+    let t2006 = t412 + t2005;
+    let t2007 = sin_front_right_hip * t129;
+    let t2008 = t2002 + t2007;
+    let t2009 = sin_front_right_hip * t1396;
+    let t2010 = t422 - t2009;
+    let t2011 = cos_front_right_hip * t131;
+    let t2012 = sin_front_right_hip * t121;
+    let t2013 = t2012 - t2011;
+    let t2014 = t677 * t909;
+    let t2015 = cos_front_right_thigh * t1379;
+    let t2016 = 0.05 * sin_front_right_thigh;
+    let t2017 = t2015 - t2016;
+    let t2018 = 0.09 * t679;
+    let t2019 = t2017 - t2018;
+    let t2020 = t140 * t2019;
+    let t2021 = sin_front_right_thigh * t1379;
+    let t2022 = 0.05 * cos_front_right_thigh;
+    let t2023 = t2021 + t2022;
+    let t2024 = 0.09 * t677;
+    let t2025 = t2023 + t2024;
+    let t2026 = t145 * t2025;
+    let t2027 = t2026 - t2020;
+    let t2028 = t2014 - t2027;
+    let t2029 = t1376 * t430;
+    let t2030 = t2029 + t2028;
+    let t2031 = sin_front_right_hip * t1420;
+    let t2032 = t2031 + t2030;
+    let t2033 = t679 * t909;
+    let t2034 = t149 * t2019;
+    let t2035 = t151 * t2025;
+    let t2036 = t2035 + t2034;
+    let t2037 = t2033 + t2036;
+    let t2038 = t1376 * t444;
+    let t2039 = t2038 - t2037;
+    let t2040 = sin_front_right_hip * t1435;
+    let t2041 = t2040 - t2039;
+    let t2042 = t679 * t442;
+    let t2043 = t429 * t677;
+    let t2044 = sin_front_right_hip * t138;
+    let t2045 = t2044 + t2043;
+    let t2046 = t2042 + t2045;
+    let t2047 = t677 * t933;
+    let t2048 = t140 * t679;
+    let t2049 = t2048 + t2047;
+    let t2050 = sin_front_right_hip * t1418;
+    let t2051 = t2050 + t2049;
+    let t2052 = sin_front_right_hip * t139;
+    let t2053 = t443 * t679;
+    let t2054 = t2053 - t2052;
+    let t2055 = t2043 - t2054;
+    let t2056 = t677 * t444;
+    let t2057 = sin_front_right_hip * t1453;
+    let t2058 = t2057 - t2056;
+    let t2059 = t679 * t430;
+    let t2060 = t2059 + t2058;
+    let t2061 = t679 * t942;
+    let t2062 = t151 * t677;
+    let t2063 = t2061 - t2062;
+    let t2064 = sin_front_right_hip * t1433;
+    let t2065 = t2064 + t2063;
+    let t2066 = sin_front_right_hip * t1472;
+    let t2067 = t691 * t950;
+    let t2068 = 0.09 * t695;
+    let t2069 = cos_front_right_calf * t2017;
+    let t2070 = t2069 - t2068;
+    let t2071 = t1379 - t2023;
+    let t2072 = sin_front_right_calf * t2071;
+    let t2073 = t2072 + t2070;
+    let t2074 = t162 * t2073;
+    let t2075 = 0.09 * t691;
+    let t2076 = sin_front_right_calf * t2017;
+    let t2077 = t2076 + t2075;
+    let t2078 = cos_front_right_calf * t2071;
+    let t2079 = t2078 - t2077;
+    let t2080 = t170 * t2079;
+    let t2081 = t2080 + t2074;
+    let t2082 = t2067 + t2081;
+    let t2083 = 0.2 * t679;
+    let t2084 = t1376 - t2083;
+    let t2085 = t2084 * t456;
+    let t2086 = t2085 + t2082;
+    let t2087 = t2066 - t2086;
+    let t2088 = sin_front_right_hip * t1500;
+    let t2089 = t695 * t950;
+    let t2090 = t177 * t2073;
+    let t2091 = t179 * t2079;
+    let t2092 = t2091 - t2090;
+    let t2093 = t2089 - t2092;
+    let t2094 = t2084 * t474;
+    let t2095 = t2094 - t2093;
+    let t2096 = t2088 + t2095;
+    let t2097 = t695 * t472;
+    let t2098 = t455 * t691;
+    let t2099 = sin_front_right_hip * t160;
+    let t2100 = t2099 + t2098;
+    let t2101 = t2097 + t2100;
+    let t2102 = sin_front_right_hip * t1470;
+    let t2103 = t691 * t980;
+    let t2104 = t162 * t695;
+    let t2105 = t2104 + t2103;
+    let t2106 = t2102 + t2105;
+    let t2107 = t473 * t695;
+    let t2108 = sin_front_right_hip * t161;
+    let t2109 = t2107 - t2108;
+    let t2110 = t2098 - t2109;
+    let t2111 = t691 * t474;
+    let t2112 = sin_front_right_hip * t1525;
+    let t2113 = t2112 - t2111;
+    let t2114 = t695 * t456;
+    let t2115 = t2114 + t2113;
+    let t2116 = sin_front_right_hip * t1498;
+    let t2117 = t695 * t989;
+    let t2118 = t179 * t691;
+    let t2119 = t2117 - t2118;
+    let t2120 = t2116 + t2119;
+    let t2121 = t482 * t1541;
+    let t2122 = t2121 + t1544;
+    let t2123 = t486 * t1538;
+    let t2124 = t2123 + t2122;
+    let t2125 = 0.05 * t192;
+    let t2126 = t2125 - t2124;
+    let t2127 = t490 * t1541;
+    let t2128 = t2127 + t1537;
+    let t2129 = t492 * t1538;
+    let t2130 = t2129 - t2128;
+    let t2131 = 0.05 * t202;
+    let t2132 = t2131 - t2130;
+    let t2133 = cos_rear_left_hip * t191;
+    let t2134 = sin_rear_left_hip * t201;
+    let t2135 = t2134 + t2133;
+    let t2136 = cos_rear_left_hip * t1553;
+    let t2137 = t483 + t2136;
+    let t2138 = sin_rear_left_hip * t200;
+    let t2139 = t2133 + t2138;
+    let t2140 = sin_rear_left_hip * t1558;
+    let t2141 = t493 - t2140;
+    let t2142 = cos_rear_left_hip * t202;
+    let t2143 = sin_rear_left_hip * t192;
+    let t2144 = t2143 - t2142;
+    let t2145 = t711 * t1018;
+    let t2146 = cos_rear_left_thigh * t1541;
+    let t2147 = 0.05 * sin_rear_left_thigh;
+    let t2148 = t2146 - t2147;
+    let t2149 = 0.09 * t713;
+    let t2150 = t2148 - t2149;
+    let t2151 = t211 * t2150;
+    let t2152 = sin_rear_left_thigh * t1541;
+    let t2153 = 0.05 * cos_rear_left_thigh;
+    let t2154 = t2152 + t2153;
+    let t2155 = 0.09 * t711;
+    let t2156 = t2154 + t2155;
+    let t2157 = t216 * t2156;
+    let t2158 = t2157 - t2151;
+    let t2159 = t2145 - t2158;
+    let t2160 = t1538 * t501;
+    let t2161 = t2160 + t2159;
+    let t2162 = sin_rear_left_hip * t1582;
+    let t2163 = t2162 + t2161;
+    let t2164 = t713 * t1018;
+    let t2165 = t220 * t2150;
+    let t2166 = t222 * t2156;
+    let t2167 = t2166 + t2165;
+    let t2168 = t2164 + t2167;
+    let t2169 = t1538 * t515;
+    let t2170 = t2169 - t2168;
+    let t2171 = sin_rear_left_hip * t1597;
+    let t2172 = t2171 - t2170;
+    let t2173 = t713 * t513;
+    let t2174 = t500 * t711;
+    let t2175 = sin_rear_left_hip * t209;
+    let t2176 = t2175 + t2174;
+    let t2177 = t2173 + t2176;
+    let t2178 = t711 * t1042;
+    let t2179 = t211 * t713;
+    let t2180 = t2179 + t2178;
+    let t2181 = sin_rear_left_hip * t1580;
+    let t2182 = t2181 + t2180;
+    let t2183 = sin_rear_left_hip * t210;
+    let t2184 = t514 * t713;
+    let t2185 = t2184 - t2183;
+    let t2186 = t2174 - t2185;
+    let t2187 = t711 * t515;
+    let t2188 = sin_rear_left_hip * t1615;
+    let t2189 = t2188 - t2187;
+    let t2190 = t713 * t501;
+    let t2191 = t2190 + t2189;
+    let t2192 = t713 * t1051;
+    let t2193 = t222 * t711;
+    let t2194 = t2192 - t2193;
+    let t2195 = sin_rear_left_hip * t1595;
+    let t2196 = t2195 + t2194;
+    let t2197 = sin_rear_left_hip * t1634;
+    let t2198 = t725 * t1059;
+    let t2199 = 0.09 * t729;
+    let t2200 = cos_rear_left_calf * t2148;
+    let t2201 = t2200 - t2199;
+    let t2202 = t1541 + t2154;
+    let t2203 = sin_rear_left_calf * t2202;
+    let t2204 = t2203 - t2201;
+    let t2205 = t233 * t2204;
+    let t2206 = 0.09 * t725;
+    let t2207 = sin_rear_left_calf * t2148;
+    let t2208 = t2207 + t2206;
+    let t2209 = cos_rear_left_calf * t2202;
+    let t2210 = t2209 + t2208;
+    let t2211 = t241 * t2210;
+    let t2212 = t2211 + t2205;
+    let t2213 = t2198 - t2212;
+    let t2214 = 0.2 * t713;
+    let t2215 = t1538 + t2214;
+    let t2216 = t2215 * t527;
+    let t2217 = t2216 + t2213;
+    let t2218 = t2197 + t2217;
+    let t2219 = sin_rear_left_hip * t1662;
+    let t2220 = t729 * t1059;
+    let t2221 = t248 * t2204;
+    let t2222 = t250 * t2210;
+    let t2223 = t2222 - t2221;
+    let t2224 = t2220 + t2223;
+    let t2225 = t2215 * t545;
+    let t2226 = t2225 - t2224;
+    let t2227 = t2219 - t2226;
+    let t2228 = t729 * t543;
+    let t2229 = t526 * t725;
+    let t2230 = sin_rear_left_hip * t231;
+    let t2231 = t2230 + t2229;
+    let t2232 = t2228 + t2231;
+    let t2233 = sin_rear_left_hip * t1632;
+    let t2234 = t725 * t1089;
+    let t2235 = t233 * t729;
+    let t2236 = t2235 + t2234;
+    let t2237 = t2233 + t2236;
+    let t2238 = t544 * t729;
+    let t2239 = sin_rear_left_hip * t232;
+    let t2240 = t2238 - t2239;
+    let t2241 = t2229 - t2240;
+    let t2242 = t725 * t545;
+    let t2243 = sin_rear_left_hip * t1687;
+    let t2244 = t2243 - t2242;
+    let t2245 = t729 * t527;
+    let t2246 = t2245 + t2244;
+    let t2247 = sin_rear_left_hip * t1660;
+    let t2248 = t729 * t1098;
+    let t2249 = t250 * t725;
+    let t2250 = t2248 - t2249;
+    let t2251 = t2247 + t2250;
+    let t2252 = t553 * t1702;
+    let t2253 = t2252 - t1705;
+    let t2254 = t557 * t1699;
+    let t2255 = t2254 + t2253;
+    let t2256 = 0.05 * t263;
+    let t2257 = t2256 + t2255;
+    let t2258 = t561 * t1702;
+    let t2259 = t2258 - t1698;
+    let t2260 = t563 * t1699;
+    let t2261 = t2260 - t2259;
+    let t2262 = 0.05 * t273;
+    let t2263 = t2262 + t2261;
+    let t2264 = cos_rear_right_hip * t262;
+    let t2265 = sin_rear_right_hip * t272;
+    let t2266 = t2265 + t2264;
+    let t2267 = cos_rear_right_hip * t1714;
+    let t2268 = t554 + t2267;
+    let t2269 = sin_rear_right_hip * t271;
+    let t2270 = t2264 + t2269;
+    let t2271 = sin_rear_right_hip * t1719;
+    let t2272 = t564 - t2271;
+    let t2273 = cos_rear_right_hip * t273;
+    let t2274 = sin_rear_right_hip * t263;
+    let t2275 = t2274 - t2273;
+    let t2276 = t745 * t1125;
+    let t2277 = cos_rear_right_thigh * t1702;
+    let t2278 = 0.05 * sin_rear_right_thigh;
+    let t2279 = t2277 + t2278;
+    let t2280 = 0.09 * t747;
+    let t2281 = t2279 + t2280;
+    let t2282 = t282 * t2281;
+    let t2283 = sin_rear_right_thigh * t1702;
+    let t2284 = 0.05 * cos_rear_right_thigh;
+    let t2285 = t2283 - t2284;
+    let t2286 = 0.09 * t745;
+    let t2287 = t2285 - t2286;
+    let t2288 = t287 * t2287;
+    let t2289 = t2288 - t2282;
+    let t2290 = t2276 + t2289;
+    let t2291 = t1699 * t572;
+    let t2292 = t2291 - t2290;
+    let t2293 = sin_rear_right_hip * t1743;
+    let t2294 = t2293 - t2292;
+    let t2295 = t747 * t1125;
+    let t2296 = t291 * t2281;
+    let t2297 = t293 * t2287;
+    let t2298 = t2297 + t2296;
+    let t2299 = t2295 - t2298;
+    let t2300 = t1699 * t586;
+    let t2301 = t2300 + t2299;
+    let t2302 = sin_rear_right_hip * t1758;
+    let t2303 = t2302 + t2301;
+    let t2304 = t747 * t584;
+    let t2305 = t571 * t745;
+    let t2306 = sin_rear_right_hip * t280;
+    let t2307 = t2306 + t2305;
+    let t2308 = t2304 + t2307;
+    let t2309 = t745 * t1149;
+    let t2310 = t282 * t747;
+    let t2311 = t2310 + t2309;
+    let t2312 = sin_rear_right_hip * t1741;
+    let t2313 = t2312 + t2311;
+    let t2314 = sin_rear_right_hip * t281;
+    let t2315 = t585 * t747;
+    let t2316 = t2315 - t2314;
+    let t2317 = t2305 - t2316;
+    let t2318 = t745 * t586;
+    let t2319 = sin_rear_right_hip * t1776;
+    let t2320 = t2319 - t2318;
+    let t2321 = t747 * t572;
+    let t2322 = t2321 + t2320;
+    let t2323 = t747 * t1158;
+    let t2324 = t293 * t745;
+    let t2325 = t2323 - t2324;
+    let t2326 = sin_rear_right_hip * t1756;
+    let t2327 = t2326 + t2325;
+    let t2328 = sin_rear_right_hip * t1795;
+    let t2329 = t759 * t1166;
+    let t2330 = 0.09 * t763;
+    let t2331 = cos_rear_right_calf * t2279;
+    let t2332 = t2331 + t2330;
+    let t2333 = t1702 + t2285;
+    let t2334 = sin_rear_right_calf * t2333;
+    let t2335 = t2334 - t2332;
+    let t2336 = t304 * t2335;
+    let t2337 = 0.09 * t759;
+    let t2338 = sin_rear_right_calf * t2279;
+    let t2339 = t2338 - t2337;
+    let t2340 = cos_rear_right_calf * t2333;
+    let t2341 = t2340 + t2339;
+    let t2342 = t312 * t2341;
+    let t2343 = t2342 + t2336;
+    let t2344 = t2329 + t2343;
+    let t2345 = 0.2 * t747;
+    let t2346 = t1699 + t2345;
+    let t2347 = t2346 * t598;
+    let t2348 = t2347 - t2344;
+    let t2349 = t2328 + t2348;
+    let t2350 = sin_rear_right_hip * t1823;
+    let t2351 = t763 * t1166;
+    let t2352 = t319 * t2335;
+    let t2353 = t321 * t2341;
+    let t2354 = t2353 - t2352;
+    let t2355 = t2351 - t2354;
+    let t2356 = t2346 * t616;
+    let t2357 = t2356 + t2355;
+    let t2358 = t2350 - t2357;
+    let t2359 = t763 * t614;
+    let t2360 = t597 * t759;
+    let t2361 = sin_rear_right_hip * t302;
+    let t2362 = t2361 + t2360;
+    let t2363 = t2359 + t2362;
+    let t2364 = sin_rear_right_hip * t1793;
+    let t2365 = t759 * t1196;
+    let t2366 = t304 * t763;
+    let t2367 = t2366 + t2365;
+    let t2368 = t2364 + t2367;
+    let t2369 = t615 * t763;
+    let t2370 = sin_rear_right_hip * t303;
+    let t2371 = t2369 - t2370;
+    let t2372 = t2360 - t2371;
+    let t2373 = t759 * t616;
+    let t2374 = sin_rear_right_hip * t1848;
+    let t2375 = t2374 - t2373;
+    let t2376 = t763 * t598;
+    let t2377 = t2376 + t2375;
+    let t2378 = sin_rear_right_hip * t1821;
+    let t2379 = t763 * t1205;
+    let t2380 = t321 * t759;
+    let t2381 = t2379 - t2380;
+    let t2382 = t2378 + t2381;
+    let t2383 = t69 * t805;
+    let t2384 = t74 * t809;
+    let t2385 = t2384 - t2383;
+    let t2386 = t2385 - t803;
+    let t2387 = t78 * t805;
+    let t2388 = t80 * t809;
+    let t2389 = t2388 + t2387;
+    let t2390 = t2389 - t816;
+    let t2391 = t859 * t385;
+    let t2392 = t91 * t845;
+    let t2393 = t99 * t851;
+    let t2394 = t2393 + t2392;
+    let t2395 = t2391 + t2394;
+    let t2396 = t844 - t2395;
+    let t2397 = t859 * t403;
+    let t2398 = t106 * t845;
+    let t2399 = t108 * t851;
+    let t2400 = t2399 - t2398;
+    let t2401 = t2397 + t2400;
+    let t2402 = t863 + t2401;
+    let t2403 = 0.2 * sin_front_left_calf;
+    let t2404 = t91 * t2403;
+    let t2405 = 0.2 * cos_front_left_calf;
+    let t2406 = t99 * t2405;
+    let t2407 = t2406 + t2404;
+    let t2408 = t2407 - t1311;
+    let t2409 = t106 * t2403;
+    let t2410 = t108 * t2405;
+    let t2411 = t2410 - t2409;
+    let t2412 = t2411 + t1339;
+    let t2413 = t140 * t912;
+    let t2414 = t145 * t916;
+    let t2415 = t2414 - t2413;
+    let t2416 = t2415 - t910;
+    let t2417 = t149 * t912;
+    let t2418 = t151 * t916;
+    let t2419 = t2418 + t2417;
+    let t2420 = t2419 - t923;
+    let t2421 = t966 * t456;
+    let t2422 = t162 * t952;
+    let t2423 = t170 * t958;
+    let t2424 = t2423 + t2422;
+    let t2425 = t2421 - t2424;
+    let t2426 = t951 + t2425;
+    let t2427 = t966 * t474;
+    let t2428 = t177 * t952;
+    let t2429 = t179 * t958;
+    let t2430 = t2429 - t2428;
+    let t2431 = t2427 - t2430;
+    let t2432 = t970 - t2431;
+    let t2433 = 0.2 * sin_front_right_calf;
+    let t2434 = t162 * t2433;
+    let t2435 = 0.2 * cos_front_right_calf;
+    let t2436 = t170 * t2435;
+    let t2437 = t2436 + t2434;
+    let t2438 = t2437 - t1472;
+    let t2439 = t177 * t2433;
+    let t2440 = t179 * t2435;
+    let t2441 = t2440 - t2439;
+    let t2442 = t2441 + t1500;
+    let t2443 = t211 * t1021;
+    let t2444 = t216 * t1025;
+    let t2445 = t2444 - t2443;
+    let t2446 = t2445 - t1019;
+    let t2447 = t220 * t1021;
+    let t2448 = t222 * t1025;
+    let t2449 = t2448 + t2447;
+    let t2450 = t2449 - t1032;
+    let t2451 = t1075 * t527;
+    let t2452 = t233 * t1061;
+    let t2453 = t241 * t1067;
+    let t2454 = t2453 + t2452;
+    let t2455 = t2451 + t2454;
+    let t2456 = t1060 - t2455;
+    let t2457 = t1075 * t545;
+    let t2458 = t248 * t1061;
+    let t2459 = t250 * t1067;
+    let t2460 = t2459 - t2458;
+    let t2461 = t2457 + t2460;
+    let t2462 = t1079 + t2461;
+    let t2463 = 0.2 * sin_rear_left_calf;
+    let t2464 = t233 * t2463;
+    let t2465 = 0.2 * cos_rear_left_calf;
+    let t2466 = t241 * t2465;
+    let t2467 = t2466 + t2464;
+    let t2468 = t2467 - t1634;
+    let t2469 = t248 * t2463;
+    let t2470 = t250 * t2465;
+    let t2471 = t2470 - t2469;
+    let t2472 = t2471 + t1662;
+    let t2473 = t282 * t1128;
+    let t2474 = t287 * t1132;
+    let t2475 = t2474 - t2473;
+    let t2476 = t2475 - t1126;
+    let t2477 = t291 * t1128;
+    let t2478 = t293 * t1132;
+    let t2479 = t2478 + t2477;
+    let t2480 = t2479 - t1139;
+    let t2481 = t1182 * t598;
+    let t2482 = t304 * t1168;
+    let t2483 = t312 * t1174;
+    let t2484 = t2483 + t2482;
+    let t2485 = t2481 - t2484;
+    let t2486 = t1167 + t2485;
+    let t2487 = t1182 * t616;
+    let t2488 = t319 * t1168;
+    let t2489 = t321 * t1174;
+    let t2490 = t2489 - t2488;
+    let t2491 = t2487 - t2490;
+    let t2492 = t1186 - t2491;
+    let t2493 = 0.2 * sin_rear_right_calf;
+    let t2494 = t304 * t2493;
+    let t2495 = 0.2 * cos_rear_right_calf;
+    let t2496 = t312 * t2495;
+    let t2497 = t2496 + t2494;
+    let t2498 = t2497 - t1795;
+    let t2499 = t319 * t2493;
+    let t2500 = t321 * t2495;
+    let t2501 = t2500 - t2499;
+    let t2502 = t2501 + t1823;
+    let t2503 = -t35;
+    let t2504 = -t37;
+    let t2505 = -t76;
+    let t2506 = -t110;
+    let t2507 = -t147;
+    let t2508 = -t181;
+    let t2509 = -t218;
+    let t2510 = -t252;
+    let t2511 = -t289;
+    let t2512 = -t323;
+    let t2513 = -t335;
+    let t2514 = -t337;
+    let t2515 = -t346;
+    let t2516 = -t352;
+    let t2517 = -t378;
+    let t2518 = -t408;
+    let t2519 = -t417;
+    let t2520 = -t423;
+    let t2521 = -t449;
+    let t2522 = -t479;
+    let t2523 = -t488;
+    let t2524 = -t494;
+    let t2525 = -t520;
+    let t2526 = -t550;
+    let t2527 = -t559;
+    let t2528 = -t565;
+    let t2529 = -t591;
+    let t2530 = -t621;
+    let t2531 = -t633;
+    let t2532 = -t635;
+    let t2533 = -t638;
+    let t2534 = -t641;
+    let t2535 = -t653;
+    let t2536 = -t669;
+    let t2537 = -t672;
+    let t2538 = -t675;
+    let t2539 = -t687;
+    let t2540 = -t703;
+    let t2541 = -t706;
+    let t2542 = -t709;
+    let t2543 = -t721;
+    let t2544 = -t737;
+    let t2545 = -t740;
+    let t2546 = -t743;
+    let t2547 = -t755;
+    let t2548 = -t771;
+    let minus_acceleration_base_y = -acceleration_base_y;
+    let t2550 = -t336;
+    let t2551 = -t772;
+    let t2552 = -t789;
+    let t2553 = -t796;
+    let t2554 = -t798;
+    let t2555 = -t822;
+    let t2556 = -t825;
+    let t2557 = -t869;
+    let t2558 = -t872;
+    let t2559 = -t876;
+    let t2560 = -t881;
+    let t2561 = -t885;
+    let t2562 = -t905;
+    let t2563 = -t922;
+    let t2564 = -t932;
+    let t2565 = -t969;
+    let t2566 = -t979;
+    let t2567 = -t983;
+    let t2568 = -t988;
+    let t2569 = -t992;
+    let t2570 = -t1005;
+    let t2571 = -t1012;
+    let t2572 = -t1014;
+    let t2573 = -t1038;
+    let t2574 = -t1041;
+    let t2575 = -t1085;
+    let t2576 = -t1088;
+    let t2577 = -t1092;
+    let t2578 = -t1097;
+    let t2579 = -t1101;
+    let t2580 = -t1121;
+    let t2581 = -t1138;
+    let t2582 = -t1148;
+    let t2583 = -t1185;
+    let t2584 = -t1195;
+    let t2585 = -t1199;
+    let t2586 = -t1204;
+    let t2587 = -t1208;
+    let minus_acceleration_base_z = -acceleration_base_z;
+    let t2589 = -t38;
+    let t2590 = -t1228;
+    let t2591 = -t1234;
+    let t2592 = -t1237;
+    let t2593 = -t1240;
+    let t2594 = -t1261;
+    let t2595 = -t1276;
+    let t2596 = -t1286;
+    let t2597 = -t1290;
+    let t2598 = -t1301;
+    let t2599 = -t1333;
+    let t2600 = -t1348;
+    let t2601 = -t1358;
+    let t2602 = -t1362;
+    let t2603 = -t1373;
+    let t2604 = -t1389;
+    let t2605 = -t1395;
+    let t2606 = -t1398;
+    let t2607 = -t1401;
+    let t2608 = -t1447;
+    let t2609 = -t1451;
+    let t2610 = -t1462;
+    let t2611 = -t1494;
+    let t2612 = -t1509;
+    let t2613 = -t1519;
+    let t2614 = -t1523;
+    let t2615 = -t1534;
+    let t2616 = -t1543;
+    let t2617 = -t1548;
+    let t2618 = -t1551;
+    let t2619 = -t1557;
+    let t2620 = -t1560;
+    let t2621 = -t1563;
+    let t2622 = -t1584;
+    let t2623 = -t1599;
+    let t2624 = -t1609;
+    let t2625 = -t1613;
+    let t2626 = -t1624;
+    let t2627 = -t1656;
+    let t2628 = -t1671;
+    let t2629 = -t1681;
+    let t2630 = -t1685;
+    let t2631 = -t1696;
+    let t2632 = -t1704;
+    let t2633 = -t1709;
+    let t2634 = -t1712;
+    let t2635 = -t1718;
+    let t2636 = -t1721;
+    let t2637 = -t1724;
+    let t2638 = -t1770;
+    let t2639 = -t1774;
+    let t2640 = -t1785;
+    let t2641 = -t1817;
+    let t2642 = -t1832;
+    let t2643 = -t1842;
+    let t2644 = -t1846;
+    let t2645 = -t1857;
+    let minus_acceleration_base_x = -acceleration_base_x;
+    let t2647 = -t36;
+    let t2648 = -t1858;
+    let t2649 = -t1864;
+    let t2650 = -t1870;
+    let t2651 = -t1873;
+    let t2652 = -t1882;
+    let t2653 = -t1901;
+    let t2654 = -t1910;
+    let t2655 = -t1915;
+    let t2656 = -t1920;
+    let t2657 = -t1929;
+    let t2658 = -t1934;
+    let t2659 = -t1956;
+    let t2660 = -t1965;
+    let t2661 = -t1970;
+    let t2662 = -t1975;
+    let t2663 = -t1984;
+    let t2664 = -t1989;
+    let t2665 = -t2004;
+    let t2666 = -t2013;
+    let t2667 = -t2046;
+    let t2668 = -t2051;
+    let t2669 = -t2060;
+    let t2670 = -t2065;
+    let t2671 = -t2087;
+    let t2672 = -t2096;
+    let t2673 = -t2101;
+    let t2674 = -t2106;
+    let t2675 = -t2115;
+    let t2676 = -t2120;
+    let t2677 = -t2126;
+    let t2678 = -t2132;
+    let t2679 = -t2135;
+    let t2680 = -t2144;
+    let t2681 = -t2163;
+    let t2682 = -t2172;
+    let t2683 = -t2177;
+    let t2684 = -t2182;
+    let t2685 = -t2191;
+    let t2686 = -t2196;
+    let t2687 = -t2218;
+    let t2688 = -t2227;
+    let t2689 = -t2232;
+    let t2690 = -t2237;
+    let t2691 = -t2246;
+    let t2692 = -t2251;
+    let t2693 = -t2266;
+    let t2694 = -t2275;
+    let t2695 = -t2308;
+    let t2696 = -t2313;
+    let t2697 = -t2322;
+    let t2698 = -t2327;
+    let t2699 = -t2349;
+    let t2700 = -t2358;
+    let t2701 = -t2363;
+    let t2702 = -t2368;
+    let t2703 = -t2377;
+    let t2704 = -t2382;
+    let t2705 = -t2390;
+    let t2706 = -t2396;
+    let t2707 = -t2402;
+    let t2708 = -t1259;
+    let t2709 = -t1274;
+    let t2710 = -t67;
+    let t2711 = -t1257;
+    let t2712 = -t1292;
+    let t2713 = -t1272;
+    let t2714 = -t2412;
+    let t2715 = -t89;
+    let t2716 = -t1309;
+    let t2717 = -t1364;
+    let t2718 = -t1337;
+    let t2719 = -t1311;
+    let t2720 = -t1339;
+    let minus_acceleration_front_right_hip_x = -acceleration_front_right_hip_x;
+    let minus_acceleration_front_right_hip_y = -acceleration_front_right_hip_y;
+    let t2723 = -t2416;
+    let t2724 = -t138;
+    let t2725 = -t1418;
+    let t2726 = -t1453;
+    let t2727 = -t1433;
+    let t2728 = -t2442;
+    let t2729 = -t160;
+    let t2730 = -t1470;
+    let t2731 = -t1525;
+    let t2732 = -t1498;
+    let t2733 = -t1472;
+    let t2734 = -t1500;
+    let t2735 = -t2450;
+    let t2736 = -t2456;
+    let t2737 = -t2462;
+    let t2738 = -t1582;
+    let t2739 = -t1597;
+    let t2740 = -t209;
+    let t2741 = -t1580;
+    let t2742 = -t1615;
+    let t2743 = -t1595;
+    let t2744 = -t2472;
+    let t2745 = -t231;
+    let t2746 = -t1632;
+    let t2747 = -t1687;
+    let t2748 = -t1660;
+    let t2749 = -t1634;
+    let t2750 = -t1662;
+    let minus_acceleration_rear_right_hip_x = -acceleration_rear_right_hip_x;
+    let minus_acceleration_rear_right_hip_y = -acceleration_rear_right_hip_y;
+    let t2753 = -t2476;
+    let t2754 = -t280;
+    let t2755 = -t1741;
+    let t2756 = -t1776;
+    let t2757 = -t1756;
+    let t2758 = -t2502;
+    let t2759 = -t302;
+    let t2760 = -t1793;
+    let t2761 = -t1848;
+    let t2762 = -t1821;
+    let t2763 = -t1795;
+    let t2764 = -t1823;
+    [
+        acceleration_rear_left_hip_y,
+        t1013,
+        t1015,
+        t1031,
+        t1045,
+        t1047,
+        t1050,
+        t1054,
+        t1078,
+        t1094,
+        t1112,
+        t1119,
+        t1120,
+        t1122,
+        t1145,
+        t1152,
+        t1154,
+        t1157,
+        t1161,
+        t1192,
+        t1201,
+        t1209,
+        t1220,
+        t1225,
+        t1232,
+        t1281,
+        t1296,
+        t1353,
+        t1368,
+        t1381,
+        t1386,
+        t1393,
+        t1420,
+        t1422,
+        t1435,
+        t1437,
+        t1442,
+        t1457,
+        t1514,
+        t1529,
+        t1555,
+        t1604,
+        t1619,
+        t1676,
+        t1691,
+        t1716,
+        t1743,
+        t1745,
+        t1758,
+        t1760,
+        t1765,
+        t1780,
+        t1837,
+        t1852,
+        t1875,
+        t1877,
+        t1879,
+        t1924,
+        t1979,
+        t1995,
+        t2001,
+        t2006,
+        t2008,
+        t2010,
+        t2032,
+        t2041,
+        t2055,
+        t2110,
+        t2137,
+        t2139,
+        t2141,
+        t2186,
+        t2241,
+        t2257,
+        t2263,
+        t2268,
+        t2270,
+        t2272,
+        t2294,
+        t2303,
+        t2317,
+        t2372,
+        t2386,
+        t2408,
+        t2420,
+        t2426,
+        t2432,
+        t2438,
+        t2446,
+        t2468,
+        t2480,
+        t2486,
+        t2492,
+        t2498,
+        t2503,
+        t2504,
+        t2505,
+        t2506,
+        t2507,
+        t2508,
+        t2509,
+        t2510,
+        t2511,
+        t2512,
+        t2513,
+        t2514,
+        t2515,
+        t2516,
+        t2517,
+        t2518,
+        t2519,
+        t2520,
+        t2521,
+        t2522,
+        t2523,
+        t2524,
+        t2525,
+        t2526,
+        t2527,
+        t2528,
+        t2529,
+        t2530,
+        t2531,
+        t2532,
+        t2533,
+        t2534,
+        t2535,
+        t2536,
+        t2537,
+        t2538,
+        t2539,
+        t2540,
+        t2541,
+        t2542,
+        t2543,
+        t2544,
+        t2545,
+        t2546,
+        t2547,
+        t2548,
+        minus_acceleration_base_y,
+        t2550,
+        t2551,
+        t2552,
+        t2553,
+        t2554,
+        t2555,
+        t2556,
+        t2557,
+        t2558,
+        t2559,
+        t2560,
+        t2561,
+        t2562,
+        t2563,
+        t2564,
+        t2565,
+        t2566,
+        t2567,
+        t2568,
+        t2569,
+        t2570,
+        t2571,
+        t2572,
+        t2573,
+        t2574,
+        t2575,
+        t2576,
+        t2577,
+        t2578,
+        t2579,
+        t2580,
+        t2581,
+        t2582,
+        t2583,
+        t2584,
+        t2585,
+        t2586,
+        t2587,
+        minus_acceleration_base_z,
+        t2589,
+        t2590,
+        t2591,
+        t2592,
+        t2593,
+        t2594,
+        t2595,
+        t2596,
+        t2597,
+        t2598,
+        t2599,
+        t2600,
+        t2601,
+        t2602,
+        t2603,
+        t2604,
+        t2605,
+        t2606,
+        t2607,
+        t2608,
+        t2609,
+        t2610,
+        t2611,
+        t2612,
+        t2613,
+        t2614,
+        t2615,
+        t2616,
+        t2617,
+        t2618,
+        t2619,
+        t2620,
+        t2621,
+        t2622,
+        t2623,
+        t2624,
+        t2625,
+        t2626,
+        t2627,
+        t2628,
+        t2629,
+        t2630,
+        t2631,
+        t2632,
+        t2633,
+        t2634,
+        t2635,
+        t2636,
+        t2637,
+        t2638,
+        t2639,
+        t2640,
+        t2641,
+        t2642,
+        t2643,
+        t2644,
+        t2645,
+        minus_acceleration_base_x,
+        t2647,
+        t2648,
+        t2649,
+        t2650,
+        t2651,
+        t2652,
+        t2653,
+        t2654,
+        t2655,
+        t2656,
+        t2657,
+        t2658,
+        t2659,
+        t2660,
+        t2661,
+        t2662,
+        t2663,
+        t2664,
+        t2665,
+        t2666,
+        t2667,
+        t2668,
+        t2669,
+        t2670,
+        t2671,
+        t2672,
+        t2673,
+        t2674,
+        t2675,
+        t2676,
+        t2677,
+        t2678,
+        t2679,
+        t2680,
+        t2681,
+        t2682,
+        t2683,
+        t2684,
+        t2685,
+        t2686,
+        t2687,
+        t2688,
+        t2689,
+        t2690,
+        t2691,
+        t2692,
+        t2693,
+        t2694,
+        t2695,
+        t2696,
+        t2697,
+        t2698,
+        t2699,
+        t2700,
+        t2701,
+        t2702,
+        t2703,
+        t2704,
+        t2705,
+        t2706,
+        t2707,
+        t2708,
+        t2709,
+        t2710,
+        t2711,
+        t2712,
+        t2713,
+        t2714,
+        t2715,
+        t2716,
+        t2717,
+        t2718,
+        t2719,
+        t2720,
+        minus_acceleration_front_right_hip_x,
+        minus_acceleration_front_right_hip_y,
+        t2723,
+        t2724,
+        t2725,
+        t2726,
+        t2727,
+        t2728,
+        t2729,
+        t2730,
+        t2731,
+        t2732,
+        t2733,
+        t2734,
+        t2735,
+        t2736,
+        t2737,
+        t2738,
+        t2739,
+        t2740,
+        t2741,
+        t2742,
+        t2743,
+        t2744,
+        t2745,
+        t2746,
+        t2747,
+        t2748,
+        t2749,
+        t2750,
+        minus_acceleration_rear_right_hip_x,
+        minus_acceleration_rear_right_hip_y,
+        t2753,
+        t2754,
+        t2755,
+        t2756,
+        t2757,
+        t2758,
+        t2759,
+        t2760,
+        t2761,
+        t2762,
+        t2763,
+        t2764,
+    ]
+}
 
 /// Inverse dynamics: the joint forces of a motion on which wrenches act.
 ///

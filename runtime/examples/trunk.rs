@@ -16,15 +16,18 @@
 //! Prints a table and writes a page of plots into FOLDER (the folder for temporary files).
 
 use gelenk_generated::quadruped::{self as robot, M, N, NY, WRENCHES};
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use outcome::Outcome;
 use plots::{Folder, figure, over_time};
+use quadruped::{FEET, Jacobian, Wrenches, at_feet, standing};
 use std::process::ExitCode;
 
 #[path = "support/outcome.rs"]
 mod outcome;
 #[path = "support/plots.rs"]
 mod plots;
+#[path = "support/quadruped.rs"]
+mod quadruped;
 
 const PERIOD: f64 = 0.001;
 /// Steps of the simulation in a period.
@@ -40,46 +43,10 @@ const PUSHED: std::ops::Range<f64> = 4.0..4.2;
 /// Coefficient of friction that the feet may use.
 const FRICTION: f64 = 0.6;
 
-/// Origin and axes of a frame.
-type Pose = ([f64; 3], [[f64; 3]; 3]);
-type Jacobian = [[f64; N]; 6];
-
-struct Foot {
-    pose: fn(&[f64; NY]) -> Pose,
-    jacobian: fn(&[f64; NY]) -> Jacobian,
-    rate: fn(&[f64; NY], &[f64; N]) -> [f64; 6],
-}
-
-macro_rules! foot {
-    ($pose:ident, $jacobian:ident, $rate:ident) => {
-        Foot { pose: robot::$pose, jacobian: robot::$jacobian, rate: robot::$rate }
-    };
-}
-
-/// In the order of the legs' joints and of the wrenches.
-const FEET: [Foot; 4] = [
-    foot!(frame_front_left_pose, frame_front_left_jacobian, frame_front_left_jacobian_rate_times_velocity),
-    foot!(frame_front_right_pose, frame_front_right_jacobian, frame_front_right_jacobian_rate_times_velocity),
-    foot!(frame_rear_left_pose, frame_rear_left_jacobian, frame_rear_left_jacobian_rate_times_velocity),
-    foot!(frame_rear_right_pose, frame_rear_right_jacobian, frame_rear_right_jacobian_rate_times_velocity),
-];
-
-type Wrenches = [[f64; 6]; WRENCHES];
-
 #[derive(Debug, Clone, Copy)]
 struct State {
     y: [f64; NY],
     v: [f64; N],
-}
-
-/// Standing, the feet at height 0 below the hips.
-fn standing() -> [f64; NY] {
-    let (mut y, bend) = (robot::NEUTRAL, 0.7_f64);
-    y[2] = 2.0 * 0.2 * bend.cos();
-    for leg in y[7..].chunks_exact_mut(3) {
-        leg.copy_from_slice(&[0.0, bend, -2.0 * bend]);
-    }
-    y
 }
 
 /// The desired pose of the trunk: it sways, dips, rolls, pitches and turns.
@@ -137,24 +104,11 @@ fn accelerations(
     Ok((a, jacobians))
 }
 
-/// Forces at the feet that make the base's six rows, of the least norm.
-fn at_feet(rows: &[f64; N], jacobians: &[Jacobian; 4]) -> Outcome<Wrenches> {
-    let g = SMatrix::<f64, 6, 12>::from_fn(|i, c| jacobians[c / 3][c % 3][i]);
-    let rows = SVector::<f64, 6>::from_fn(|i, _| rows[i]);
-    let forces = (g * g.transpose()).cholesky().ok_or("the feet cannot carry the trunk")?.solve(&rows);
-    let forces = g.transpose() * forces;
-    let mut wrenches = [[0.0; 6]; WRENCHES];
-    for (c, force) in forces.iter().enumerate() {
-        wrenches[c / 3][c % 3] = *force;
-    }
-    Ok(wrenches)
-}
-
 /// Joint torques and wrenches of a period.
 fn control(time: f64, state: &State, places: &[[f64; 3]; 4]) -> Outcome<([f64; M], Wrenches)> {
     let (a, jacobians) = accelerations(time, state, places)?;
     let inverse = |w| robot::inverse_dynamics_with_wrenches(&state.y, &state.v, &a, w);
-    let wrenches = at_feet(&inverse(&[[0.0; 6]; WRENCHES]), &jacobians)?;
+    let wrenches = at_feet(&inverse(&[[0.0; 6]; WRENCHES]), &jacobians, [1.0; 4])?;
     let rows = inverse(&wrenches);
     // Nothing else moves the base.
     if rows[..6].iter().any(|row| row.abs() > 1e-9) {

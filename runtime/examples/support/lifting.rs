@@ -1,0 +1,219 @@
+//! The quadruped lifts and swings one leg after the other while its trunk sways, and sensors record it.
+
+use crate::outcome::Outcome;
+use crate::quadruped::{FEET, Wrenches, at_feet, standing};
+use gelenk_generated::quadruped::{self as robot, M, N, NY, WRENCHES};
+use gelenk_identification::random::SplitMix64;
+use std::f64::consts::TAU;
+
+/// Time between two rows of a log [s].
+pub const PERIOD: f64 = 0.0025;
+/// A turn of each leg, and the way back to rest [s].
+const TURN: f64 = 6.0;
+const REST: f64 = 0.7;
+const DURATION: f64 = 4.0 * TURN + REST;
+/// Within its turn a leg is unloaded, swings, and is loaded again [s].
+const UNLOADED: [f64; 2] = [0.7, 1.0];
+const LOADED: [f64; 2] = [5.4, 5.7];
+/// The legs in the order of their turns: over the diagonal.
+const ORDER: [usize; 4] = [0, 3, 1, 2];
+/// Signs of x and y of each leg's hip.
+const SIDES: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+/// How far the trunk leans away from the leg that it lifts [m].
+const LEAN: [f64; 2] = [0.03, 0.045];
+/// How far the trunk sways [m and rad].
+const SWAY: [f64; N - M] = [0.012, 0.012, 0.012, 0.1, 0.1, 0.1];
+/// A leg in the air: what its hip, thigh and calf are moved by, and how far they swing about that [rad].
+const LIFTED: [f64; 3] = [0.0, 0.45, -0.75];
+const SWING: [f64; 3] = [0.35, 0.6, 0.45];
+/// Frequencies of swaying and swinging [Hz].
+const FREQUENCIES: [[f64; 2]; 2] = [[0.5, 1.5], [0.8, 2.4]];
+/// Noise: of the trunk's place [m] and attitude [rad], of the encoders [rad], of forces at the feet [N].
+const NOISE: [f64; 4] = [2e-4, 3e-4, 1e-4, 0.2];
+
+/// What the sensors say at one time.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured {
+    pub y: [f64; NY],
+    /// Forces at the feet [N], in the axes of the world.
+    pub feet: [[f64; 3]; 4],
+}
+
+/// A log, and the torques of the joints [N m], which no sensor has seen.
+#[derive(Debug)]
+pub struct Log {
+    pub rows: Vec<Measured>,
+    pub torques: Vec<[f64; M]>,
+    /// Least force that a foot presses with while it bears its whole share [N].
+    pub pressing: f64,
+    /// Least height of a foot above where it stood, while it swings to the full [m].
+    pub clearance: f64,
+}
+
+/// Three sines for each velocity.
+type Waves = [[[f64; 2]; 3]; N];
+
+/// The motion of a seed.
+pub struct Lifting {
+    waves: Waves,
+    places: [[f64; 3]; 4],
+    random: SplitMix64,
+}
+
+impl Lifting {
+    pub fn new(seed: u64) -> Self {
+        let mut random = SplitMix64::new(seed);
+        let mut waves = [[[0.0; 2]; 3]; N];
+        for (i, waves) in waves.iter_mut().enumerate() {
+            let [low, high] = FREQUENCIES[usize::from(i >= N - M)];
+            for (k, [rate, phase]) in waves.iter_mut().enumerate() {
+                let share = (k as f64 + random.uniform()) / 3.0;
+                *rate = TAU * (low + (high - low) * share);
+                *phase = TAU * random.uniform();
+            }
+        }
+        Self { waves, places: FEET.map(|foot| (foot.pose)(&standing()).0), random }
+    }
+
+    /// The log of the whole motion.
+    pub fn record(mut self) -> Outcome<Log> {
+        let mut log =
+            Log { rows: vec![], torques: vec![], pressing: f64::INFINITY, clearance: f64::INFINITY };
+        for k in 0..=(DURATION / PERIOD).round() as u32 {
+            let time = PERIOD * f64::from(k);
+            let (y, v, a) = self.motion(time);
+            if y[7..].iter().zip(&robot::POSITION_LIMITS[N - M..]).any(|(y, [low, high])| y < low || y > high)
+            {
+                return Err(format!("at {time:.3} s a joint is beyond its limits").into());
+            }
+            let (torques, wrenches) = forces(&y, &v, &a, weights(time))?;
+            for (foot, weight) in weights(time).into_iter().enumerate() {
+                let height = (FEET[foot].pose)(&y).0[2] - self.places[foot][2];
+                let is_placed = if weight > 0.0 { height.abs() < 1e-9 } else { height > -1e-9 };
+                if !is_placed || wrenches[foot][2] < -1e-9 {
+                    return Err(format!(
+                        "at {time:.3} s a foot is at {height} m and presses with {} N",
+                        wrenches[foot][2]
+                    )
+                    .into());
+                }
+                if weight == 1.0 {
+                    log.pressing = log.pressing.min(wrenches[foot][2]);
+                } else if lifted(foot, time) == 1.0 {
+                    log.clearance = log.clearance.min(height);
+                }
+            }
+            log.rows.push(self.measured(&y, &wrenches));
+            log.torques.push(torques);
+        }
+        Ok(log)
+    }
+
+    fn measured(&mut self, y: &[f64; NY], wrenches: &Wrenches) -> Measured {
+        let [place, attitude, encoder, force] = NOISE;
+        let deviation = |i: usize| [place, attitude, encoder][usize::from(i >= 3) + usize::from(i >= 6)];
+        let d: [f64; N] = std::array::from_fn(|i| deviation(i) * self.random.normal());
+        let feet = std::array::from_fn(|foot| {
+            std::array::from_fn(|axis| wrenches[foot][axis] + force * self.random.normal())
+        });
+        Measured { y: robot::integrate(y, &d), feet }
+    }
+
+    /// Positions, velocities and accelerations, by differences along ⊕.
+    fn motion(&self, time: f64) -> ([f64; NY], [f64; N], [f64; N]) {
+        let h = 1e-4;
+        let at = self.posture(time);
+        let [ahead, back] = [h, -h].map(|h| robot::difference(&at, &self.posture(time + h)));
+        let v = std::array::from_fn(|i| (ahead[i] - back[i]) / (2.0 * h));
+        (at, v, std::array::from_fn(|i| (ahead[i] + back[i]) / (h * h)))
+    }
+
+    fn posture(&self, time: f64) -> [f64; NY] {
+        let grown = rise(time / REST) * rise((DURATION - time) / REST);
+        let mut d = [0.0; N];
+        for i in 0..N - M {
+            d[i] = grown * SWAY[i] * self.wave(i, time);
+        }
+        let lean = lean(time);
+        (d[0], d[1]) = (d[0] + grown * lean[0], d[1] + grown * lean[1]);
+        let mut y = robot::integrate(&standing(), &d);
+        for leg in 0..4 {
+            let lifted = lifted(leg, time);
+            for (i, angle) in leg_angles(&y, leg, &self.places[leg]).into_iter().enumerate() {
+                let swing = LIFTED[i] + SWING[i] * self.wave(6 + 3 * leg + i, time);
+                y[7 + 3 * leg + i] = angle + lifted * swing;
+            }
+        }
+        y
+    }
+
+    /// Between −1 and 1.
+    fn wave(&self, i: usize, time: f64) -> f64 {
+        self.waves[i].iter().map(|[rate, phase]| (rate * time + phase).sin()).sum::<f64>() / 3.0
+    }
+}
+
+/// From 0 to 1, with velocities and accelerations of 0 at both ends.
+fn rise(s: f64) -> f64 {
+    let s = s.clamp(0.0, 1.0);
+    s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+}
+
+/// Time within the turn of a leg [s].
+fn within_turn(leg: usize, time: f64) -> f64 {
+    let before = ORDER.iter().take_while(|other| **other != leg).count();
+    time - TURN * before as f64
+}
+
+/// Share of its swing that a leg makes.
+fn lifted(leg: usize, time: f64) -> f64 {
+    let s = within_turn(leg, time);
+    rise((s - UNLOADED[1]) / 0.5) * rise((LOADED[0] - s) / 0.5)
+}
+
+/// Weights of the feet in the distribution of forces: 0 from the moment in which a foot lifts to that in which it lands.
+fn weights(time: f64) -> [f64; 4] {
+    std::array::from_fn(|leg| {
+        let share = |from: [f64; 2]| rise((within_turn(leg, time) - from[0]) / (from[1] - from[0]));
+        1.0 - share(UNLOADED) + share(LOADED)
+    })
+}
+
+/// Where the trunk leans to [m]: from a turn to the next one while all feet stand.
+fn lean(time: f64) -> [f64; 2] {
+    let mut at = [0.0; 2];
+    for leg in ORDER {
+        let share = rise(within_turn(leg, time) / REST);
+        let [front, left] = SIDES[leg];
+        for (at, to) in at.iter_mut().zip([-front * LEAN[0], -left * LEAN[1]]) {
+            *at += share * (to - *at);
+        }
+    }
+    at
+}
+
+/// The angles with which a leg reaches a place, by the lengths of `models/quadruped.toml`.
+fn leg_angles(y: &[f64; NY], leg: usize, place: &[f64; 3]) -> [f64; 3] {
+    const LENGTH: f64 = 0.2;
+    let [front, left] = SIDES[leg];
+    let (origin, axes) = robot::frame_middle_pose(y);
+    let from: [f64; 3] = std::array::from_fn(|i| place[i] - origin[i]);
+    let inside = |c: usize| (0..3).map(|i| axes[i][c] * from[i]).sum::<f64>();
+    let (x, across, up) = (inside(0) - front * 0.2, inside(1) - left * 0.05, inside(2));
+    let side = left * 0.09;
+    let down = (across * across + up * up - side * side).sqrt();
+    let hip = up.atan2(across) - (-down).atan2(side);
+    let calf = -((x * x + down * down) / (2.0 * LENGTH * LENGTH) - 1.0).acos();
+    let thigh = (-x).atan2(down) - (LENGTH * calf.sin()).atan2(LENGTH + LENGTH * calf.cos());
+    // Between −π and π: both angles of the hip's difference may lie on either side of a whole turn.
+    [hip.sin().atan2(hip.cos()), thigh, calf]
+}
+
+/// Torques of the joints, and the forces at the feet that move the base so.
+fn forces(y: &[f64; NY], v: &[f64; N], a: &[f64; N], weights: [f64; 4]) -> Outcome<([f64; M], Wrenches)> {
+    let inverse = |w: &Wrenches| robot::inverse_dynamics_with_wrenches(y, v, a, w);
+    let jacobians = FEET.map(|foot| (foot.jacobian)(y));
+    let wrenches = at_feet(&inverse(&[[0.0; 6]; WRENCHES]), &jacobians, weights)?;
+    let rows = inverse(&wrenches);
+    Ok((std::array::from_fn(|j| rows[N - M + j]), wrenches))
+}
