@@ -95,28 +95,17 @@ fn large_rotations_are_many_small_ones() {
     }
 }
 
-fn repeated(steps: usize) {
+#[test]
+fn quaternions_keep_unit_length_over_a_million_steps() {
     let mut random = Random(4);
     let mut y = state(&mut random);
-    for _ in 0..steps {
+    for _ in 0..1_000_000 {
         let d = displacement(&mut random, 0.7);
         y = integrate(&WIDTHS, &y, &d);
         for q in [&y[1..5], &y[8..12]] {
             assert!((length(q) - 1.0).abs() <= 5e-16, "{:e}", length(q) - 1.0);
         }
     }
-}
-
-#[test]
-fn quaternions_keep_unit_length() {
-    repeated(10_000);
-}
-
-/// `cargo test -p gelenk-codegen --release --test manifold -- --ignored`
-#[test]
-#[ignore = "takes half a minute without optimization"]
-fn quaternions_keep_unit_length_over_a_million_steps() {
-    repeated(1_000_000);
 }
 
 #[test]
