@@ -202,6 +202,33 @@ fn the_rows_of_the_base_alone_tell_what_its_forces_are() {
     assert!(said.iter().any(|line| line.starts_with("No efforts of the joints are found")), "{said:?}");
 }
 
+/// Neither torques nor forces at the feet: what would be enough is said, by what the description has.
+#[test]
+fn logs_without_any_force_are_refused_with_what_is_enough() {
+    let folder = tempfile::tempdir().unwrap();
+    let [feet, truth] = robots(folder.path());
+    let path = folder.path().join("log.csv");
+    let poses = |line: &str| line.split(',').take(1 + 7 + 12).collect::<Vec<_>>().join(",") + "\n";
+    fs::write(&path, record(&truth, 2.0, 0, false).text.lines().map(poses).collect::<String>()).unwrap();
+    let settings = IdentificationSettings::new().unwrap();
+    let refused = |robot: &InterpretedRobot| {
+        identify(robot, std::slice::from_ref(&path), &settings, &mut |_| ()).unwrap_err().to_string()
+    };
+    let plain = refused(&robot(&models("quadruped.toml")));
+    for words in [
+        "the efforts of front_left_hip",
+        "the six rows of `base` are enough",
+        "[[inputs]]",
+        "ratios of masses",
+    ] {
+        assert!(plain.contains(words), "{words}: {plain}");
+    }
+    let measured = refused(&feet);
+    for words in ["the efforts of front_left_fx", "Efforts of the joints may be missing"] {
+        assert!(measured.contains(words), "{words}: {measured}");
+    }
+}
+
 #[test]
 fn torques_of_the_joints_tell_more() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,6 @@
 //! What acts on a robot with quaternions: torques of its joints, its inputs, or those inputs alone that act at frames.
 
-use super::super::error::Result;
+use super::super::error::{IdentificationError, Result};
 use super::super::run::Effort;
 use super::finder::Finder;
 use super::options::{Named, is_effort};
@@ -78,7 +78,7 @@ impl Finder<'_> {
             return Ok((Acting::Inputs((0..robot.at_frames.len()).collect()), found));
         }
         if !has_frames {
-            return Err(self.missing(&kinds, &robot.inputs));
+            return Err(self.nothing_acts(self.missing(&kinds, &robot.inputs)));
         }
         match self.best(&kinds, &robot.frame_inputs)? {
             Some(mut found) => {
@@ -89,8 +89,25 @@ impl Finder<'_> {
                 );
                 Ok((self.at_frames(), found))
             }
-            None => Err(self.missing(&kinds, &robot.frame_inputs)),
+            None => Err(self.nothing_acts(self.missing(&kinds, &robot.frame_inputs))),
         }
+    }
+
+    /// The same error, with what would be enough of a robot whose base floats.
+    fn nothing_acts(&self, error: IdentificationError) -> IdentificationError {
+        let IdentificationError::File { place, message } = error else { return error };
+        let Some(base) = self.robot.quaternions.iter().find(|joint| joint.is_floating) else {
+            return IdentificationError::File { place, message };
+        };
+        let enough = if self.robot.at_frames.contains(&true) {
+            "Efforts of the joints may be missing, those of the inputs at frames may not".to_owned()
+        } else {
+            format!(
+                "Without efforts of the joints the six rows of `{}` are enough, where what acts on the robot from outside is                  measured: describe the forces of its feet as `[[inputs]]` with `frame` and `wrench`, and add their columns to                  the log. In free flight nothing acts, and a motion tells ratios of masses and inertias alone",
+                base.name
+            )
+        };
+        IdentificationError::File { place, message: format!("{message}. {enough}") }
     }
 
     fn at_frames(&self) -> Acting {
