@@ -173,6 +173,38 @@ fn a_planned_motion_keeps_them() {
     assert!(lines[0] <= 1.2 && lines[1] <= 1.5, "{lines:?}");
 }
 
+/// An arm that turns about a vertical axis and tilts.
+fn slow_arm(effort: f64, tilt: &str) -> String {
+    format!(
+        "[[joints]]\nname = \"swing\"\nlimits = {{ position = [-2, 2], velocity = 3, effort = {effort} }}\ndrive = \"ideal\"\n\
+         [[joints]]\nname = \"tilt\"\naxis = [0, 1, 0]\nlimits = {{ position = {tilt}, velocity = 3, effort = 8 }}\n\
+         drive = \"ideal\"\n[[bodies]]\nlink = \"swing\"\nmass = 20\ninertia = 6\n[[bodies]]\nlink = \"tilt\"\nmass = 3\n\
+         center_of_mass = [0, 0, 0.5]\ninertia = 0.3\n"
+    )
+}
+
+/// The limits of the joints allow accelerations of which their efforts bear a quarter.
+#[test]
+fn a_plan_is_as_small_as_the_efforts_ask() {
+    let line = "identify --plan robot.toml --harmonics 3 --seconds 10".split(' ').collect::<Vec<_>>();
+    let (_kept, path) = folder(&slow_arm(5.0, "[-0.3, 0.3]"));
+    let said = run(&path, &line);
+    assert!(said.contains("need more than the share of the efforts: this one has "), "{said}");
+    let refused = |effort: f64, tilt: &str| {
+        let (_kept, path) = folder(&slow_arm(effort, tilt));
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_gelenk")).current_dir(&path).args(&line).output().unwrap();
+        assert!(!output.status.success());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let falling = refused(5.0, "[0.5, 2]");
+    let words = "standing still in the middle of the positions already needs more than the share that a plan may use of tilt";
+    assert!(falling.contains(words), "{falling}");
+    let weak = refused(0.1, "[-0.3, 0.3]");
+    let words = "no motion tried, down to a tenth of the size that the limits allow, shows all parameters";
+    assert!(weak.contains(words) && weak.contains("motions: swing)"), "{weak}");
+}
+
 /// The torque of a motor is kept where its joint has no `effort`, as that of a motor on two joints is.
 #[test]
 fn a_planned_motion_keeps_the_torques_of_motors() {

@@ -1,7 +1,8 @@
 //! Inputs that act at frames, as cylinders do: what a planned motion asks of them.
 
 use super::chart::Chart;
-use super::smallest_inputs::{first_outside, smallest_inputs};
+use super::motors::Torques;
+use super::smallest_inputs::{SINGULAR, first_outside, smallest_inputs};
 use super::{ExcitationLimits, Instant};
 use crate::error::{IdentificationError, Result};
 use crate::pose::QuaternionJoint;
@@ -19,9 +20,6 @@ pub struct PlannedInput {
     pub limits: [f64; 2],
 }
 
-/// Singular values of B below this part of the largest count as none.
-const SINGULAR: f64 = 1e-9;
-
 /// So many intervals of a joint's range are looked at for dead centres.
 const PLACES: u32 = 200;
 /// Part of the longest lever of a cylinder below which a lever counts as short, near a dead centre.
@@ -30,8 +28,7 @@ const SHORT: f64 = 0.25;
 /// The inputs of a robot of which some act at frames.
 pub(super) struct FrameInputs<'a> {
     robot: &'a dyn Robot,
-    /// Lowest and highest values that the motion may need.
-    usable: Vec<[f64; 2]>,
+    torques: Torques,
 }
 
 impl<'a> FrameInputs<'a> {
@@ -39,11 +36,10 @@ impl<'a> FrameInputs<'a> {
     ///
     /// - `share`: of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
-        let usable = robot.input_limits().iter().map(|limits| limits.map(|end| share * end)).collect();
-        robot.has_inputs_at_frames().then_some(Self { robot, usable })
+        robot.has_inputs_at_frames().then(|| Self { robot, torques: Torques::of(robot, share) })
     }
 
-    /// The first input of which a motion needs more than it may give, or a dead centre that it passes, where inputs need whatever
+    /// The first input of which a motion needs more than it may give, motors among them, or a dead centre that it passes, where inputs need whatever
     /// they have.
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let mut side = 0.0;
@@ -56,11 +52,13 @@ impl<'a> FrameInputs<'a> {
             if turned {
                 return Some("a dead centre of the inputs at frames".into());
             }
-            let Some(inputs) = smallest_inputs(self.robot, &matrix, instant, &self.usable) else {
+            let ranges = self.torques.ranges(&instant[1]);
+            let Some(inputs) = smallest_inputs(self.robot, &matrix, instant, &ranges) else {
                 return Some("forces that the inputs do not have".into());
             };
-            let input = first_outside(&inputs, &self.usable)?;
-            self.robot.input_names().into_iter().nth(input).map(|name| format!("input {name}"))
+            let input = first_outside(&inputs, &ranges)?;
+            let what = if self.torques.has_line(input) { "motor" } else { "input" };
+            self.robot.input_names().into_iter().nth(input).map(|name| format!("{what} {name}"))
         })
     }
 
@@ -69,7 +67,8 @@ impl<'a> FrameInputs<'a> {
         let needed: Vec<Vec<f64>> = instants
             .iter()
             .filter_map(|each| {
-                smallest_inputs(self.robot, &input_matrix(self.robot, &each[0]), each, &self.usable)
+                let ranges = self.torques.ranges(&each[1]);
+                smallest_inputs(self.robot, &input_matrix(self.robot, &each[0]), each, &ranges)
             })
             .collect();
         let names = self.robot.input_names().into_iter().zip(self.robot.input_limits()).enumerate();

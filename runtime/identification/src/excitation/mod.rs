@@ -10,18 +10,23 @@
 
 mod approach;
 mod chart;
+mod columns;
+mod design;
 mod inputs;
 mod motion;
 mod motors;
 mod plan;
 mod refusals;
 mod search;
+mod settings;
 mod smallest_inputs;
 mod usable;
 
 pub use super::robot::Instant;
 pub use approach::Approach;
+pub use design::PlannedShaft;
 pub use inputs::PlannedInput;
 pub use motion::FourierMotion;
-pub use plan::{Plan, PlanSettings, PlannedShaft, plan};
+pub use plan::{Plan, plan};
 pub use search::{Excitation, ExcitationLimits, ExcitationResult};
+pub use settings::PlanSettings;

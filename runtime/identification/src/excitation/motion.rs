@@ -64,6 +64,12 @@ impl FourierMotion {
         }
     }
 
+    /// Shrinks all joints about their centres.
+    pub(super) fn shrink(&mut self, size: f64) {
+        let pairs = self.coefficients.iter_mut().flatten();
+        pairs.flatten().for_each(|x| *x *= size);
+    }
+
     /// Shrinks and shifts each joint so that the limits hold at the sampled instants, and one of them just
     /// so.
     pub(super) fn fit_into(&mut self, limits: &[ExcitationLimits], samples: usize) {

@@ -1,68 +1,79 @@
 //! Motors that a planned motion must not ask too much of: limits of their torques, and torque–speed lines.
 
 use super::Instant;
-use super::inputs::input_matrix;
-use super::smallest_inputs::{SmallestInputs, smallest_inputs};
+use super::smallest_inputs::SmallestInputs;
 use crate::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine, narrowed_limits};
 use nalgebra::{DMatrix, DVector};
 
-/// The motors of a robot, where something limits them. What inputs at frames may exert stands in [`super::inputs`].
-pub(super) struct Motors<'a> {
-    robot: &'a dyn Robot,
+/// What a motion may ask of the inputs.
+pub(super) struct Torques {
     lines: Vec<TorqueSpeedLine>,
     /// Lowest and highest inputs that the motion may need.
     usable: Vec<[f64; 2]>,
     /// Share of the lines that the motion may need.
     share: f64,
-    /// Inputs of which more than their limits is found by [`super::inputs`].
-    at_frames: bool,
-    /// B, where it is constant.
-    constant: Option<SmallestInputs>,
 }
 
-impl<'a> Motors<'a> {
+impl Torques {
     /// - `share`: of the described limits
-    pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
-        let lines = robot.torque_speed_lines();
-        let at_frames = robot.has_inputs_at_frames();
-        let limits = robot.input_limits().into_iter();
-        let usable: Vec<[f64; 2]> = limits.map(|limits| limits.map(|end| share * end)).collect();
-        let has_limits = !at_frames && usable.iter().flatten().any(|end| end.is_finite());
-        let is_limited = !lines.is_empty() || has_limits;
-        let constant = (is_limited && !at_frames).then(|| SmallestInputs::new(constant_matrix(robot)));
-        is_limited.then_some(Self { robot, lines, usable, share, at_frames, constant })
+    pub(super) fn of(robot: &dyn Robot, share: f64) -> Self {
+        let usable = robot.input_limits().into_iter().map(|limits| limits.map(|end| share * end));
+        Self { lines: robot.torque_speed_lines(), usable: usable.collect(), share }
     }
 
-    /// Name of the first motor of which a motion asks more than it may.
-    pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
-        let counts = |input: usize| !self.at_frames || self.lines.iter().any(|line| line.input == input);
-        let input = instants.iter().find_map(|instant| {
-            let count = self.usable.len();
-            let ranges: Vec<[f64; 2]> = (0..count).map(|input| self.range(input, &instant[1])).collect();
-            let inputs = self.inputs(instant, &ranges)?;
-            let mut needed = inputs.iter().zip(&ranges).enumerate();
-            needed.position(|(input, (u, [low, high]))| counts(input) && !(low..=high).contains(&u))
-        })?;
-        self.robot.input_names().into_iter().nth(input)
+    fn are_limited(&self) -> bool {
+        !self.lines.is_empty() || self.usable.iter().flatten().any(|end| end.is_finite())
     }
 
-    /// Lowest and highest value of an input at velocities v. Faster than without load, a motor brakes: there the whole line counts.
+    /// Whether an input is a motor with a torque–speed line.
+    pub(super) fn has_line(&self, input: usize) -> bool {
+        self.lines.iter().any(|line| line.input == input)
+    }
+
+    /// Lowest and highest values at velocities v.
+    pub(super) fn ranges(&self, v: &[f64]) -> Vec<[f64; 2]> {
+        (0..self.usable.len()).map(|input| self.range(input, v)).collect()
+    }
+
+    /// Faster than without load, a motor brakes: there the whole line counts.
     fn range(&self, input: usize, v: &[f64]) -> [f64; 2] {
         self.lines.iter().filter(|line| line.input == input).fold(self.usable[input], |[low, high], line| {
             let [least, most] = line.range(v);
             [low.max(least.max(self.share * least)), high.min(most.min(self.share * most))]
         })
     }
+}
+
+/// The motors of a robot without other inputs, where something limits them. Others stand in [`super::inputs`].
+pub(super) struct Motors<'a> {
+    robot: &'a dyn Robot,
+    torques: Torques,
+    matrix: SmallestInputs,
+}
+
+impl<'a> Motors<'a> {
+    /// - `share`: of the described limits
+    pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
+        let torques = Torques::of(robot, share);
+        let counts = torques.are_limited() && !robot.has_inputs_at_frames();
+        counts.then(|| Self { robot, torques, matrix: SmallestInputs::new(constant_matrix(robot)) })
+    }
+
+    /// Name of the first motor of which a motion asks more than it may.
+    pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
+        let input = instants.iter().find_map(|instant| {
+            let inputs = self.inputs(instant)?;
+            let ranges = self.torques.ranges(&instant[1]);
+            inputs.iter().zip(&ranges).position(|(u, [low, high])| !(low..=high).contains(&u))
+        })?;
+        self.robot.input_names().into_iter().nth(input)
+    }
 
     /// The smallest inputs that the described robot needs without friction; none where it has too few of them.
-    fn inputs(&self, instant: &Instant, ranges: &[[f64; 2]]) -> Option<Vec<f64>> {
-        let [y, v, a] = instant;
-        let Some(constant) = &self.constant else {
-            return smallest_inputs(self.robot, &input_matrix(self.robot, y), instant, ranges);
-        };
+    fn inputs(&self, [y, v, a]: &Instant) -> Option<Vec<f64>> {
         let mut forces = vec![0.0; v.len()];
         self.robot.rigid_forces(y, v, a, &mut forces);
-        constant.closest(&DVector::from_vec(forces)).map(|inputs| inputs.as_slice().to_vec())
+        self.matrix.closest(&DVector::from_vec(forces)).map(|inputs| inputs.as_slice().to_vec())
     }
 }
 

@@ -55,7 +55,15 @@ pub(super) struct Best {
     pub motion: FourierMotion,
     pub score: f64,
     pub start: f64,
+    /// Its size, as a part of what the limits allow.
+    pub size: f64,
 }
+
+/// A start that is not possible is tried at sizes that differ by this factor, down to the smallest one.
+const SMALLER: f64 = 0.7;
+const SMALLEST: f64 = 0.1;
+/// A motion that is smaller than the limits allow grows by this factor while that lowers its score.
+const LARGER: f64 = 1.0 / 0.9;
 
 impl Excitation {
     /// Searches a motion with a small condition number.
@@ -82,7 +90,7 @@ impl Excitation {
             condition_of_scaled(&(&matrix * matrix.transpose()))
         };
         let best = self.minimize(limits, condition, (|motion| motion, |_| {}))?;
-        let Best { motion, score, start } = best.ok_or_else(|| IdentificationError::NotConverged {
+        let Best { motion, score, start, .. } = best.ok_or_else(|| IdentificationError::NotConverged {
             what: "the search for an excitation".into(),
             iterations: self.starts * self.iterations,
             detail: format!(
@@ -97,6 +105,8 @@ impl Excitation {
     /// - `score`: of the motion at evenly spaced instants; infinite where the motion is not possible
     /// - `restrict`: maps a motion to one of the kind that is asked for; the map is linear
     /// - `narrow`: brings a motion that is within the limits within further ones
+    ///
+    /// A start with an infinite score is made smaller until its score is finite, and so are the motions that descend from it.
     pub(super) fn minimize(
         &self,
         limits: &[ExcitationLimits],
@@ -105,9 +115,10 @@ impl Excitation {
     ) -> Result<Option<Best>> {
         self.check(limits)?;
         let mut random = SplitMix64::new(self.seed);
-        let mut fitted = |motion: FourierMotion| {
+        let mut fitted = |motion: FourierMotion, size: f64| {
             let mut motion = restrict(motion);
             motion.fit_into(limits, self.samples);
+            motion.shrink(size);
             narrow(&mut motion);
             let score = score(&motion.instants(self.samples));
             (motion, score)
@@ -115,11 +126,12 @@ impl Excitation {
         let mut best: Option<Best> = None;
         let mut start = f64::INFINITY;
         for _ in 0..self.starts {
-            let first = fitted(self.random_motion(limits.len(), &mut random));
+            let (size, first) = possible(&self.random_motion(limits.len(), &mut random), &mut fitted);
             start = start.min(first.1);
-            let (motion, score) = self.improve(first, limits, &mut random, &mut fitted);
+            let found = self.improve((size, first), limits, &mut random, &mut fitted);
+            let (size, (motion, score)) = grown(size, found, &mut fitted);
             if best.as_ref().is_none_or(|b| score < b.score) {
-                best = Some(Best { motion, score, start });
+                best = Some(Best { motion, score, start, size });
             }
         }
         Ok(best.filter(|best| best.score < f64::INFINITY).map(|best| Best { start, ..best }))
@@ -170,14 +182,14 @@ impl Excitation {
 
     fn improve(
         &self,
-        (mut motion, mut score): (FourierMotion, f64),
+        (size, (mut motion, mut score)): (f64, Scored),
         limits: &[ExcitationLimits],
         random: &mut SplitMix64,
-        fitted: &mut impl FnMut(FourierMotion) -> (FourierMotion, f64),
-    ) -> (FourierMotion, f64) {
+        fitted: &mut impl FnMut(FourierMotion, f64) -> Scored,
+    ) -> Scored {
         // Step in units of each joint's range. 1/5 rule: a success lengthens the step as much as four
         // failures shorten it.
-        let mut step = 0.1;
+        let mut step = 0.1 * size;
         for _ in 0..self.iterations {
             let mut child = motion.clone();
             for (pairs, limit) in child.coefficients.iter_mut().zip(limits) {
@@ -186,7 +198,7 @@ impl Excitation {
                     *pair = pair.map(|x| x + step * range * random.normal() / (k + 1) as f64);
                 }
             }
-            let (child, new) = fitted(child);
+            let (child, new) = fitted(child, size);
             if new < score {
                 (motion, score) = (child, new);
                 step *= 1.5;
@@ -196,6 +208,35 @@ impl Excitation {
         }
         (motion, score)
     }
+}
+
+/// A motion with its score.
+type Scored = (FourierMotion, f64);
+
+/// The largest size at which a motion is possible, and the motion there; as large as the limits allow where it is not at any size.
+fn possible(motion: &FourierMotion, fitted: &mut impl FnMut(FourierMotion, f64) -> Scored) -> (f64, Scored) {
+    let first = fitted(motion.clone(), 1.0);
+    let sizes = std::iter::successors(Some(SMALLER), |size| Some(size * SMALLER));
+    let smaller = sizes.take_while(|size| first.1 == f64::INFINITY && *size >= SMALLEST);
+    let mut tried = smaller.map(|size| (size, fitted(motion.clone(), size)));
+    tried.find(|(_, (_, score))| *score < f64::INFINITY).unwrap_or((1.0, first))
+}
+
+/// A motion that is made larger, as long as that lowers its score.
+fn grown(
+    mut size: f64,
+    mut found: Scored,
+    fitted: &mut impl FnMut(FourierMotion, f64) -> Scored,
+) -> (f64, Scored) {
+    while size < 1.0 {
+        let larger = (LARGER * size).min(1.0);
+        let next = fitted(found.0.clone(), larger);
+        if next.1 >= found.1 {
+            break;
+        }
+        (size, found) = (larger, next);
+    }
+    (size, found)
 }
 
 /// Condition number of a regressor whose columns are scaled to unit length, from its Gram matrix; infinite where
@@ -270,6 +311,28 @@ mod tests {
                 assert!(((after[1][j] - before[1][j]) / 2e-5 - now[2][j]).abs() < 1e-5);
             }
         }
+    }
+
+    /// Where the starts are too fast, the search goes on from smaller ones, and the motion grows to what is possible.
+    #[test]
+    fn a_search_whose_starts_are_impossible_begins_smaller() {
+        let settings = Excitation { iterations: 100, starts: 2, ..Default::default() };
+        let fastest = |instants: &[Instant]| {
+            let speeds = instants.iter().flat_map(|[_, v, _]| v).map(|v| v.abs());
+            speeds.fold(0.0, f64::max)
+        };
+        let found = |most: f64| {
+            let score = |instants: &[Instant]| match fastest(instants) {
+                speed if speed > most => f64::INFINITY,
+                speed => -speed,
+            };
+            settings.minimize(&LIMITS, score, (|motion| motion, |_| {})).unwrap()
+        };
+        assert_eq!(found(10.0).unwrap().size, 1.0, "all is possible");
+        let small = found(0.4).unwrap();
+        assert!(small.size < 0.7 && small.score <= -0.32, "{} {}", small.size, small.score);
+        assert!(fastest(&small.motion.instants(settings.samples)) <= 0.4);
+        assert!(found(0.01).is_none(), "smaller than a tenth is not tried");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD};
 /// Part of the largest force that no inputs need to make up.
 const RESIDUAL: f64 = 1e-9;
 /// Singular values of B below this part of the largest count as none: a cylinder at its dead centre.
-const SINGULAR: f64 = 1e-9;
+pub(super) const SINGULAR: f64 = 1e-9;
 /// The decomposition leaves 6e-6 of the forces where columns of B differ in size, as those of geared motors and cylinders do; each
 /// correction leaves that part of the rest.
 const CORRECTIONS: usize = 3;
