@@ -3,14 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 #![allow(clippy::approx_constant, reason = "numbers that look like constants are what is tested")]
 
-mod common;
-
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use common::{chain, every_operation, mass_matrix, parameter, powercube, synthetic};
+use super::common::{self, chain, every_operation, mass_matrix, parameter, powercube, synthetic};
 use gelenk_codegen::emit::{self, Companion, EmitOptions, Language, Scalar, SourceFile};
 use gelenk_codegen::formula::Function as Call;
 use gelenk_codegen::functions::function::Function;

@@ -1,8 +1,6 @@
 //! Programs as people read them.
 
-mod common;
-
-use common::{every_operation, mass_matrix};
+use super::common::{every_operation, mass_matrix};
 use gelenk_codegen::program::display::{Notation, latex, text};
 
 #[test]

@@ -4,7 +4,7 @@
 //! Random points are screened with a double-double reference; every point that it finds above [`SUSPICIOUS`],
 //! and a sample of the others, is decided by dashu with 200 bits. Points near multiples of π/2 go to dashu
 //! directly. Full runs:
-//! `cargo test --release -p gelenk-codegen --test elementary_functions -- --ignored --nocapture`.
+//! `cargo test --release -p gelenk-codegen --test all elementary_functions -- --ignored --nocapture`.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

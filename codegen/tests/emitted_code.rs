@@ -3,12 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 #![allow(clippy::approx_constant, reason = "numbers that look like constants are what is tested")]
 
-mod common;
-
 use std::fs;
 use std::process::Command;
 
-use common::{chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
+use super::common::{self, chain, every_operation, mass_matrix, parameter, powercube, rustc, synthetic};
 use gelenk_codegen::emit::{self, EmitOptions, Math, Scalar};
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::layout::{Dimension, Extent};

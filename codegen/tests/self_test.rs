@@ -1,8 +1,7 @@
 //! Modules test themselves: their functions against the values of the interpreter, as their users run them.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
-mod common;
-
+use super::common;
 use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use std::fmt::Write;

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
-mod common;
-
-use common::rustc;
+use super::common::rustc;
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics, Severity};
 use gelenk_codegen::model::{Model, ReadOptions, from_urdf};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};

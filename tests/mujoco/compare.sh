@@ -11,4 +11,4 @@ python=${PYTHON:-python3}
 command -v "$python" >/dev/null 2>&1 || { echo "skipped: no $python"; exit 0; }
 "$python" -c 'import numpy, mujoco' 2>/dev/null || { echo "skipped: $python lacks mujoco or numpy"; exit 0; }
 cd "$root"
-GELENK_MUJOCO_PYTHON=$python exec cargo test -p gelenk-tests --test mujoco -- --include-ignored --nocapture
+GELENK_MUJOCO_PYTHON=$python exec cargo test -p gelenk-tests --test all mujoco:: -- --include-ignored --nocapture

@@ -178,7 +178,7 @@ fn in_a_process(current: &Path, home: &str, library: Option<&Path>) -> (Vec<(Str
     let mut command = Command::new(program);
     command.envs(library.map(|library| (PRELOAD, library)));
     let output = command
-        .args(["--exact", "child", "--nocapture"])
+        .args(["--exact", "determinism::child", "--nocapture"])
         .env(OUTPUT, folder.path())
         .env("HOME", home)
         .env("LANG", "de_DE.UTF-8")

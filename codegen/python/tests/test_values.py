@@ -66,7 +66,7 @@ def test_a_base_is_freed_by_a_keyword(arm_file: Path) -> None:
 def test_the_bits_are_those_of_rust(ur5: gelenk.Robot, powercube: gelenk.Robot) -> None:
     file = os.environ.get("GELENK_RUST_VALUES")
     if file is None:
-        pytest.skip("GELENK_RUST_VALUES names no values: `cargo test -p gelenk-tests --test python` writes them")
+        pytest.skip("GELENK_RUST_VALUES names no values: `cargo test -p gelenk-tests --test all python::` writes them")
     robots = {"ur5": ur5, "powercube_parameters": powercube}
     calls = json.loads(Path(file).read_text())
     assert {call["robot"] for call in calls} == robots.keys()

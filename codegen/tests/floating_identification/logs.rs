@@ -7,8 +7,8 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-use crate::quadrotor::{Sample, flight, truth};
-use crate::{models, robot};
+use super::quadrotor::{Sample, flight, truth};
+use super::{models, robot};
 use gelenk_identification::robot::Robot;
 
 /// Names of the columns: time, place, quaternion w x y z, thrusts.

@@ -13,9 +13,9 @@ use gelenk_identification::identify::{Identification, IdentificationSettings, id
 use gelenk_identification::robot::Robot;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::logs::{HEADERS, errors, log};
-use crate::quadrotor::flight;
-use crate::{Noise, models, robot};
+use super::logs::{HEADERS, errors, log};
+use super::quadrotor::flight;
+use super::{Noise, models, robot};
 
 const DESCRIPTION: &[&[u8]] = &[b"robot"];
 

@@ -7,9 +7,9 @@ use gelenk_identification::robot::Robot;
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 
-use crate::logs::{HEADERS, log};
-use crate::quadrotor::{Body, flight, flight_of, truth};
-use crate::{models, robot};
+use super::logs::{HEADERS, log};
+use super::quadrotor::{Body, flight, flight_of, truth};
+use super::{models, robot};
 
 /// A parcel of 0.4 kg below the quadrotor, with the inertia of a cube of 0.1 m.
 const MASS: f64 = 0.4;

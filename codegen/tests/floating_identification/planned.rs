@@ -9,8 +9,8 @@ use gelenk_identification::excitation::{Excitation, PlanSettings, plan};
 use gelenk_identification::robot::Robot;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use crate::moments::{BALL, ball};
-use crate::{Noise, robot};
+use super::moments::{BALL, ball};
+use super::{Noise, robot};
 
 /// A box in free fall that six wrenches at its frame move.
 const BOX: &str = "name = \"box\"\nbase = { link = \"box\", type = \"floating\" }\n[[bodies]]\nlink = \"box\"\nmass = 3\n\

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix4, Matrix6, Quaternion, UnitQuaternion, Vector3, Vector4, Vector6};
 
-use crate::Noise;
+use super::Noise;
 
 /// Where the propellers act, and the moments of their drag for a unit of thrust.
 const PROPELLERS: [([f64; 3], f64); 4] = [

@@ -11,7 +11,7 @@ use gelenk_identification::identify::{IdentificationSettings, identify};
 use gelenk_identification::robot::Robot;
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
-use crate::{Noise, models, robot};
+use super::{Noise, models, robot};
 
 const N: usize = 12;
 

@@ -1,6 +1,6 @@
 //! From a mutated description to a module: no panic, no hang, a module that compiles or a message.
 //!
-//! `GELENK_MUTATIONS=50000 cargo test --release -p gelenk-codegen --test robustness generation -- --nocapture`
+//! `GELENK_MUTATIONS=50000 cargo test --release -p gelenk-codegen --test all robustness::generation -- --nocapture`
 //! is the long form; it takes an hour or two.
 
 use super::mutation::{Random, rewritten};

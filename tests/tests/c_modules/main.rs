@@ -5,7 +5,7 @@
 //! joints of a Panda, driven joints, and forces at frames. All robots, with every compiler at hand:
 //!
 //! ```text
-//! cargo test -p gelenk-tests --test c_modules -- --ignored --nocapture
+//! cargo test -p gelenk-tests --test all c_modules:: -- --ignored --nocapture
 //! ```
 //!
 //! `GELENK_CC` names further compilers, separated by semicolons: `GELENK_CC='clang;python3 -m ziglang cc'`.

@@ -1,0 +1,38 @@
+//! The tests of this package, as one program: it is linked once, and its tests share the processors. Those with Symbolica are a program of
+//! their own.
+
+mod bad;
+mod c_command_line;
+mod c_module;
+mod check;
+#[path = "command_line/main.rs"]
+mod command_line;
+mod common;
+#[path = "coupled_identification/main.rs"]
+mod coupled_identification;
+mod couplings;
+mod cylinder_identification;
+mod dependent_limits;
+mod display;
+mod doubts;
+mod drawn_forces;
+mod driven_joints;
+mod elementary_functions;
+mod emitted_code;
+#[path = "floating_identification/main.rs"]
+mod floating_identification;
+mod identified_friction;
+mod kernel_texts;
+mod manifold;
+mod meaning;
+mod models;
+mod motion_limits;
+mod reference;
+mod robustness;
+mod self_test;
+mod shown_forces;
+mod stages;
+#[path = "strangers_arm/main.rs"]
+mod strangers_arm;
+mod torque_speed;
+mod wild_urdf;

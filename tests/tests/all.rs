@@ -1,0 +1,65 @@
+//! The tests of this package, as one program: it is linked once, and its tests share the processors.
+
+mod acados;
+mod array_forms;
+mod build_script;
+#[path = "c_modules/main.rs"]
+mod c_modules;
+mod closed_form;
+mod composition_counts;
+mod counts;
+mod determinism;
+#[path = "discrete_time/main.rs"]
+mod discrete_time;
+mod documents;
+mod driven;
+mod driven_motion;
+mod emitted;
+mod emitted_options;
+mod freshness;
+mod friction;
+mod identified_loop;
+mod imports;
+mod instructions;
+mod lanes;
+mod limits;
+mod load_friction;
+mod microcontrollers;
+mod motion_on_manifolds;
+mod mujoco;
+mod new_crate;
+mod new_floating_crate;
+mod packages;
+mod pages;
+#[path = "properties/main.rs"]
+mod properties;
+mod python;
+mod quaternion_properties;
+#[path = "quaternions/main.rs"]
+mod quaternions;
+mod reactions;
+mod reference;
+mod regressors;
+mod second_order;
+mod snapshots_of_text;
+mod structure;
+
+/// A file that no list has would never run.
+#[test]
+fn every_file_is_listed() {
+    for (package, apart) in [("tests", &["all"][..]), ("codegen", &["all", "symbolica"])] {
+        let folder = gelenk_tests::workspace().join(package).join("tests");
+        let list = std::fs::read_to_string(folder.join("all.rs")).unwrap_or_default();
+        let mut count = 0;
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            let is_test = path.extension().is_some_and(|end| end == "rs") || path.join("main.rs").exists();
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            if is_test && !apart.contains(&&*name) {
+                count += 1;
+                assert!(list.contains(&format!("\nmod {name};\n")), "{package}/tests/all.rs lacks {name}");
+            }
+        }
+        assert!(count > 25, "only {count} files in {folder:?}");
+    }
+}
