@@ -309,3 +309,29 @@ fn shared_motors_beside_a_cylinder_and_a_propeller_are_planned() {
         }
     }
 }
+
+/// Motors beside a cylinder keep their torque–speed lines, and are named as motors where they cannot.
+#[test]
+fn motors_beside_a_cylinder_keep_their_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wrist.toml");
+    let line = |torque: f64| {
+        WRIST.replace(
+            "gear_ratio = 80",
+            &format!("gear_ratio = 80, stall_torque = {torque}, no_load_speed = 500"),
+        )
+    };
+    fs::write(&file, line(1e-3)).unwrap();
+    let (_, succeeded, said) = plan(&file, &[]);
+    let words = "standing still in the middle of the positions already needs more than the share that a plan may use of motor left:";
+    assert!(!succeeded && said.contains(words), "{said}");
+    fs::write(&file, line(0.02)).unwrap();
+    let (_, succeeded, said) = plan(&file, &["--format", "json"]);
+    assert!(succeeded, "{said}");
+    let found: serde_json::Value = serde_json::from_str(&said[said.find("{\n").unwrap()..]).unwrap();
+    for input in found["inputs"].as_array().unwrap().iter().filter(|input| input["name"] != "cylinder") {
+        let [least, most] = [0, 1].map(|end| input["range"][end].as_f64().unwrap());
+        // A motor that brakes has twice its torque at rest at most.
+        assert!(least.abs().max(most.abs()) <= 0.7 * 0.04, "{input}");
+    }
+}

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::arguments::{Format, Inspect, Stage};
 use super::bytes::CodeSizes;
 use super::failure::Failure;
-use super::inspect_forces::{self, followed, position, shown};
+use super::inspect_forces::{self, followed, position};
 use super::place::Workspace;
 use super::{generate, mechanism, print};
 use crate::functions::function::Function;
@@ -203,7 +203,7 @@ fn lines_text(model: &Model) -> String {
     let head = ["motor", "stall torque [N m]", "no-load speed [rad/s]"].map(str::to_owned).to_vec();
     let rows = model.drives.iter().filter_map(|drive| {
         let line = drive.line?;
-        Some(vec![drive.name.clone(), shown(line.stall_torque), shown(line.no_load_speed)])
+        Some(vec![drive.name.clone(), print::number(line.stall_torque), print::number(line.no_load_speed)])
     });
     let rows: Vec<Vec<String>> = rows.collect();
     if rows.is_empty() {
@@ -214,7 +214,8 @@ fn lines_text(model: &Model) -> String {
 
 fn parameters_text(model: &Model) -> String {
     let head = ["parameter", "value", "unit"].map(str::to_owned).to_vec();
-    let rows = model.parameters.iter().map(|p| vec![p.name.clone(), shown(p.default), p.unit.clone()]);
+    let rows =
+        model.parameters.iter().map(|p| vec![p.name.clone(), print::number(p.default), p.unit.clone()]);
     print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
@@ -233,7 +234,7 @@ fn motion(model: &Model, motion: Motion) -> String {
             followed(model, &moving[index].follows, moving[index].offset)
         }
         Motion::Fixed => "fixed".to_owned(),
-        Motion::Held(position) => format!("held at {}", shown(position)),
+        Motion::Held(position) => format!("held at {}", print::number(position)),
         Motion::Coordinate(index) => match model.quaternion_joint_of(index) {
             None => position(model, index),
             Some(joint) => format!("velocity v{} of {} joint {}", index + 1, joint.kind.name(), joint.name),

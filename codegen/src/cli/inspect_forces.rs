@@ -6,11 +6,7 @@ use super::print;
 use crate::model::{
     Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Model, PointForce, Wrench, WrenchAxes,
 };
-use crate::wording::as_written;
 use gelenk_formula::Formula;
-
-/// From here on zeros are counted by an exponent.
-const MILLION: f64 = 1e6;
 
 /// Tables of what is there, each behind an empty line.
 pub(super) fn as_text(model: &Model) -> String {
@@ -23,7 +19,12 @@ pub(super) fn as_text(model: &Model) -> String {
     let inputs = model.force_inputs.iter().map(|input| {
         let (place, effect) = effect(model, &input.effect);
         let limits = input.limits.map_or(String::new(), |[low, high]| {
-            format!("{} … {} {}", shown(low), shown(high), model.input_unit(Actuator::Force(input)))
+            format!(
+                "{} … {} {}",
+                print::number(low),
+                print::number(high),
+                model.input_unit(Actuator::Force(input))
+            )
         });
         vec![input.name.clone(), place, effect, limits]
     });
@@ -85,19 +86,13 @@ pub(super) fn followed(model: &Model, follows: &[FollowedCoordinate], offset: f6
         Some(1.0) => position(model, term.coordinate),
         _ => format!("({}) {}", term.ratio.text(&names), position(model, term.coordinate)),
     });
-    let offset = (offset != 0.0).then(|| shown(offset));
+    let offset = (offset != 0.0).then(|| print::number(offset));
     terms.chain(offset).collect::<Vec<_>>().join(" + ")
 }
 
 /// Those that act on several coordinates, or on one with a weight.
 fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
     model.moving_drives().filter(|drive| drive.coordinate().is_none())
-}
-
-/// A number as a person writes it: `600`, `0.25`, `-2e6`.
-pub(super) fn shown(x: f64) -> String {
-    let (plain, power) = (as_written(x), format!("{x:e}"));
-    if x.abs() >= MILLION && power.len() < plain.len() { power } else { plain }
 }
 
 fn names(model: &Model) -> Vec<&str> {

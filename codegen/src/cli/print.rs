@@ -9,6 +9,10 @@ use super::arguments::Format;
 use super::failure::Failure;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::program::cost::Cost;
+use crate::wording::as_written;
+
+/// From here on zeros are counted by an exponent.
+const MILLION: f64 = 1e6;
 
 /// Writes to standard output. A reader that went away (`gelenk … | head`) is no failure.
 pub(super) fn out(text: &str) -> Result<(), Failure> {
@@ -103,6 +107,12 @@ pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Val
     functions.iter().enumerate().map(entry).collect()
 }
 
+/// A number as a person writes it: `600`, `0.25`, `-2e6`.
+pub(super) fn number(x: f64) -> String {
+    let (plain, power) = (as_written(x), format!("{x:e}"));
+    if x.abs() >= MILLION && power.len() < plain.len() { power } else { plain }
+}
+
 /// Rows of cells in columns, below a head; columns of numbers to the right.
 pub(super) fn table(rows: &[Vec<String>]) -> String {
     let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));
@@ -121,6 +131,15 @@ pub(super) fn table(rows: &[Vec<String>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_written_as_people_do() {
+        let cases =
+            [(-2e6, "-2e6"), (1_234_567.0, "1234567"), (35e3, "35000"), (0.25, "0.25"), (600.0, "600")];
+        for (x, expected) in cases {
+            assert_eq!(number(x), expected);
+        }
+    }
 
     #[test]
     fn numbers_stand_to_the_right() {

@@ -3,7 +3,7 @@
 use super::distances::origin;
 use super::pose::rotate_numbers;
 use super::regularity::{child_from_parent, motion_axis, positions};
-use super::{Actuator, Attachment, Drive, ForceEffect, Model, MovingJoint};
+use super::{Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Model};
 use crate::random::Random;
 use gelenk_formula::Formula;
 
@@ -18,7 +18,8 @@ pub(super) struct Levers<'m> {
     model: &'m Model,
     /// Values of the free parameters.
     parameters: Vec<f64>,
-    moving: Vec<MovingJoint<'m>>,
+    /// For each link the coordinates that its joint follows.
+    follows: Vec<Vec<FollowedCoordinate>>,
     /// Positions of the links' joints.
     states: Vec<Vec<f64>>,
 }
@@ -28,7 +29,11 @@ impl<'m> Levers<'m> {
         let mut random = Random::new(SEED);
         let mut state = || positions(model, &parameters, |_, [low, high]| random.between(low, high));
         let states = (0..STATES).map(|_| state()).collect();
-        Self { model, parameters, moving: model.moving_joints(), states }
+        let mut follows = vec![Vec::new(); model.links.len()];
+        for moving in model.moving_joints() {
+            follows[moving.link] = moving.follows;
+        }
+        Self { model, parameters, follows, states }
     }
 
     /// Tells whether a wrench, fixed in its frame, acts on a coordinate that is not driven.
@@ -100,7 +105,7 @@ impl<'m> Levers<'m> {
         while let Some(joint) = &self.model.links[link].joint {
             size = size.max(dot(&acting, &acting).sqrt());
             let along = dot(&motion_axis(joint), &acting);
-            for term in self.moving.iter().filter(|moving| moving.link == link).flat_map(|one| &one.follows) {
+            for term in &self.follows[link] {
                 forces[term.coordinate] += along * self.value(&term.ratio);
             }
             let transform = child_from_parent(joint, state[link], &self.parameters);

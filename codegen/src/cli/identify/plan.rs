@@ -14,6 +14,7 @@ use super::super::failure::Failure;
 use super::super::{place, print};
 use super::read::{read, say};
 use crate::identify::InterpretedRobot;
+use crate::wording::three_digits;
 
 /// Most rows of a plan.
 const MOST_ROWS: f64 = 1e6;
@@ -169,9 +170,12 @@ fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
         let (unit, [low, high]) = (model.input_unit(described), input.range);
         let limits = match input.limits.iter().all(|end| end.is_infinite()) {
             true => "none".to_owned(),
-            false => format!("{} … {} {unit}", input.limits[0], input.limits[1]),
+            false => {
+                format!("{} … {} {unit}", print::number(input.limits[0]), print::number(input.limits[1]))
+            }
         };
-        vec![input.name.clone(), format!("{low:.1} {unit}"), format!("{high:.1} {unit}"), limits]
+        let [low, high] = [low, high].map(|end| format!("{} {unit}", three_digits(end)));
+        vec![input.name.clone(), low, high, limits]
     });
     format!("{}\n", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }
