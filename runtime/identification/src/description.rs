@@ -12,7 +12,7 @@
 //! friction = { terms = [["v", 76.5], ["tanh(10*v)", 16.9]] }
 //! ```
 
-use super::digits::{literal, vanishes};
+use super::digits::{literal, plain, vanishes};
 use super::error::{IdentificationError, Result};
 use super::expression::fault;
 use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
@@ -210,8 +210,11 @@ fn comments(result: &FrictionResult, text: &mut String) {
     let [slowest, fastest] = result.velocity_range;
     line(format!("identified from {}, {} samples", result.data, result.samples));
     line(format!(
-        "velocities {slowest:.6} to {fastest:.6} {}; torque in {}",
-        result.velocity_unit, result.unit
+        "velocities {} to {} {}; torque in {}",
+        plain(slowest, 4),
+        plain(fastest, 4),
+        result.velocity_unit,
+        result.unit
     ));
     result.coefficient_lines().into_iter().for_each(&mut line);
     result.summary_lines().into_iter().for_each(&mut line);

@@ -58,6 +58,23 @@ pub fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
 }
 
+/// `value` with so many significant digits, as a person writes it: `0`, `31.62`, and an exponent where the decimals would
+/// be mostly zeros, or the number longer than its digits.
+pub fn plain(value: f64, digits: usize) -> String {
+    let digits = digits.clamp(1, MOST_DIGITS.unsigned_abs() as usize);
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".into(),
+        size if (1e-4..1e6).contains(&size) || !size.is_finite() => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+/// `p = 0.012`, and `p < 0.0001` where nobody needs to know by how much.
+pub fn p_value(p: f64) -> String {
+    if p < 1e-4 { "p < 0.0001".into() } else { format!("p = {}", plain(p, 2)) }
+}
+
 /// A number that is not zero, rounded to two significant digits.
 pub(crate) fn two_digits(x: f64) -> f64 {
     let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
@@ -91,6 +108,28 @@ mod tests {
         assert_eq!(rounded(3.212_49e-16, Some(4.1e-18)), "3.212e-16");
         assert_eq!(rounded(-0.001, Some(0.1)), "0.0");
         assert_eq!(rounded(1e-20, Some(4.1e-18)), "0.0");
+    }
+
+    #[test]
+    fn numbers_are_as_people_write_them() {
+        let cases = [
+            (31.622_776, "31.62"),
+            (0.0, "0"),
+            (-0.0, "0"),
+            (5.0, "5"),
+            (0.000_123_456, "0.0001235"),
+            (-1.25e-9, "-1.25e-9"),
+            (123_456.0, "123500"),
+            (9.999_96, "10"),
+            (1e6, "1e6"),
+            (-2.5e12, "-2.5e12"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(plain(value, 4), expected);
+        }
+        assert_eq!([p_value(0.0123), p_value(3e-9), p_value(0.0)], ["p = 0.012", "p < 0.0001", "p < 0.0001"]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Errors of data and settings, each with the numbers that show it.
 
+use super::digits::plain;
 use thiserror::Error;
 
 /// Why an identification step has no result. Every message names the quantity, its value and what to do.
@@ -28,7 +29,7 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// Finite samples whose squares overflow.
-    #[error("{what} has values up to {largest:e}, whose squares overflow: scale it to sensible units")]
+    #[error("{what} has values up to {}, whose squares overflow: scale it to sensible units", plain(*.largest, 3))]
     Overflow {
         /// Column or channel.
         what: String,
@@ -73,7 +74,7 @@ pub enum IdentificationError {
     },
     /// Library columns that are (nearly) linearly dependent.
     #[error(
-        "the terms {} are collinear on these data: condition number {condition:.3e} of the scaled library exceeds {limit:.0e}; remove one of them or excite the joint more", .terms.join(", ")
+        "the terms {} are collinear on these data: condition number {} of the scaled library exceeds {limit:e}; remove one of them or excite the joint more", .terms.join(", "), plain(*.condition, 3)
     )]
     Collinear {
         /// Terms that take part in the dependency.
@@ -102,7 +103,7 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// A threshold or λ that leaves no term.
-    #[error("{what} = {value:e} removes every term: the largest value that keeps one is {largest:e}")]
+    #[error("{what} = {} removes every term: the largest value that keeps one is {}", plain(*.value, 6), plain(*.largest, 6))]
     EverythingRemoved {
         /// "threshold" or "lambda".
         what: String,

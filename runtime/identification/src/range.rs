@@ -1,5 +1,6 @@
 //! Whether runs go so far beyond the described limits that a unit must be another one.
 
+use super::digits::plain;
 use super::error::{IdentificationError, Result};
 use super::log::{Recording, unit_value};
 use super::pose::rows_of;
@@ -174,6 +175,8 @@ impl Runs<'_> {
     ) -> String {
         let Worst { joint, largest, limit, joints } = *worst;
         let name = &self.robot.joint_names()[joint];
+        let times = largest / limit;
+        let [largest, limit] = [largest, limit].map(|x| plain(x, 4));
         let column = column.map_or_else(String::new, |column| format!(" ({of} {column})"));
         let others = match joints - 1 {
             0 => String::new(),
@@ -181,8 +184,7 @@ impl Runs<'_> {
             others => format!(", and {others} more joints go too far"),
         };
         format!(
-            "the {what} of joint {name}{column} reach {largest:.4} {unit}, {:.1} times the described limit of {limit:.4}{others}",
-            largest / limit
+            "the {what} of joint {name}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}"
         )
     }
 }

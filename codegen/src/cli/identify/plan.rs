@@ -135,8 +135,8 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
         let limit = limit_of(shaft.limit, "N m");
         vec![
             shaft.name.clone(),
-            format!("{:.2} rad/s", shaft.speed),
-            format!("{:.4} N m", shaft.torque),
+            format!("{} rad/s", three_digits(shaft.speed)),
+            format!("{} N m", three_digits(shaft.torque)),
             limit,
         ]
     });
@@ -145,7 +145,12 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
             |(i, ((name, unit), limits))| {
                 let force = if unit == "m" { "N" } else { "N m" };
                 let limit = limit_of(limits.effort, force);
-                vec![name, format!("{:.2} {unit}/s", speeds[i]), format!("{:.1} {force}", efforts[i]), limit]
+                vec![
+                    name,
+                    format!("{} {unit}/s", three_digits(speeds[i])),
+                    format!("{} {force}", three_digits(efforts[i])),
+                    limit,
+                ]
             },
         );
     text.push('\n');

@@ -2,6 +2,7 @@
 //! intervals, and the choices in words.
 
 use super::super::confidence::{half_width_around, quantile};
+use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
 use super::super::inertial::PER_BODY;
 use super::super::library::smooth_sign;
@@ -141,9 +142,10 @@ impl Estimated<'_> {
         let names = self.robot.parameter_names();
         let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
         let weight = format!(
-            "The description weighs {:.3e}: the data decide {:.1} of {all} combinations of inertial parameters, \
+            "The description weighs {}: the data decide {:.1} of {all} combinations of inertial parameters, \
              the description decides the rest.",
-            self.chosen.weighting.description, self.covariance.decided
+            plain(self.chosen.weighting.description, 4),
+            self.covariance.decided
         );
         let trust = &self.chosen.weighting.trust;
         let doubted = self.prior.bodies.iter().filter(move |body| trust[*body * PER_BODY] < 1.0);

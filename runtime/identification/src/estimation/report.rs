@@ -1,5 +1,6 @@
 //! The estimate from samples as it is returned.
 
+use super::super::digits::{self, plain};
 use super::super::run::PreparedRun;
 use super::endogeneity::{Endogeneity, Test};
 use super::estimated::{Estimated, JointFit};
@@ -83,8 +84,9 @@ impl Report<'_> {
         let pull = self.fitted.solved.pull;
         (pull > 0.0).then(|| {
             format!(
-                "The fit over bodies that can exist converged with a pull towards the description of {pull:.0e} of the \
-                 largest curvature, which is below what the sums resolve."
+                "The fit over bodies that can exist converged with a pull towards the description of {} of the largest \
+                 curvature, which is below what the sums resolve.",
+                plain(pull, 1)
             )
         })
     }
@@ -97,7 +99,11 @@ impl Report<'_> {
                 .into();
         };
         let Endogeneity { source, test: Test { statistic, freedoms: [q, rest], p_value }, .. } = found;
-        let numbers = format!("F({q}, {rest}) = {statistic:.2}, p = {p_value:.2e}, instruments are {source}");
+        let numbers = format!(
+            "F({q}, {rest}) = {}, {}, instruments are {source}",
+            plain(*statistic, 3),
+            digits::p_value(*p_value)
+        );
         if found.rejects() {
             format!(
                 "Least squares differs from instrumental variables by more than chance ({numbers}): noise of the \

@@ -1,5 +1,6 @@
 //! Residuals that depend on what friction does not know: signs of a wrong rigid body.
 
+use super::super::digits::plain;
 use super::super::moments::{Moments, Samples};
 use super::super::offset::centre;
 use super::design::{fold_ranges, offset_ranges};
@@ -25,7 +26,8 @@ pub(super) fn dependences(data: &FrictionData, folds: usize, residuals: &[f64], 
             let percent = 100.0 * share;
             sentences.push(format!(
                 "the residual depends on the {what}, which explains {percent:.0} % of it on left-out data \
-                 ({rms:.4} {} rms): {remedy}",
+                 ({} {} rms): {remedy}",
+                plain(rms, 3),
                 data.unit
             ));
         }

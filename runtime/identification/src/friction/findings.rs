@@ -1,5 +1,6 @@
 //! What is said about a law on the way to it: notes, doubts, and reasons to refuse it.
 
+use super::super::digits::plain;
 use super::task::FrictionData;
 
 /// Share of samples beyond a limit of the description above which the data do not fit the joint.
@@ -54,9 +55,11 @@ impl<'a> Findings<'a> {
     pub(super) fn judge_limit(&mut self, what: &str, share: f64, [limit, largest]: [f64; 2], unit: &str) {
         if share > BEYOND_LIMITS {
             self.refuse(format!(
-                "{:.1} % of the {what} exceed the described limit of {limit} {unit}, up to {largest:.4}: the \
+                "{:.1} % of the {what} exceed the described limit of {} {unit}, up to {}: the \
                  log's columns or units are not this joint's (--columns), or the description's limits are wrong",
-                100.0 * share
+                100.0 * share,
+                plain(limit, 4),
+                plain(largest, 4)
             ));
         }
     }

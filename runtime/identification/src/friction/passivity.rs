@@ -1,6 +1,7 @@
 //! Least squares for the chosen terms: passivity, and what is said of terms that resemble each other.
 
 use super::super::constrained::{constrained_fit, face, nonnegative_rows, passivity_rows};
+use super::super::digits::plain;
 use super::super::error::Result;
 use super::super::least_squares::{Reduced, Solution};
 use super::super::library::Library;
@@ -39,9 +40,10 @@ pub(super) fn restrict(
         return Ok((free, none));
     }
     findings.warn(format!(
-        "least squares would give a law that drives the joint (by up to {:.4} {}); it was refitted under τ v ≥ 0 and \
+        "least squares would give a law that drives the joint (by up to {} {}); it was refitted under τ v ≥ 0 and \
          viscous friction ≥ 0, and the standard errors take what this fixes for exact",
-        -worst, findings.unit
+        plain(-worst, 3),
+        findings.unit
     ));
     let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
     remove_rounding(&mut coefficients, reduced.moments(), samples);
@@ -66,8 +68,9 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
     if condition > DOUBTFUL_CONDITION {
         findings.warn(format!(
-            "the chosen terms are nearly collinear on these velocities (condition number {condition:.0}): trust the \
-             curve, not the single coefficients"
+            "the chosen terms are nearly collinear on these velocities (condition number {}): trust the \
+             curve, not the single coefficients",
+            plain(condition, 3)
         ));
     }
 }

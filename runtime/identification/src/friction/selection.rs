@@ -1,6 +1,7 @@
 //! The choice of terms, repeatable on other moments: on those of folds and of bootstrap draws.
 
 use super::super::cross_validation::{CrossValidation, refit};
+use super::super::digits::plain;
 use super::super::error::Result;
 use super::super::lasso::{Lasso, active_terms, paper_lambda};
 use super::super::least_squares::{Reduced, Solution};
@@ -110,11 +111,12 @@ fn by_lasso(reduced: &Reduced, lasso: &Lasso, choice: LambdaChoice, folds: &[Mom
     };
     let lambda = grid[index];
     let note = format!(
-        "LASSO, {} contiguous folds, choice by {name}: λ = {lambda:.4e} in 1/(2N)‖·‖² + λ‖·‖₁{}, {:.4e} in \
+        "LASSO, {} contiguous folds, choice by {name}: λ = {} in 1/(2N)‖·‖² + λ‖·‖₁{}, {} in \
          ‖·‖² + λ‖·‖₁; then least squares on the chosen terms, whose values and errors these are",
         folds.len(),
+        plain(lambda, 5),
         if lasso.standardize { " (terms in units of their rms)" } else { "" },
-        paper_lambda(lambda, reduced.moments().samples())
+        plain(paper_lambda(lambda, reduced.moments().samples()), 5)
     );
     let solution = completed(refit(reduced, 0, &validation.path, index)?, reduced)?;
     let selection = Selection::Lasso(lasso.clone(), lambda);

@@ -1,5 +1,6 @@
 //! Stribeck laws: nonlinear regression beside the offsets, and the same judgement as for terms.
 
+use super::super::digits::plain;
 use super::super::error::Result;
 use super::super::offset::centre;
 use super::super::result::FrictionLaw;
@@ -93,20 +94,22 @@ fn refuse_other_laws(fit: &StribeckFit, velocities: &[f64], findings: &mut Findi
     let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
     let slow = velocities.iter().filter(|v| v.abs() < speed).count();
     let (torque, velocity) = (findings.unit, findings.data.velocity_unit);
+    let [said_coulomb, said_highest, said_speed, said_fastest] =
+        [coulomb, highest, speed, fastest].map(|x| plain(x, 4));
     let faults = [
         (!fit.converged).then(|| format!("the regression did not converge in {} passes", fit.iterations)),
-        (coulomb < 0.0).then(|| format!("Coulomb friction F_c = {coulomb:.4} {torque} is negative")),
+        (coulomb < 0.0).then(|| format!("Coulomb friction F_c = {said_coulomb} {torque} is negative")),
         (highest < coulomb).then(|| {
-            format!("static friction F_s = {highest:.4} {torque} is less than Coulomb friction F_c = {coulomb:.4} {torque}")
+            format!("static friction F_s = {said_highest} {torque} is less than Coulomb friction F_c = {said_coulomb} {torque}")
         }),
         (speed > fastest).then(|| {
-            format!("the Stribeck speed v_s = {speed:.4} {velocity} is beyond the fastest motion of {fastest:.4} {velocity}")
+            format!("the Stribeck speed v_s = {said_speed} {velocity} is beyond the fastest motion of {said_fastest} {velocity}")
         }),
         (slow < FEWEST_SLOW).then(|| {
-            format!("only {slow} samples are slower than the Stribeck speed v_s = {speed:.3e} {velocity}")
+            format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
         }),
         (highest > coulomb && !stands_out(fit)).then(|| {
-            format!("its friction nowhere rises above Coulomb friction: the fall by v_s = {speed:.3e} {velocity} is over within the \
+            format!("its friction nowhere rises above Coulomb friction: the fall by v_s = {said_speed} {velocity} is over within the \
                      step at zero")
         }),
     ];
@@ -126,8 +129,9 @@ fn refuse_driving(fit: &StribeckFit, velocities: &[f64], findings: &mut Findings
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);
     if driving > 0.0 {
         findings.refuse(format!(
-            "the Stribeck law drives the joint at up to {driving:.4}: let terms be chosen, which can be kept from it \
-             (--friction viscous,coulomb)"
+            "the Stribeck law drives the joint at up to {}: let terms be chosen, which can be kept from it \
+             (--friction viscous,coulomb)",
+            plain(driving, 4)
         ));
     }
 }

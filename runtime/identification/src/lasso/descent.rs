@@ -1,5 +1,6 @@
 //! One λ: coordinate descent, and a direct solve on the support.
 
+use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result, require_length, require_setting};
 use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
@@ -89,9 +90,13 @@ impl Problem {
             }
         }
         Err(IdentificationError::NotConverged {
-            what: format!("the LASSO at λ = {lambda:e}"),
+            what: format!("the LASSO at λ = {}", plain(lambda, 6)),
             iterations: settings.max_sweeps,
-            detail: format!("duality gap {gap:e}, wanted {bound:e}; the terms may be collinear"),
+            detail: format!(
+                "duality gap {}, wanted {}; the terms may be collinear",
+                plain(gap, 3),
+                plain(bound, 3)
+            ),
         })
     }
 

@@ -1,5 +1,6 @@
 //! Findings in a log: suspicious times, missing values, wraps, units.
 
+use super::super::digits::plain;
 use super::super::statistics::median;
 use super::schema::Quantity;
 use super::{Channel, Log};
@@ -180,8 +181,10 @@ fn check_times(time: &Channel, segments: &[Range<usize>], findings: &mut Finding
         } else if is_near(step / median, 1000.0, 0.05) || is_near(step / median, 1e-3, 0.05) {
             findings.add(row, name, FindingKind::MixedUnits, || {
                 format!(
-                    "a step of {step:e} s is {:.4} times the median {median:e} s: ms among s?",
-                    step / median
+                    "a step of {} s is {} times the median {} s: ms among s?",
+                    plain(step, 6),
+                    plain(step / median, 4),
+                    plain(median, 6)
                 )
             });
         } else if step > 1.5 * median {

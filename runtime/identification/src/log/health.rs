@@ -1,5 +1,6 @@
 //! What runs say about their log: joints that stood still, limits, units, velocities that are none.
 
+use super::super::digits::plain;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
@@ -62,7 +63,8 @@ fn stood_still(runs: &[Run], joint: usize, unit: &str) -> Option<String> {
     }
     (widest < least_travel(unit)).then(|| {
         format!(
-            "it stood still (it moved by {widest:.2e} {unit} at most): nothing can be said of its friction"
+            "it stood still (it moved by {} {unit} at most): nothing can be said of its friction",
+            plain(widest, 3)
         )
     })
 }
@@ -75,10 +77,9 @@ fn positions(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Opt
         return None;
     }
     let inside = |factor: f64| low * factor >= least - tolerance && high * factor <= most + tolerance;
-    Some(format!(
-        "its positions go from {low:.4} to {high:.4} {unit}, its limits are {least:.4} and {most:.4}{}",
-        looks_like(unit, "position", inside)
-    ))
+    let remedy = looks_like(unit, "position", inside);
+    let [low, high, least, most] = [low, high, least, most].map(|x| plain(x, 4));
+    Some(format!("its positions go from {low} to {high} {unit}, its limits are {least} and {most}{remedy}"))
 }
 
 /// Findings of a joint that follows others: where these take it beyond its limits.
@@ -102,16 +103,18 @@ fn beyond_limits(runs: &[Run], joint: &FollowerLimits) -> Vec<RunFinding> {
     let beyond =
         span(&mut positions).filter(|(low, high)| *low < least - tolerance || *high > most + tolerance);
     let position = beyond.map(|(low, high)| {
+        let [low, high, least, most] = [low, high, least, most].map(|x| plain(x, 4));
         let message = format!(
-            "the joints that it follows take it from {low:.4} to {high:.4}, its limits are {least:.4} and {most:.4}"
+            "the joints that it follows take it from {low} to {high}, its limits are {least} and {most}"
         );
         say(FindingKind::BeyondPosition, message)
     });
     let fast = span(&mut speeds).filter(|(_, fastest)| *fastest > 1.1 * joint.velocity);
     let speed = fast.map(|(_, fastest)| {
         let message = format!(
-            "the joints that it follows move it by up to {fastest:.4} in a second, its limit is {:.4}",
-            joint.velocity
+            "the joints that it follows move it by up to {} in a second, its limit is {}",
+            plain(fastest, 4),
+            plain(joint.velocity, 4)
         );
         say(FindingKind::BeyondSpeed, message)
     });
@@ -149,8 +152,10 @@ fn speeds(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option
         return None;
     }
     Some(format!(
-        "it moves by up to {fastest:.4} {unit}/s, {:.1} times its limit of {limit:.4}{}",
+        "it moves by up to {} {unit}/s, {:.1} times its limit of {}{}",
+        plain(fastest, 4),
         fastest / limit,
+        plain(limit, 4),
         looks_like(unit, "position", |factor| fastest * factor <= 1.1 * limit)
     ))
 }
@@ -217,7 +222,8 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     let unit = UNITS.iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.1);
     let guess = unit.map_or(String::new(), |(_, name)| format!("; velocities in {name} would explain it"));
     Some(format!(
-        "its column of velocities has {sign} the slope of its positions: the slope is {ratio:.4} times the column{guess}"
+        "its column of velocities has {sign} the slope of its positions: the slope is {} times the column{guess}",
+        plain(ratio, 4)
     ))
 }
 
@@ -258,10 +264,11 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFi
         if let (Effort::Joint, Some((low, high))) = (effort, span(&mut values))
             && high.max(-low) > 1.05 * limit
         {
+            let [low, high, limit] = [low, high, limit].map(|x| plain(x, 4));
             say(
                 FindingKind::BeyondEffort,
                 format!(
-                    "its effort goes from {low:.4} to {high:.4}, its limit is {limit:.4}: another unit (--columns 'torque=…[UNIT]'), or not at the joint (--effort)?"
+                    "its effort goes from {low} to {high}, its limit is {limit}: another unit (--columns 'torque=…[UNIT]'), or not at the joint (--effort)?"
                 ),
             );
         }
@@ -300,8 +307,10 @@ fn gears(runs: &[Run], robot: &dyn Robot) -> Option<RunFinding> {
         joint: robot.joint_names().get(joint).cloned(),
         kind: FindingKind::GearDoubtful,
         message: format!(
-            "its efforts are taken as {taken} and are then {ratio:.3} times what carries the described weight (rms), with \
-             {gear} between motor and joint: they look like {other} (--columns '{key}=…')"
+            "its efforts are taken as {taken} and are then {} times what carries the described weight (rms), with \
+             {} between motor and joint: they look like {other} (--columns '{key}=…')",
+            plain(ratio, 3),
+            plain(gear, 6)
         ),
     })
 }

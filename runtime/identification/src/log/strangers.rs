@@ -262,14 +262,14 @@ fn joints_that_look_wrong_are_named() {
             &[FindingKind::Outlier],
             "1 of its positions are far from their neighbours, the first in row 9",
         ),
-        ("effort", |_, j| j[1][2] *= 1000.0, &[BeyondEffort], "its limit is 100.0000"),
+        ("effort", |_, j| j[1][2] *= 1000.0, &[BeyondEffort], "its limit is 100:"),
         ("dead effort", |_, j| j[0][2] = 0.0, &[Constant], "joint joint_1: its effort is 0 in all samples"),
         ("sign", |_, j| j[0][1] = -j[0][1], &[VelocityDisagrees], "the opposite sign of the slope"),
         (
             "velocity unit",
             |_, j| j[0][1] *= DEG,
             &[VelocityDisagrees],
-            "the slope is 0.0175 times the column; velocities in deg/s would explain it",
+            "the slope is 0.01745 times the column; velocities in deg/s would explain it",
         ),
         ("other joint", |_, j| j[0][1] = j[1][1], &[VelocityDisagrees], "hardly related"),
         ("no velocity", |_, j| j[0][1] = 0.0, &[VelocityDisagrees], "is zero while it moves"),
@@ -474,5 +474,5 @@ fn joints_that_follow_beyond_their_limits_are_named() {
     let fast = found(&rod([-1.5, 1.9], 2.0), "", |_, _| {});
     assert_eq!(fast.len(), 1, "{fast:?}");
     assert_eq!(fast[0].0, FindingKind::BeyondSpeed);
-    assert!(fast[0].1.contains("its limit is 2.0000"), "{fast:?}");
+    assert!(fast[0].1.ends_with("its limit is 2"), "{fast:?}");
 }

@@ -1,5 +1,6 @@
 //! Recorded poses as ways that can be filtered, and inputs as forces in the rows of a robot with quaternions.
 
+use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
 use super::super::pose::QuaternionJoint;
 use super::super::robot::Robot;
@@ -98,9 +99,10 @@ fn normalize(
         }
         if count > 0 {
             let message = format!(
-                "the quaternion of {} has a length that differs from 1 by up to {worst:.1e} in {count} rows; it is divided \
-                 by its length",
-                joint.name
+                "the quaternion of {} has a length that differs from 1 by up to {} in {count} rows; it is divided by its \
+                 length",
+                joint.name,
+                plain(worst, 2)
             );
             findings.push(file_finding(source, rows, FindingKind::NotUnit, message));
         }

@@ -1,5 +1,6 @@
 //! What is said of rows that are shafts.
 
+use super::super::digits::{plain, rounded};
 use super::super::error::IdentificationError;
 use super::super::estimation::{Estimate, Uncertain};
 use super::super::robot::Robot;
@@ -46,10 +47,16 @@ impl ShaftRows {
         let factors = estimate.parameters.get(self.first_term()..).unwrap_or_default();
         let term = |(term, factor): (&super::JointTerm, &Uncertain)| {
             let [low, high] = factor.interval;
+            let error = Some(0.5 * (high - low));
             format!(
                 "Friction {} of joint {} is estimated beside that of the shafts, near its description where the data cannot \
-                 tell: {:.4} becomes {:.4} ({low:.4} to {high:.4}).",
-                term.basis, joints[term.joint], term.coefficient, factor.value
+                 tell: {} becomes {} ({} to {}).",
+                term.basis,
+                joints[term.joint],
+                plain(term.coefficient, 4),
+                rounded(factor.value, error),
+                rounded(low, error),
+                rounded(high, error)
             )
         };
         std::iter::once(shafts).chain(self.joint_terms().iter().zip(factors).map(term)).collect()

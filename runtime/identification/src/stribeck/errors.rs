@@ -1,6 +1,7 @@
 //! What the data say about the parameters: standard errors, and warnings.
 
 use super::super::confidence::{LongRun, covariance_of_sums};
+use super::super::digits::plain;
 use super::super::kernel::BLOCK;
 use super::super::offset::centre;
 use super::law::{NAMES, StribeckFit, stribeck_block};
@@ -131,7 +132,12 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
         match fit.standard_errors[i] {
             None => warnings.push(format!("{} is not identifiable: the data do not depend on it", NAMES[i])),
             Some(s) if s > 0.5 * a[i].abs() => {
-                warnings.push(format!("{} = {:.4} has a standard error of {s:.4}", NAMES[i], a[i]));
+                warnings.push(format!(
+                    "{} = {} has a standard error of {}",
+                    NAMES[i],
+                    plain(a[i], 4),
+                    plain(s, 2)
+                ));
             }
             Some(_) => {}
         }
@@ -148,8 +154,8 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
     let slow = data.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count();
     if slow < 10 {
         warnings.push(format!(
-            "only {slow} samples are slower than 1/a3 = {:.4}: the step at zero is a guess",
-            1.0 / a[2]
+            "only {slow} samples are slower than 1/a3 = {}: the step at zero is a guess",
+            plain(1.0 / a[2], 4)
         ));
     }
     warnings

@@ -1,5 +1,6 @@
 //! The load's numbers as a reader wants them: centre of mass, moments about it, intervals, warnings.
 
+use super::super::super::digits::plain;
 use super::result::{Estimate, NAMES, Payload};
 use crate::error::{IdentificationError, Result};
 use crate::inertial::consistent::ConsistentSolution;
@@ -96,7 +97,9 @@ fn warnings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
     let [low, high] = payload.mass.interval;
     if low <= 0.0 {
         warnings.push(format!(
-            "No load is seen: the interval of its mass, {low:.3} to {high:.3} kg, contains zero."
+            "No load is seen: the interval of its mass, {} to {} kg, contains zero.",
+            plain(low, 3),
+            plain(high, 3)
         ));
     }
     let hidden: Vec<&str> =
