@@ -1,5 +1,6 @@
 //! The page of an identification.
 
+use gelenk_identification::digits;
 use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::robot::Robot;
@@ -289,8 +290,10 @@ fn instrumental(robot: &dyn Robot, found: &Identification, other: &InstrumentalE
         "instrumental_variables",
         &format!(
             "Least squares beside instrumental variables, which noise of the positions does not bias; the instruments are \
-             {}. Durbin–Wu–Hausman: $F({tested}, {left})$ = {:.2}, p = {:.2e} where least squares is not biased.",
-            other.source, other.statistic, other.p_value
+             {}. Durbin–Wu–Hausman: $F({tested}, {left})$ = {}, {} where least squares is not biased.",
+            other.source,
+            digits::plain(other.statistic, 3),
+            digits::p_value(other.p_value)
         ),
     )
     .column("value", "value", "")
@@ -317,6 +320,7 @@ fn instrumental(robot: &dyn Robot, found: &Identification, other: &InstrumentalE
 fn data(found: &Identification) -> Section {
     let recording = &found.recording;
     let hashes = recording.hashes.iter().map(|(path, hash)| plain(format!("{path}: sha256 {hash}")));
+    let columns = recording.columns.iter().cloned().map(plain);
     let mapping = recording.mapping.iter().cloned().map(plain);
     let unused = (!recording.unused.is_empty())
         .then(|| plain(format!("Columns that nothing uses: {}.", recording.unused.join(", "))));
@@ -324,6 +328,7 @@ fn data(found: &Identification) -> Section {
     let notes = found.preparation.notes.iter().cloned().map(plain);
     Section::new("data", "Data")
         .blocks(hashes)
+        .blocks(columns)
         .blocks(mapping)
         .blocks(unused)
         .blocks(findings)

@@ -1,5 +1,6 @@
 //! From logs to an identified robot, in one call.
 
+use super::digits::plain;
 use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, Offsets, estimate};
 use super::friction::{
@@ -124,7 +125,8 @@ pub fn identify(
     let found = estimate(robot, &prepared, &estimation, progress);
     let found = found.map_err(|error| in_words(error, shafts.as_ref()));
     let mut estimate = or_noted(found, || notes(&recording, Some(&preparation)), progress)?;
-    estimate.warnings.splice(0..0, beyond.into_iter().chain(faults(&preparation)));
+    let of_logs = recording.doubts().chain(beyond).chain(faults(&preparation));
+    estimate.warnings.splice(0..0, of_logs);
     progress("choosing the terms of friction");
     let data = source(&recording);
     let rubs = |joint: &usize| estimate.joints[*joint].moves && !estimate.joints[*joint].exact;
@@ -212,7 +214,8 @@ pub(crate) fn or_noted<T>(
 
 /// What was noticed in the logs, and while their signals were prepared.
 fn notes(recording: &Recording, preparation: Option<&PreparationReport>) -> Vec<String> {
-    let findings = recording.findings.iter().map(ToString::to_string);
+    let columns = recording.columns_said().into_iter().chain(recording.doubts());
+    let findings = columns.chain(recording.findings.iter().map(ToString::to_string));
     let of_signals =
         preparation.map(|preparation| preparation.notes.iter().cloned().chain(faults(preparation)));
     findings.chain(of_signals.into_iter().flatten()).collect()
@@ -286,8 +289,9 @@ fn sentences(preparation: &PreparationReport) -> Vec<String> {
     let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
     let filter = bandwidth.map(|hertz| {
         format!(
-            "positions and efforts through one zero-phase filter of {hertz:.3} Hz, {:.4} Hz grid",
-            preparation.sample_rate
+            "positions and efforts through one zero-phase filter of {} Hz, {} Hz grid",
+            plain(hertz, 4),
+            plain(preparation.sample_rate, 6)
         )
     });
     filter.into_iter().collect()

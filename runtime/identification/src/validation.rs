@@ -42,10 +42,8 @@ pub fn validate(
     let mut findings = Vec::new();
     let recording = runs_noting(logs, robot, &settings.columns, &mut findings);
     let recording = or_noted(recording, || findings.iter().map(ToString::to_string).collect(), progress)?;
-    recording
-        .findings
-        .iter()
-        .for_each(|finding| progress(&format!("note: in the logs to validate, {finding}")));
+    let notes = recording.warnings.iter().cloned().chain(recording.findings.iter().map(ToString::to_string));
+    notes.for_each(|note| progress(&format!("note: in the logs to validate, {note}")));
     let joint = found.preparation.joints.first();
     let preparation = PreparationSettings {
         bandwidth: joint.map(|joint| joint.bandwidth),

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_identification::description::{Identified, write_identified};
+use gelenk_identification::digits::plain;
 use gelenk_identification::estimation::JointEstimate;
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
@@ -324,30 +325,34 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
         let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
         format!("{name}: sha256 {hash}")
     });
-    let judged = found.estimate.joints.iter().enumerate().filter(|(_, joint)| page::is_judged(joint));
-    let fits = judged.map(|(index, joint)| {
+    let judged = found.estimate.joints.iter().filter(|joint| page::is_judged(joint));
+    let fits = judged.map(|joint| {
         let JointEstimate { name, held_out_r_squared, r_squared, held_out_with_rest, rest, .. } = joint;
         let at_rest = if *rest > 0.0 {
             format!(", {held_out_with_rest:.4} with the {:.0} % of the samples at rest", 100.0 * rest)
         } else {
             String::new()
         };
-        let residual = residual(found, index);
+        let residual = residual(joint);
         format!(
             "{name}: R² {held_out_r_squared:.4} on held-out data{at_rest}, {r_squared:.4} in the fit, residual {residual}"
         )
     });
     let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
     let choices = found.estimate.choices.iter().cloned();
-    std::iter::once(command.to_owned()).chain(hashes).chain(fits).chain(choices).chain(warnings).collect()
+    let columns = found.recording.columns_said();
+    std::iter::once(command.to_owned())
+        .chain(hashes)
+        .chain(columns)
+        .chain(fits)
+        .chain(choices)
+        .chain(warnings)
+        .collect()
 }
 
-/// Residual of a row with its unit. Torques of motors are small: theirs has three digits that mean something.
-fn residual(found: &Identification, row: usize) -> String {
-    let JointEstimate { sigma, unit, .. } = &found.estimate.joints[row];
-    let size = format!("{sigma:e}").split_once('e').and_then(|(_, size)| size.parse::<i32>().ok());
-    let digits = size.filter(|_| found.shaft(row).is_some()).map_or(3, |size| (2 - size).clamp(3, 12));
-    format!("{sigma:.*} {unit}", digits.unsigned_abs() as usize)
+/// Residual of a joint with its unit.
+fn residual(joint: &JointEstimate) -> String {
+    format!("{} {}", plain(joint.sigma, 3), joint.unit)
 }
 
 /// Path of the extended description from the folder of the output: relative where both lie in one folder,
@@ -359,12 +364,13 @@ pub(super) fn relative(description: &Path, output: &Path) -> Result<String, Fail
     Ok(path.display().to_string())
 }
 
-/// Notes and warnings, as they are printed.
+/// Columns, notes and warnings, as they are printed.
 fn noticed(found: &Identification) -> Vec<String> {
     let findings = found.recording.findings.iter().map(ToString::to_string);
     let notes = findings.chain(found.preparation.notes.iter().chain(&found.estimate.choices).cloned());
     let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
-    notes.map(|note| format!("note: {note}")).chain(warnings).collect()
+    let columns = found.recording.columns_said().into_iter();
+    columns.chain(notes.map(|note| format!("note: {note}"))).chain(warnings).collect()
 }
 
 /// Says notes and warnings before an error that would lose them.
@@ -398,7 +404,7 @@ fn as_text(
         let first = [joint.name.clone(), number(joint.held_out_r_squared)].into_iter();
         let last = [
             number(joint.r_squared),
-            if joint.measured { residual(found, index) } else { "–".to_owned() },
+            if joint.measured { residual(joint) } else { "–".to_owned() },
             page::law(found, index),
         ];
         first.chain(rest.then(|| number(joint.held_out_with_rest))).chain(last).collect()
@@ -421,7 +427,7 @@ fn validated(validation: &[JointValidation]) -> String {
     let rows = validation.iter().map(|joint| {
         let share = |r: f64| if r.is_nan() { "–".to_owned() } else { format!("{r:.4}") };
         let shares = [joint.r_squared, joint.r_squared_with_rest].map(share);
-        let residual = format!("{:.3}", joint.residual);
+        let residual = plain(joint.residual, 3);
         std::iter::once(joint.name.clone()).chain(shares).chain([residual]).collect()
     });
     format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))

@@ -5,7 +5,9 @@ use std::process::ExitCode;
 
 use gelenk_identification::carried::{CarriedLoad, identify_load};
 use gelenk_identification::description::{Identified, write_identified};
+use gelenk_identification::digits::{plain, rounded};
 use gelenk_identification::inertial::payload::{Estimate, Payload, PayloadSettings};
+use gelenk_identification::log::Recording;
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
@@ -133,7 +135,11 @@ fn noticed(found: &CarriedLoad) -> Vec<String> {
     let findings = found.recordings.iter().flat_map(|recording| &recording.findings);
     let notes = findings.map(ToString::to_string).chain(found.notes.iter().cloned());
     let warnings = found.payload.warnings.iter().map(|warning| format!("warning: {warning}"));
-    notes.map(|note| format!("note: {note}")).chain(warnings).collect()
+    let [without, with] = found.recordings.each_ref().map(Recording::columns_said);
+    let others =
+        with.into_iter().filter(|line| !without.contains(line)).map(|line| format!("with the load, {line}"));
+    let columns: Vec<String> = without.iter().cloned().chain(others).collect();
+    columns.into_iter().chain(notes.map(|note| format!("note: {note}"))).chain(warnings).collect()
 }
 
 fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
@@ -144,7 +150,8 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
     let rows = values(payload).into_iter().enumerate().map(|(place, (name, unit, value))| {
         let [low, high] = value.interval;
         let shown = if payload.shown[place] { "yes" } else { "no" };
-        let number = |x: f64| format!("{x:.4}");
+        let half = Some(0.5 * (high - low)).filter(|half| half.is_finite());
+        let number = |x: f64| half.map_or_else(|| plain(x, 4), |half| rounded(x, Some(half)));
         let interval = format!("{} … {}", number(low), number(high));
         vec![name.to_owned(), format!("{} {unit}", number(value.value)), interval, shown.to_owned()]
     });
@@ -152,8 +159,9 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
     let head = ["joint", "explained change", "residual"].map(str::to_owned).to_vec();
     let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);
     let rows = joints.map(|((name, explained), residual)| {
-        let number = |x: &Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.3}"));
-        vec![name, number(explained), number(residual)]
+        let known = |x: Option<String>| x.unwrap_or_else(|| "–".to_owned());
+        let explained = explained.map(|share| format!("{share:.3}"));
+        vec![name, known(explained), known(residual.map(|size| plain(size, 3)))]
     });
     text.push_str(&format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())));
     text.push_str(&format!("\nwrote {}\n", output.display()));

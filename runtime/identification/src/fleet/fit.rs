@@ -162,6 +162,8 @@ impl LogMoments {
             effort: self.about.effort,
             findings: Vec::new(),
             labels: Labels::default(),
+            columns: Vec::new(),
+            warnings: Vec::new(),
             mapping: Vec::new(),
             unused: Vec::new(),
             hashes: self.logs.iter().map(|log| (log.name.clone(), log.hash())).collect(),

@@ -50,6 +50,7 @@ pub fn reduce(
     require_no_driven(robot, "logs are not reduced to moments", help)?;
     let logs = [log.to_owned()];
     let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
+    recording.columns_said().iter().for_each(|line| progress(line));
     recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
     let beyond = beyond_range(robot, (&recording, &runs, &preparation), settings.accept_poor, progress)?;
     require_all_efforts(robot, &preparation)?;
@@ -60,7 +61,7 @@ pub fn reduce(
     alone.filter = Some(preparation.filter.clone());
     alone.accept_poor = true;
     let mut estimate = estimate(robot, &runs, &alone, &mut |_| ())?;
-    estimate.warnings.splice(0..0, beyond);
+    estimate.warnings.splice(0..0, recording.doubts().chain(beyond));
     estimate.warnings.iter().for_each(|warning| progress(warning));
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
     let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);

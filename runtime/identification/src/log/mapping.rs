@@ -3,6 +3,7 @@
 use super::super::error::Result;
 use super::super::run::Effort;
 use super::acting::Acting;
+use super::brief::Taken;
 use super::families::Targets;
 use super::finder::{Finder, RobotColumns};
 use super::labels::Labels;
@@ -30,6 +31,10 @@ pub(super) struct Mapping {
     pub acting: Option<Acting>,
     /// What the log calls its columns.
     pub labels: Labels,
+    /// One line for each quantity.
+    pub brief: Vec<String>,
+    /// What makes the result doubtful: quantities that are commanded, where measured ones are needed.
+    pub warnings: Vec<String>,
     /// One sentence for each column, then what was assumed.
     pub sentences: Vec<String>,
     /// Headers of the columns that nothing uses.
@@ -109,9 +114,21 @@ impl Finder<'_> {
         let desired = self.desired(&position, &mut sentences)?;
         used.extend(desired.iter().flatten().map(|source| source.column));
         sentences.extend(run.map(|r| format!("Column {} is the number of the run.", self.label(r))));
+        self.require_distinct(&used)?;
+        let taken = Taken {
+            time: &time,
+            run,
+            position: &position,
+            velocity: velocity.as_ref(),
+            efforts: (&efforts, kind, targets),
+            desired: desired.as_deref(),
+            poses: &poses.sources,
+        };
+        let brief = self.brief(&taken, effort);
+        let commanded = self.commanded_said((&position, &efforts), (kind, targets));
+        let warnings = time.doubt.iter().cloned().chain(commanded).collect();
         sentences
             .extend([Some(position), velocity, Some(efforts)].into_iter().flatten().flat_map(|f| f.remarks));
-        self.require_distinct(&used)?;
         Ok(Mapping {
             time,
             run,
@@ -123,6 +140,8 @@ impl Finder<'_> {
             acting,
             labels,
             effort: if self.robot.direct && effort == Effort::Input { Effort::Joint } else { effort },
+            brief,
+            warnings,
             sentences,
             unused: self.unused(&used),
         })
@@ -142,7 +161,7 @@ impl Finder<'_> {
 
     fn positions(&self) -> Result<Found> {
         if self.robot.joints.names.is_empty() {
-            return Ok(Found { columns: Vec::new(), unit: None, remarks: Vec::new() });
+            return Ok(Found::default());
         }
         self.required(Named::Position, &[Kind::Position], &self.robot.joints)
     }
@@ -263,7 +282,7 @@ impl Finder<'_> {
             return self.by_pattern(&Pattern::of_control_loop(), &self.robot.joints).ok();
         };
         let is_only = complete.iter().all(|(other, others)| other != rank || others == columns);
-        is_only.then(|| Found { columns: columns.clone(), unit: None, remarks: Vec::new() })
+        is_only.then(|| Found { columns: columns.clone(), ..Found::default() })
     }
 
     fn required(&self, named: Named, kinds: &[Kind], targets: &Targets) -> Result<Found> {

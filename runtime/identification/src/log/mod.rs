@@ -9,6 +9,7 @@
 //! `runs` (samples, cut into runs), `unroll` (poses with quaternions), `joint_forces` (inputs at frames), `health` (what the runs say about their log).
 
 mod acting;
+mod brief;
 mod check;
 mod families;
 mod finder;

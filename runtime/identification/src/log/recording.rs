@@ -28,6 +28,10 @@ pub struct Recording {
     pub findings: Vec<RunFinding>,
     /// What the first log calls its columns.
     pub labels: Labels,
+    /// What the columns were taken for: one line for each quantity.
+    pub columns: Vec<String>,
+    /// Quantities that are commanded by their names where measured ones are needed.
+    pub warnings: Vec<String>,
     /// One sentence for each column that is used, then what was assumed.
     pub mapping: Vec<String>,
     /// Headers of columns that nothing uses.
@@ -36,6 +40,8 @@ pub struct Recording {
     pub hashes: Vec<(String, String)>,
 }
 
+/// Most headers of unused columns in a line.
+const MOST_UNUSED: usize = 12;
 /// Largest log that is read, in bytes: it stands in memory as a whole.
 const LARGEST: u64 = 8 << 30;
 
@@ -110,6 +116,22 @@ impl Recording {
         self.findings.extend(cut_off);
     }
 
+    /// What the columns were taken for: one line for each quantity, and one for the columns that nothing uses.
+    pub fn columns_said(&self) -> Vec<String> {
+        let shown: Vec<String> =
+            self.unused.iter().take(MOST_UNUSED).map(|header| format!("`{header}`")).collect();
+        let more = self.unused.len().saturating_sub(MOST_UNUSED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let unused = (!shown.is_empty()).then(|| format!("not used: {}{more}", shown.join(", ")));
+        let lines = self.columns.iter().cloned().chain(unused);
+        lines.map(|line| format!("columns: {line}")).collect()
+    }
+
+    /// The warnings as sentences about the logs.
+    pub fn doubts(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(|warning| format!("in the logs, {warning}"))
+    }
+
     /// SHA-256 of the samples, whatever else stands in the log: empty lines, comments, columns that nothing uses.
     pub(crate) fn content(&self) -> [u8; 32] {
         content(&self.runs)
@@ -158,13 +180,15 @@ fn read_bytes(
     let mapping = resolve(&sheet, &names, options, source)?;
     let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
     let runs = split(samples, &mapping, robot, source, findings)?;
-    let Mapping { effort, labels, sentences, unused, .. } = mapping;
+    let Mapping { effort, labels, brief, warnings, sentences, unused, .. } = mapping;
     Ok(Recording {
         // Inputs at frames have become forces at the joints.
         effort: runs.first().map_or(effort, |run| run.effort),
         runs,
         findings: Vec::new(),
         labels,
+        columns: brief,
+        warnings,
         mapping: sentences,
         unused,
         hashes: vec![(source.into(), sha256(bytes))],
@@ -192,9 +216,13 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     before.runs.extend(one.runs);
     before.hashes.extend(one.hashes);
     let place = before.hashes.last().map_or(String::new(), |h| h.0.clone());
-    let new: Vec<String> =
-        one.mapping.into_iter().filter(|sentence| !before.mapping.contains(sentence)).collect();
-    before.mapping.extend(new.into_iter().map(|sentence| format!("{place}: {sentence}")));
+    let add = |known: &mut Vec<String>, said: Vec<String>| {
+        let new: Vec<String> = said.into_iter().filter(|sentence| !known.contains(sentence)).collect();
+        known.extend(new.into_iter().map(|sentence| format!("{place}: {sentence}")));
+    };
+    add(&mut before.mapping, one.mapping);
+    add(&mut before.columns, one.columns);
+    add(&mut before.warnings, one.warnings);
     let unused: Vec<String> = one.unused.into_iter().filter(|name| !before.unused.contains(name)).collect();
     before.unused.extend(unused);
     Ok(before)

@@ -23,6 +23,8 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("t,left_q1,left_q2,right_q1,right_q2"), "torque=4|5", "both `left_q{}` and `right_q{}` could be the positions: --columns 'position=left_q{}' or 'position=right_q{}' settles it"),
         (under("t,joint1_position,joint2_position,u1,u2"), "position=joint{}_pos", "no columns have this name; the nearest is `joint1_position`. There are t, joint1_position"),
         (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "unknown unit `grad`; known are s, ms"),
+        (under("t,q1 [Grad],q2 [Grad],u1,u2"), "", "`q1 [Grad]` is in Grad, which are degrees in German and gons"),
+        (under("t,q1_grad,q2_grad,u1,u2"), "", "--columns 'position=…[deg]' or 'position=…[gon]' settles it"),
         (under("t,q1,q2,u1,u2"), "position=q{}[Nm]", "column `q1` is a position in N*m, but rad is expected here"),
         (under("t,q1,q2,u1,u2"), "positon=q{}", "there is no quantity `positon`; known are time, position"),
         (under("t,q1,q2,u1,u2"), "q{}", "this is not `QUANTITY=COLUMNS`"),

@@ -1,9 +1,10 @@
 //! Factors of columns to SI, by the unit that the user, the header or the row below it names.
 
+use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
 use super::finder::Finder;
 use super::units::{self, Unit};
-use super::vocabulary::{Header, Kind, is_known, is_number, words};
+use super::vocabulary::{Header, Kind, is_known, is_number, is_translated, words};
 use super::wording::singular;
 
 /// Factor of a column to SI, and what was taken as its unit, in words.
@@ -31,6 +32,12 @@ pub(super) fn factor(
     if let Some(unit) = named {
         return fitting(finder, column, kind, &wanted, unit);
     }
+    if let Some(grad) = header.and_then(|h| grad(finder, h)) {
+        return grad.map_or_else(
+            || Err(finder.fault(grad_said(&finder.label(column), kind))),
+            |degrees| fitting(finder, column, kind, &wanted, degrees),
+        );
+    }
     if let Some(odd) = header.and_then(|h| h.odd.as_ref()).filter(|odd| !is_described(finder, odd)) {
         return Err(finder.fault(format!(
             "column {} is in `{odd}`, which is no known unit; name it with --columns '{}=…[UNIT]' (known are {}; a factor \
@@ -51,7 +58,7 @@ fn fitting(finder: &Finder, column: usize, kind: Kind, wanted: &[&str], unit: Un
         let said = if unit.factor == 1.0 {
             format!("in {}", unit.si)
         } else {
-            format!("times {} in {}", unit.factor, unit.si)
+            format!("times {} in {}", plain(unit.factor, 6), unit.si)
         };
         return Ok((unit.factor, said));
     }
@@ -66,6 +73,32 @@ fn fitting(finder: &Finder, column: usize, kind: Kind, wanted: &[&str], unit: Un
             wanted.join(" or ")
         ),
     })
+}
+
+/// Degrees where a German header is in `Grad`, nothing where another one is.
+fn grad(finder: &Finder, header: &Header) -> Option<Option<Unit>> {
+    let is_last = |words: &[String]| match words {
+        [.., grad, second] if second == "s" => grad == "grad",
+        [.., grad] => grad == "grad",
+        [] => false,
+    };
+    let is_named = || finder.robot.joints.mentions(&["grad".to_owned()]);
+    let words: Vec<String> = header.words.iter().filter(|w| !is_number(w)).cloned().collect();
+    let in_words = (is_last(&words) && words.len() > 1 && !is_named()).then(|| {
+        let behind = if words.last().is_some_and(|word| word == "s") { "/s" } else { "" };
+        format!("grad{behind}")
+    });
+    let unit = header.odd.clone().filter(|odd| units::is_grad(odd)).or(in_words)?;
+    Some(units::find_german(&unit).filter(|_| is_translated(&header.text)))
+}
+
+fn grad_said(label: &str, kind: Kind) -> String {
+    let (key, behind) = (singular(kind), if kind == Kind::Velocity { "/s" } else { "" });
+    let gon = if kind == Kind::Position { format!(" or '{key}=…[gon]'") } else { String::new() };
+    format!(
+        "column {label} is in Grad, which are degrees in German and gons, hundredths of a right angle, elsewhere: \
+         --columns '{key}=…[deg{behind}]'{gon} settles it"
+    )
 }
 
 fn article(kind: Kind) -> &'static str {
@@ -93,7 +126,7 @@ fn accepted(kind: Kind, position: &'static str) -> Vec<&'static str> {
 }
 
 /// Text in brackets that says something else than a unit: words of headers, or a joint's name.
-fn is_described(finder: &Finder, text: &str) -> bool {
+pub(super) fn is_described(finder: &Finder, text: &str) -> bool {
     let spelled = words(text);
     let known: Vec<&str> = spelled.iter().map(String::as_str).collect();
     is_known(&known) || finder.robot.joints.mentions(&spelled) || finder.robot.inputs.mentions(&spelled)

@@ -17,16 +17,19 @@ pub(super) struct Source {
 }
 
 /// Columns of a quantity, how they were found, and what has to be said of them.
+#[derive(Default)]
 pub(super) struct Found {
     pub(super) columns: Vec<usize>,
     pub(super) unit: Option<Unit>,
     pub(super) remarks: Vec<String>,
+    /// Nothing that was measured is found, and nobody named these.
+    pub(super) is_commanded: bool,
 }
 
 impl Finder<'_> {
     pub(super) fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Found> {
         let chosen = pattern.resolve(self.headers, self.sheet.width, targets)?;
-        Ok(Found { columns: chosen.columns, unit: chosen.unit, remarks: Vec::new() })
+        Ok(Found { columns: chosen.columns, unit: chosen.unit, ..Found::default() })
     }
 
     pub(super) fn is_commanded(&self, columns: &[usize]) -> bool {
@@ -68,14 +71,9 @@ impl Finder<'_> {
                 reason(family, other)
             ));
         }
-        if family.meaning.origin == Origin::Commanded {
-            remarks.push(format!(
-                "The {} are commanded by their names: nothing that was measured is found.",
-                plural(kinds[0])
-            ));
-        }
         remarks.extend(order_said(family, kinds[0]));
-        Ok(Some(Found { columns: columns.clone(), unit: None, remarks }))
+        let is_commanded = family.meaning.origin == Origin::Commanded;
+        Ok(Some(Found { columns: columns.clone(), unit: None, remarks, is_commanded }))
     }
 
     /// Factors to SI, and a sentence for each column.

@@ -5,6 +5,7 @@ use super::families::{Targets, meaning_of};
 use super::finder::Finder;
 use super::number::{Decimals, exact};
 use super::options::Named;
+use super::scale::is_described;
 use super::vocabulary::{Header, Kind};
 
 /// Where times stand.
@@ -18,6 +19,8 @@ pub(super) struct TimeColumn {
     pub unit: Option<f64>,
     /// A sentence about the column.
     pub said: String,
+    /// What stands in brackets as its unit and is none that is known.
+    pub doubt: Option<String>,
 }
 
 impl TimeColumn {
@@ -90,7 +93,16 @@ fn time_column(finder: &Finder, column: usize, pair: Option<usize>, told: Option
         (None, Some(unit)) => format!("Column {} is the time, times {unit} in s.", finder.label(column)),
         (None, None) => format!("Column {} is the time.", finder.label(column)),
     };
-    TimeColumn { column, nanoseconds: pair, unit: if pair.is_some() { Some(1.0) } else { unit }, said }
+    let odd = header.and_then(|h| h.odd.as_ref().map(|odd| (h, odd)));
+    let odd = odd.filter(|(_, odd)| unit.is_none() && pair.is_none() && !is_described(finder, odd));
+    let doubt = odd.map(|(header, odd)| {
+        format!(
+            "the time is in `{odd}`, which is no known unit: it is taken for seconds, or for ms, µs or ns where its steps are \
+             long. Say what it is, as in --columns 'time={}[0.001 s]'",
+            finder.unique(header)
+        )
+    });
+    TimeColumn { column, nanoseconds: pair, unit: if pair.is_some() { Some(1.0) } else { unit }, said, doubt }
 }
 
 /// All sampled rows have the same time: a stamp that nobody set.

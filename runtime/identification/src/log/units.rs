@@ -13,8 +13,8 @@ pub(super) struct Unit {
 const DEGREE: f64 = PI / 180.0;
 /// Units by the SI unit of their kind, with their values in it.
 const UNITS: [(&str, &[(&str, f64)]); 12] = [
-    ("s", &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]),
-    ("rad", &[("rad", 1.0), ("mrad", 1e-3), ("deg", DEGREE), ("rev", 2.0 * PI)]),
+    ("s", &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)]),
+    ("rad", &[("rad", 1.0), ("mrad", 1e-3), ("deg", DEGREE), ("gon", PI / 200.0), ("rev", 2.0 * PI)]),
     (
         "rad/s",
         &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DEGREE), ("rpm", PI / 30.0), ("rev/s", 2.0 * PI)],
@@ -31,13 +31,15 @@ const UNITS: [(&str, &[(&str, f64)]); 12] = [
 ];
 
 /// Other spellings of units, in lower case and without blanks and multiplication signs.
-const SPELLINGS: [(&str, &str); 17] = [
+const SPELLINGS: [(&str, &str); 19] = [
     ("s", "sec secs second seconds sekunde sekunden seconde secondes secondi segundos"),
     ("ms", "msec millis milliseconds"),
     ("us", "usec micros microseconds"),
+    ("min", "minute minutes minuten minuti minutos"),
     ("ns", "nsec nanos nsecs nanosec nanosecs nanosecond nanoseconds"),
     ("rad", "radian radians radiant radianti radianes"),
     ("deg", "° degs degree degrees gradi grados"),
+    ("gon", "gons gradian gradians"),
     ("rev", "turn turns revs revolutions"),
     ("rad/s", "rads radps rad/sec rads^-1"),
     ("deg/s", "°/s dps degps deg/sec"),
@@ -81,9 +83,20 @@ pub(super) fn find(text: &str) -> Option<Unit> {
     Some(Unit { factor: factor * unit.factor, ..unit })
 }
 
-/// The unit in a German header, where `Grad` is a degree: in English `grad` is a hundredth of a right angle as well.
+/// The unit in a German header, where `Grad` is a degree.
 pub(super) fn find_german(text: &str) -> Option<Unit> {
-    text.trim().strip_prefix("Grad").and_then(|rest| find(&format!("deg{rest}")))
+    behind_grad(text).and_then(|rest| find(&format!("deg{rest}")))
+}
+
+/// Whether a unit is `Grad`: a degree in German, and elsewhere a gon, a hundredth of a right angle.
+pub(super) fn is_grad(text: &str) -> bool {
+    behind_grad(text).is_some_and(|rest| find(&format!("deg{rest}")).is_some())
+}
+
+fn behind_grad(text: &str) -> Option<&str> {
+    let text = text.trim();
+    let (grad, rest) = (text.get(..4)?, text.get(4..)?);
+    grad.eq_ignore_ascii_case("grad").then_some(rest)
 }
 
 fn named(text: &str) -> Option<Unit> {
@@ -135,15 +148,19 @@ mod tests {
             ("µs", 1e-6, "s"),
             ("mA", 1e-3, "A"),
             ("2.0 deg", 2.0 * DEGREE, "rad"),
+            ("gon", PI / 200.0, "rad"),
             ("0.5*mm", 0.5e-3, "m"),
             ("U/min", PI / 30.0, "rad/s"),
             ("Sekunden", 1.0, "s"),
+            ("min", 60.0, "s"),
         ];
         for (text, factor, si) in cases {
             let unit = find(text).unwrap_or_else(|| panic!("{text}"));
             assert!((unit.factor / factor - 1.0).abs() < 1e-15 && unit.si == si, "{text}: {unit:?}");
         }
         assert_eq!(find_german("Grad/s²").map(|unit| unit.si), Some("rad/s^2"));
+        assert!(["Grad", "grad/s", " GRAD "].iter().all(|text| is_grad(text)));
+        assert!(["gradi", "gradient", "rad", "gon", "µrad"].iter().all(|text| !is_grad(text)));
         for text in ["", "%", "counts per turn", "0 deg", "1e999 deg", "nan deg", "MA", "grad"] {
             assert_eq!(find(text), None, "{text}");
         }

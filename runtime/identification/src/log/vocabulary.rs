@@ -57,7 +57,10 @@ impl Header {
     /// - `below`: what a row of units says
     pub(super) fn new(index: usize, text: &str, below: Option<&str>) -> Self {
         let (rest, bracketed, odd) = take_unit(text);
-        let unit = bracketed.or_else(|| below.and_then(units::find));
+        let german = || below.filter(|_| is_translated(text)).and_then(units::find_german);
+        let unit = bracketed.or_else(|| below.and_then(units::find)).or_else(german);
+        let odd =
+            odd.or_else(|| below.filter(|text| unit.is_none() && units::is_grad(text)).map(str::to_owned));
         Self { index, text: text.to_owned(), words: words(&rest), unit, odd }
     }
 }
@@ -89,7 +92,7 @@ pub(super) fn words(text: &str) -> Vec<String> {
 }
 
 /// Whether a text has words of another language.
-fn is_translated(text: &str) -> bool {
+pub(super) fn is_translated(text: &str) -> bool {
     split(text) != words(text)
 }
 

@@ -25,9 +25,15 @@ impl Finder<'_> {
 
     /// Columns as `--columns` takes them.
     pub(super) fn pattern_of(&self, columns: &[usize], targets: &Targets) -> String {
-        let headers = columns.iter().filter_map(|c| self.headers.get(*c));
-        let texts: Vec<String> = headers.map(|h| self.unique(h)).collect();
+        let text = |column: &usize| {
+            self.headers.get(*column).map_or_else(|| (column + 1).to_string(), |header| self.unique(header))
+        };
+        let texts: Vec<String> = columns.iter().map(text).collect();
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        let is_number = |text: &&str| text.parse::<usize>().is_ok();
+        if texts.iter().any(is_number) {
+            return texts.join("|");
+        }
         let named =
             texts.iter().zip(&targets.names).map(|(text, name)| text.replacen(name.as_str(), "{name}", 1));
         let named: Vec<String> = named.collect();
@@ -84,17 +90,19 @@ impl Family {
     }
 }
 
-/// `q{}` of `q1`, `q2`, …
+/// `q{}` of `q1`, `q2`, …; none where the numbers do not ascend: the pattern takes them in their order.
 fn numbered_pattern(texts: &[&str]) -> Option<String> {
     let first = texts.first()?;
     let digits = |c: char| c.is_ascii_digit();
     let same = |at: usize, end: usize| {
         let (before, after) = (&first[..at], &first[end..]);
         let fits = |text: &&str| {
-            let middle = text.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
-            middle.is_some_and(|m| !m.is_empty() && m.chars().all(digits))
+            let middle = text.strip_prefix(before).and_then(|rest| rest.strip_suffix(after))?;
+            middle.parse::<u64>().ok().filter(|_| middle.chars().all(digits))
         };
-        texts.iter().all(fits).then(|| format!("{before}{{}}{after}"))
+        let numbers: Option<Vec<u64>> = texts.iter().map(fits).collect();
+        let ascends = numbers?.windows(2).all(|pair| pair[0] < pair[1]);
+        ascends.then(|| format!("{before}{{}}{after}"))
     };
     let mut at = 0;
     while let Some(start) = first[at..].find(digits).map(|s| s + at) {
