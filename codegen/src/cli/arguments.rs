@@ -274,7 +274,7 @@ pub(super) struct Identify {
         long,
         value_name = "LOG.csv",
         conflicts_with_all = [
-            "plan", "reduce", "merge", "report", "validate", "gravity_compensated", "load_friction", "friction", "accept_poor"
+            "plan", "reduce", "merge", "report", "validate", "gravity_compensated", "load_friction", "friction"
         ]
     )]
     pub(super) payload: Vec<PathBuf>,

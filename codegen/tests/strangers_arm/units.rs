@@ -89,3 +89,44 @@ fn efforts_that_carry_another_robot_are_refused() {
     let found = arm.identify(&["log.csv", "--output", "found.toml"]);
     assert!(!found["warnings"].to_string().contains("described force"), "{:#}", found["warnings"]);
 }
+
+/// A load is refused by the same values as a robot.
+#[test]
+fn loads_from_logs_in_other_units_are_refused() {
+    let arm = with_limits();
+    let record = |factors: [f64; 3], log: &str| {
+        let description = if log == "with.csv" { "loaded.toml" } else { "arm.toml" };
+        arm.record_as(description, log, Recorded { factors, ..RIGHT });
+    };
+    let load = |description: &str| {
+        arm.refuses(&[description, "without.csv", "--payload", "with.csv", "--output", "refused.toml"])
+    };
+    record([1.0; 3], "without.csv");
+    record([1.0, DEGREES, 1.0], "with.csv");
+    assert!(load("limited.toml").contains("They look like deg: --columns 'position=q_{name}[deg]'"));
+    record([1.0, 1.0, 1e3], "with.csv");
+    assert!(load("limited.toml").contains("They may be in mNm: --columns 'torque=effort_{name}[mNm]'"));
+    // Without limits the weight of the robot tells.
+    let said = load("arm.toml");
+    assert!(said.contains("the rigid bodies need") && said.contains("--columns 'torque=…[mNm]'"), "{said}");
+    record([1.0, 1.0, 1e3], "without.csv");
+    let said = load("arm.toml");
+    assert!(
+        said.contains("the rigid bodies need") && said.contains("need 1000 times the described force"),
+        "{said}"
+    );
+    // It is written where that is asked for, and says so; a right load has no doubt.
+    let arguments = ["arm.toml", "without.csv", "--payload", "with.csv", "--output", "found.toml"];
+    let done = arm.run(&[&arguments[..], &["--accept-poor"]].concat());
+    assert!(
+        String::from_utf8(done.stdout)
+            .unwrap()
+            .contains("warning: The efforts look wrong: the rigid bodies need")
+    );
+    record([1.0; 3], "without.csv");
+    record([1.0; 3], "with.csv");
+    let done = arm.run(&arguments);
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert!(done.status.success() && !text.contains("The efforts look wrong"), "{text}");
+    assert!(text.starts_with("columns: time: `t`\ncolumns: positions: `q_{name}`, in rad"), "{text}");
+}

@@ -1,11 +1,13 @@
 //! A load at a robot's hand, from logs without and logs with it.
 
 use super::error::Result;
-use super::identify::{IdentificationSettings, read_and_prepare};
+use super::estimation::described_ratio;
+use super::identify::{IdentificationSettings, beyond_range, faults, read_and_prepare};
 use super::inertial::payload::{Payload, PayloadSettings, estimate};
 use super::log::Recording;
 use super::preparation::PreparationSettings;
 use super::robot::Robot;
+use super::run::PreparedRun;
 use std::path::PathBuf;
 
 /// A load, and the logs that it was found from.
@@ -26,8 +28,9 @@ pub struct CarriedLoad {
 /// - `progress`: takes a sentence at each step
 ///
 /// # Errors
-/// Logs that cannot be read or matched with the robot's joints, signals that are too short, and what
-/// [`estimate`] refuses.
+/// Logs that cannot be read or matched with the robot's joints, signals that are too short, values far beyond the described
+/// limits, efforts by which the described bodies would be more than ten times heavier or lighter (both taken where poor
+/// results are accepted), and what [`estimate`] refuses.
 pub fn identify_load(
     robot: &dyn Robot,
     without: &[PathBuf],
@@ -44,8 +47,32 @@ pub fn identify_load(
         ..settings.preparation.clone()
     };
     let alike = IdentificationSettings { preparation, ..settings.clone() };
-    let (loaded, runs_with, _) = read_and_prepare(robot, with, &alike, progress)?;
+    let (loaded, runs_with, other) = read_and_prepare(robot, with, &alike, progress)?;
+    let mut doubts: Vec<String> = empty.doubts().chain(loaded.doubts()).collect();
+    for logs in [(&empty, &*runs_without, &report), (&loaded, &*runs_with, &other)] {
+        doubts.extend(beyond_range(robot, logs, settings.accept_poor, progress)?);
+        doubts.extend(faults(logs.2));
+    }
+    doubts.extend(unit_doubts(robot, [&runs_without, &runs_with], load, settings.accept_poor)?);
+    doubts.dedup();
     progress("comparing the logs without and with the load");
-    let payload = estimate(robot, &runs_without, &runs_with, load)?;
+    let mut payload = estimate(robot, &runs_without, &runs_with, load)?;
+    payload.warnings.splice(0..0, doubts);
     Ok(CarriedLoad { payload, recordings: [empty, loaded], notes: report.notes })
+}
+
+/// A load changes what the bodies need, but not by as much as another unit: the logs with it are refused alone.
+fn unit_doubts(
+    robot: &dyn Robot,
+    [without, with]: [&[PreparedRun]; 2],
+    load: &PayloadSettings,
+    accept_poor: bool,
+) -> Result<Option<String>> {
+    let judged = |runs: &[PreparedRun]| {
+        let ratio = described_ratio(robot, runs, load.gains.as_deref());
+        ratio.map(|ratio| ratio.judged(accept_poor)).transpose().map(Option::flatten)
+    };
+    let doubt = judged(without)?;
+    judged(with)?;
+    Ok(doubt)
 }

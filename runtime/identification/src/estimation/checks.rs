@@ -1,5 +1,6 @@
 //! Doubts about data and model, as sentences with remedies.
 
+use super::super::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
@@ -76,7 +77,7 @@ impl Checked<'_> {
     /// The factor between estimated and described forces of the robot as a whole.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
         let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
-        common_ratio(self.robot, self.layout, &sizes)
+        common_ratio(self.robot, self.layout.effort, &self.layout.told(), &sizes)
     }
 
     /// A torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
@@ -125,9 +126,10 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| self.progress(run, i))?;
         self.is_suspicious(share).then(|| {
             format!(
-                "its offset drifts by {factor:+.3} from the first to the last sample ({:.0} % of the residual's \
+                "its offset drifts by {} from the first to the last sample ({:.0} % of the residual's \
                  variance). Warm the robot up before the log, or \
                  give it as several shorter ones, whose offsets may differ.",
+                plain(factor, 3),
                 100.0 * share
             )
         })
@@ -141,8 +143,9 @@ impl Checked<'_> {
         // Friction that changes within a log matters earlier: the law is an average that holds at no time.
         (share > 0.5 * SUSPICIOUS && self.is_beyond_chance(share)).then(|| {
             format!(
-                "its friction changes by {factor:+.3} from the first to the last sample ({:.0} % of the residual's \
+                "its friction changes by {} from the first to the last sample ({:.0} % of the residual's \
                  variance). Warm the robot up before the log, and identify it as warm as it works.",
+                plain(factor, 3),
                 100.0 * share
             )
         })
@@ -215,9 +218,10 @@ fn is_beyond_chance(share: f64, correlation_time: f64, samples: usize) -> bool {
 
 fn acceleration_doubt(factor: f64, share: f64) -> String {
     format!(
-        "{:.0} % of the residual's variance follows the acceleration ({factor:+.3} per unit). The rigid body \
+        "{:.0} % of the residual's variance follows the acceleration ({} per unit). The rigid body \
          is wrong: describe the rotor's inertia, or look for a delay (--delay) or an elastic gear.",
-        100.0 * share
+        100.0 * share,
+        plain(factor, 3)
     )
 }
 

@@ -55,6 +55,12 @@ pub(super) struct Layout {
 }
 
 impl Layout {
+    /// Joints that move, and whose efforts are measured; none where the described bodies calibrate currents.
+    pub(super) fn told(&self) -> Vec<bool> {
+        let told = |joint: usize| self.effort != Effort::Current && self.moves[joint] && self.measured[joint];
+        (0..self.joints).map(told).collect()
+    }
+
     /// - `given`: factors of the Coulomb terms of each joint
     /// - `loads`: whether there is a term under load
     pub(super) fn new(

@@ -5,6 +5,7 @@ mod checks;
 mod choice;
 mod consistent;
 mod cosines;
+mod described;
 mod endogeneity;
 mod estimate;
 mod estimated;
@@ -37,6 +38,7 @@ pub use result::{
 pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {
+    described::described_ratio,
     intervals::correlation_time,
     residuals::{huber, robust_deviation},
     shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},

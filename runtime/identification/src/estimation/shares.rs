@@ -348,7 +348,7 @@ impl Found<'_> {
     fn common_ratio(&self) -> Option<CommonRatio> {
         let Estimated { robot, layout, .. } = self.fitted;
         let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
-        common_ratio(robot, layout, &sizes)
+        common_ratio(robot, layout.effort, &layout.told(), &sizes)
     }
 
     /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean.

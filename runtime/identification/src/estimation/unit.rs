@@ -3,11 +3,11 @@
 //! A joint by itself says little: one without gravity, behind a gear that rubs, may need ten times the described force
 //! because ten times of nearly nothing is nearly nothing. Joints that carry the robot say what its efforts are.
 
+use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
-use super::layout::Layout;
 
 /// Factor between estimated and described rigid forces beyond which a unit may be wrong.
 const OTHER_UNIT: f64 = 3.0;
@@ -24,7 +24,7 @@ pub(super) type Sizes = [f64; 3];
 
 /// The factor between estimated and described rigid forces of joints of one kind.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct CommonRatio {
+pub(crate) struct CommonRatio {
     factor: f64,
     /// Names of the joints that it is the median of.
     joints: Vec<String>,
@@ -33,15 +33,18 @@ pub(super) struct CommonRatio {
     effort: Effort,
 }
 
-/// The factor that is farthest from 1 of those of turning and of sliding joints; `None` where currents are calibrated by the
-/// described bodies, and where nothing carries.
-pub(super) fn common_ratio(robot: &dyn Robot, layout: &Layout, sizes: &[Sizes]) -> Option<CommonRatio> {
-    if layout.effort == Effort::Current {
-        return None;
-    }
+/// The factor that is farthest from 1 of those of turning and of sliding joints; `None` where nothing carries.
+///
+/// - `known`: joints that move, and whose efforts are measured
+pub(super) fn common_ratio(
+    robot: &dyn Robot,
+    effort: Effort,
+    known: &[bool],
+    sizes: &[Sizes],
+) -> Option<CommonRatio> {
     let (names, units) = (robot.joint_names(), robot.position_units());
     let of = |unit: &'static str| {
-        let known = (0..layout.joints).filter(|joint| layout.moves[*joint] && layout.measured[*joint]);
+        let known = (0..known.len()).filter(|joint| known[*joint]);
         let known: Vec<usize> = known.filter(|joint| (units[*joint] == "m") == (unit == "m")).collect();
         let largest = known.iter().map(|joint| sizes[*joint][1]).fold(0.0, f64::max);
         let mut carrying: Vec<(f64, usize)> = known
@@ -52,7 +55,7 @@ pub(super) fn common_ratio(robot: &dyn Robot, layout: &Layout, sizes: &[Sizes]) 
         carrying.sort_by(|a, b| a.0.total_cmp(&b.0));
         let factor = middle(&carrying.iter().map(|(ratio, _)| *ratio).collect::<Vec<_>>())?;
         let joints = carrying.iter().map(|(_, joint)| names[*joint].clone()).collect();
-        Some(CommonRatio { factor, joints, unit, effort: layout.effort })
+        Some(CommonRatio { factor, joints, unit, effort })
     };
     let distance = |ratio: &CommonRatio| ratio.factor.max(f64::MIN_POSITIVE).ln().abs();
     [of("rad"), of("m")].into_iter().flatten().max_by(|a, b| distance(a).total_cmp(&distance(b)))
@@ -71,7 +74,7 @@ impl CommonRatio {
     /// # Errors
     /// [`IdentificationError::File`] with the factor and what it may come from, where bodies need far more or less than
     /// described and this is not accepted.
-    pub(super) fn judged(&self, accept_poor: bool) -> Result<Option<String>> {
+    pub(crate) fn judged(&self, accept_poor: bool) -> Result<Option<String>> {
         if self.is_within(ANOTHER_UNIT) || accept_poor {
             let doubt = || format!("The efforts look wrong: {}", self.said());
             return Ok((!self.is_within(OTHER_UNIT)).then(doubt));
@@ -85,15 +88,22 @@ impl CommonRatio {
     }
 
     fn said(&self) -> String {
-        let key = if self.effort == Effort::Input { "input" } else { "torque" };
-        let unit = if self.unit == "m" { "N" } else { "Nm" };
+        let (key, unit) = match self.effort {
+            Effort::Input => ("input", if self.unit == "m" { "N" } else { "Nm" }),
+            Effort::Joint => ("torque", if self.unit == "m" { "N" } else { "Nm" }),
+            Effort::Current => ("current", "A"),
+        };
         let is_close = |name: &&&str| {
             let off = unit_value(name).map(|value| self.factor * value);
-            self.unit != "m" && off.is_some_and(|off| off.max(1.0 / off) < GUESS)
+            self.unit != "m"
+                && self.effort != Effort::Current
+                && off.is_some_and(|off| off.max(1.0 / off) < GUESS)
         };
         let guess = UNITS.iter().find(is_close);
         let guess = guess.map(|name| format!("They may be in {name}: --columns '{key}=…[{name}]'. "));
-        let usual = if self.factor < 1.0 {
+        let usual = if self.effort == Effort::Current {
+            "The described motor constants may be wrong."
+        } else if self.factor < 1.0 {
             "Efforts of motors before their gears are --effort input, a robot that compensates its weight itself needs \
              --gravity-compensated, and currents are --effort current."
         } else {
@@ -103,15 +113,11 @@ impl CommonRatio {
             "the rigid bodies need {} times the described force ({}). {}{usual} Counts and percents have a factor, as in \
              --columns '{key}=…[0.05 {unit}]'. Otherwise positions are in another unit, or the described masses or the direction \
              of gravity are wrong.",
-            factor_said(self.factor),
+            plain(self.factor, 3),
             self.joints.join(", "),
             guess.unwrap_or_default()
         )
     }
-}
-
-fn factor_said(factor: f64) -> String {
-    if (0.01..1e4).contains(&factor) { format!("{factor:.2}") } else { format!("{factor:.2e}") }
 }
 
 /// A doubt about the unit of one joint's effort.
@@ -122,7 +128,7 @@ pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<String> 
         format!(
             "the rigid body needs {} times the described force. Check the efforts' unit (--columns 'torque=…[UNIT]') and the \
              gear ratio, or whether the efforts are currents (--effort current).",
-            factor_said(ratio)
+            plain(ratio, 3)
         )
     })
 }

@@ -1,0 +1,117 @@
+//! What bodies need by the efforts against what they need as described, from the efforts alone: nothing of the bodies is
+//! estimated.
+
+use super::super::pose::rows_of;
+use super::super::robot::Robot;
+use super::super::run::{Effort, PreparedRun};
+use super::unit::{CommonRatio, Sizes, common_ratio};
+use nalgebra::{DMatrix, DVector};
+
+/// Columns of a joint: the described force, an offset, viscous and Coulomb friction.
+const COLUMNS: usize = 4;
+/// Share of a joint's largest speed within which Coulomb friction is smoothed.
+const STEEPNESS: f64 = 30.0;
+/// Share of the diagonal that keeps equal columns apart.
+const RIDGE: f64 = 1e-9;
+
+/// The factor of the robot as a whole.
+///
+/// - `gains`: of inputs, where efforts are currents; without them currents say nothing here
+pub(crate) fn described_ratio(
+    robot: &dyn Robot,
+    runs: &[PreparedRun],
+    gains: Option<&[f64]>,
+) -> Option<CommonRatio> {
+    let (joints, effort) = (robot.joint_names().len(), runs.first()?.effort);
+    if effort == Effort::Current && gains.is_none() {
+        return None;
+    }
+    let exact = rows_of(&robot.quaternion_joints(), joints);
+    let mut sums = vec![DMatrix::zeros(COLUMNS + 1, COLUMNS + 1); joints];
+    let fastest: Vec<f64> = (0..joints).map(|joint| fastest(runs, joint)).collect();
+    for run in runs {
+        add(robot, run, (&fastest, gains), &mut sums);
+    }
+    let known: Vec<bool> =
+        (0..joints).map(|j| !exact[j] && fastest[j] > 0.0 && is_finite(&sums[j])).collect();
+    let sizes: Vec<Sizes> = sums.iter().map(sizes).collect();
+    common_ratio(robot, effort, &known, &sizes)
+}
+
+fn fastest(runs: &[PreparedRun], joint: usize) -> f64 {
+    runs.iter().flat_map(|run| &run.velocities[joint]).fold(0.0, |most: f64, v| most.max(v.abs()))
+}
+
+fn is_finite(sums: &DMatrix<f64>) -> bool {
+    sums.iter().all(|x| x.is_finite())
+}
+
+/// Adds the products of the columns and of the measured force of each joint, rests left out.
+fn add(
+    robot: &dyn Robot,
+    run: &PreparedRun,
+    (fastest, gains): (&[f64], Option<&[f64]>),
+    sums: &mut [DMatrix<f64>],
+) {
+    let (matrix, inputs) = (robot.input_matrix(), robot.input_names().len());
+    let gain = |input: usize| {
+        if run.effort == Effort::Current { gains.map_or(1.0, |gains| gains[input]) } else { 1.0 }
+    };
+    let measured = |joint: usize, i: usize| -> f64 {
+        if run.effort == Effort::Joint {
+            return run.efforts[joint][i];
+        }
+        let row = matrix[joint * inputs..(joint + 1) * inputs].iter().enumerate();
+        row.filter(|(_, b)| **b != 0.0).map(|(input, b)| b * gain(input) * run.efforts[input][i]).sum()
+    };
+    let mut forces = vec![0.0; sums.len()];
+    for i in 0..run.times.len() {
+        let [y, v, a] = [run.coordinates(), &run.velocities, &run.accelerations]
+            .map(|columns| columns.iter().map(|column| column[i]).collect::<Vec<f64>>());
+        robot.rigid_forces(&y, &v, &a, &mut forces);
+        for (joint, sums) in sums.iter_mut().enumerate().filter(|(joint, _)| !run.rests(*joint, i)) {
+            let share = if fastest[joint] > 0.0 { v[joint] / fastest[joint] } else { 0.0 };
+            let friction = (STEEPNESS * share).tanh();
+            let row = DVector::from_vec(vec![forces[joint], 1.0, share, friction, measured(joint, i)]);
+            sums.ger(1.0, &row, &row, 1.0);
+        }
+    }
+}
+
+/// Root sums of squares of the force that the efforts ask for, of the described one, and of the measured one.
+fn sizes(sums: &DMatrix<f64>) -> Sizes {
+    let mut normal = sums.view((0, 0), (COLUMNS, COLUMNS)).into_owned();
+    for i in 0..COLUMNS {
+        normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + f64::MIN_POSITIVE;
+    }
+    let right = sums.view((0, COLUMNS), (COLUMNS, 1)).into_owned();
+    let factor = normal.cholesky().map_or(0.0, |normal| normal.solve(&right)[(0, 0)]);
+    let size = |place: usize| sums[(place, place)].max(0.0).sqrt();
+    [factor.max(0.0) * size(0), size(0), size(COLUMNS)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Friction and an offset change nothing of the factor.
+    #[test]
+    fn the_factor_is_that_of_the_described_force() {
+        let mut sums = DMatrix::zeros(COLUMNS + 1, COLUMNS + 1);
+        for i in 0..500 {
+            let t = 0.02 * f64::from(i);
+            let (force, share) = ((1.7 * t).sin() + 2.0, (0.9 * t).cos());
+            let friction = (STEEPNESS * share).tanh();
+            let row = DVector::from_vec(vec![
+                force,
+                1.0,
+                share,
+                friction,
+                12.0 * force - 3.0 + 5.0 * share + friction,
+            ]);
+            sums.ger(1.0, &row, &row, 1.0);
+        }
+        let [needed, described, _] = sizes(&sums);
+        assert!((needed / described - 12.0).abs() < 1e-4, "{}", needed / described);
+    }
+}
