@@ -3,6 +3,7 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
+mod said;
 mod units;
 
 use std::fmt::Write as _;

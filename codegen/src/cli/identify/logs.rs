@@ -36,7 +36,8 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let (loaded, robot) = read(arguments)?;
     let output = output(arguments, &loaded)?;
     let settings = settings(arguments)?;
-    let found = identify(&robot, &arguments.logs, &settings, &mut say)?;
+    let mut found = identify(&robot, &arguments.logs, &settings, &mut say)?;
+    motor_constants::add_doubts(&loaded.model, &mut found);
     let validation = match arguments.validate.as_slice() {
         [] => Vec::new(),
         logs => or_noted(validate(&robot, &found, logs, &settings, &mut say), &found)?,

@@ -12,6 +12,7 @@ use super::super::arguments::{Format, Identify};
 use super::super::failure::Failure;
 use super::super::{place, print};
 use super::logs::{finish, on_joints, output, settings};
+use super::motor_constants;
 use super::read::{read, say};
 use crate::identify::InterpretedRobot;
 use crate::model::Loaded;
@@ -57,7 +58,9 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
         moments.require_description(&description.parts())?;
         return write(&moments, &path, format);
     }
-    let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say)?;
+    let mut found =
+        identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say)?;
+    motor_constants::add_doubts(&loaded.model, &mut found);
     finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
 }
 

@@ -1,5 +1,6 @@
 //! Motor constants that logs of currents give.
 
+use gelenk_identification::digits::{plain, rounded};
 use gelenk_identification::estimation::Uncertain;
 use gelenk_identification::identify::Identification;
 use serde_json::{Value, json};
@@ -40,12 +41,61 @@ pub(super) fn sentences(model: &Model, found: &Identification) -> Vec<String> {
     let joints = found.estimate.joints.iter().enumerate().filter(|(_, joint)| joint.moves);
     let sentence = |(index, joint): (usize, &gelenk_identification::estimation::JointEstimate)| {
         let Uncertain { value, interval: [low, high], .. } = of_joint(model, found, index)?;
-        let name = &joint.name;
+        let (name, error) = (&joint.name, Some(0.5 * (high - low)));
+        let [value, low, high] = [value, low, high].map(|x| rounded(x, error));
         Some(format!(
-            "{name}: motor constant {value:.4} N·m/A, {level:.0} % interval {low:.4} to {high:.4}, where the described masses and centres are right"
+            "{name}: motor constant {value} N·m/A, {level:.0} % interval {low} to {high}, where the described masses and centres are right"
         ))
     };
     joints.filter_map(sentence).collect()
+}
+
+/// Ratio to the described constant beyond which one of them is doubted.
+const DOUBTFUL: f64 = 2.0;
+/// Constants that motors of turning joints have, with gears that the description does not have [N m/A].
+const USUAL: [f64; 2] = [1e-3, 100.0];
+
+/// Adds doubts about motor constants to the warnings of an estimate: those that are far from the described ones, and where
+/// none is described, those that no motor has.
+pub(super) fn add_doubts(model: &Model, found: &mut Identification) {
+    let joints = 0..found.estimate.joints.len();
+    let doubts: Vec<String> = joints.filter_map(|joint| doubt(model, found, joint)).collect();
+    found.estimate.warnings.extend(doubts);
+}
+
+fn doubt(model: &Model, found: &Identification, joint: usize) -> Option<String> {
+    let estimate = &found.estimate.joints[joint];
+    let constant = of_joint(model, found, joint).filter(|_| estimate.moves)?;
+    let Uncertain { value, interval: [low, high], .. } = constant;
+    let said = |doubt: String| {
+        Some(format!("Joint {}: its motor constant of {} N·m/A {doubt}.", estimate.name, plain(value, 4)))
+    };
+    // That it is not known at all, the estimate says.
+    if low <= 0.0 && high >= 0.0 {
+        return None;
+    }
+    if value < 0.0 {
+        return said("is negative: current and position count in opposite directions".to_owned());
+    }
+    let drive = model.input_drives().find(|drive| drive.coordinate() == Some(joint))?;
+    match &drive.input {
+        Input::Current(_) => {
+            let described = described(model, drive);
+            let ratio = value / described;
+            let is_close = (1.0 / DOUBTFUL..=DOUBTFUL).contains(&ratio);
+            let described = plain(described, 4);
+            (!is_close).then(|| said(format!(
+                "is {} times the described one of {described}. More than a factor of {DOUBTFUL} says that the constant, the gear, the \
+                 masses or the unit of the current are described wrong", plain(ratio, 3)
+            )))?
+        }
+        _ if estimate.unit == "N·m" && !(USUAL[0]..=USUAL[1]).contains(&value) => said(format!(
+            "is none that motors have ({} to {}): is the current in another unit, as in --columns 'current=…[mA]'? The \
+             gear or the masses may be described wrong, too",
+            USUAL[0], USUAL[1]
+        )),
+        _ => None,
+    }
 }
 
 /// The motor constant of a joint for programs.
