@@ -41,7 +41,7 @@ OF_ANOTHER_FUNCTION = {
     "plan": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
              "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor"},
     "reduce": {"plan", "reduce", "merge", "report", "validate", "payload", "payload_on", "load_friction", "friction",
-               "accept_poor", *OF_PLANS},
+               *OF_PLANS},
     "merge": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
               "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", *OF_PLANS},
 }
@@ -73,6 +73,19 @@ def test_moments_are_reduced_merged_and_identified(tmp_path: Path) -> None:
         gelenk.identify(arm, logs, tmp_path / "all.moments")
     with pytest.raises(ValueError, match="not arm_identified.toml"):
         gelenk.merge(arm, moments, "arm_identified.toml")
+
+
+def test_poor_logs_are_reduced_where_they_are_accepted(tmp_path: Path) -> None:
+    """Torques in mN m are far beyond the described limits."""
+    arm = _described(tmp_path / "arm.toml", friction=0.2)
+    log = _simulated_log(tmp_path, friction=0.7, seed=3)
+    header, *rows = log.read_text().splitlines()
+    table = np.loadtxt(rows, delimiter=",") * [1, 1, 1, 1000, 1000]
+    np.savetxt(log, table, delimiter=",", comments="", header=header)
+    with pytest.raises(gelenk.GelenkError, match="times the described limit"):
+        gelenk.reduce(arm, log, tmp_path / "log.moments", effort="joint")
+    moments = gelenk.reduce(arm, log, tmp_path / "log.moments", effort="joint", accept_poor=True)
+    assert moments.exists()
 
 
 def test_what_was_identified_is_loaded_again(tmp_path: Path) -> None:

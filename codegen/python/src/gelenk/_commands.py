@@ -188,6 +188,7 @@ def reduce(
     bandwidth: float | None = None,
     delay: float | None = None,
     friction_on: str | None = None,
+    accept_poor: bool = False,
     snap_angles: float | None = None,
     no_friction: bool = False,
     ignore_mimic: bool = False,
@@ -202,6 +203,7 @@ def reduce(
     options = {
         "output": output, "columns": _patterns(columns), "separator": separator, "effort": effort,
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay, "friction_on": friction_on,
+        "accept_poor": accept_poor,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
         "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
