@@ -69,6 +69,9 @@ pub(super) fn check(text: &str) -> Result<(), FormulaError> {
     if let Some(decimals) = rest.strip_prefix(',') {
         return with_comma(text, number, decimals);
     }
+    if let Some(other) = rest.strip_prefix(':') {
+        return Err(ratio(text, number, other.trim()));
+    }
     let after = start + number.len();
     let gap = trimmed[number.len()..].len() - trimmed[number.len()..].trim_start().len();
     let at = after + gap;
@@ -98,6 +101,17 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
     let message = format!("`{}` is no number: decimals follow a point", text.trim());
     let help = format!("write {number}.{decimals}");
     Err(error(COMMA, message, help, 0..text.len()))
+}
+
+/// `1:80`, as gear ratios are printed.
+fn ratio(text: &str, one: &str, other: &str) -> FormulaError {
+    let message = format!("`{}` is no number: a ratio is one number, or a quotient", text.trim());
+    let quotients = match one {
+        "1" => format!("{other}, or \"1/{other}\""),
+        _ => format!("\"{one}/{other}\", or \"{other}/{one}\""),
+    };
+    let help = format!("write {quotients}: a gear ratio is motor angle over joint angle");
+    error("formula-syntax", message, help, 0..text.len())
 }
 
 fn error(code: &'static str, message: String, help: String, range: std::ops::Range<usize>) -> FormulaError {
@@ -138,6 +152,12 @@ mod tests {
 
     fn help(text: &str) -> String {
         check(text).err().and_then(|wrong| wrong.help).unwrap_or_default()
+    }
+
+    #[test]
+    fn ratios_are_quotients() {
+        assert!(help("1:80").starts_with("write 80, or \"1/80\""), "{}", help("1:80"));
+        assert!(help("24 : 7").starts_with("write \"24/7\", or \"7/24\""), "{}", help("24 : 7"));
     }
 
     #[test]

@@ -17,6 +17,12 @@ pub(super) fn foreign(key: &str, known: &[&str]) -> Option<&'static str> {
         "xyz" | "rpy" if has(&["origin"]) => {
             Some("`origin = { xyz = [0, 0, 0.1], rpy = [0, 0, \"pi/2\"] }` tells where it is")
         }
+        "static" | "dry" | "kinetic" if has(&["viscous", "coulomb"]) => {
+            Some("dry friction is `coulomb = 0.2`; `stribeck` has more of it at low speeds than at high ones")
+        }
+        "max" | "maximum" | "rated" | "continuous" if has(&["nominal", "peak"]) => {
+            Some("`nominal` is what the motor may give all the time, `peak` what it may give for a moment")
+        }
         "parent" if has(&["link", "origin"]) => Some("`link = \"forearm\"` names the link that carries it"),
         _ => None,
     })

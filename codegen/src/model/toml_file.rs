@@ -11,6 +11,7 @@ use crate::diagnostic::{At, Span, nearest};
 use crate::function_names;
 use gelenk_formula::{Allowed, Formula};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
 const ROBOT: [&str; 20] = [
@@ -35,6 +36,8 @@ const ROBOT: [&str; 20] = [
     "wrenches",
     "frames",
 ];
+/// What is described entry by entry.
+const LISTS: [&str; 7] = ["joints", "bodies", "frames", "drives", "forces", "inputs", "wrenches"];
 const BODY: [&str; 7] = ["name", "link", "mass", "center_of_mass", "inertia", "origin", "accept_unphysical"];
 
 /// Keys at the top of the file that say how to read the rest and its base.
@@ -54,9 +57,17 @@ pub(super) fn parse<'t>(
     source: usize,
 ) -> Option<toml::Spanned<DeTable<'t>>> {
     let (table, wrong) = DeTable::parse_recoverable(text);
-    let mut last_line = None;
+    let (mut last_line, mut repeated) = (None, None);
     for wrong in &wrong {
         let span = Span::new(source, wrong.span().unwrap_or(0..0));
+        if wrong.message().starts_with(DUPLICATE) {
+            let header = header(text, span.start);
+            // All keys of a table that stands twice are duplicates.
+            if repeated.is_some() && repeated == header {
+                continue;
+            }
+            repeated = header.filter(|header| header.contains(&span.start));
+        }
         let line = text.get(..span.start).map(|before| before.matches('\n').count());
         // What follows on the same line is usually a consequence of the first error.
         if line.is_none() || line != last_line {
@@ -70,13 +81,43 @@ pub(super) fn parse<'t>(
     wrong.is_empty().then_some(table)
 }
 
+const DUPLICATE: &str = "duplicate key";
+
+/// Where the header of the table stands that a place is in.
+fn header(text: &str, at: usize) -> Option<Range<usize>> {
+    let mut start = 0;
+    let lines = text.split_inclusive('\n').map(|line| {
+        start += line.len();
+        (start - line.len()..start, line)
+    });
+    let is_header = |line: &str| {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        line.starts_with('[') && line.ends_with(']') && !line.contains([',', '='])
+    };
+    let before = lines.take_while(|(place, _)| place.start <= at);
+    before.filter(|(_, line)| is_header(line)).last().map(|(place, _)| place)
+}
+
+/// Advice for a key or a table that stands twice.
+fn duplicate_help(line: &str) -> String {
+    let name = line.split('#').next().unwrap_or_default().trim().strip_prefix('[');
+    let name = name.and_then(|name| name.strip_suffix(']')).map(str::trim);
+    match name {
+        Some(name) if LISTS.contains(&name) => {
+            format!("each of several stands under double brackets: `[[{name}]]`")
+        }
+        Some(name) => format!("each table stands once: put the keys of both under one `[{name}]`"),
+        None => "each key stands once in its table: keep one of the two".to_owned(),
+    }
+}
+
 /// Advice for keys that stand twice, for numbers with units or a decimal comma, and for formulas without quotes.
 fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
-    if message.starts_with("duplicate key") {
-        return Some("each key stands once in its table: keep one of the two".to_owned());
-    }
     let line_start = text.get(..at)?.rfind('\n').map_or(0, |last| last + 1);
     let line = text.get(line_start..)?.lines().next()?;
+    if message.starts_with(DUPLICATE) {
+        return Some(duplicate_help(line));
+    }
     let (key, value) = line.split_once('=')?;
     let (key, value) = (key.trim(), value.split('#').next()?.trim());
     match gelenk_formula::parse(value, Allowed::Motion, &BTreeMap::new()) {
