@@ -145,7 +145,7 @@ fn feet_are_named_or_refused() {
 }
 
 #[test]
-#[ignore = "builds crates for minutes: cargo test -p gelenk-tests --test all new_floating_crate:: -- --ignored"]
+#[ignore = "builds one more crate, for ten seconds: cargo test -p gelenk-tests --test all new_floating_crate:: -- --ignored"]
 fn a_quadruped_falls_with_its_joints_held() {
     let folder = tempfile::tempdir().expect("a folder");
     let limit = "<limit lower=\"-2\" upper=\"-0.5\" effort=\"20\" velocity=\"20\"/>";
@@ -161,7 +161,6 @@ fn a_quadruped_falls_with_its_joints_held() {
 }
 
 #[test]
-#[ignore = "builds crates for minutes: cargo test -p gelenk-tests --test all new_floating_crate:: -- --ignored"]
 fn a_quadrotor_flies_once_its_propellers_are_inputs() {
     let folder = tempfile::tempdir().expect("a folder");
     let limit = "<limit lower=\"-1e16\" upper=\"1e16\" effort=\"0\" velocity=\"0\"/>";
