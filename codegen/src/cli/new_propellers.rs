@@ -1,4 +1,5 @@
-//! How links that turn on a body that floats become propellers: lines of `robot.toml` as comments.
+//! How links that turn on a body that floats become propellers, and those that are fixed to it: lines of `robot.toml` as
+//! comments.
 
 use super::new_feet;
 use crate::model::{Joint, JointKind, Model, Motion, Pose};
@@ -31,6 +32,37 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
         ));
     }
     text
+}
+
+/// One block for each link with a mass that is fixed to a body that floats and carries nothing, or for the body itself: a
+/// robot without joints that move has no other inputs.
+pub(super) fn of_fixed_links(model: &Model) -> String {
+    let carries =
+        |link: usize| model.links.iter().filter_map(|of| of.joint.as_ref()).any(|joint| joint.parent == link);
+    let is_end = |link: &usize| !model.links[*link].bodies.is_empty() && !carries(*link);
+    let Some(base) = new_feet::base(model) else { return String::new() };
+    let ends: Vec<usize> = (0..model.links.len()).filter(|link| *link != base).filter(is_end).collect();
+    let ends = if ends.is_empty() { vec![base] } else { ends };
+    let mut text = String::from(
+        "\n# No joint of this robot moves, and nothing drives it. A propeller or a thruster is an input at its link: of a unit of the input,\n\
+         # force in N, then moment in N m, whose sign is against a propeller's turn. Remove the signs # in front of those that are some,\n\
+         # and put in the numbers of your robot. A robot whose propellers all turn the same way cannot hover.\n",
+    );
+    let places: Vec<[f64; 2]> = ends.iter().map(|link| place(model, *link)).collect();
+    for (link, sign) in ends.iter().zip(signs(&places)) {
+        text.push_str(&format!(
+            "\n# [[inputs]]\n# name = {0}\n# frame = {0}\n# wrench = [{1}]\n# limits = [0, 8]\n",
+            toml_text(&model.links[*link].name),
+            wrench(up(model, *link), sign)
+        ));
+    }
+    text
+}
+
+/// The axis z of the root in the axes of a link, with all joints at 0.
+fn up(model: &Model, link: usize) -> [f64; 3] {
+    // Rests of the rounding of an angle are none.
+    pose(model, link).rotation[2].map(|entry| if entry.abs() < 1e-9 { 0.0 } else { entry })
 }
 
 /// The least cosine of a propeller's tilt: some are tilted a little.
@@ -69,12 +101,18 @@ fn upward(model: &Model, joint: &Joint) -> Option<[f64; 3]> {
 
 /// Where a link is beside the axis z of the root, with all joints at 0; what is no number counts as 0.
 fn place(model: &Model, link: usize) -> [f64; 2] {
+    let pose = pose(model, link);
+    [0, 1].map(|axis| pose.translation[axis].as_number().unwrap_or(0.0))
+}
+
+/// A link in the root, with all joints at 0.
+fn pose(model: &Model, link: usize) -> Pose {
     let (mut pose, mut at) = (Pose::identity(), link);
     while let Some(joint) = &model.links[at].joint {
         pose = joint.origin.then(&pose);
         at = joint.parent;
     }
-    [0, 1].map(|axis| pose.translation[axis].as_number().unwrap_or(0.0))
+    pose
 }
 
 /// Signs that alternate around the middle of all places.

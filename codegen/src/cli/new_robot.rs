@@ -230,6 +230,10 @@ fn description((path, kind): (&Path, Kind), model: &Model, floats: bool, feet: &
             "# Joints with <mimic> move with the joints that they follow. With `ignore_mimic = true` each is a coordinate of its own.\n",
         );
     }
+    if described_joints(model).next().is_none() {
+        text.push_str(&new_propellers::of_fixed_links(model));
+        return text;
+    }
     text.push_str(kind.of_drives());
     for (joint, _) in described_joints(model) {
         text.push_str(&entry(&joint.name, kind));

@@ -181,6 +181,52 @@ fn a_new_crate_has_a_robot_that_floats() {
     assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
 }
 
+/// Propellers on fixed joints, as in many URDFs, and a body alone: links become inputs, and nothing is said of drives.
+#[test]
+fn links_that_are_fixed_to_what_floats_become_propellers() {
+    let folder = tempfile::tempdir().unwrap();
+    let inertial = r#"<inertial><mass value="1"/><inertia ixx="1e-2" ixy="0" ixz="0" iyy="1e-2" iyz="0" izz="1e-2"/></inertial>"#;
+    let body = format!("<link name=\"frame\">{inertial}</link>");
+    let fixed = |name: &str, inertial: &str, origin: &str| {
+        format!(
+            "<link name=\"{name}\">{inertial}</link><joint name=\"{name}_joint\" type=\"fixed\"><parent link=\"frame\"/>\
+             <child link=\"{name}\"/><origin {origin}/></joint>"
+        )
+    };
+    let parts = [
+        fixed("left", inertial, r#"xyz="0 0.1 0""#),
+        fixed("right", inertial, r#"xyz="0 -0.1 0" rpy="3.141592653589793 0 0""#),
+        fixed("imu", "", r#"xyz="0 0 0""#),
+    ];
+    for (name, links, inputs) in [
+        ("propellers", parts.concat(), vec!["left: 0, 0, 1, 0, 0, -0.016", "right: 0, 0, -1, 0, 0, -0.016"]),
+        ("alone", String::new(), vec!["frame: 0, 0, 1, 0, 0, 0.016"]),
+    ] {
+        let file = format!("{name}.urdf");
+        fs::write(folder.path().join(&file), format!("<robot name=\"r\">{body}{links}</robot>")).unwrap();
+        let made = gelenk(folder.path(), &["new", name, "--urdf", &file, "--base", "floating"]);
+        assert_eq!(made.status.code(), Some(0), "{}", shown(&made));
+        let home = folder.path().join(name);
+        let text = fs::read_to_string(home.join("robot.toml")).unwrap();
+        let of = |key: &str| -> Vec<String> {
+            let lines = text.lines().filter_map(|line| line.strip_prefix("# ")?.strip_prefix(key));
+            lines.map(|value| value.trim_matches(&['"', '[', ']'][..]).to_owned()).collect()
+        };
+        let found =
+            of("name = ").into_iter().zip(of("wrench = ")).map(|(name, wrench)| format!("{name}: {wrench}"));
+        assert_eq!(found.collect::<Vec<_>>(), inputs, "{text}");
+        assert!(!text.contains("nothing of drives"), "{text}");
+        // Without inputs B has no entries, and rustc does not warn of it.
+        let generated = gelenk(&home, &["generate", "robot.toml"]);
+        assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+        assert!(fs::read_to_string(home.join("robot.rs")).unwrap().contains("let _ = b_x;"));
+        let (head, blocks) = text.split_at(text.find("# [[inputs]]").unwrap());
+        fs::write(home.join("robot.toml"), head.to_owned() + &blocks.replace("# ", "")).unwrap();
+        let generated = gelenk(&home, &["generate", "robot.toml"]);
+        assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
+    }
+}
+
 #[test]
 fn a_new_crate_is_not_made_of_a_file_that_is_no_urdf() {
     let folder = tempfile::tempdir().unwrap();

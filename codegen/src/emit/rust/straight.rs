@@ -21,7 +21,10 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) ->
         _ => parts::calls(&body, name, &split),
     };
     let unused = parts::unused(&body, &split, body.program.entries());
-    let statements = quote!(#(let _ = #unused;)* #statements);
+    // A robot without inputs has matrices without entries.
+    let results = body.results.iter().zip(&body.program.outputs);
+    let empty = results.filter(|(_, output)| output.entries.is_empty()).map(|(name, _)| name);
+    let statements = quote!(#(let _ = #unused;)* #(let _ = #empty;)* #statements);
     let mut items = public::items(function, &body, name, &signature, &statements);
     items.extend(parts::items(&body, name, &signature, &split));
     items
