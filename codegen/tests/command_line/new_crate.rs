@@ -221,7 +221,7 @@ fn links_that_are_fixed_to_what_floats_become_propellers() {
         assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
         assert!(fs::read_to_string(home.join("robot.rs")).unwrap().contains("let _ = b_x;"));
         let (head, blocks) = text.split_at(text.find("# [[inputs]]").unwrap());
-        fs::write(home.join("robot.toml"), head.to_owned() + &blocks.replace("# ", "")).unwrap();
+        fs::write(home.join("robot.toml"), format!("{head}{}", blocks.replace("# ", ""))).unwrap();
         let generated = gelenk(&home, &["generate", "robot.toml"]);
         assert_eq!(generated.status.code(), Some(0), "{}", shown(&generated));
     }
