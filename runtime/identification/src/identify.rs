@@ -4,11 +4,10 @@ use super::digits::plain;
 use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, Offsets, estimate};
 use super::friction::{
-    Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
-    InstrumentalTerms,
+    CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
 };
 use super::log::{ColumnOptions, FindingKind, Recording, runs_noting};
-use super::preparation::{PreparationReport, PreparationSettings, prepare_all};
+use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
 use super::range::{far_beyond, require_in_range};
 use super::result::FrictionTerm;
 use super::robot::{JointLimits, Robot, require_no_quaternions};
@@ -114,19 +113,19 @@ pub fn identify(
     settings: &IdentificationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
-    let (recording, prepared, preparation) = read_and_prepare(robot, logs, settings, progress)?;
+    let (recording, prepared, mut preparation) = read_and_prepare(robot, logs, settings, progress)?;
     let beyond = beyond_range(robot, (&recording, &prepared, &preparation), settings.accept_poor, progress)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let prepared = rows.along(prepared);
-    let estimation =
-        EstimationSettings { filter: Some(preparation.filter.clone()), ..settings.estimation.clone() };
+    let estimation = of_signals(settings, &preparation, shafts.is_some());
     let found = estimate(robot, &prepared, &estimation, progress);
     let found = found.map_err(|error| in_words(error, shafts.as_ref()));
     let mut estimate = or_noted(found, || notes(&recording, Some(&preparation)), progress)?;
     let of_logs = recording.doubts().chain(beyond).chain(faults(&preparation));
     estimate.warnings.splice(0..0, of_logs);
+    preparation.refine(&left_of_delays(&estimate));
     progress("choosing the terms of friction");
     let data = source(&recording);
     let rubs = |joint: &usize| estimate.joints[*joint].moves && !estimate.joints[*joint].exact;
@@ -144,6 +143,32 @@ pub fn identify(
         shafts.word(joints, &mut estimate, faults_of(&mut friction));
     }
     Ok(Identification { recording, preparation, runs: prepared, estimate, friction, shafts })
+}
+
+/// The settings of the estimate with what is known of the signals: their filter, and which efforts share a delay.
+///
+/// - `mixed`: efforts of the joints were added up along shafts
+pub(crate) fn of_signals(
+    settings: &IdentificationSettings,
+    preparation: &PreparationReport,
+    mixed: bool,
+) -> EstimationSettings {
+    let mut own = 0;
+    let mut number = |delay: &Delay| {
+        own += usize::from(delay.own && !mixed);
+        if delay.own && !mixed { own } else { 0 }
+    };
+    let delays = preparation.delays.iter().map(&mut number).collect();
+    EstimationSettings {
+        filter: Some(preparation.filter.clone()),
+        delays: settings.preparation.delay.is_none().then_some(delays),
+        ..settings.estimation.clone()
+    }
+}
+
+/// What is left of the delay of each effort, and its standard error.
+pub(crate) fn left_of_delays(estimate: &Estimate) -> Vec<[f64; 2]> {
+    estimate.delays.iter().map(|delay| [delay.value, delay.standard_error]).collect()
 }
 
 /// The term of a joint's friction that grows with the load, as a law has it.
@@ -311,18 +336,28 @@ struct JointSamples<'a> {
     velocities: Vec<f64>,
     accelerations: Vec<f64>,
     torques: Vec<f64>,
-    /// What instrumental variables say, where least squares is biased.
-    instrumental: Option<InstrumentalTerms>,
+    /// What the common estimate says of the friction.
+    common: Option<CommonTerms>,
 }
 
-/// What instrumental variables say of a joint's friction, where least squares is biased.
-pub(crate) fn instrumental(estimate: &Estimate, joint: usize) -> Option<InstrumentalTerms> {
-    let other = estimate.instrumental.as_ref().filter(|other| other.rejects)?;
-    let (own, terms) = (&estimate.joints[joint].terms, &other.terms[joint]);
-    let distances = terms.iter().zip(own).map(|(other, own)| other.coefficient.value - own.coefficient.value);
-    Some(InstrumentalTerms {
-        bases: terms.iter().map(|term| term.basis.clone()).collect(),
-        distances: DVector::from_iterator(terms.len(), distances),
+/// What the estimate says of a joint's friction, and instrumental variables where least squares is biased; `None` where the
+/// joint has no terms.
+pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
+    let own = Some(&estimate.joints[joint].terms).filter(|terms| !terms.is_empty())?;
+    let bases = own.iter().map(|term| term.basis.clone()).collect();
+    let Some(other) = estimate.instrumental.as_ref().filter(|other| other.rejects) else {
+        return Some(CommonTerms {
+            bases,
+            distances: DVector::zeros(own.len()),
+            covariance: estimate.terms_covariance[joint].clone(),
+            freedom: estimate.freedom.max(1) as f64,
+        });
+    };
+    let terms = other.terms[joint].iter().zip(own);
+    let distances = terms.map(|(other, own)| other.coefficient.value - own.coefficient.value);
+    Some(CommonTerms {
+        bases,
+        distances: DVector::from_iterator(own.len(), distances),
         covariance: other.terms_covariance[joint].clone(),
         freedom: other.freedom.max(1) as f64,
     })
@@ -341,7 +376,7 @@ impl<'a> JointSamples<'a> {
             velocities: Vec::new(),
             accelerations: Vec::new(),
             torques: Vec::new(),
-            instrumental: instrumental(estimate, joint),
+            common: common(estimate, joint),
         };
         for (index, (run, torques)) in prepared.iter().zip(&estimate.friction).enumerate() {
             match estimate.load_friction.get(index) {
@@ -395,7 +430,7 @@ impl<'a> JointSamples<'a> {
             filtered: Some(&filtered),
             positions: Some(&self.positions),
             accelerations: Some(&self.accelerations),
-            instrumental: self.instrumental.as_ref(),
+            common: self.common.as_ref(),
             limits,
             data: source,
             settings: &preparations,

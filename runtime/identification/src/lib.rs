@@ -40,6 +40,7 @@ pub mod result;
 pub mod robot;
 pub mod run;
 pub mod shafts;
+mod shifted;
 mod statistics;
 pub mod stribeck;
 pub mod subset;

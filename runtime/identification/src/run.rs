@@ -1,5 +1,6 @@
 //! Recorded motions, joint by joint: as they were measured, and prepared for the regression.
 
+use super::shifted::{shifted, slope};
 use std::ops::Range;
 
 /// A part of a log without interruption: all joints' samples at the same times.
@@ -86,6 +87,32 @@ impl PreparedRun {
             }
         }
         stretches
+    }
+
+    /// Time between samples [s].
+    pub(crate) fn step(&self) -> f64 {
+        let last = self.times.len().saturating_sub(1);
+        (self.times[last] - self.times[0]) / last.max(1) as f64
+    }
+
+    /// Rate of change of an effort at a sample.
+    pub(crate) fn effort_rate(&self, effort: usize, sample: usize) -> f64 {
+        slope(&self.efforts[effort], sample) / self.step()
+    }
+
+    /// The run with efforts that come earlier.
+    ///
+    /// - `delays`: of each effort \[s\]; none where they are empty
+    pub(crate) fn without_delays(self, delays: &[f64]) -> Self {
+        let step = self.step();
+        let earlier = |(effort, values): (usize, &Vec<f64>)| -> Vec<f64> {
+            let samples = delays.get(effort).copied().unwrap_or(0.0) / step;
+            let at =
+                |i: usize| if samples == 0.0 { values[i] } else { shifted(values, i as f64 + samples).0 };
+            (0..values.len()).map(at).collect()
+        };
+        let efforts = self.efforts.iter().enumerate().map(earlier).collect();
+        Self { efforts, ..self }
     }
 
     /// Whether some joint moves at a sample.

@@ -17,9 +17,10 @@ use super::cosines::{FEWEST, count, projections};
 use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};
 use super::intervals::{Fitted, MOST_BLOCKS, column_means};
+use super::late::rates;
 use super::layout::Layout;
 use super::normal::{Factor, Values, residual_vector};
-use super::residuals::{huber, residual};
+use super::residuals::{forces, huber, residual};
 use super::result::Offsets;
 use super::task::Task;
 use nalgebra::{DMatrix, DVector};
@@ -140,7 +141,12 @@ struct Pass {
 impl Pass {
     fn new(task: &Task, of: &Fitted, instruments: &Instruments, time: f64) -> Self {
         let layout = task.layout;
-        let (mut measured, mut other) = (task.rows(), task.rows());
+        // A delay's column along the instruments' motion: noise of the measured one stands in the other.
+        let rates = task.late.map(|_| {
+            let forces = forces(&mut task.rows(), layout, &instruments.runs, of.values, of.offsets);
+            rates(layout, &instruments.runs, of.values, &forces)
+        });
+        let (mut measured, mut other) = (task.rows(), task.rows().with_rates(rates.as_deref()));
         let total: usize = task.runs.iter().map(|run| run.times.len()).sum();
         let length = total.div_ceil(MOST_BLOCKS).max((0.5 * time) as usize).clamp(1, BLOCK);
         let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, of.values, j)).collect();
@@ -152,8 +158,8 @@ impl Pass {
         for (run, samples) in task.runs.iter().enumerate() {
             for start in (0..samples.times.len()).step_by(length) {
                 let rows = start..samples.times.len().min(start + length);
-                measured.evaluate(samples, rows.clone());
-                other.evaluate(&instruments.runs[run], rows.clone());
+                measured.evaluate((run, samples), rows.clone());
+                other.evaluate((run, &instruments.runs[run]), rows.clone());
                 let known = &instruments.known[run][rows];
                 for joint in 0..layout.joints {
                     let (x, z) = (measured.joint(joint), other.joint(joint));
@@ -217,7 +223,7 @@ impl Pass {
             z: DMatrix::zeros(n, blocks),
         };
         for joint in 0..layout.joints {
-            let selection = selection(layout, joint, &of.solved.active);
+            let selection = selection((layout, joint, of.values.gains[joint]), &of.solved.active);
             let means = self.means(of, joint);
             for (products, [x, z]) in self.products.iter().map(|p| &p[joint]).zip(&means) {
                 let [zx, zz] = products.centred(x, z);
@@ -278,11 +284,11 @@ impl Products {
 }
 
 /// Which of a joint's columns make which active unknown's.
-fn selection(layout: &Layout, joint: usize, active: &[usize]) -> DMatrix<f64> {
+fn selection((layout, joint, gain): (&Layout, usize, f64), active: &[usize]) -> DMatrix<f64> {
     let mut selection = DMatrix::zeros(layout.width(joint), active.len());
     for (i, &global) in active.iter().enumerate() {
         if let Some(k) = layout.local[joint].iter().position(|local| *local == global) {
-            selection[(k, i)] = 1.0;
+            selection[(k, i)] = layout.scale(global, gain);
         }
     }
     selection

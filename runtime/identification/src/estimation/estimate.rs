@@ -10,6 +10,7 @@ use super::endogeneity::endogeneity;
 use super::estimated::{Estimated, require_explained};
 use super::fit::{HeldOut, fit};
 use super::intervals::{Fitted, correlation_time, covariance, scores};
+use super::late::Late;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
 use super::normal::{Centred, Values, residual_vector};
@@ -54,8 +55,22 @@ pub fn estimate(
     if settings.load_friction {
         return under_load(robot, runs, settings, progress);
     }
-    let layout = Layout::new(robot, runs, settings.steepness.as_deref(), false)?;
+    let layout = layout_of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
     pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
+}
+
+/// - `steepness`: factors of the Coulomb terms of each joint; and whether there is a term under load
+fn layout_of(
+    robot: &dyn Robot,
+    runs: &[PreparedRun],
+    settings: &EstimationSettings,
+    (steepness, loads): (Option<&[f64]>, bool),
+) -> Result<Layout> {
+    let layout = Layout::new(robot, runs, steepness, loads)?;
+    match &settings.delays {
+        Some(delays) => layout.with_delays(delays),
+        None => Ok(layout),
+    }
 }
 
 /// The estimate with friction under load.
@@ -65,12 +80,12 @@ fn under_load(
     settings: &EstimationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate> {
-    let layout = Layout::new(robot, runs, settings.steepness.as_deref(), false)?;
+    let layout = layout_of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
     // What the load adds may be most of the residual.
     let first = EstimationSettings { accept_poor: true, ..settings.clone() };
     let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
     // The load's term changes sign like the Coulomb term.
-    let layout = Layout::new(robot, runs, Some(&steepness), true)?;
+    let layout = layout_of(robot, runs, settings, (Some(&steepness), true))?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;
         progress(&format!("Friction under load, pass {number}."));
@@ -98,10 +113,19 @@ fn pass(
     let prior = Prior::new(&robot.parameters(), robot.bodies());
     let pieces = cut(runs, settings.folds);
     let gravity = Gravity::of(settings.gravity_compensated);
-    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads };
+    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, late: None };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
     progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
     let (task, first) = task.with_its_compensation(progress)?;
+    let late = task.late(&first)?;
+    let (task, first) = match &late {
+        Some(late) => {
+            let task = Task { runs: &late.runs, late: Some(late), ..task };
+            let sums = task.sums(None);
+            (task, sums)
+        }
+        None => (task, first),
+    };
     progress("Terms, offsets and the weight of the description are chosen by the held-out error.");
     let mut outlier = vec![f64::INFINITY; layout.joints];
     let mut robust = first.clone();
@@ -134,6 +158,16 @@ impl Task<'_> {
             let weights = huber(&residual, deviations[joint]);
             weights.iter().zip(moving).map(|(weight, moves)| weight * moves).collect()
         })
+    }
+
+    /// What a first fit tells of the delays; `None` where they are known.
+    fn late(&self, sums: &Sums) -> Result<Option<Late>> {
+        if self.layout.delays.is_empty() {
+            return Ok(None);
+        }
+        let chosen = self.choose(sums)?;
+        let forces = self.forces(&chosen.values, &chosen.offsets());
+        Ok(Some(Late::new(self.layout, self.runs, &chosen.values, &forces)))
     }
 
     fn sums_of(&self, weights: Weights) -> Sums {
@@ -263,6 +297,7 @@ impl Task<'_> {
                 solved: &solved,
                 covariance: &covariance,
                 instead: endogeneity.as_ref().filter(|found| found.rejects()),
+                delays: self.late.map_or(&[], |late| &late.delays),
             },
             runs: self.runs,
             forces: &forces,

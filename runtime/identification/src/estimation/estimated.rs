@@ -32,6 +32,8 @@ pub(super) struct Estimated<'a> {
     pub(super) covariance: &'a Covariance,
     /// The estimate by instrumental variables, where least squares differs from it by more than chance.
     pub(super) instead: Option<&'a Endogeneity>,
+    /// Delays that were taken off the efforts before the fit, by their numbers \[s\].
+    pub(super) delays: &'a [f64],
 }
 
 /// How well a joint's force is explained.
@@ -75,6 +77,9 @@ impl Estimated<'_> {
             load_friction: Vec::new(),
             confidence: self.settings.confidence,
             instrumental: None,
+            terms_covariance: (0..self.layout.joints).map(|joint| self.terms_covariance(joint)).collect(),
+            freedom: self.covariance.freedom,
+            delays: self.delays(),
             choices,
             warnings,
         }
@@ -137,6 +142,41 @@ impl Estimated<'_> {
         covariance
     }
 
+    /// Covariance of the coefficients of a joint's terms.
+    fn terms_covariance(&self, joint: usize) -> DMatrix<f64> {
+        let unknowns = self.term_unknowns(joint);
+        let of = |i: usize, k: usize| self.covariance.of(self.solved, unknowns[i], unknowns[k]);
+        DMatrix::from_fn(unknowns.len(), unknowns.len(), of)
+    }
+
+    /// What is left of delays, by their numbers.
+    fn delays_said(&self) -> Option<String> {
+        let mut numbers = self.layout.delays.clone();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let half = |delay: Uncertain| 0.5 * (delay.interval[1] - delay.interval[0]);
+        let said = |delay: Uncertain| format!("{:+.2} ± {:.2} ms", 1e3 * delay.value, 1e3 * half(delay));
+        let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
+        (!said.is_empty()).then(|| {
+            format!(
+                "The delay of the efforts is estimated with all else, and intervals count how far it is known: {} beyond \
+                 what was removed before. --delay takes one as known.",
+                said.join(", ")
+            )
+        })
+    }
+
+    /// What is left of a delay, by its number.
+    fn delay(&self, number: usize) -> Uncertain {
+        let before = self.delays.get(number).copied().unwrap_or(0.0);
+        self.uncertain(self.layout.delay(number), before)
+    }
+
+    /// What is left of the delay of each effort.
+    fn delays(&self) -> Vec<Uncertain> {
+        self.layout.delays.iter().map(|number| self.delay(*number)).collect()
+    }
+
     /// How much the description weighs, and which of its bodies the data contradict.
     pub(super) fn choices(&self) -> impl Iterator<Item = String> {
         let names = self.robot.parameter_names();
@@ -153,7 +193,7 @@ impl Estimated<'_> {
             let body = names[body * PER_BODY].trim_start_matches("m_");
             format!("The data contradict the described body of {body}.")
         });
-        std::iter::once(weight).chain(doubted)
+        std::iter::once(weight).chain(doubted).chain(self.delays_said())
     }
 
     /// An unknown beyond `base`, with its interval. Where least squares is biased, the interval reaches as far as instrumental

@@ -81,7 +81,7 @@ pub(super) fn scores(
     let mut found = Scores { blocks: Vec::new(), samples: total, correlation_time: time, are_groups: false };
     for (run, samples) in runs.iter().enumerate() {
         for start in (0..samples.times.len()).step_by(length) {
-            rows.evaluate(samples, start..samples.times.len().min(start + length));
+            rows.evaluate((run, samples), start..samples.times.len().min(start + length));
             let mut score = DVector::zeros(of.solved.active.len());
             for joint in 0..layout.joints {
                 let products = products(
@@ -92,7 +92,8 @@ pub(super) fn scores(
                     of.outlier[joint],
                     &means[joint][run],
                 );
-                add(&mut score, layout, joint, &place, &(products * weights[joint]));
+                let gain = of.values.gains[joint];
+                add(&mut score, (layout, joint, gain), &place, &(products * weights[joint]));
             }
             found.blocks.push(score);
         }
@@ -119,14 +120,13 @@ fn products(
 
 fn add(
     score: &mut DVector<f64>,
-    layout: &Layout,
-    joint: usize,
+    (layout, joint, gain): (&Layout, usize, f64),
     place: &[Option<usize>],
     products: &DVector<f64>,
 ) {
     for (k, &global) in layout.local[joint].iter().enumerate() {
         if let Some(i) = place[global] {
-            score[i] += products[k];
+            score[i] += products[k] * layout.scale(global, gain);
         }
     }
 }
@@ -158,7 +158,8 @@ impl Scores {
             let mut score = DVector::zeros(of.solved.active.len());
             for joint in 0..layout.joints {
                 let products = &fold[joint] * residual_vector(layout, of.values, joint);
-                add(&mut score, layout, joint, &place, &(products * (share * weights[joint])));
+                let gain = of.values.gains[joint];
+                add(&mut score, (layout, joint, gain), &place, &(products * (share * weights[joint])));
             }
             score
         };
@@ -202,8 +203,13 @@ pub(super) struct Covariance {
 impl Covariance {
     /// Standard error of an unknown; zero where it is not estimated.
     pub(super) fn deviation(&self, solved: &Solved, global: usize) -> f64 {
-        let place = solved.active.iter().position(|&active| active == global);
-        place.map_or(0.0, |i| self.matrix[(i, i)].max(0.0).sqrt())
+        self.of(solved, global, global).max(0.0).sqrt()
+    }
+
+    /// Covariance of two unknowns; zero where one of them is not estimated.
+    pub(super) fn of(&self, solved: &Solved, one: usize, other: usize) -> f64 {
+        let place = |global: usize| solved.active.iter().position(|&active| active == global);
+        place(one).zip(place(other)).map_or(0.0, |at| self.matrix[at])
     }
 }
 

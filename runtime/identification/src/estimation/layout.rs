@@ -28,7 +28,7 @@ const PROBES: usize = 4;
 /// Columns of the equations, and what is known about the data before the first pass.
 ///
 /// Unknowns count globally: the P inertial parameters (as differences from the description), then the candidate
-/// terms of each joint.
+/// terms of each joint, then what is left of the efforts' delays.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) joints: usize,
@@ -38,6 +38,10 @@ pub(super) struct Layout {
     /// Global columns with entries in the joint's equation, ascending; behind them stand the described rigid force and
     /// the measured force.
     pub(super) local: Vec<Vec<usize>>,
+    /// Number of the delay of each effort, where delays are not known; empty otherwise.
+    pub(super) delays: Vec<usize>,
+    /// Delays with entries in the joint's equation.
+    pub(super) late: Vec<Vec<usize>>,
     /// Factors k of the terms tanh(k v), for each joint.
     pub(super) steepness: Vec<[f64; WIDTHS.len()]>,
     /// Whether the joint moves and its force was measured.
@@ -107,6 +111,8 @@ impl Layout {
             parameters,
             terms,
             local: local(robot, joints, parameters, terms),
+            delays: Vec::new(),
+            late: vec![Vec::new(); joints],
             steepness,
             moves,
             exact: rows_of(&robot.quaternion_joints(), joints),
@@ -115,6 +121,56 @@ impl Layout {
             effort,
             input_matrix: robot.input_matrix(),
         })
+    }
+
+    /// The layout where the delays of the efforts are not known.
+    ///
+    /// - `delays`: number of the delay of each effort
+    pub(super) fn with_delays(mut self, delays: &[usize]) -> Result<Self> {
+        let efforts = if self.effort == Effort::Joint { self.joints } else { self.inputs() };
+        require_length("delays of the efforts", efforts, delays.len())?;
+        self.delays = delays.to_vec();
+        for joint in 0..self.joints {
+            let mut late: Vec<usize> = self.acting(joint).map(|(effort, _)| delays[effort]).collect();
+            late.sort_unstable();
+            late.dedup();
+            let globals: Vec<usize> = late.iter().map(|delay| self.delay(*delay)).collect();
+            self.local[joint].extend(globals);
+            self.late[joint] = late;
+        }
+        Ok(self)
+    }
+
+    fn inputs(&self) -> usize {
+        self.input_matrix.len() / self.joints.max(1)
+    }
+
+    /// The efforts that act on a joint, with their factors.
+    pub(super) fn acting(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let own = (self.effort == Effort::Joint).then_some((joint, 1.0));
+        let inputs = if own.is_some() { 0 } else { self.inputs() };
+        let row = (0..inputs).map(move |input| (input, self.input_matrix[joint * inputs + input]));
+        own.into_iter().chain(row.filter(|(_, factor)| *factor != 0.0))
+    }
+
+    /// Global number of what is left of a delay.
+    pub(super) fn delay(&self, number: usize) -> usize {
+        self.parameters + self.joints * self.terms + number
+    }
+
+    /// Whether a global number is that of a delay.
+    pub(super) fn is_delay(&self, global: usize) -> bool {
+        global >= self.delay(0)
+    }
+
+    /// How many delays there are.
+    pub(super) fn delay_count(&self) -> usize {
+        self.delays.iter().map(|delay| delay + 1).max().unwrap_or(0)
+    }
+
+    /// Factor of a joint's column in its force: a delay moves the measured effort, which has a gain.
+    pub(super) fn scale(&self, global: usize, gain: f64) -> f64 {
+        if self.is_delay(global) { gain } else { 1.0 }
     }
 
     /// Global number of a candidate term.
@@ -140,12 +196,12 @@ impl Layout {
 
     /// Number of global unknowns.
     pub(super) fn len(&self) -> usize {
-        self.parameters + self.joints * self.terms
+        self.parameters + self.joints * self.terms + self.delay_count()
     }
 
     /// Place of a joint's first candidate term among its columns.
     pub(super) fn first_term(&self, joint: usize) -> usize {
-        self.local[joint].len() - self.terms
+        self.local[joint].len() - self.late[joint].len() - self.terms
     }
 
     /// Columns of a joint's sums of products: its unknowns, the rigid force, the measured force.

@@ -13,6 +13,7 @@ mod fit;
 mod gains;
 mod instruments;
 mod intervals;
+mod late;
 mod layout;
 mod loads;
 mod normal;

@@ -53,6 +53,7 @@ impl Model {
                 active.extend(chosen[joint].then(|| layout.term(joint, term)));
             }
         }
+        active.extend((0..layout.delay_count()).map(|number| layout.delay(number)));
         active
     }
 }
@@ -152,7 +153,7 @@ pub(super) fn residual_vector(layout: &Layout, values: &Values, joint: usize) ->
     let local = &layout.local[joint];
     let mut r = DVector::zeros(local.len() + 2);
     for (place, &global) in r.iter_mut().zip(local) {
-        *place = -values.unknowns[global];
+        *place = -values.unknowns[global] * layout.scale(global, values.gains[joint]);
     }
     r[local.len()] = -1.0;
     r[local.len() + 1] = values.gains[joint];
@@ -180,7 +181,7 @@ pub(super) fn assemble(
     let mut normal =
         Normal { hessian: DMatrix::zeros(active.len(), active.len()), linear: DVector::zeros(active.len()) };
     for joint in 0..layout.joints {
-        normal.add(&layout.local[joint], &products[joint], &place, weights[joint], gains[joint]);
+        normal.add(layout, joint, &products[joint], &place, [weights[joint], gains[joint]]);
     }
     normal
 }
@@ -188,19 +189,21 @@ pub(super) fn assemble(
 impl Normal {
     fn add(
         &mut self,
-        local: &[usize],
+        layout: &Layout,
+        joint: usize,
         products: &DMatrix<f64>,
         place: &[Option<usize>],
-        weight: f64,
-        gain: f64,
+        [weight, gain]: [f64; 2],
     ) {
-        let chosen: Vec<(usize, usize)> =
-            local.iter().enumerate().filter_map(|(k, &global)| place[global].map(|i| (k, i))).collect();
+        let local = &layout.local[joint];
+        let column =
+            |(k, &global): (usize, &usize)| place[global].map(|i| (k, i, layout.scale(global, gain)));
+        let chosen: Vec<(usize, usize, f64)> = local.iter().enumerate().filter_map(column).collect();
         let target = products * target_vector(local.len(), gain);
-        for &(k, i) in &chosen {
-            self.linear[i] += weight * target[k];
-            for &(l, m) in &chosen {
-                self.hessian[(i, m)] += weight * products[(k, l)];
+        for &(k, i, scale) in &chosen {
+            self.linear[i] += weight * scale * target[k];
+            for &(l, m, other) in &chosen {
+                self.hessian[(i, m)] += weight * scale * other * products[(k, l)];
             }
         }
     }

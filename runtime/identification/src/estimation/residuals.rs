@@ -67,20 +67,30 @@ pub(super) fn forces(
     let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, values, j)).collect();
     for (run, samples) in runs.iter().enumerate() {
         for start in (0..samples.times.len()).step_by(BLOCK) {
-            rows.evaluate(samples, start..samples.times.len().min(start + BLOCK));
+            rows.evaluate((run, samples), start..samples.times.len().min(start + BLOCK));
             for joint in 0..layout.joints {
                 let columns = rows.joint(joint);
                 found.residual[run][joint].extend(residual(&factors[joint], offsets[joint][run], &columns));
-                let gain = values.gains[joint];
-                let measured = columns.last().map_or(&[][..], |z| z);
-                found.measured[run][joint].extend(measured.iter().map(|z| gain * z));
+                let factors = &factors[joint];
+                found.measured[run][joint].extend(measured(layout, joint, factors, &columns));
                 found.described[run][joint].extend(columns[columns.len() - 2]);
-                found.rigid[run][joint].extend(rigid(layout, joint, &factors[joint], &columns));
-                found.load[run][joint].extend(under_load(layout, joint, &factors[joint], &columns));
+                found.rigid[run][joint].extend(rigid(layout, joint, factors, &columns));
+                found.load[run][joint].extend(under_load(layout, joint, factors, &columns));
             }
         }
     }
     found
+}
+
+/// The measured force at the time of the motion, `K (z + δ ż)`.
+fn measured(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
+    let mut only = factors.map(|_| 0.0);
+    for (k, _) in layout.local[joint].iter().enumerate().filter(|(_, global)| layout.is_delay(**global)) {
+        only[k] = factors[k];
+    }
+    let last = factors.len() - 1;
+    only[last] = factors[last];
+    residual(&only, 0.0, columns)
 }
 
 /// `W π` with all of the description's other forces: the rigid force and its change.

@@ -81,6 +81,13 @@ pub struct Estimate {
     pub confidence: f64,
     /// The estimate by instrumental variables and the test of this one against it, where the logs hold instruments.
     pub instrumental: Option<InstrumentalEstimate>,
+    /// Covariance of the coefficients of each joint's terms, and its degrees of freedom.
+    pub terms_covariance: Vec<DMatrix<f64>>,
+    /// Degrees of freedom of the covariances.
+    pub freedom: usize,
+    /// What is left of the delay of each effort after that which was removed \[s\], positive where efforts come later still;
+    /// empty where delays are known. The forces above are at the times of the motion.
+    pub delays: Vec<Uncertain>,
     /// What was chosen, as sentences.
     pub choices: Vec<String>,
     /// Doubts, as sentences with remedies.

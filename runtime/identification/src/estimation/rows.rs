@@ -18,6 +18,8 @@ pub(super) struct Rows<'a> {
     gravity: Gravity,
     filter: Option<&'a Filter>,
     loads: Option<&'a Loads>,
+    /// Rates of the efforts without noise, where a first fit gave them.
+    rates: Option<&'a [Vec<Vec<f64>>]>,
     /// |τ_l| of each joint at the sample evaluated last.
     load: Vec<f64>,
     regressor: Vec<f64>,
@@ -45,6 +47,7 @@ impl<'a> Rows<'a> {
             gravity,
             filter,
             loads,
+            rates: None,
             load: vec![0.0; layout.joints],
             regressor: vec![0.0; size],
             at_rest: vec![0.0; size],
@@ -52,6 +55,11 @@ impl<'a> Rows<'a> {
             moving: vec![Vec::new(); layout.joints],
             count: 0,
         }
+    }
+
+    /// The same with rates of the efforts that a first fit gave.
+    pub(super) fn with_rates(self, rates: Option<&'a [Vec<Vec<f64>>]>) -> Self {
+        Self { rates, ..self }
     }
 
     /// 0 for each sample evaluated last in which a joint rests, 1 for the others.
@@ -65,8 +73,8 @@ impl<'a> Rows<'a> {
         columns.map(|column| &column[..self.count]).collect()
     }
 
-    /// Evaluates the samples `rows` of a run, at most [`BLOCK`].
-    pub(super) fn evaluate(&mut self, run: &PreparedRun, rows: Range<usize>) {
+    /// Evaluates the samples `rows` of a run with its number, at most [`BLOCK`].
+    pub(super) fn evaluate(&mut self, (number, run): (usize, &PreparedRun), rows: Range<usize>) {
         let n = self.layout.joints;
         self.count = rows.len();
         let coordinates = run.coordinates();
@@ -86,6 +94,7 @@ impl<'a> Rows<'a> {
             self.rigid_body(&y, &v, &a, &mut rigid);
             for j in (0..n).filter(|&j| self.layout.measured[j]) {
                 self.write(j, place, [v[j], a[j]], [rigid[j], self.force(run, j, sample)]);
+                self.write_delays((number, run), j, [place, sample]);
             }
         }
     }
@@ -165,8 +174,28 @@ impl<'a> Rows<'a> {
             // Loads change little within the filter's length: the jump of the direction is what it rounds.
             set(LOAD, self.load[joint] * direction);
         }
-        set(self.layout.terms, last[0]);
-        set(self.layout.terms + 1, last[1]);
+        let behind = self.layout.terms + self.layout.late[joint].len();
+        set(behind, last[0]);
+        set(behind + 1, last[1]);
+    }
+
+    /// An effort that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the time of the motion: the column of δ is −ż.
+    fn write_delays(
+        &mut self,
+        (number, run): (usize, &PreparedRun),
+        joint: usize,
+        [place, sample]: [usize; 2],
+    ) {
+        let layout = self.layout;
+        let first = layout.first_term(joint) + layout.terms;
+        for (k, delay) in layout.late[joint].iter().enumerate() {
+            let acting = layout.acting(joint).filter(|(effort, _)| layout.delays[*effort] == *delay);
+            let measured = || acting.map(|(effort, factor)| factor * run.effort_rate(effort, sample)).sum();
+            let of_joint = self.rates.map(|rates| &rates[number][joint]);
+            let rate: f64 =
+                of_joint.filter(|rates| !rates.is_empty()).map_or_else(measured, |rates| rates[sample]);
+            self.columns[joint][(first + k) * BLOCK + place] = -rate;
+        }
     }
 
     /// Measured force at a joint, for gains of one.

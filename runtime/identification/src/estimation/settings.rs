@@ -30,6 +30,9 @@ pub struct EstimationSettings {
     /// The filter that the runs passed. Friction jumps where a joint reverses, and the filter has rounded that in the
     /// efforts: the columns of friction pass it too. `None` leaves them as they are.
     pub filter: Option<Filter>,
+    /// Number of the delay of each effort, from 0 on: what is left of the delays that were removed is estimated with all
+    /// else. Efforts with the same number share one. `None` where delays are known.
+    pub delays: Option<Vec<usize>>,
     /// Level of the intervals, e.g. 0.9.
     pub confidence: f64,
     /// Least R² on held-out data, centred, that a moving joint's fit must have.
@@ -50,6 +53,7 @@ impl Default for EstimationSettings {
             robust_passes: 1,
             consistent: true,
             filter: None,
+            delays: None,
             confidence: 0.9,
             least_r_squared: 0.3,
             accept_poor: false,

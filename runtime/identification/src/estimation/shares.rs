@@ -134,7 +134,7 @@ impl Columns {
         let mut sums: Vec<Vec<f64>> = self.widths().into_iter().map(|width| vec![0.0; width]).collect();
         for start in (0..run.times.len()).step_by(BLOCK) {
             let block = start..run.times.len().min(start + BLOCK);
-            rows.evaluate(run, block.clone());
+            rows.evaluate((0, run), block.clone());
             for (joint, sums) in sums.iter_mut().enumerate() {
                 let weights = &weights[joint][block.clone()];
                 for (sum, column) in sums.iter_mut().zip(self.columns(rows, joint)) {
@@ -162,7 +162,7 @@ impl Columns {
         let mut lost = vec![[0.0; 2]; widths.len()];
         for start in piece.clone().step_by(BLOCK) {
             let block = start..piece.end.min(start + BLOCK);
-            rows.evaluate(run, block.clone());
+            rows.evaluate((0, run), block.clone());
             for (joint, products) in products.iter_mut().enumerate() {
                 let weights = &weights[joint][block.clone()];
                 let mut columns = self.columns(rows, joint);
@@ -284,6 +284,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
             covariance: &covariance,
             // Moments hold no instruments.
             instead: None,
+            delays: &[],
         },
         held_out,
     };

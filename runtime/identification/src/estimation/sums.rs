@@ -146,7 +146,7 @@ pub(super) fn sum(
     for piece in pieces {
         let mut of_piece = PieceSums::empty(layout, piece);
         for start in piece.rows.clone().step_by(BLOCK) {
-            rows.evaluate(&runs[piece.run], start..piece.rows.end.min(start + BLOCK));
+            rows.evaluate((piece.run, &runs[piece.run]), start..piece.rows.end.min(start + BLOCK));
             for joint in 0..layout.joints {
                 let columns = rows.joint(joint);
                 let weight = weights(piece.run, joint, &columns, rows.moving(joint));

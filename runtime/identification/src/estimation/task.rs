@@ -2,6 +2,7 @@
 
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
+use super::late::Late;
 use super::layout::Layout;
 use super::loads::Loads;
 use super::normal::Values;
@@ -23,6 +24,8 @@ pub(super) struct Task<'a> {
     pub(super) gravity: Gravity,
     pub(super) pieces: Vec<Piece>,
     pub(super) loads: Option<&'a Loads>,
+    /// What a first fit told of the delays, where they are not known; the runs are without these then.
+    pub(super) late: Option<&'a Late>,
 }
 
 impl Task<'_> {
@@ -31,7 +34,8 @@ impl Task<'_> {
     }
 
     pub(super) fn rows_where(&self, gravity: Gravity) -> Rows<'_> {
-        Rows::new(self.robot, self.layout, gravity, self.settings.filter.as_ref(), self.loads)
+        let rows = Rows::new(self.robot, self.layout, gravity, self.settings.filter.as_ref(), self.loads);
+        rows.with_rates(self.late.map(|late| late.rates.as_slice()))
     }
 
     pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {

@@ -5,7 +5,9 @@ use super::super::estimation::{
     Columns, Estimate, Gravity, JointEstimate, RunPiece, ShareSums, Weighted, correlation_time, estimate,
     huber, robust_deviation,
 };
-use super::super::identify::{IdentificationSettings, beyond_range, faults, read_and_prepare};
+use super::super::identify::{
+    IdentificationSettings, beyond_range, faults, left_of_delays, of_signals, read_and_prepare,
+};
 use super::super::moments::contiguous_blocks;
 use super::super::preparation::PreparationReport;
 use super::super::robot::{Robot, require_no_driven};
@@ -49,7 +51,7 @@ pub fn reduce(
     let help = "identify from the logs themselves, all of them in one call";
     require_no_driven(robot, "logs are not reduced to moments", help)?;
     let logs = [log.to_owned()];
-    let (recording, runs, preparation) = read_and_prepare(robot, &logs, settings, progress)?;
+    let (recording, runs, mut preparation) = read_and_prepare(robot, &logs, settings, progress)?;
     recording.columns_said().iter().for_each(|line| progress(line));
     recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
     let beyond = beyond_range(robot, (&recording, &runs, &preparation), settings.accept_poor, progress)?;
@@ -57,10 +59,12 @@ pub fn reduce(
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
     let (robot, runs): (&dyn Robot, _) = (&rows, rows.along(runs));
-    let mut alone = settings.estimation.clone();
-    alone.filter = Some(preparation.filter.clone());
+    let mut alone = of_signals(settings, &preparation, shafts.is_some());
     alone.accept_poor = true;
     let mut estimate = estimate(robot, &runs, &alone, &mut |_| ())?;
+    preparation.refine(&left_of_delays(&estimate));
+    let left: Vec<f64> = estimate.delays.iter().map(|delay| delay.value).collect();
+    let runs: Vec<PreparedRun> = runs.into_iter().map(|run| run.without_delays(&left)).collect();
     estimate.warnings.splice(0..0, recording.doubts().chain(beyond));
     estimate.warnings.iter().for_each(|warning| progress(warning));
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));

@@ -51,7 +51,7 @@ impl Errors {
                 / median(inflation).map_or(1.0, |median| median.max(1.0)),
             standard,
         };
-        match design.data.instrumental {
+        match design.data.common {
             Some(other) => found.reaching(design, (active, &bread), other),
             None => Ok(found),
         }

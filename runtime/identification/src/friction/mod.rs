@@ -8,6 +8,7 @@
 //! standard errors belong to them.
 
 mod columns;
+mod common;
 mod dependence;
 mod design;
 mod drift;
@@ -15,7 +16,6 @@ mod errors;
 mod filtered;
 mod findings;
 mod held_out;
-mod instrumental;
 mod judgement;
 mod named;
 mod passivity;
@@ -33,8 +33,7 @@ pub use filtered::{Filtered, FilteredRun};
 pub use report::{Candidate, FrictionReport};
 pub(crate) use shares::SharedFriction;
 pub use task::{
-    FrictionData, FrictionIdentification, FrictionMethod, InstrumentalTerms, LEAST_R_SQUARED, LambdaChoice,
-    Offsets,
+    CommonTerms, FrictionData, FrictionIdentification, FrictionMethod, LEAST_R_SQUARED, LambdaChoice, Offsets,
 };
 
 use super::error::{

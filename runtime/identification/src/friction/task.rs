@@ -45,8 +45,8 @@ pub struct FrictionData<'a> {
     pub positions: Option<&'a [f64]>,
     /// ÿ, where residuals that depend on it are to be noticed.
     pub accelerations: Option<&'a [f64]>,
-    /// What instrumental variables say of the friction, where least squares is biased: intervals reach as far.
-    pub instrumental: Option<&'a InstrumentalTerms>,
+    /// What the common estimate says of the friction: intervals reach as far as its own.
+    pub common: Option<&'a CommonTerms>,
     /// Limits of the joint, where samples beyond them are to be noticed.
     pub limits: Option<JointLimits>,
     /// Source and hash of the log.
@@ -81,12 +81,12 @@ pub enum FrictionMethod {
     Stribeck(StribeckRegression),
 }
 
-/// Friction by instrumental variables, beside that of least squares.
+/// Friction by the common estimate, or by instrumental variables where least squares is biased.
 #[derive(Debug, Clone, PartialEq)]
-pub struct InstrumentalTerms {
+pub struct CommonTerms {
     /// Terms in the velocity `v`.
     pub bases: Vec<String>,
-    /// Their coefficients minus those of least squares.
+    /// Their coefficients minus those of least squares: zero where this is not biased.
     pub distances: DVector<f64>,
     /// Covariance of the coefficients.
     pub covariance: DMatrix<f64>,

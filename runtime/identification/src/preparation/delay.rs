@@ -1,6 +1,7 @@
 //! The delay between efforts and positions, found where the motion explains the efforts best.
 
 use super::super::run::PreparedRun;
+use super::super::shifted::shifted;
 use super::regression::{Columns, Problem, Sample, problems, spread};
 use nalgebra::{DMatrix, DVector};
 
@@ -185,31 +186,5 @@ impl Search<'_> {
         let curvature = a - 2.0 * b + c;
         let shift = if curvature > 0.0 { 0.5 * (a - c) / curvature } else { 0.0 };
         (fine[index] + 5e-4 * shift.clamp(-0.5, 0.5)).clamp(self.range[0], self.range[1])
-    }
-}
-
-/// Value and slope (by sample) at a fractional index, by the cubic through the four nearest samples.
-fn shifted(signal: &[f64], index: f64) -> (f64, f64) {
-    let i = (index.floor() as usize).clamp(1, signal.len().saturating_sub(3).max(1));
-    let x = index - i as f64;
-    let [a, b, c, d] = [0, 1, 2, 3].map(|k| signal[(i + k).saturating_sub(1).min(signal.len() - 1)]);
-    let (c1, c2) = (c - a / 3.0 - b / 2.0 - d / 6.0, 0.5 * (a + c) - b);
-    let c3 = (d - a) / 6.0 + 0.5 * (b - c);
-    (b + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * c3 * x))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shifts_follow_cubics() {
-        let cubic = |x: f64| 2.0 - x + 0.5 * x * x - 0.1 * x * x * x;
-        let slope = |x: f64| -1.0 + x - 0.3 * x * x;
-        let signal: Vec<f64> = (0..10).map(|i| cubic(f64::from(i))).collect();
-        for x in [1.0, 2.3, 5.75, 7.9] {
-            let (value, rate) = shifted(&signal, x);
-            assert!((value - cubic(x)).abs() < 1e-12 && (rate - slope(x)).abs() < 1e-12, "{x}");
-        }
     }
 }

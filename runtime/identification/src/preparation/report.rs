@@ -160,16 +160,42 @@ fn remarks(joint: &JointPreparation) -> Vec<String> {
             check.gain, check.r_squared
         ));
     }
-    if joint.delay != 0.0 {
-        let order = if joint.delay > 0.0 { "after" } else { "before" };
-        remarks.push(format!(
-            "{name}: its effort comes {:.1} ms {order} its position; this delay is removed (--delay {:.4} says so, --delay 0 \
+    remarks.extend(late(joint));
+    remarks
+}
+
+/// What is said of a delay that is removed.
+fn late(joint: &JointPreparation) -> Option<String> {
+    let order = if joint.delay > 0.0 { "after" } else { "before" };
+    (joint.delay != 0.0).then(|| {
+        format!(
+            "{}: its effort comes {:.1} ms {order} its position; this delay is removed (--delay {:.4} says so, --delay 0 \
              says otherwise)",
+            joint.name,
             1e3 * joint.delay.abs(),
             joint.delay
-        ));
+        )
+    })
+}
+
+impl PreparationReport {
+    /// Adds what the common estimate finds left of the delays. One that is not told from none stays unsaid.
+    ///
+    /// - `left`: of each effort with its standard error \[s\]; empty where delays are known
+    pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
+        for (delay, [left, error]) in self.delays.iter_mut().zip(left) {
+            delay.removed += left;
+            delay.error = *error;
+        }
+        for (number, joint) in self.joints.iter_mut().enumerate().take(left.len()) {
+            let before = late(joint);
+            joint.delay = self.delays[number].removed;
+            let is_told = joint.delay.abs() > 2.0 * self.delays[number].error;
+            let after = late(joint).filter(|_| is_told);
+            self.notes.retain(|note| Some(note) != before.as_ref());
+            self.notes.extend(after);
+        }
     }
-    remarks
 }
 
 fn velocity_check(smoothed: &[Smoothed], joint: usize) -> Option<VelocityCheck> {

@@ -32,11 +32,12 @@ pub struct PreparationReport {
 /// A delay of an effort after the positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
-    /// Removed delay \[s\]; 0 where none is significant.
+    /// Removed delay \[s\]. The preparation removes none that is not significant; the common estimate adds what it finds left.
     pub removed: f64,
     /// Delay as estimated for this effort alone \[s\]; NaN if it was given or cannot be seen.
     pub estimated: f64,
-    /// Standard error of the estimate \[s\], for correlated residuals; NaN if there is no estimate.
+    /// Standard error of the estimate \[s\], for correlated residuals; of the common one where this made it. NaN if there is no
+    /// estimate.
     pub error: f64,
     /// Whether the effort has a delay of its own, which differs from the common one significantly.
     pub own: bool,

@@ -5,6 +5,7 @@ mod closed_loop;
 mod coverage;
 mod currents;
 mod data;
+mod late;
 mod load;
 mod measured;
 mod pendulum;

@@ -141,6 +141,10 @@ pub(super) struct Experiment {
     pub(super) phases: Option<[f64; 6]>,
     /// Window of the filter, samples.
     pub(super) window: usize,
+    /// Deviation of the samples' times, which are known, as a share of their step.
+    pub(super) jitter: f64,
+    /// Lateness of the efforts [s].
+    pub(super) delay: f64,
 }
 
 impl Default for Experiment {
@@ -156,6 +160,8 @@ impl Default for Experiment {
             stiffness: 60.0,
             phases: None,
             window: 21,
+            jitter: 0.0,
+            delay: 0.0,
         }
     }
 }
@@ -207,46 +213,110 @@ pub(super) fn log(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) ->
 
 /// Times, and columns of positions, inputs and references.
 fn recorded(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let history = History::new(robot, of, random);
     let h = 1.0 / of.rate;
-    let inner = (h / 5e-4).round().max(4.0) as usize;
-    let drawn = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
-    let phases = of.phases.unwrap_or(drawn);
-    let start = reference(0.0, &phases);
-    let (mut y, mut v) = ([start[0][0], start[1][0]], [start[0][1], start[1][1]]);
-    let model = Pendulum::described();
     let (mut times, mut columns) = (Vec::new(), vec![Vec::new(); 6]);
-    let mut before: Option<[f64; 2]> = None;
-    let mut held: Option<[f64; 2]> = None;
-    let (mut slopes, share) = ([0.0; 2], h / (h + of.slope_time));
-    for i in 0..(of.seconds * of.rate) as usize {
-        let wanted = reference(i as f64 * h, &phases);
-        let seen: [f64; 2] =
-            std::array::from_fn(|j| rounded(y[j] + of.position_noise * random.normal(), of.resolution));
-        let last = before.unwrap_or(seen);
-        let a: [f64; 2] = std::array::from_fn(|j| {
-            let new = if before.is_some() { (seen[j] - last[j]) / h } else { wanted[j][1] };
-            slopes[j] = if i == 0 { new } else { slopes[j] + share * (new - slopes[j]) };
-            let slope = slopes[j];
-            wanted[j][2]
-                + of.stiffness * (wanted[j][0] - seen[j])
-                + 2.0 * of.stiffness.sqrt() * (wanted[j][1] - slope)
-        });
-        let feed = model.forces(&[wanted[0][0], wanted[1][0]], &[wanted[0][1], wanted[1][1]], &a);
+    for (i, (seen, noise)) in history.seen.iter().zip(&history.noise).enumerate() {
+        let mut t = i as f64 * h;
+        let mut seen = *seen;
+        if of.jitter > 0.0 {
+            t += (of.jitter * random.normal()).clamp(-0.45, 0.45) * h;
+            let y = history.positions(t);
+            seen =
+                std::array::from_fn(|j| rounded(y[j] + of.position_noise * random.normal(), of.resolution));
+        }
+        let (applied, wanted) = (history.applied(t - of.delay), reference(t, &history.phases));
         for j in 0..2 {
             columns[j].push(seen[j]);
-            // The input is held over a period: at the sample it is between the last one and this one.
-            let applied = 0.5 * (feed[j] + held.map_or(feed[j], |held| held[j]));
-            columns[2 + j]
-                .push((applied + of.offsets[j] + of.force_noise * random.normal()) / robot.gears[j]);
+            columns[2 + j].push((applied[j] + of.offsets[j] + noise[j]) / robot.gears[j]);
             columns[4 + j].push(wanted[j][0]);
         }
-        times.push(i as f64 * h);
-        for _ in 0..inner {
-            (y, v) = robot.midpoint(h / inner as f64, y, v, feed);
-        }
-        (before, held) = (Some(seen), Some(feed));
+        times.push(t);
     }
     (times, columns)
+}
+
+/// A motion under control, as it was.
+struct History {
+    phases: [f64; 6],
+    /// Period of the controller, and step of the integration [s].
+    period: f64,
+    step: f64,
+    /// y and ẏ after each step of the integration.
+    states: Vec<[[f64; 2]; 2]>,
+    /// What the controller saw and applied over each period, and the noise of the force measurement.
+    seen: Vec<[f64; 2]>,
+    feeds: Vec<[f64; 2]>,
+    noise: Vec<[f64; 2]>,
+}
+
+impl History {
+    fn new(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) -> Self {
+        let h = 1.0 / of.rate;
+        let inner = (h / 5e-4).round().max(4.0) as usize;
+        let drawn = std::array::from_fn(|_| std::f64::consts::TAU * random.uniform());
+        let phases = of.phases.unwrap_or(drawn);
+        let start = reference(0.0, &phases);
+        let (mut y, mut v) = ([start[0][0], start[1][0]], [start[0][1], start[1][1]]);
+        let model = Pendulum::described();
+        let mut history = Self {
+            phases,
+            period: h,
+            step: h / inner as f64,
+            states: vec![[y, v]],
+            seen: Vec::new(),
+            feeds: Vec::new(),
+            noise: Vec::new(),
+        };
+        let (mut slopes, share) = ([0.0; 2], h / (h + of.slope_time));
+        for i in 0..(of.seconds * of.rate) as usize {
+            let wanted = reference(i as f64 * h, &phases);
+            let seen: [f64; 2] =
+                std::array::from_fn(|j| rounded(y[j] + of.position_noise * random.normal(), of.resolution));
+            let last = history.seen.last();
+            let a: [f64; 2] = std::array::from_fn(|j| {
+                let new = last.map_or(wanted[j][1], |last| (seen[j] - last[j]) / h);
+                slopes[j] = if i == 0 { new } else { slopes[j] + share * (new - slopes[j]) };
+                let slope = slopes[j];
+                wanted[j][2]
+                    + of.stiffness * (wanted[j][0] - seen[j])
+                    + 2.0 * of.stiffness.sqrt() * (wanted[j][1] - slope)
+            });
+            let feed = model.forces(&[wanted[0][0], wanted[1][0]], &[wanted[0][1], wanted[1][1]], &a);
+            history.seen.push(seen);
+            history.feeds.push(feed);
+            history.noise.push(std::array::from_fn(|_| of.force_noise * random.normal()));
+            for _ in 0..inner {
+                (y, v) = robot.midpoint(history.step, y, v, feed);
+                history.states.push([y, v]);
+            }
+        }
+        history
+    }
+
+    /// Positions at a time, by the cubic through two states.
+    fn positions(&self, t: f64) -> [f64; 2] {
+        let last = self.states.len() - 2;
+        let i = ((t / self.step).max(0.0) as usize).min(last);
+        let x = t / self.step - i as f64;
+        let [[y0, v0], [y1, v1]] = [self.states[i], self.states[i + 1]];
+        std::array::from_fn(|j| {
+            let (d, a, b) = (y1[j] - y0[j], self.step * v0[j], self.step * v1[j]);
+            y0[j] + x * (a + x * (3.0 * d - 2.0 * a - b + x * (a + b - 2.0 * d)))
+        })
+    }
+
+    /// Mean of what was applied within half a period of a time: the input is held over a period.
+    fn applied(&self, t: f64) -> [f64; 2] {
+        // Feed i is held about the place i + 1/2.
+        let place = t / self.period - 0.5;
+        let before = place.floor();
+        let at = |i: f64, j: usize| self.feeds[(i.max(0.0) as usize).min(self.feeds.len() - 1)][j];
+        std::array::from_fn(|j| {
+            let x = place - before;
+            (1.0 - x) * at(before, j) + x * at(before + 1.0, j)
+        })
+    }
 }
 
 fn rounded(y: f64, resolution: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! What `prepare` and `prepare_all` promise about lengths, gaps, faults and settings.
 
 use super::super::super::run::{Effort, Run};
-use super::super::{PreparationSettings, prepare, prepare_all};
+use super::super::{PreparationReport, PreparationSettings, prepare, prepare_all};
 use super::arm::Arm;
 use super::simulated::{GOOD, Sampling, log};
 
@@ -117,4 +117,23 @@ fn runs_that_cannot_be_prepared_say_why() {
     run.efforts.pop();
     let message = prepare_all(&[recorded(), run], None, &none).unwrap_err().to_string();
     assert!(message.contains("efforts of run simulated 3: 2 expected, 1 given"), "{message}");
+}
+
+#[test]
+fn what_the_estimate_finds_left_of_delays_is_added_and_said() {
+    let (_, mut report) = prepare_all(&[recorded()], None, &PreparationSettings::default()).unwrap();
+    let said = |report: &PreparationReport| -> Vec<String> {
+        report.notes.iter().filter(|note| note.contains("its effort comes")).cloned().collect()
+    };
+    assert!(said(&report).is_empty());
+    report.refine(&[[3e-3, 1e-4], [2e-4, 3e-4]]);
+    assert_eq!([report.delays[0].removed, report.joints[1].delay], [3e-3, 2e-4]);
+    // The second one is not told from none.
+    let notes = said(&report);
+    assert!(notes.len() == 1 && notes[0].starts_with("joint 1: its effort comes 3.0 ms after"), "{notes:?}");
+    report.refine(&[[-4e-3, 1e-4], [0.0, 3e-4]]);
+    let notes = said(&report);
+    assert!(notes.len() == 1 && notes[0].starts_with("joint 1: its effort comes 1.0 ms before"), "{notes:?}");
+    report.refine(&[]);
+    assert_eq!(said(&report), notes);
 }

@@ -1,9 +1,10 @@
-//! How far instrumental variables put a law's coefficients from those of least squares.
+//! What the common estimate says of a law's coefficients: errors of the rigid body and of the delay stand in the torques
+//! that the law is fitted to, and no residual shows them.
 //!
-//! The common estimate has friction terms F of its own, and instrumental variables put their coefficients `d` away with a
-//! covariance C. A law has other terms Θ, and is fitted to torques with the same bias: its coefficients move by `P d` with the
-//! covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is least squares again. Where the law has the terms of the estimate, P is
-//! one, and its intervals are those of the estimate.
+//! The common estimate has friction terms F of its own with the covariance C. Where least squares is biased, instrumental
+//! variables put their coefficients `d` away, and C is theirs. A law has other terms Θ, and is fitted to torques with the same errors:
+//! its coefficients move by `P d` with the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is least squares again. Where the law
+//! has the terms of the estimate, P is one, and its intervals are those of the estimate.
 
 use super::super::confidence::half_width_around;
 use super::super::error::Result;
@@ -11,18 +12,18 @@ use super::super::library::Library;
 use super::super::result::CONFIDENCE;
 use super::design::Design;
 use super::errors::{Errors, rescaled};
-use super::task::InstrumentalTerms;
+use super::task::CommonTerms;
 use nalgebra::DMatrix;
 
 impl Errors {
-    /// Errors that count the bias of least squares: as for the common estimate, the wider of the two intervals counts.
+    /// Errors that count those of the common estimate: the wider of the two intervals counts.
     ///
     /// - `bread`: `(ΘᵀWΘ)⁻¹` of the chosen terms
     pub(super) fn reaching(
         mut self,
         design: &Design,
         (active, bread): (&[usize], &DMatrix<f64>),
-        other: &InstrumentalTerms,
+        other: &CommonTerms,
     ) -> Result<Self> {
         let library = Library::new(&other.bases, &["v"])?;
         let map = bread * design.products(active, &library)?;
