@@ -345,7 +345,7 @@ struct JointSamples<'a> {
 pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let own = Some(&estimate.joints[joint].terms).filter(|terms| !terms.is_empty())?;
     let bases = own.iter().map(|term| term.basis.clone()).collect();
-    let Some(other) = estimate.instrumental.as_ref().filter(|other| other.rejects) else {
+    let Some(other) = estimate.instrumental.as_ref().filter(|other| other.is_counted) else {
         return Some(CommonTerms {
             bases,
             distances: DVector::zeros(own.len()),

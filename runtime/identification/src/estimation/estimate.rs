@@ -271,21 +271,8 @@ impl Task<'_> {
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
         let with_rest = self.with_rest(&judged, &errors);
-        let checked = Checked {
-            robot: self.robot,
-            layout: self.layout,
-            runs: self.runs,
-            forces: &forces,
-            correlation_time: time,
-            loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
-        };
         progress("Other explanations are tried.");
-        let mut doubts = other_explanations(self, &judged, &errors)?;
-        self.require_explained(&held_out, &doubts, &checked)?;
-        if let Some(ratio) = checked.common_ratio() {
-            doubts.of_all.extend(ratio.judged(self.settings.accept_poor)?);
-        }
-        doubts.of_all.extend(checked.warnings());
+        let doubts = self.doubts((&judged, &errors), &held_out, (&forces, time))?;
         let report = Report {
             fitted: Estimated {
                 robot: self.robot,
@@ -296,7 +283,7 @@ impl Task<'_> {
                 chosen: last,
                 solved: &solved,
                 covariance: &covariance,
-                instead: endogeneity.as_ref().filter(|found| found.rejects()),
+                instead: endogeneity.as_ref().filter(|found| found.is_counted()),
                 delays: self.late.map_or(&[], |late| &late.delays),
             },
             runs: self.runs,
@@ -308,6 +295,35 @@ impl Task<'_> {
             has_loads: self.loads.is_some(),
         };
         Ok(report.estimate(doubts.sentences(self.robot)))
+    }
+
+    /// What speaks against the fit.
+    ///
+    /// - `judged`: the fit to the sums of moving samples, and its errors; `forces`: with their correlation time
+    ///
+    /// # Errors
+    /// Where it explains too little, and where efforts of the robot as a whole are in another unit.
+    fn doubts(
+        &self,
+        judged: (&Chosen, &HeldOut),
+        held_out: &[f64],
+        (forces, correlation_time): (&Forces, f64),
+    ) -> Result<Doubts> {
+        let checked = Checked {
+            robot: self.robot,
+            layout: self.layout,
+            runs: self.runs,
+            forces,
+            correlation_time,
+            loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
+        };
+        let mut doubts = other_explanations(self, judged.0, judged.1)?;
+        self.require_explained(held_out, &doubts, &checked)?;
+        if let Some(ratio) = checked.common_ratio() {
+            doubts.of_all.extend(ratio.judged(self.settings.accept_poor)?);
+        }
+        doubts.of_all.extend(checked.warnings());
+        Ok(doubts)
     }
 
     /// Refuses a fit that explains too little, with what may be the reason.

@@ -111,7 +111,15 @@ impl Report<'_> {
                  each value as far as instrumental variables put the true one."
             )
         } else {
-            format!("Least squares is not biased in closed loop as far as the data tell ({numbers}).")
+            let counted = if found.is_counted() {
+                " Intervals reach as far as instrumental variables put the true value all the same: the test sees large \
+                 biases alone."
+            } else {
+                ""
+            };
+            format!(
+                "Least squares is not biased in closed loop as far as the data tell ({numbers}).{counted}"
+            )
         }
     }
 
@@ -129,6 +137,7 @@ impl Report<'_> {
             terms_covariance: (0..fitted.layout.joints).map(|j| self.terms_covariance(found, j)).collect(),
             freedom: found.freedom,
             rejects: found.rejects(),
+            is_counted: found.is_counted(),
             statistic: found.test.statistic,
             degrees_of_freedom: found.test.freedoms,
             p_value: found.test.p_value,

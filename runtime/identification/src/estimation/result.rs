@@ -112,6 +112,8 @@ pub struct InstrumentalEstimate {
     pub freedom: usize,
     /// Whether least squares differs by more than chance, at a level of 5 %.
     pub rejects: bool,
+    /// Whether intervals count it, at a level of 30 %: a test at 5 % does not see every bias that makes them too narrow.
+    pub is_counted: bool,
     /// The test's statistic, which has Fisher's F distribution where least squares is not biased.
     pub statistic: f64,
     /// Its degrees of freedom: tested directions, and what is left for their variance under correlated residuals.
@@ -120,8 +122,8 @@ pub struct InstrumentalEstimate {
     pub p_value: f64,
 }
 
-/// A value with its interval, which holds under correlated residuals. Where least squares differs from instrumental variables by
-/// more than chance, the interval holds what these say of the true value.
+/// A value with its interval, which holds under correlated residuals. Where least squares differs from instrumental variables
+/// ([`InstrumentalEstimate::is_counted`]), the interval holds what these say of the true value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
     /// The estimate.
