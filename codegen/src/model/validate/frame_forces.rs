@@ -195,11 +195,6 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
     refuse_load(robot, model, report);
 }
 
-/// Number of inputs that pull frames together, which stand before the others.
-pub(super) fn pulls(model: &Model) -> usize {
-    model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
-}
-
 /// The frames of a force.
 pub(super) fn between<'m>(force: &PointForceDescription, model: &'m Model) -> Option<&'m [Attachment; 2]> {
     let frames = force.between.each_ref().map(|name| &name.value);

@@ -3,7 +3,6 @@
 use super::super::description::{Name, RobotDescription, WrenchInputDescription};
 use super::super::levers::Levers;
 use super::super::{Attachment, ForceEffect, Model};
-use super::frame_forces::pulls;
 use crate::diagnostic::Report;
 use crate::random::Random;
 use crate::wording::list;
@@ -21,6 +20,11 @@ pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &m
             check_levers(input, (at, wrench), model, report);
         }
     }
+}
+
+/// Number of inputs that pull frames together, which stand before the others.
+fn pulls(model: &Model) -> usize {
+    model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
 }
 
 /// Tells whether a coordinate moves a link, by a joint of its own or by one that follows.
