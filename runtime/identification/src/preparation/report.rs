@@ -34,6 +34,7 @@ impl Recorded<'_> {
             (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
         let mut notes = self.notes(how);
         notes.extend(joints.iter().flat_map(remarks));
+        notes.extend(late(&joints, |_| true));
         notes.extend(self.of_rests(smoothed));
         if how.step > 1.5 * self.step {
             let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
@@ -160,22 +161,32 @@ fn remarks(joint: &JointPreparation) -> Vec<String> {
             check.gain, check.r_squared
         ));
     }
-    remarks.extend(late(joint));
     remarks
 }
 
-/// What is said of a delay that is removed.
-fn late(joint: &JointPreparation) -> Option<String> {
-    let order = if joint.delay > 0.0 { "after" } else { "before" };
-    (joint.delay != 0.0).then(|| {
-        format!(
-            "{}: its effort comes {:.1} ms {order} its position; this delay is removed (--delay {:.4} says so, --delay 0 \
-             says otherwise)",
-            joint.name,
-            1e3 * joint.delay.abs(),
-            joint.delay
-        )
-    })
+/// What is said of delays that are removed: a sentence for the joints that share one.
+///
+/// - `is_told`: whether the delay of a joint with its number is told from none
+fn late(joints: &[JointPreparation], is_told: impl Fn(usize) -> bool) -> Vec<String> {
+    let mut groups: Vec<(String, f64, Vec<&str>)> = Vec::new();
+    for (_, joint) in joints.iter().enumerate().filter(|(j, joint)| joint.delay != 0.0 && is_told(*j)) {
+        let seconds = format!("{:.4}", joint.delay);
+        match groups.iter_mut().find(|group| group.0 == seconds) {
+            Some((.., names)) => names.push(&joint.name),
+            None => groups.push((seconds, joint.delay, vec![&joint.name])),
+        }
+    }
+    let said = |(seconds, delay, names): (String, f64, Vec<&str>)| {
+        let order = if delay > 0.0 { "after" } else { "before" };
+        let by = format!("{:.1} ms {order}", 1e3 * delay.abs());
+        let what = match names.as_slice() {
+            [name] => format!("{name}: its effort comes {by} its position"),
+            all if all.len() == joints.len() => format!("the efforts of all joints come {by} the positions"),
+            some => format!("{}: their efforts come {by} their positions", some.join(", ")),
+        };
+        format!("{what}; this delay is removed (--delay {seconds} says so, --delay 0 says otherwise)")
+    };
+    groups.into_iter().map(said).collect()
 }
 
 impl PreparationReport {
@@ -183,18 +194,20 @@ impl PreparationReport {
     ///
     /// - `left`: of each effort with its standard error \[s\]; empty where delays are known
     pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
+        if left.is_empty() {
+            return;
+        }
+        let before = late(&self.joints, |_| true);
         for (delay, [left, error]) in self.delays.iter_mut().zip(left) {
             delay.removed += left;
             delay.error = *error;
         }
-        for (number, joint) in self.joints.iter_mut().enumerate().take(left.len()) {
-            let before = late(joint);
-            joint.delay = self.delays[number].removed;
-            let is_told = joint.delay.abs() > 2.0 * self.delays[number].error;
-            let after = late(joint).filter(|_| is_told);
-            self.notes.retain(|note| Some(note) != before.as_ref());
-            self.notes.extend(after);
+        for (joint, delay) in self.joints.iter_mut().zip(&self.delays) {
+            joint.delay = delay.removed;
         }
+        let is_told = |j: usize| self.delays.get(j).is_none_or(|d| d.removed.abs() > 2.0 * d.error);
+        self.notes.retain(|note| !before.contains(note));
+        self.notes.extend(late(&self.joints, is_told));
     }
 }
 

@@ -1,7 +1,7 @@
 //! What `prepare` and `prepare_all` promise about lengths, gaps, faults and settings.
 
 use super::super::super::run::{Effort, Run};
-use super::super::{PreparationReport, PreparationSettings, prepare, prepare_all};
+use super::super::{JointPreparation, PreparationReport, PreparationSettings, prepare, prepare_all};
 use super::arm::Arm;
 use super::simulated::{GOOD, Sampling, log};
 
@@ -136,4 +136,26 @@ fn what_the_estimate_finds_left_of_delays_is_added_and_said() {
     assert!(notes.len() == 1 && notes[0].starts_with("joint 1: its effort comes 1.0 ms before"), "{notes:?}");
     report.refine(&[]);
     assert_eq!(said(&report), notes);
+}
+
+/// Six joints with one delay had six notes of the same words.
+#[test]
+fn a_delay_that_joints_share_is_said_once() {
+    let (_, mut report) = prepare_all(&[recorded()], None, &PreparationSettings::default()).unwrap();
+    let [first, second] = [report.joints[0].clone(), report.joints[1].clone()];
+    let third = JointPreparation { name: "joint 3".into(), ..first.clone() };
+    report.delays.push(report.delays[0]);
+    report.joints = vec![first, second, third];
+    let late = |report: &PreparationReport| -> Vec<String> {
+        report.notes.iter().filter(|note| note.contains("this delay is removed")).cloned().collect()
+    };
+    report.refine(&[[18.3e-3, 1e-3]; 3]);
+    let all = "the efforts of all joints come 18.3 ms after the positions; this delay is removed (--delay 0.0183 says so, \
+               --delay 0 says otherwise)";
+    assert_eq!(late(&report), [all]);
+    report.refine(&[[-20.3e-3, 1e-4], [1e-3, 1e-4], [-20.3e-3, 1e-4]]);
+    let notes = late(&report);
+    assert_eq!(notes.len(), 2, "{notes:?}");
+    assert!(notes[0].starts_with("joint 1, joint 3: their efforts come 2.0 ms before their positions;"));
+    assert!(notes[1].starts_with("joint 2: its effort comes 19.3 ms after its position;"), "{notes:?}");
 }
