@@ -11,7 +11,7 @@ use super::super::identify::{
 use super::super::moments::contiguous_blocks;
 use super::super::preparation::PreparationReport;
 use super::super::robot::{Robot, require_no_driven};
-use super::super::run::PreparedRun;
+use super::super::run::{Effort, PreparedRun};
 use super::super::shafts::{RobotRows, ShaftRows};
 use super::exact::Exact;
 use super::file::hash_of;
@@ -88,19 +88,28 @@ pub fn reduce(
     let reading = (Gravity::of(settings.estimation.gravity_compensated), Some(&preparation.filter));
     let sums = columns.sums(robot, &runs, reading, &weighted, &pieces);
     Ok(LogMoments {
-        about: About {
-            description: from_hexadecimal(&hash_of(description)).unwrap_or_default(),
-            effort: recording.effort,
-            gravity_compensated: settings.estimation.gravity_compensated,
-            bandwidth: settings.preparation.bandwidth,
-            delay: settings.preparation.delay,
-            widths: columns.widths(),
-        },
+        about: about(description, settings, (recording.effort, &columns)),
         shares: shares(&sums, &reduced.hash)?,
         doubts: doubts(&estimate, &reduced),
         logs: vec![reduced],
         joints: facts,
     })
+}
+
+/// What moments have in common that may be added up.
+fn about(
+    description: &[&[u8]],
+    settings: &IdentificationSettings,
+    (effort, columns): (Effort, &Columns),
+) -> About {
+    About {
+        description: from_hexadecimal(&hash_of(description)).unwrap_or_default(),
+        effort,
+        gravity_compensated: settings.estimation.gravity_compensated,
+        bandwidth: settings.preparation.bandwidth,
+        delay: settings.preparation.delay,
+        widths: columns.widths(),
+    }
 }
 
 fn delays(preparation: &PreparationReport) -> [f64; 2] {

@@ -100,13 +100,8 @@ impl Finder<'_> {
         used.extend(poses.sources.iter().map(|source| source.column));
         sentences.extend(poses.sentences);
         let positions = self.sources(&position, Kind::Position, joints, &mut sentences)?;
-        let velocities = match &velocity {
-            Some(found) => {
-                used.extend(&found.columns);
-                self.sources(found, Kind::Velocity, joints, &mut sentences)?.into_iter().map(Some).collect()
-            }
-            None => vec![None; joints.names.len()],
-        };
+        used.extend(velocity.iter().flat_map(|found| &found.columns));
+        let velocities = self.of_velocities(velocity.as_ref(), &mut sentences)?;
         let (kind, targets) = self.of_effort(effort, acting.as_ref());
         let labels = Labels::new(self, time.column, (&position, joints), (&efforts, targets));
         used.extend(&efforts.columns);
@@ -243,6 +238,17 @@ impl Finder<'_> {
             return Ok(found);
         }
         Ok(found.filter(|f| self.sources(f, Kind::Velocity, joints, &mut Vec::new()).is_ok()))
+    }
+
+    /// The velocity of each joint; none where the log has none.
+    fn of_velocities(
+        &self,
+        found: Option<&Found>,
+        sentences: &mut Vec<String>,
+    ) -> Result<Vec<Option<Source>>> {
+        let joints = &self.robot.joints;
+        let Some(found) = found else { return Ok(vec![None; joints.names.len()]) };
+        Ok(self.sources(found, Kind::Velocity, joints, sentences)?.into_iter().map(Some).collect())
     }
 
     /// Commanded positions are no must either. They are looked for beside measured ones only.
