@@ -25,12 +25,15 @@ struct Regime {
     jitter: f64,
     /// Lateness of the efforts [samples].
     late: f64,
+    /// Noise of the positions that the encoder rounds [rad].
+    noise: f64,
 }
 
 /// Samples at even times, and efforts in time.
-const EVEN: Regime = Regime { name: "even", rate: 250.0, bits: 16, seconds: 20.0, jitter: 0.0, late: 0.0 };
+const EVEN: Regime =
+    Regime { name: "even", rate: 250.0, bits: 16, seconds: 20.0, jitter: 0.0, late: 0.0, noise: 1e-6 };
 
-const REGIMES: [Regime; 10] = [
+const REGIMES: [Regime; 11] = [
     Regime { name: "slow and coarse", rate: 100.0, bits: 12, seconds: 30.0, ..EVEN },
     Regime { name: "slow and fine", rate: 125.0, bits: 20, seconds: 20.0, ..EVEN },
     Regime { name: "fast and coarse", rate: 1000.0, bits: 12, seconds: 10.0, ..EVEN },
@@ -41,6 +44,7 @@ const REGIMES: [Regime; 10] = [
     Regime { name: "hardly late", late: 0.4, ..EVEN },
     Regime { name: "later", late: 2.4, ..EVEN },
     JITTERED_AND_LATE,
+    Regime { name: "noisy", noise: 3e-4, ..EVEN },
 ];
 
 const JITTERED_AND_LATE: Regime = Regime { name: "jittered and late", jitter: 0.2, late: 2.4, ..EVEN };
@@ -62,7 +66,7 @@ impl Regime {
             rate: self.rate,
             seconds: self.seconds,
             resolution: 2.0 * PI / f64::from(1_u32 << self.bits),
-            position_noise: 1e-6,
+            position_noise: self.noise,
             slope_time: 0.01,
             jitter: self.jitter,
             delay: self.late / self.rate,
@@ -207,7 +211,7 @@ fn pairs(found: &Estimate, truth: &Pendulum) -> Vec<(Uncertain, f64)> {
 
 /// `REGIME=short` takes the regimes whose names begin so, `LOGS=20` fewer logs.
 #[test]
-#[ignore = "1000 logs, 10 minutes: cargo test --release -p gelenk-identification --lib intervals_hold -- --ignored --nocapture"]
+#[ignore = "1100 logs, 10 minutes: cargo test --release -p gelenk-identification --lib intervals_hold -- --ignored --nocapture"]
 fn intervals_hold_what_they_promise_in_every_regime() {
     let logs = std::env::var("LOGS").ok().and_then(|text| text.parse().ok()).unwrap_or(100);
     let only = std::env::var("REGIME").unwrap_or_default();
