@@ -47,6 +47,16 @@ pub mod excavator;
 #[rustfmt::skip]
 pub mod geared_arm;
 
+/// The robot `go2`.
+///
+/// Unitree Go2, with given wrenches at its feet.
+///
+/// Masses, lengths and limits are those of Unitree's description: package go2\_description of the repository unitree\_ros,
+/// BSD-3-Clause. The rotors of its motors are bodies at rest. A leg turns about x at the hip, then about y at thigh and
+/// calf; it hangs straight down at 0. FL is the front left leg. The wrenches are in the axes of the world.
+#[rustfmt::skip]
+pub mod go2;
+
 /// The robot `gripper`.
 ///
 /// A gripper with parallel fingers on a turning wrist.
@@ -120,15 +130,6 @@ pub mod puma560;
 /// estimated.
 #[rustfmt::skip]
 pub mod quadrotor;
-
-/// The robot `quadruped`.
-///
-/// A quadruped with twelve joints whose feet have given wrenches. All values are estimated.
-///
-/// A leg turns about x at the hip, then about y at thigh and calf; it hangs straight down at 0. The wrenches of the feet
-/// are in the axes of the world.
-#[rustfmt::skip]
-pub mod quadruped;
 
 /// The robot `rail_arm`.
 ///

@@ -1,4 +1,4 @@
-//! The base parameters of a quadruped from the six rows of its floating base: no torque of a joint is measured.
+//! The base parameters of a quadruped, Unitree's Go2, from the six rows of its floating base: no torque of a joint is measured.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example base_rows [FOLDER]
@@ -24,7 +24,7 @@
 //! The ways of the poses and the forces pass one filter. Prints tables and writes a page of plots into FOLDER (the
 //! folder for temporary files).
 
-use gelenk_generated::quadruped::{self as robot, M, N, NY, WRENCHES};
+use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
 use gelenk_identification::preparation::{PreparationSettings, prepare};
 use gelenk_identification::random::SplitMix64;
 use gelenk_identification::run::{Effort, Run};
@@ -266,10 +266,13 @@ fn program() -> Outcome<()> {
     let [log, other] = [Lifting::new(1).record()?, Lifting::new(2).record()?];
     for log in [&log, &other] {
         println!(
-            "log of {} rows: standing feet press with {:.1} N or more, swinging feet rise by {:.0} mm or more",
+            "log of {} rows: standing feet press with {:.1} N or more and use {:.2} of their friction or less,\n    \
+             swinging feet rise by {:.0} mm or more, torques use {:.2} of their limits or less",
             log.rows.len(),
             log.pressing,
-            1e3 * log.clearance
+            log.friction,
+            1e3 * log.clearance,
+            log.used_torque
         );
     }
     let beta = fit(&prepared(&log)?)?;

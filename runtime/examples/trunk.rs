@@ -1,4 +1,5 @@
-//! A quadruped's trunk follows a motion while its feet stand, by inverse dynamics with given wrenches at the feet.
+//! The trunk of a quadruped, Unitree's Go2, follows a motion while its feet stand, by inverse dynamics with given wrenches at
+//! the feet.
 //!
 //! ```sh
 //! cargo run --release -p gelenk-runtime --example trunk [FOLDER]
@@ -6,7 +7,7 @@
 //!
 //! There is no ground here: at each period the controller chooses the forces at the feet, and the simulated robot gets
 //! these, as if the ground had answered so. It holds while they press and lie within the friction cones, which is
-//! checked. In each period:
+//! checked, as are the limits of the joints. In each period:
 //!
 //! 1. The trunk's acceleration is the desired one plus feedback of `y_d ⊖ y` and of the velocities; those of the legs
 //!    keep the feet where they are, `J v̇ + J̇ v = −k_p (p − p_0) − k_d ṗ`.
@@ -15,11 +16,13 @@
 //!
 //! Prints a table and writes a page of plots into FOLDER (the folder for temporary files).
 
-use gelenk_generated::quadruped::{self as robot, M, N, NY, WRENCHES};
+use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
 use nalgebra::{Matrix3, Vector3};
 use outcome::Outcome;
 use plots::{Folder, figure, over_time};
-use quadruped::{FEET, Jacobian, Wrenches, at_feet, standing};
+use quadruped::{
+    FEET, FRICTION, Jacobian, Wrenches, at_feet, standing, used_friction, used_torque, within_limits,
+};
 use std::process::ExitCode;
 
 #[path = "support/outcome.rs"]
@@ -40,8 +43,6 @@ const STIFF: [f64; 2] = [1e4, 200.0];
 /// What pushes the trunk to the side [N], when [s]; the controller does not know.
 const PUSH: f64 = 15.0;
 const PUSHED: std::ops::Range<f64> = 4.0..4.2;
-/// Coefficient of friction that the feet may use.
-const FRICTION: f64 = 0.6;
 
 #[derive(Debug, Clone, Copy)]
 struct State {
@@ -156,13 +157,12 @@ fn record(time: f64, y: &[f64; NY], u: &[f64; M], w: &Wrenches, places: &[[f64; 
         let at = (foot.pose)(y).0;
         length(&[at[0] - place[0], at[1] - place[1], at[2] - place[2]])
     });
-    let friction = w[..4].iter().map(|force| length(&force[..2]) / (FRICTION * force[2]));
     Record {
         time,
         errors: [length(&error[..3]), length(&error[3..6])],
         slip: slip.fold(0.0, f64::max),
         pressing: std::array::from_fn(|k| w[k][2]),
-        friction: friction.fold(0.0, f64::max),
+        friction: w[..4].iter().map(used_friction).fold(0.0, f64::max),
         torques: *u,
     }
 }
@@ -174,6 +174,7 @@ fn run() -> Outcome<Vec<Record>> {
     for k in 0..(DURATION / PERIOD).round() as u32 {
         let time = PERIOD * f64::from(k);
         let (u, mut w) = control(time, &state, &places)?;
+        within_limits(&state.y, &state.v, &u).map_err(|error| format!("at {time:.3} s {error}"))?;
         if PUSHED.contains(&time) {
             w[4][1] = PUSH;
         }
@@ -194,8 +195,9 @@ fn report(what: &str, records: &[Record], bound: f64) -> Outcome<()> {
     let friction = most(&|record| record.friction);
     let slip = most(&|record| record.slip);
     println!(
-        "{what:<12} {distance:>9.1e} {angle:>9.1e} {slip:>11.1e} {least:>12.1} {friction:>12.2} {:>9.1}",
-        most(&|record| record.torques.iter().fold(0.0, |most, u| most.max(u.abs())))
+        "{what:<12} {distance:>9.1e} {angle:>9.1e} {slip:>11.1e} {least:>12.1} {friction:>12.2} {:>9.1} {:>10.2}",
+        most(&|record| record.torques.iter().fold(0.0, |most, u| most.max(u.abs()))),
+        most(&|record| used_torque(&record.torques))
     );
     if distance.max(angle).max(slip) > bound {
         return Err(format!("{what}: the trunk is further off than {bound:e}").into());
@@ -220,7 +222,7 @@ fn plot(folder: &Folder, records: &[Record]) -> Outcome<()> {
         over_time("pressing", "N", pressing),
         over_time("torque of the calf", "N m", calves),
     ];
-    folder.write("The trunk of a quadruped", vec![figure("trunk", "It is pushed at 4 s.", plots)])
+    folder.write("The trunk of a Go2", vec![figure("trunk", "It is pushed at 4 s.", plots)])
 }
 
 fn main() -> ExitCode {
@@ -230,8 +232,12 @@ fn main() -> ExitCode {
 fn program() -> Outcome<()> {
     let folder = Folder::from_arguments("trunk")?;
     let records = run()?;
-    println!("                largest error of the        feet: [m]     pressing   used friction   torque");
-    println!("             trunk [m]     [rad]        from place    least [N]    of {FRICTION} [1]    [N m]");
+    println!(
+        "                largest error of the        feet: [m]     pressing   used friction   torque  of limits"
+    );
+    println!(
+        "             trunk [m]     [rad]        from place    least [N]    of {FRICTION} [1]    [N m]       [1]"
+    );
     let (undisturbed, pushed) =
         records.split_at(records.partition_point(|record| record.time < PUSHED.start));
     report("motion", undisturbed, 1e-3)?;

@@ -15,38 +15,37 @@ use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 use super::{Noise, models, robot};
 
 const N: usize = 18;
-const FEET: [&str; 4] = ["front_left", "front_right", "rear_left", "rear_right"];
+const FEET: [&str; 4] = ["FL_foot", "FR_foot", "RL_foot", "RR_foot"];
 /// Rows of a log for each second.
 const RATE: f64 = 400.0;
 
-/// What the quadruped of `models/` really is: its trunk carries a battery, its thighs are heavier.
+/// What the Go2 of `models/` really is: its trunk carries a load, one thigh is heavier and one lighter.
 const TRUTH: &str = r#"
 name = "truth"
 extends = "feet.toml"
 
 [[bodies]]
 link = "trunk"
-mass = 10
-center_of_mass = [-0.02, 0.01, 0.04]
-inertia = [0.07, 0.19, 0.21]
+mass = 9
+center_of_mass = [-0.01, 0.01, 0.02]
+inertia = [0.04, 0.13, 0.14]
 
 [[bodies]]
-link = "front_left_thigh"
+link = "FL_thigh"
 mass = 1.5
 center_of_mass = [0, -0.02, -0.05]
 inertia = [8e-3, 8e-3, 1.5e-3]
 
 [[bodies]]
-link = "rear_right_thigh"
+link = "RR_thigh"
 mass = 0.8
 center_of_mass = [0.01, 0.02, -0.02]
 inertia = [5e-3, 5e-3, 1e-3]
 "#;
 
-/// The quadruped of `models/` with forces at its feet as inputs, in the axes of its calves.
+/// The Go2 of `models/` with forces at its feet as inputs, in the axes of its calves.
 fn described() -> String {
-    let mut text =
-        format!("name = \"feet\"\nextends = {:?}\n", models("quadruped.toml").display().to_string());
+    let mut text = format!("name = \"feet\"\nextends = {:?}\n", models("go2.toml").display().to_string());
     for foot in FEET {
         for (axis, wrench) in [("x", "1, 0, 0"), ("y", "0, 1, 0"), ("z", "0, 0, 1")] {
             write!(
@@ -95,7 +94,8 @@ fn inputs(robot: &InterpretedRobot, y: &[f64], forces: &[f64]) -> Vec<f64> {
     rest.iter().chain(feet.iter()).copied().collect()
 }
 
-/// Poses along the motion, and the rows of a log with noise of 0.5 mm, 1 mrad and 0.1 N at the feet.
+/// Poses along the motion, and the rows of a log with noise of 0.5 mm, 1 mrad, 0.05 N m at the joints and
+/// 0.1 N at the feet.
 struct Recorded {
     text: String,
 }
@@ -124,8 +124,11 @@ fn record(truth: &InterpretedRobot, seconds: f64, shift: usize, torques: bool) -
         )
         .unwrap();
         joints.iter().for_each(|y| write!(text, ",{:.5}", y + 2e-4 * noise.normal()).unwrap());
-        let kept = if torques { &u[..] } else { &u[12..] };
-        kept.iter().for_each(|u| write!(text, ",{:.3}", u + 0.1 * noise.normal()).unwrap());
+        let skipped = if torques { 0 } else { 12 };
+        for (k, u) in u.iter().enumerate().skip(skipped) {
+            let size = if k < 12 { 0.05 } else { 0.1 };
+            write!(text, ",{:.3}", u + size * noise.normal()).unwrap();
+        }
         text.push('\n');
         for k in 0..FINE {
             let h = 1.0 / (RATE * FINE as f64);
@@ -214,17 +217,14 @@ fn logs_without_any_force_are_refused_with_what_is_enough() {
     let refused = |robot: &InterpretedRobot| {
         identify(robot, std::slice::from_ref(&path), &settings, &mut |_| ()).unwrap_err().to_string()
     };
-    let plain = refused(&robot(&models("quadruped.toml")));
-    for words in [
-        "the efforts of front_left_hip",
-        "the six rows of `base` are enough",
-        "[[inputs]]",
-        "ratios of masses",
-    ] {
+    let plain = refused(&robot(&models("go2.toml")));
+    for words in
+        ["the efforts of FL_hip", "the six rows of `base` are enough", "[[inputs]]", "ratios of masses"]
+    {
         assert!(plain.contains(words), "{words}: {plain}");
     }
     let measured = refused(&feet);
-    for words in ["the efforts of front_left_fx", "Efforts of the joints may be missing"] {
+    for words in ["the efforts of FL_foot_fx", "Efforts of the joints may be missing"] {
         assert!(measured.contains(words), "{words}: {measured}");
     }
 }

@@ -1,8 +1,10 @@
-//! The quadruped lifts and swings one leg after the other while its trunk sways, and sensors record it.
+//! The Go2 lifts and swings one leg after the other while its trunk sways, and sensors record it.
 
 use crate::outcome::Outcome;
-use crate::quadruped::{FEET, Wrenches, at_feet, standing};
-use gelenk_generated::quadruped::{self as robot, M, N, NY, WRENCHES};
+use crate::quadruped::{
+    ACROSS, FEET, HIP, LENGTH, Wrenches, at_feet, standing, used_friction, used_torque, within_limits,
+};
+use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
 use gelenk_identification::random::SplitMix64;
 use std::f64::consts::TAU;
 
@@ -10,10 +12,10 @@ use std::f64::consts::TAU;
 pub const PERIOD: f64 = 0.0025;
 /// A turn of each leg, and the way back to rest [s].
 const TURN: f64 = 6.0;
-const REST: f64 = 0.7;
+const REST: f64 = 1.0;
 const DURATION: f64 = 4.0 * TURN + REST;
 /// Within its turn a leg is unloaded, swings, and is loaded again [s].
-const UNLOADED: [f64; 2] = [0.7, 1.0];
+const UNLOADED: [f64; 2] = [1.0, 1.3];
 const LOADED: [f64; 2] = [5.4, 5.7];
 /// The legs in the order of their turns: over the diagonal.
 const ORDER: [usize; 4] = [0, 3, 1, 2];
@@ -46,6 +48,10 @@ pub struct Log {
     pub torques: Vec<[f64; M]>,
     /// Least force that a foot presses with while it bears its whole share [N].
     pub pressing: f64,
+    /// Largest share of the friction that a standing foot uses.
+    pub friction: f64,
+    /// Largest share of a joint's torque that is used.
+    pub used_torque: f64,
     /// Least height of a foot above where it stood, while it swings to the full [m].
     pub clearance: f64,
 }
@@ -76,37 +82,57 @@ impl Lifting {
     }
 
     /// The log of the whole motion.
+    ///
+    /// # Errors
+    /// Where a standing foot would slide or lift, a swinging one is below the ground, or a joint is beyond its limits.
     pub fn record(mut self) -> Outcome<Log> {
-        let mut log =
-            Log { rows: vec![], torques: vec![], pressing: f64::INFINITY, clearance: f64::INFINITY };
+        let mut log = Log {
+            rows: vec![],
+            torques: vec![],
+            pressing: f64::INFINITY,
+            friction: 0.0,
+            used_torque: 0.0,
+            clearance: f64::INFINITY,
+        };
         for k in 0..=(DURATION / PERIOD).round() as u32 {
             let time = PERIOD * f64::from(k);
             let (y, v, a) = self.motion(time);
-            if y[7..].iter().zip(&robot::POSITION_LIMITS[N - M..]).any(|(y, [low, high])| y < low || y > high)
-            {
-                return Err(format!("at {time:.3} s a joint is beyond its limits").into());
-            }
             let (torques, wrenches) = forces(&y, &v, &a, weights(time))?;
-            for (foot, weight) in weights(time).into_iter().enumerate() {
-                let height = (FEET[foot].pose)(&y).0[2] - self.places[foot][2];
-                let is_placed = if weight > 0.0 { height.abs() < 1e-9 } else { height > -1e-9 };
-                if !is_placed || wrenches[foot][2] < -1e-9 {
-                    return Err(format!(
-                        "at {time:.3} s a foot is at {height} m and presses with {} N",
-                        wrenches[foot][2]
-                    )
-                    .into());
-                }
-                if weight == 1.0 {
-                    log.pressing = log.pressing.min(wrenches[foot][2]);
-                } else if lifted(foot, time) == 1.0 {
-                    log.clearance = log.clearance.min(height);
-                }
+            within_limits(&y, &v, &torques).map_err(|error| format!("at {time:.3} s {error}"))?;
+            for foot in 0..4 {
+                self.check(foot, time, &y, &wrenches[foot], &mut log)
+                    .map_err(|error| format!("at {time:.3} s {} {error}", robot::WRENCH_NAMES[foot]))?;
             }
+            log.used_torque = log.used_torque.max(used_torque(&torques));
             log.rows.push(self.measured(&y, &wrenches));
             log.torques.push(torques);
         }
         Ok(log)
+    }
+
+    /// A foot at a time: what it presses with and uses of its friction while it stands, else how high it is.
+    fn check(&self, foot: usize, time: f64, y: &[f64; NY], force: &[f64; 6], log: &mut Log) -> Outcome<()> {
+        let at = (FEET[foot].pose)(y).0;
+        let moved: [f64; 3] = std::array::from_fn(|i| at[i] - self.places[foot][i]);
+        let weight = weights(time)[foot];
+        if weight > 0.0 {
+            let friction = used_friction(force);
+            if friction > 1.0 {
+                return Err(format!("does not stand: it uses {friction:.2} of its friction").into());
+            }
+            if moved.iter().any(|x| x.abs() > 1e-9) {
+                return Err(format!("stands where it did not, by {moved:?} m").into());
+            }
+            log.friction = log.friction.max(friction);
+        } else if moved[2] < -1e-9 {
+            return Err(format!("is {:.1e} m below the ground", -moved[2]).into());
+        }
+        if weight == 1.0 {
+            log.pressing = log.pressing.min(force[2]);
+        } else if lifted(foot, time) == 1.0 {
+            log.clearance = log.clearance.min(moved[2]);
+        }
+        Ok(())
     }
 
     fn measured(&mut self, y: &[f64; NY], wrenches: &Wrenches) -> Measured {
@@ -192,15 +218,14 @@ fn lean(time: f64) -> [f64; 2] {
     at
 }
 
-/// The angles with which a leg reaches a place, by the lengths of `models/quadruped.toml`.
+/// The angles with which a leg reaches a place.
 fn leg_angles(y: &[f64; NY], leg: usize, place: &[f64; 3]) -> [f64; 3] {
-    const LENGTH: f64 = 0.2;
     let [front, left] = SIDES[leg];
     let (origin, axes) = robot::frame_middle_pose(y);
     let from: [f64; 3] = std::array::from_fn(|i| place[i] - origin[i]);
     let inside = |c: usize| (0..3).map(|i| axes[i][c] * from[i]).sum::<f64>();
-    let (x, across, up) = (inside(0) - front * 0.2, inside(1) - left * 0.05, inside(2));
-    let side = left * 0.09;
+    let (x, across, up) = (inside(0) - front * HIP[0], inside(1) - left * HIP[1], inside(2));
+    let side = left * ACROSS;
     let down = (across * across + up * up - side * side).sqrt();
     let hip = up.atan2(across) - (-down).atan2(side);
     let calf = -((x * x + down * down) / (2.0 * LENGTH * LENGTH) - 1.0).acos();

@@ -1,9 +1,18 @@
-//! The quadruped of `models/`: where its feet are, how it stands, and forces at its feet.
+//! The Go2 of `models/`: where its feet are, how it stands, forces at its feet, and what it can do.
 #![allow(dead_code, reason = "no example needs all of it")]
 
 use crate::outcome::Outcome;
-use gelenk_generated::quadruped::{self as robot, N, NY, WRENCHES};
+use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
 use nalgebra::{SMatrix, SVector};
+
+/// Where the front left hip is in the trunk, along x and y [m].
+pub const HIP: [f64; 2] = [0.1934, 0.0465];
+/// From a hip to its leg's plane [m].
+pub const ACROSS: f64 = 0.0955;
+/// Length of a thigh, and of a calf [m].
+pub const LENGTH: f64 = 0.213;
+/// Coefficient of friction that the feet may use.
+pub const FRICTION: f64 = 0.6;
 
 /// Origin and axes of a frame.
 pub type Pose = ([f64; 3], [[f64; 3]; 3]);
@@ -24,16 +33,16 @@ macro_rules! foot {
 
 /// In the order of the legs' joints and of the wrenches.
 pub const FEET: [Foot; 4] = [
-    foot!(frame_front_left_pose, frame_front_left_jacobian, frame_front_left_jacobian_rate_times_velocity),
-    foot!(frame_front_right_pose, frame_front_right_jacobian, frame_front_right_jacobian_rate_times_velocity),
-    foot!(frame_rear_left_pose, frame_rear_left_jacobian, frame_rear_left_jacobian_rate_times_velocity),
-    foot!(frame_rear_right_pose, frame_rear_right_jacobian, frame_rear_right_jacobian_rate_times_velocity),
+    foot!(frame_fl_foot_pose, frame_fl_foot_jacobian, frame_fl_foot_jacobian_rate_times_velocity),
+    foot!(frame_fr_foot_pose, frame_fr_foot_jacobian, frame_fr_foot_jacobian_rate_times_velocity),
+    foot!(frame_rl_foot_pose, frame_rl_foot_jacobian, frame_rl_foot_jacobian_rate_times_velocity),
+    foot!(frame_rr_foot_pose, frame_rr_foot_jacobian, frame_rr_foot_jacobian_rate_times_velocity),
 ];
 
 /// Standing, the feet at height 0 below the hips.
 pub fn standing() -> [f64; NY] {
     let (mut y, bend) = (robot::NEUTRAL, 0.7_f64);
-    y[2] = 2.0 * 0.2 * bend.cos();
+    y[2] = 2.0 * LENGTH * bend.cos();
     for leg in y[7..].chunks_exact_mut(3) {
         leg.copy_from_slice(&[0.0, bend, -2.0 * bend]);
     }
@@ -51,4 +60,39 @@ pub fn at_feet(rows: &[f64; N], jacobians: &[Jacobian; 4], weights: [f64; 4]) ->
         wrenches[c / 3][c % 3] = *force;
     }
     Ok(wrenches)
+}
+
+/// Share of a foot's friction that a force uses; infinite where the foot would lift.
+pub fn used_friction(force: &[f64; 6]) -> f64 {
+    let along = force[0].hypot(force[1]);
+    if force[2] > 0.0 { along / (FRICTION * force[2]) } else { f64::INFINITY }
+}
+
+/// Largest share of the limits that torques of the joints use.
+pub fn used_torque(torques: &[f64; M]) -> f64 {
+    let limits = &robot::EFFORT_LIMITS[N - M..];
+    torques.iter().zip(limits).map(|(torque, limit)| torque.abs() / limit).fold(0.0, f64::max)
+}
+
+/// # Errors
+/// Where a joint is beyond its limits of position, velocity or torque.
+pub fn within_limits(y: &[f64; NY], v: &[f64; N], torques: &[f64; M]) -> Outcome<()> {
+    for (joint, torque) in torques.iter().enumerate() {
+        let (i, name) = (N - M + joint, robot::JOINT_NAMES[1 + joint]);
+        let [low, high] = robot::POSITION_LIMITS[i];
+        let (fastest, strongest) = (robot::VELOCITY_LIMITS[i], robot::EFFORT_LIMITS[i]);
+        let values = [
+            ("position", "rad", y[NY - M + joint], low, high),
+            ("velocity", "rad/s", v[i], -fastest, fastest),
+            ("torque", "N m", *torque, -strongest, strongest),
+        ];
+        for (what, unit, value, low, high) in values {
+            if !(low..=high).contains(&value) {
+                return Err(
+                    format!("the {what} of {name} is {value:.3} {unit}, not from {low} to {high}").into()
+                );
+            }
+        }
+    }
+    Ok(())
 }

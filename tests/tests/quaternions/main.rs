@@ -10,6 +10,7 @@ use coordinates::State;
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::function::ConstantValue;
 use gelenk_codegen::pipeline::GenerateOptions;
+use gelenk_generated::go2;
 use gelenk_kernels::manifold;
 use gelenk_tests::{Robot, relative_error, workspace};
 use nalgebra::{DMatrix, DVector, DVectorView};
@@ -251,6 +252,40 @@ fn every_field_is_asked_for() {
 fn quadrupeds_agree_with_pinocchio() {
     agrees_with_pinocchio("go2_floating");
     agrees_with_pinocchio("solo12_floating");
+}
+
+/// `models/go2.toml` is written by hand; the reference was made from Unitree's URDF.
+#[test]
+fn the_described_go2_is_that_of_unitree() {
+    let Some(Reference { samples, .. }) = reference("go2_floating", "[\"mass_matrix\"]") else { return };
+    let functions = ["mass_matrix", "inverse_dynamics"].map(str::to_owned).into();
+    let options = GenerateOptions { functions, ..GenerateOptions::default() };
+    let robot = Robot::derive(&workspace().join("models/go2.toml"), &options);
+    for (number, sample) in samples.iter().enumerate() {
+        let get = |key: &str| numbers(&sample[key]);
+        let what = |key: &str| format!("go2.toml {number} {key}");
+        let (y, v, a) = (get("q"), get("v"), get("a"));
+        check(&what("M"), &robot.first("mass_matrix", &[&y]), &get("M"), VALUES);
+        check(&what("id"), &robot.first("inverse_dynamics", &[&y, &v, &a]), &get("id"), VALUES);
+        check(&what("nle"), &robot.first("inverse_dynamics", &[&y, &v, &[0.0; go2::N]]), &get("nle"), VALUES);
+        generated_go2_agrees(sample, &what);
+    }
+}
+
+/// The generated functions. Pinocchio's forces on the base are a wrench on its origin, in the axes of the base.
+fn generated_go2_agrees(sample: &Value, what: &dyn Fn(&str) -> String) {
+    let get = |key: &str| numbers(&sample[key]);
+    let y: [f64; go2::NY] = get("q").try_into().expect("positions");
+    let [v, a, tau] = ["v", "a", "tau"].map(|key| <[f64; go2::N]>::try_from(get(key)).expect("a vector"));
+    let mut wrenches = [[0.0; 6]; go2::WRENCHES];
+    let forces = go2::inverse_dynamics_with_wrenches(&y, &v, &a, &wrenches);
+    check(&what("generated id"), &forces, &get("id"), VALUES);
+    let (_, axes) = go2::frame_middle_pose(&y);
+    let pushed = |i: usize| (0..3).map(|c| axes[i % 3][c] * tau[i / 3 * 3 + c]).sum();
+    wrenches[4] = std::array::from_fn(pushed);
+    let (_, torques) = tau.split_last_chunk().expect("torques of the joints");
+    let accelerations = go2::forward_dynamics_with_wrenches(&y, &v, torques, &wrenches);
+    check(&what("generated fd"), &accelerations, &get("fd"), VALUES);
 }
 
 #[test]
