@@ -1,5 +1,8 @@
 //! A described robot as identification asks for it: its regressor, evaluated by the interpreter.
 
+use std::sync::OnceLock;
+
+use gelenk_formula::Formula;
 use gelenk_identification::pose::QuaternionJoint;
 use gelenk_identification::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine};
 use gelenk_identification::shafts::{JointTerm, Shaft};
@@ -13,7 +16,7 @@ use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
 use crate::model::{
-    Actuator, Dependent, FrictionTerm, Input, Joint, LimitedInput, Model, Motion, QuaternionKind,
+    Actuator, Dependent, FrictionTerm, Input, Joint, LimitedInput, Model, Motion, Parameter, QuaternionKind,
 };
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
@@ -25,6 +28,8 @@ pub struct InterpretedRobot {
     inverse_dynamics: Function,
     parameters: Vec<f64>,
     input_matrix: Vec<f64>,
+    /// W with gravity as three more free parameters, derived where it is asked for.
+    at_rest: OnceLock<Option<Function>>,
     /// B(y), where inputs act at frames.
     input_matrix_at: Option<Function>,
     /// Joints that something else moves.
@@ -102,6 +107,7 @@ impl InterpretedRobot {
             model: Model { force_inputs: frame_inputs, ..model },
             regressor,
             inverse_dynamics,
+            at_rest: OnceLock::new(),
             input_matrix_at,
             free,
         })
@@ -133,6 +139,25 @@ impl InterpretedRobot {
     pub fn model(&self) -> &Model {
         &self.model
     }
+}
+
+/// The regressor of a model whose gravity is three more free parameters.
+fn regressor_under_gravity(model: &Model) -> Option<Function> {
+    let mut model = model.clone();
+    model.force_inputs.clear();
+    let first = model.parameters.len();
+    for axis in ["x", "y", "z"] {
+        let name = format!("identified_gravity_{axis}");
+        model.parameters.push(Parameter {
+            name,
+            default: 1.0,
+            unit: "m/s²".into(),
+            description: String::new(),
+        });
+    }
+    model.gravity = [0, 1, 2].map(|axis| Formula::Parameter(first + axis));
+    let name = ["inertial_regressor".to_owned()];
+    derive_in_form(&model, &name, MOST_OPERATIONS, Form::Straight, &name).ok()?.into_iter().next()
 }
 
 /// B(y) of a model with inputs at frames.
@@ -276,6 +301,17 @@ impl Robot for InterpretedRobot {
             drives.any(|drive| shaft_rotor(&self.model, &drive.name).is_none())
         };
         (0..self.model.joints().len()).map(takes).collect()
+    }
+
+    fn gravity(&self) -> Option<[f64; 3]> {
+        Some(self.model.gravity.each_ref().map(|entry| entry.evaluate(&self.free, 0.0, 0.0)))
+    }
+
+    fn regressor_at_rest(&self, y: &[f64], gravity: [f64; 3], regressor: &mut [f64]) {
+        let function = self.at_rest.get_or_init(|| regressor_under_gravity(&self.model));
+        let Some(function) = function else { return regressor.fill(0.0) };
+        let (zero, free) = (vec![0.0; self.unmeasured.len()], [&self.free[..], &gravity].concat());
+        regressor.copy_from_slice(&result(function, &[y, &zero, &zero], &free));
     }
 
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {

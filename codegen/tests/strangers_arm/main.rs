@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 mod said;
+mod tilted;
 mod units;
 
 use std::fmt::Write as _;

@@ -111,6 +111,19 @@ pub trait Robot {
         values.fill(0.0);
     }
 
+    /// Gravity in the axes of the base, as described \[m/s²\]; `None` where no other direction of it can be tried
+    /// ([`Self::regressor_at_rest`]).
+    fn gravity(&self) -> Option<[f64; 3]> {
+        None
+    }
+
+    /// `W` at positions y and at rest under another gravity \[m/s²\], as [`Self::inertial_regressor`]. Robots with
+    /// [`Self::gravity`] have it.
+    fn regressor_at_rest(&self, y: &[f64], gravity: [f64; 3], regressor: &mut [f64]) {
+        let _ = (y, gravity);
+        regressor.fill(0.0);
+    }
+
     /// `W`, `N × P`, rows first, at positions y [rad or m], velocities ẏ and accelerations ÿ.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 

@@ -21,6 +21,7 @@ use super::result::{Estimate, Gravity, Offsets};
 use super::settings::EstimationSettings;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
+use super::tilt::tilt;
 use nalgebra::DVector;
 
 /// Inertial parameters, friction, offsets and gains of a robot from its runs.
@@ -170,7 +171,7 @@ impl Task<'_> {
         Ok(Some(Late::new(self.layout, self.runs, &chosen.values, &forces)))
     }
 
-    fn sums_of(&self, weights: Weights) -> Sums {
+    pub(super) fn sums_of(&self, weights: Weights) -> Sums {
         sum(&mut self.rows(), self.layout, self.runs, &self.pieces, weights)
     }
 
@@ -318,6 +319,7 @@ impl Task<'_> {
             loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
         };
         let mut doubts = other_explanations(self, judged.0, judged.1)?;
+        doubts.of_all.extend(tilt(self, judged.0, correlation_time).ok().flatten());
         self.require_explained(held_out, &doubts, &checked)?;
         if let Some(ratio) = checked.common_ratio() {
             doubts.of_all.extend(ratio.judged(self.settings.accept_poor)?);
@@ -360,7 +362,7 @@ fn offsets_of(centred: &Centred, values: &Values) -> RunOffsets {
 }
 
 impl Chosen<'_> {
-    fn offsets(&self) -> RunOffsets {
+    pub(super) fn offsets(&self) -> RunOffsets {
         offsets_of(&self.centred, &self.values)
     }
 

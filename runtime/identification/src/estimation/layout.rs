@@ -141,6 +141,17 @@ impl Layout {
         Ok(self)
     }
 
+    /// The layout with more parameters of every joint, behind the others.
+    pub(super) fn with_more_parameters(&self, more: usize) -> Self {
+        let count = self.parameters;
+        let of_joint = |local: &Vec<usize>| {
+            let (own, others): (Vec<usize>, Vec<usize>) = local.iter().partition(|global| **global < count);
+            let others = others.into_iter().map(|global| global + more);
+            own.into_iter().chain(count..count + more).chain(others).collect()
+        };
+        Self { parameters: count + more, local: self.local.iter().map(of_joint).collect(), ..self.clone() }
+    }
+
     fn inputs(&self) -> usize {
         self.input_matrix.len() / self.joints.max(1)
     }

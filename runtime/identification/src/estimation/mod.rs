@@ -29,6 +29,7 @@ mod sums;
 mod task;
 #[cfg(test)]
 mod tests;
+mod tilt;
 mod unit;
 
 pub use estimate::estimate;

@@ -152,6 +152,15 @@ impl Robot for RobotRows<'_> {
         self.robot.takes_inertia()
     }
 
+    /// Not where shafts take rows: the direction is not looked for there.
+    fn gravity(&self) -> Option<[f64; 3]> {
+        self.robot.gravity().filter(|_| self.rows.is_none())
+    }
+
+    fn regressor_at_rest(&self, y: &[f64], gravity: [f64; 3], regressor: &mut [f64]) {
+        self.robot.regressor_at_rest(y, gravity, regressor);
+    }
+
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
         let Some(rows) = self.rows else { return self.robot.inertial_regressor(y, v, a, regressor) };
         let (joints, inertial) = (v.len(), rows.first_term());

@@ -72,6 +72,40 @@ impl Chain {
     fn count(&self) -> usize {
         self.joints.len()
     }
+
+    fn regressor(&self, gravity: Vector3<f64>, [y, v, a]: [&[f64]; 3], regressor: &mut [f64]) {
+        let n = self.count();
+        let (mut omega, mut alpha) = ([0.0; 3], [0.0; 3]);
+        let mut acceleration: [f64; 3] = (-gravity).into();
+        let mut rotations: Vec<[[f64; 3]; 3]> = Vec::new();
+        for (i, link) in self.joints.iter().enumerate() {
+            let turn = link.rotation.matrix() * Rotation3::new(link.axis * y[i]).matrix();
+            let to_parent = [0, 1, 2].map(|r| [turn[(r, 0)], turn[(r, 1)], turn[(r, 2)]]);
+            let back = transpose(&to_parent);
+            let (origin, axis): ([f64; 3], [f64; 3]) = (link.origin.into(), link.axis.into());
+            // What the parent does, seen at the child's origin and in its axes.
+            let turned = add(cross(alpha, origin), cross(omega, cross(omega, origin)));
+            acceleration = times(&back, add(acceleration, turned));
+            let carried = times(&back, omega);
+            let spin = axis.map(|x| x * v[i]);
+            alpha = add(add(times(&back, alpha), axis.map(|x| x * a[i])), cross(carried, spin));
+            omega = add(carried, spin);
+            rotations.push(to_parent);
+            for (k, mut wrench) in newton_euler(acceleration, omega, alpha).into_iter().enumerate() {
+                for j in (0..=i).rev() {
+                    let axis = self.joints[j].axis;
+                    let moment = wrench[1];
+                    regressor[j * n * 10 + i * 10 + k] =
+                        axis.x * moment[0] + axis.y * moment[1] + axis.z * moment[2];
+                    let force = times(&rotations[j], wrench[0]);
+                    wrench = [
+                        force,
+                        add(times(&rotations[j], moment), cross(self.joints[j].origin.into(), force)),
+                    ];
+                }
+            }
+        }
+    }
 }
 
 impl Robot for Chain {
@@ -108,38 +142,15 @@ impl Robot for Chain {
         let n = self.count();
         (0..n * n).map(|k| if k / n == k % n { self.gears[k / n] } else { 0.0 }).collect()
     }
+    fn gravity(&self) -> Option<[f64; 3]> {
+        Some(self.gravity.into())
+    }
+    fn regressor_at_rest(&self, y: &[f64], gravity: [f64; 3], regressor: &mut [f64]) {
+        let zero = vec![0.0; self.count()];
+        self.regressor(gravity.into(), [y, &zero, &zero], regressor);
+    }
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
-        let n = self.count();
-        let (mut omega, mut alpha) = ([0.0; 3], [0.0; 3]);
-        let mut acceleration: [f64; 3] = (-self.gravity).into();
-        let mut rotations: Vec<[[f64; 3]; 3]> = Vec::new();
-        for (i, link) in self.joints.iter().enumerate() {
-            let turn = link.rotation.matrix() * Rotation3::new(link.axis * y[i]).matrix();
-            let to_parent = [0, 1, 2].map(|r| [turn[(r, 0)], turn[(r, 1)], turn[(r, 2)]]);
-            let back = transpose(&to_parent);
-            let (origin, axis): ([f64; 3], [f64; 3]) = (link.origin.into(), link.axis.into());
-            // What the parent does, seen at the child's origin and in its axes.
-            let turned = add(cross(alpha, origin), cross(omega, cross(omega, origin)));
-            acceleration = times(&back, add(acceleration, turned));
-            let carried = times(&back, omega);
-            let spin = axis.map(|x| x * v[i]);
-            alpha = add(add(times(&back, alpha), axis.map(|x| x * a[i])), cross(carried, spin));
-            omega = add(carried, spin);
-            rotations.push(to_parent);
-            for (k, mut wrench) in newton_euler(acceleration, omega, alpha).into_iter().enumerate() {
-                for j in (0..=i).rev() {
-                    let axis = self.joints[j].axis;
-                    let moment = wrench[1];
-                    regressor[j * n * 10 + i * 10 + k] =
-                        axis.x * moment[0] + axis.y * moment[1] + axis.z * moment[2];
-                    let force = times(&rotations[j], wrench[0]);
-                    wrench = [
-                        force,
-                        add(times(&rotations[j], moment), cross(self.joints[j].origin.into(), force)),
-                    ];
-                }
-            }
-        }
+        self.regressor(self.gravity, [y, v, a], regressor);
     }
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
         let parameters = self.parameters();

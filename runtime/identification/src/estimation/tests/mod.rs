@@ -11,3 +11,4 @@ mod measured;
 mod pendulum;
 mod rest;
 mod simulated;
+mod tilt;

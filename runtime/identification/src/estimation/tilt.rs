@@ -1,0 +1,286 @@
+//! Whether gravity points where the description says.
+//!
+//! Weights are linear in gravity. Where this turns by small angles ε₁ and ε₂, they change by `ε₁ W₁(y) π + ε₂ W₂(y) π`, with W₁ and W₂ at
+//! rest under gravities across it. The angles are fitted beside all else, with bodies that are as good as free: what another
+//! body explains as well is no tilt. Passes repeat from the gravity that was found until it stays (Gauss and Newton).
+
+use super::super::confidence::quantile;
+use super::super::digits::plain;
+use super::super::error::Result;
+use super::super::robot::{JointLimits, Robot};
+use super::super::run::{Effort, PreparedRun};
+use super::choice::Chosen;
+use super::fit::{Weighting, fit};
+use super::intervals::{Fitted, covariance, scores};
+use super::normal::{Centred, Factor, Model, Values};
+use super::prior::Prior;
+use super::result::Gravity;
+use super::sums::moving;
+use super::task::Task;
+use nalgebra::{DMatrix, DVector, Vector3};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+/// Angle from which a tilt matters [rad]: 2°.
+const LEAST: f64 = 0.035;
+/// Change of the direction by which it stays [rad].
+const STAYS: f64 = 1e-3;
+const PASSES: usize = 10;
+/// Samples by which weights are compared.
+const COMPARED: usize = 50;
+/// Level of the test, and of the interval.
+const LEVEL: f64 = 0.01;
+const CONFIDENCE: f64 = 0.95;
+/// Weight of the description beside which bodies are as good as free, and no equation is singular.
+const FREE: f64 = 1e-3;
+/// Variance of an angle under independent residuals [rad²] from which it counts as not told.
+const UNTOLD: f64 = 0.01;
+
+/// A doubt about the direction of gravity; `None` where there is none, or where the data do not tell.
+///
+/// - `last`: the fit with the described gravity; `time`: the residuals' correlation time
+pub(super) fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<String>> {
+    let is_usual = task.gravity == Gravity::Recorded && task.layout.effort != Effort::Current;
+    let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
+    let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
+    let (mut gravity, mut changes) = (described, last.values.unknowns.clone());
+    for pass in 0..PASSES {
+        let pi = task.prior.described.iter().zip(&changes).map(|(pi, change)| pi + change).collect();
+        let turning = Turning { robot: task.robot, described, gravity, across: across(gravity), pi };
+        // Angles that do not matter need no interval.
+        let found = turning.angles((task, last), (pass > 0).then_some(time))?;
+        let angles = found.told();
+        gravity = turning.turned(&angles);
+        changes.clone_from(&found.changes);
+        if turning.weighs_less_than_nothing(task.runs, &changes) {
+            (gravity, changes) = (-gravity, changes * 0.0);
+        } else if pass == 0 && angles.norm() < 0.5 * LEAST {
+            break;
+        } else if pass > 0 && angles.norm() < STAYS {
+            return Ok(found.judged(&turning, gravity));
+        }
+    }
+    Ok(None)
+}
+
+/// Two directions across another one.
+fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
+    let down = gravity.normalize();
+    let mut axis = Vector3::zeros();
+    axis[down.iamin()] = 1.0;
+    let first = (axis - down * down.dot(&axis)).normalize();
+    [first, down.cross(&first)]
+}
+
+/// The robot under another gravity, with the angles by which this turns further as parameters behind its own.
+struct Turning<'a> {
+    robot: &'a dyn Robot,
+    described: Vector3<f64>,
+    gravity: Vector3<f64>,
+    across: [Vector3<f64>; 2],
+    /// π of the weights that turn.
+    pi: Vec<f64>,
+}
+
+impl Robot for Turning<'_> {
+    fn joint_names(&self) -> Vec<String> {
+        self.robot.joint_names()
+    }
+    fn input_names(&self) -> Vec<String> {
+        self.robot.input_names()
+    }
+    fn position_units(&self) -> Vec<&'static str> {
+        self.robot.position_units()
+    }
+    fn limits(&self) -> Vec<JointLimits> {
+        self.robot.limits()
+    }
+    fn parameter_names(&self) -> Vec<String> {
+        [self.robot.parameter_names(), vec!["angle".into(); 2]].concat()
+    }
+    /// Angles count from zero; the unit of their distance is a radian.
+    fn parameters(&self) -> Vec<f64> {
+        [self.robot.parameters(), vec![1.0; 2]].concat()
+    }
+    fn bodies(&self) -> usize {
+        self.robot.bodies()
+    }
+    fn input_matrix(&self) -> Vec<f64> {
+        self.robot.input_matrix()
+    }
+    fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
+        let count = self.pi.len();
+        let mut own = vec![0.0; v.len() * count];
+        self.robot.inertial_regressor(y, v, a, &mut own);
+        let turned = self.at_rest(y, v.len(), self.gravity - self.described);
+        let across = self.across.map(|axis| self.at_rest(y, v.len(), axis * self.gravity.norm()));
+        for (joint, row) in regressor.chunks_exact_mut(count + 2).enumerate() {
+            let columns = joint * count..(joint + 1) * count;
+            let both = own[columns.clone()].iter().zip(&turned[columns.clone()]);
+            row.iter_mut().zip(both).for_each(|(w, (own, turned))| *w = own + turned);
+            for (k, across) in across.iter().enumerate() {
+                row[count + k] = across[columns.clone()].iter().zip(&self.pi).map(|(w, pi)| w * pi).sum();
+            }
+        }
+    }
+    fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
+        self.robot.rigid_forces(y, v, a, forces);
+        let (described, count) = (self.robot.parameters(), self.pi.len());
+        let turned = self.at_rest(y, v.len(), self.gravity - self.described);
+        for (force, row) in forces.iter_mut().zip(turned.chunks_exact(count.max(1))) {
+            *force += row.iter().zip(&described).map(|(w, pi)| w * pi).sum::<f64>();
+        }
+    }
+}
+
+impl Turning<'_> {
+    fn at_rest(&self, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
+        let mut regressor = vec![0.0; joints * self.pi.len()];
+        if gravity != Vector3::zeros() {
+            self.robot.regressor_at_rest(y, gravity.into(), &mut regressor);
+        }
+        regressor
+    }
+
+    /// Whether bodies that differ by these changes have weights against those of the described ones: gravity is upside down then.
+    fn weighs_less_than_nothing(&self, runs: &[PreparedRun], changes: &DVector<f64>) -> bool {
+        let described = self.robot.parameters();
+        let of_sample = |run: &PreparedRun, i: usize| -> f64 {
+            let y: Vec<f64> = run.coordinates().iter().map(|column| column[i]).collect();
+            let weights = self.at_rest(&y, run.velocities.len(), self.gravity);
+            let rows = weights.chunks_exact(described.len().max(1)).map(|row| {
+                let dot = |pi: &[f64]| row.iter().zip(pi).map(|(w, pi)| w * pi).sum::<f64>();
+                let own = dot(&described);
+                own * (own + dot(changes.as_slice()))
+            });
+            rows.sum()
+        };
+        let of_run = |run: &PreparedRun| {
+            let count = run.times.len();
+            (0..count).step_by((count / COMPARED).max(1)).map(|i| of_sample(run, i)).sum::<f64>()
+        };
+        runs.iter().map(of_run).sum::<f64>() < 0.0
+    }
+
+    /// Gravity turned by angles.
+    fn turned(&self, angles: &DVector<f64>) -> Vector3<f64> {
+        let size = self.gravity.norm();
+        let turned = self.gravity + (self.across[0] * angles[0] + self.across[1] * angles[1]) * size;
+        turned * (size / turned.norm())
+    }
+
+    /// The angles beside all else.
+    ///
+    /// - `time`: the residuals' correlation time, where a covariance is asked for
+    fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
+        let layout = task.layout.with_more_parameters(2);
+        let prior = Prior::new(&self.parameters(), self.bodies());
+        let task = Task { robot: self, layout: &layout, prior: &prior, ..task.clone() };
+        let sums = task.sums_of(&moving);
+        let model = Model { consistent: false, ..last.model.clone() };
+        let mut trust = last.weighting.trust.clone();
+        trust.extend([1.0 / FREE; 2]);
+        let mut chosen = Chosen {
+            weighting: Weighting { description: FREE, trust, ..last.weighting.clone() },
+            values: Values { unknowns: DVector::zeros(layout.len()), gains: last.values.gains.clone() },
+            gains: last.gains.clone(),
+            centred: Centred::new(&layout, &sums, model.offsets),
+            model,
+            tried: Vec::new(),
+        };
+        chosen.reweight(&prior)?;
+        Angles::new(&task, &chosen, time)
+    }
+}
+
+/// The angles of a fit, by which gravity turns further.
+struct Angles {
+    values: DVector<f64>,
+    /// Of all unknowns.
+    changes: DVector<f64>,
+    /// Directions that the data see, by the covariance under independent residuals.
+    seen: DMatrix<f64>,
+    covariance: DMatrix<f64>,
+    freedom: f64,
+}
+
+impl Angles {
+    fn new(task: &Task, chosen: &Chosen, time: Option<f64>) -> Result<Self> {
+        let Chosen { centred, weighting, values, model, .. } = chosen;
+        let solved = fit(centred, &centred.all, model, task.prior, weighting, values)?;
+        let first = task.layout.parameters - 2;
+        let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
+        let places: Vec<usize> = (0..2).filter_map(place).collect();
+        let block = |of: &DMatrix<f64>| of.select_rows(&places).select_columns(&places);
+        let count = solved.active.len();
+        let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
+        let mut found = Self {
+            values: solved.values.unknowns.rows(first, 2).into_owned(),
+            changes: solved.values.unknowns.clone(),
+            seen: seen(block(&inverse)),
+            covariance: DMatrix::zeros(2, 2),
+            freedom: 1.0,
+        };
+        if let Some(time) = time {
+            let (offsets, outlier) = (chosen.offsets(), vec![f64::INFINITY; task.layout.joints]);
+            let values = &solved.values;
+            let fitted =
+                Fitted { centred, solved: &solved, weighting, values, offsets: &offsets, outlier: &outlier };
+            let scores = scores(&mut task.rows(), task.layout, task.runs, &fitted, time);
+            let all = covariance(&fitted, task.prior, &scores)?;
+            (found.covariance, found.freedom) = (block(&all.matrix), all.freedom as f64);
+        }
+        Ok(found)
+    }
+
+    /// The angles in the directions that the data see.
+    fn told(&self) -> DVector<f64> {
+        &self.seen * self.seen.tr_mul(&self.values)
+    }
+
+    /// What is said of a direction of gravity that is no chance, and far enough from the described one to matter.
+    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<String> {
+        let (described, angle) = (turning.described, found.angle(&turning.described));
+        let [first, second] = turning.across;
+        let across = [first.dot(&described), second.dot(&described)];
+        // Upside down every direction leads to the described one.
+        let way = DVector::from_column_slice(&across).try_normalize(1e-9 * described.norm());
+        let beside = way.unwrap_or(DVector::from_column_slice(&[1.0, 0.0])) * angle;
+        let (beside, covariance) =
+            (self.seen.tr_mul(&beside), self.seen.tr_mul(&self.covariance) * &self.seen);
+        let wald = beside.dot(&covariance.clone().cholesky()?.solve(&beside));
+        let (q, rest) = (beside.len() as f64, self.freedom + 1.0 - beside.len() as f64);
+        let fisher = FisherSnedecor::new(q, rest).ok()?;
+        let by_chance = 1.0 - fisher.cdf(wald * rest / (q * self.freedom));
+        let direction = beside.normalize();
+        let error = direction.dot(&(&covariance * &direction)).sqrt();
+        let half = quantile(CONFIDENCE, self.freedom).ok()? * error;
+        let is_tilted = by_chance < LEVEL && angle > LEAST && angle > half;
+        is_tilted.then(|| said([described, found], [angle, half]))
+    }
+}
+
+/// Columns of directions whose variance is below [`UNTOLD`].
+fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
+    if variance.nrows() != 2 || !variance.iter().all(|entry| entry.is_finite()) {
+        return DMatrix::zeros(2, 0);
+    }
+    let eigen = variance.symmetric_eigen();
+    let told: Vec<usize> = (0..2).filter(|k| eigen.eigenvalues[*k] < UNTOLD).collect();
+    eigen.eigenvectors.select_columns(&told)
+}
+
+fn said([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> String {
+    let [angle, half] = angles.map(f64::to_degrees);
+    let axis = described.cross(&found).try_normalize(1e-9 * found.norm_squared());
+    let axis = axis.unwrap_or(across(described)[0]);
+    let [axis, found] = [(axis, 2), (found, 3)].map(|(vector, digits)| {
+        let unit = 10_f64.powi(digits);
+        let entry = |x: &f64| plain((x * unit).round() / unit, 6);
+        vector.iter().map(entry).collect::<Vec<_>>().join(", ")
+    });
+    format!(
+        "The efforts hold a gravity {angle:.1}° ± {half:.1}° beside the described one, turned about [{axis}] of the base: the base \
+         is mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one. Say gravity = \
+         [{found}], and identify again."
+    )
+}
