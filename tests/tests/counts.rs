@@ -13,6 +13,7 @@ use gelenk_codegen::formula::Formula;
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::cost::count;
+use gelenk_codegen::program::{Instruction, Operation, fuse_multiply_adds};
 use gelenk_tests::literature::{GENERAL, PLANAR, PUMA, RX90, chain, right_angles};
 use gelenk_tests::{Robot, descriptions, generate_model, relative_error, shared, workspace};
 
@@ -104,6 +105,32 @@ fn followers() {
         let more = [coupled[0] - free[0], coupled[1] - free[1]];
         println!("{keys}: {more:?}, bar {bar:?}");
         assert!(more[0] <= bar[0] && more[1] <= bar[1], "{keys}: {more:?}, bar {bar:?}");
+    }
+}
+
+/// A product and its sum are one operation where they are fused: a follower takes no more than four.
+#[test]
+fn followers_with_fused_operations() {
+    let count = |third: &str| {
+        let robot = Robot::in_form(arm_with(third), &["inverse_dynamics"], Form::Straight);
+        let program = fuse_multiply_adds(&robot.function("inverse_dynamics").program);
+        let is_operation = |instruction: &&Instruction| {
+            matches!(
+                instruction.operation,
+                Operation::Add(..)
+                    | Operation::Subtract(..)
+                    | Operation::Multiply(..)
+                    | Operation::Divide(..)
+                    | Operation::MultiplyAdd(..)
+            )
+        };
+        program.instructions.iter().filter(is_operation).count()
+    };
+    let free = count("drive = \"ideal\"");
+    for ratio in [1.0, -1.0, 0.4, -2.5] {
+        let coupled = count(&format!("follows = {{ b = {ratio} }}"));
+        println!("ratio {ratio}: {coupled} operations, as a coordinate {free}");
+        assert!(coupled <= free + 4, "ratio {ratio}: {coupled} operations, as a coordinate {free}");
     }
 }
 
