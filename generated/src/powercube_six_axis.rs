@@ -6803,7 +6803,7 @@ pub fn forward_dynamics_derivatives_into(
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
@@ -8924,7 +8924,7 @@ fn forward_dynamics_derivatives_part_1(
 }
 
 /// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_2(
     [sin_delta,
     cos_delta,
@@ -9928,7 +9928,7 @@ pub fn linearize_into(
 }
 
 /// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 107] {
     let angle_beta_gamma = y[1] + y[2];
     let (
@@ -12045,7 +12045,7 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 107] {
 }
 
 /// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_2(
     y: &[f64; N],
     v: &[f64; N],

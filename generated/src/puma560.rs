@@ -6664,7 +6664,7 @@ pub fn forward_dynamics_derivatives_into(
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
@@ -8754,7 +8754,7 @@ fn forward_dynamics_derivatives_part_1(
 }
 
 /// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_2(
     [omega_joint5_x,
     t55,
@@ -9507,7 +9507,7 @@ pub fn linearize_into(
 }
 
 /// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 #[allow(clippy::approx_constant, reason = "numbers as the description gives them")]
 fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 79] {
     let angle_joint2_joint3 = y[1] + y[2];
@@ -11593,7 +11593,7 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 79] {
 }
 
 /// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_2(
     y: &[f64; N],
     v: &[f64; N],

@@ -7085,7 +7085,7 @@ pub fn forward_dynamics_derivatives_into(
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
@@ -9206,7 +9206,7 @@ fn forward_dynamics_derivatives_part_1(
 }
 
 /// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_2(
     [sin_joint_4,
     cos_joint_4,
@@ -10252,7 +10252,7 @@ pub fn linearize_into(
 }
 
 /// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 105] {
     let angle_joint_2_joint_3 = y[1] - y[2];
     let (
@@ -12369,7 +12369,7 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 105] {
 }
 
 /// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_2(
     y: &[f64; N],
     v: &[f64; N],

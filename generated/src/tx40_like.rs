@@ -8763,7 +8763,7 @@ pub fn forward_dynamics_derivatives_into(
 }
 
 /// Part 1 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_1(
     y: &[f64; N],
     v: &[f64; N],
@@ -9982,7 +9982,7 @@ fn forward_dynamics_derivatives_part_1(
 }
 
 /// Part 2 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_2(
     v: &[f64; N],
     [sin_joint_2,
@@ -12230,7 +12230,7 @@ fn forward_dynamics_derivatives_part_2(
 }
 
 /// Part 3 of `forward_dynamics_derivatives`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn forward_dynamics_derivatives_part_3(
     [inverse_d_joint_1,
     t304,
@@ -12867,7 +12867,7 @@ pub fn linearize_into(
 }
 
 /// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 173] {
     let angle_joint_2_joint_3 = y[1] + y[2];
     let (
@@ -14082,7 +14082,7 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 173] {
 }
 
 /// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_2(
     v: &[f64; N],
     [sin_joint_2,
@@ -16330,7 +16330,7 @@ fn linearize_part_2(
 }
 
 /// Part 3 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_3(
     y: &[f64; N],
     v: &[f64; N],

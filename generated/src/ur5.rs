@@ -7155,7 +7155,7 @@ pub fn linearize_into(
 }
 
 /// Part 1 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
     let angle_shoulder_lift_joint_elbow_joint = y[1] + y[2];
     let angle_shoulder_lift_joint_elbow_joint_wrist_1_joint = y[3]
@@ -8845,7 +8845,7 @@ fn linearize_part_1(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; 85] {
 }
 
 /// Part 2 of `linearize`: values that later parts read.
-#[inline(never)]
+#[inline(always)]
 fn linearize_part_2(
     y: &[f64; N],
     v: &[f64; N],

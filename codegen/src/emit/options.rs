@@ -5,7 +5,7 @@ use super::interface::Interface;
 /// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests
 /// one scope for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB
 /// of its thread's stack and end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB,
-/// 28 000 need 4 s and 490 MB; there longer functions would do, since parts exchange values.
+/// 28 000 need 4 s and 490 MB: there parts of shorter functions are inlined, which makes no scopes within each other.
 const LONGEST_FUNCTION: usize = 2_000;
 
 /// How a module is printed.

@@ -10,7 +10,7 @@ use crate::dynamics::search::routes::Formulations;
 use crate::graph::{Graph, Scalar};
 use crate::layout::Dimension;
 use crate::model::Model;
-use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
+use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_branches};
 use crate::spatial::Force;
 
 /// The arguments of a function in a robot: where joints are driven, what depends on the motion takes theirs too.
@@ -99,7 +99,10 @@ pub(super) fn assemble(
             }
         })
         .collect();
-    lower(&graph, inputs, &outputs)
+    match formulations.mechanism().branches() {
+        true => lower_branches(&graph, inputs, &outputs),
+        false => lower(&graph, inputs, &outputs),
+    }
 }
 
 /// A result without the rows and columns of driven coordinates. A Jacobian of space keeps their columns: it gives

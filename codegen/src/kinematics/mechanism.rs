@@ -147,6 +147,11 @@ impl<S: Numbers> Mechanism<S> {
         depths.iter().sum()
     }
 
+    /// Tells whether there are several branches: bodies that carry no other.
+    pub fn branches(&self) -> bool {
+        self.children().iter().filter(|children| children.is_empty()).count() > 1
+    }
+
     /// Children of each body.
     pub fn children(&self) -> Vec<Vec<usize>> {
         let mut children = vec![Vec::new(); self.bodies.len()];

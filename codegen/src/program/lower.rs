@@ -4,12 +4,14 @@
 //! that no result needs; negations stand only where neither a subtraction nor the sign of a product could
 //! take them; sines and cosines are made together.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::angles::angles_first;
 use super::doubling::add_instead_of_doubling;
 use super::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
 use crate::graph::{Edge, Graph, Node, balanced};
+use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
 
 /// A result of a function: its name, shape and entries in the graph, rows first.
@@ -25,11 +27,40 @@ pub struct GraphOutput {
 
 /// The program that computes the outputs.
 pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
+    lowered(graph, inputs, outputs, |results| results.to_vec())
+}
+
+/// The same for a tree with several branches.
+///
+/// Where it has many values its results are computed from the last velocity to the first. A leaf of the tree needs its own
+/// branch alone, so that what concerns a branch stands together, and values are read while registers hold them: Jacobians of
+/// a quadruped's inverse dynamics take 0.8 of the time, M and the inverse dynamics of a humanoid 0.7 to 0.8. Where there are
+/// divisions, as in forward dynamics, each value waits for the one before, and branches side by side fill the time.
+pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
+    lowered(graph, inputs, outputs, |results| {
+        let reachable = graph.reachable(results);
+        let divides = |edge: &Edge| matches!(graph.node(*edge), Node::Quotient(..));
+        match reachable.len() < MANY_VALUES || reachable.iter().any(divides) {
+            true => results.to_vec(),
+            false => from_leaves(outputs, results),
+        }
+    })
+}
+
+/// Fewer values than these are read well in any order.
+const MANY_VALUES: usize = 300;
+
+fn lowered(
+    graph: &Graph,
+    inputs: Vec<InputArray>,
+    outputs: &[GraphOutput],
+    order: impl Fn(&[Edge]) -> Vec<Edge>,
+) -> Program {
     let results: Vec<Edge> = outputs.iter().flat_map(|output| output.entries.iter().copied()).collect();
     let results = balanced(graph, &results);
     let mut lowering = Lowering::new(graph, &results);
-    for edge in &results {
-        lowering.visit(*edge);
+    for edge in order(&results) {
+        lowering.visit(edge);
     }
     let mut entries = results.iter();
     let outputs = outputs.iter().map(|output| Output {
@@ -42,6 +73,28 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
     add_instead_of_doubling(&mut program);
     give_names(&mut program);
     program
+}
+
+/// From the last velocity to the first.
+fn from_leaves(outputs: &[GraphOutput], results: &[Edge]) -> Vec<Edge> {
+    let entries = outputs.iter().flat_map(|output| (0..output.entries.len()).map(|k| (output.shape, k)));
+    let mut ordered: Vec<_> =
+        entries.map(|(shape, entry)| last_velocity(shape, entry)).zip(results).collect();
+    ordered.sort_by_key(|(velocity, _)| Reverse(*velocity));
+    ordered.into_iter().map(|(_, &edge)| edge).collect()
+}
+
+/// The last velocity that an entry of a result belongs to, by its row or its column; 0 where there is none.
+fn last_velocity(shape: Shape, entry: usize) -> usize {
+    let of = |extent: Extent, index| if extent.dimension == Dimension::Velocities { index } else { 0 };
+    match shape {
+        Shape::Scalar => 0,
+        Shape::Vector(extent) => of(extent, entry),
+        Shape::Matrix(rows, columns) => {
+            let width = columns.len.max(1);
+            of(rows, entry / width).max(of(columns, entry % width))
+        }
+    }
 }
 
 /// Makes names unique; values without a label are numbered.

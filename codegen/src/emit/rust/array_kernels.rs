@@ -70,7 +70,10 @@ fn inverse(row: Row) -> [&'static str; 3] {
         ],
         false => [
             include_str!("array_kernels/blocks/inverse.rs"),
-            include_str!("array_kernels/blocks/matrix_products.rs"),
+            match row.is_chain {
+                true => include_str!("array_kernels/blocks/matrix_products.rs"),
+                false => include_str!("array_kernels/blocks/tree_matrix_products.rs"),
+            },
             apply,
         ],
     }

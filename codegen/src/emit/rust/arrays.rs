@@ -9,14 +9,14 @@ use super::doc_comment::DocComment;
 use super::shared_rows::SharedRows;
 use super::signature::{Signature, item};
 use super::{lints, names, parts, public};
-use crate::emit::arrays::{self, Row, is_only_result, table};
+use crate::emit::arrays::{Row, is_only_result, table};
 use crate::functions::function::Function;
 use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
 /// Names that the module takes for array forms.
-pub(super) const RESERVED: [&str; 12] = [
+pub(super) const RESERVED: [&str; 15] = [
     "arrays",
     "sum_ancestors",
     "sum_subtrees",
@@ -27,6 +27,9 @@ pub(super) const RESERVED: [&str; 12] = [
     "gather_last",
     "RELATIONS",
     "MEETINGS",
+    "BLOCKS_BEFORE",
+    "BLOCKS_BEYOND",
+    "ROWS_OF_BLOCKS",
     "joint",
     "is_before",
 ];
@@ -242,9 +245,7 @@ impl<'a> Emission<'a> {
                 self.call(&quote!(#name), &[*from], *to)
             }
             Step::Invert { from, to } => self.invert(*from, *to),
-            Step::NegativeProduct { left, right, to } => {
-                self.call(&quote!(arrays::negative_product), &[*left, *right], *to)
-            }
+            Step::NegativeProduct { left, right, to } => self.negative_product([*left, *right], *to),
             Step::Apply { matrix, vector, to } => self.call(&quote!(arrays::apply), &[*matrix, *vector], *to),
         }
     }
@@ -293,6 +294,16 @@ impl<'a> Emission<'a> {
         quote!(#order, #meet)
     }
 
+    fn negative_product(&self, factors: [usize; 2], to: usize) -> TokenStream {
+        let declaration = self.declaration(to);
+        let ([left, right], to) = (factors.map(|array| self.read(array)), self.write(to));
+        let rows = (!self.row.is_chain).then(|| {
+            let rows = self.add_rows_of_blocks();
+            quote!(, &#rows)
+        });
+        quote!(#declaration arrays::negative_product(#left, #right, #to #rows);)
+    }
+
     fn call(&self, callee: &TokenStream, from: &[usize], to: usize) -> TokenStream {
         let declaration = self.declaration(to);
         let (from, to) = (from.iter().map(|&array| self.read(array)), self.write(to));
@@ -308,45 +319,13 @@ impl<'a> Emission<'a> {
         let (before, beyond) = (pair(pairs.before), pair(pairs.beyond));
         let (diagonal, to) = (self.read(pairs.diagonal), self.write(pairs.to));
         let relations = (!self.form.is_chain()).then(|| {
-            let relations = self.add_relations();
-            quote!(, &#relations)
+            let (relations, [before, beyond]) = (self.add_relations(), self.add_blocks());
+            quote!(, &#relations, [&#before, &#beyond])
         });
         quote! {
             #declaration
             arrays::pairs(#before, #beyond, #diagonal, #to #relations);
         }
-    }
-
-    /// Which joints of a tree stand before and beyond each other.
-    fn add_relations(&self) -> Ident {
-        let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
-        self.add_table(("RELATIONS", about), self.form.joints.len(), self.row.len, arrays::relation)
-    }
-
-    /// Which coordinates meet.
-    fn add_meetings(&self) -> Ident {
-        let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
-        let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);
-        self.add_table(("MEETINGS", about), count, lanes, arrays::meeting)
-    }
-
-    fn add_table(
-        &self,
-        (name, about): (&str, &str),
-        count: usize,
-        lanes: usize,
-        entry: fn(&Arrays, usize, usize) -> i8,
-    ) -> Ident {
-        let rows = (0..count).map(|i| {
-            let row = (0..lanes).map(|j| Literal::i8_unsuffixed(entry(self.form, i, j)));
-            quote!([#(#row),*])
-        });
-        let (rows, count) = (rows.collect::<Vec<_>>(), Literal::usize_unsuffixed(count));
-        let lanes = Literal::usize_unsuffixed(lanes);
-        let documentation = DocComment::new(about).tokens();
-        self.context
-            .shared
-            .add(name, |name| quote!(#documentation const #name: [[i8; #lanes]; #count] = [#(#rows),*];))
     }
 
     /// The loop of a map, as a function of its own.

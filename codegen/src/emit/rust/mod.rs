@@ -35,6 +35,7 @@ mod shared_rows;
 mod signature;
 mod statements;
 mod straight;
+mod tree_tables;
 
 pub use header::documentation;
 

@@ -95,7 +95,12 @@ pub(super) fn items(
     }
 }
 
-/// The private function of a part. Never inlined: that would undo the splitting.
+/// Parts of a function of up to so many statements become one function again in optimized code, where they would exchange
+/// values by memory: the forward dynamics of a humanoid takes 0.75 of the time, the Jacobians of a quadruped's inverse dynamics
+/// 0.85. Longer functions stay split there too, since the time of LLVM grows faster than their length.
+const MOST_INLINED: usize = 12_000;
+
+/// The private function of a part.
 fn private(body: &Body<'_>, name: &Ident, index: usize, part: &Part, signature: &Signature) -> TokenStream {
     let callee = part_name(name, index);
     let taken = Taken::declared(body, part, signature);
@@ -106,10 +111,14 @@ fn private(body: &Body<'_>, name: &Ident, index: usize, part: &Part, signature: 
     let statements = body.statements(part.range.clone());
     let (returns, ty) = (values(body, &part.returns), array(body, &part.returns));
     let documentation = format!("Part {} of `{name}`: values that later parts read.", index + 1);
+    let inlined = match body.program.instructions.len() <= MOST_INLINED {
+        true => quote!(#[inline(always)]),
+        false => quote!(#[inline(never)]),
+    };
     item(
         &DocComment::new(&documentation),
         [
-            Some(quote!(#[inline(never)])),
+            Some(inlined),
             lints::for_names(names.chain([name])),
             lints::for_numbers(body.numbers_in(part.range.clone())),
         ],

@@ -187,7 +187,7 @@ pub enum Step {
         /// Its inverse.
         to: ArrayId,
     },
-    /// `to = −left · right`, matrices over the joints.
+    /// `to = −left · right`, matrices over the coordinates; the right one is zero where two are on no path.
     NegativeProduct {
         /// Left factor.
         left: ArrayId,

@@ -249,7 +249,10 @@ impl Unrolling<'_> {
                 })
                 .collect();
             for j in 0..n {
-                let terms: Vec<_> = (0..n).map(|k| (factors[k], self.at(right, k, j))).collect();
+                // The right matrix is one over pairs on one path: its other entries are zero.
+                let tree = self.form.coordinates();
+                let met = (0..n).filter(|&k| tree.meet(k, j));
+                let terms: Vec<_> = met.map(|k| (factors[k], self.at(right, k, j))).collect();
                 let entry = self.writer.sum_of_products(&terms);
                 self.set(to, i, j, entry);
             }

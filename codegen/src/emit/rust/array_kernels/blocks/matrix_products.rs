@@ -8,7 +8,9 @@ pub fn negative_product<const N: usize, const L: usize, const W: usize>(
     for (left, to) in left.chunks(6).zip(to.chunks_mut(6)) {
         let mut factors = [[0.0; L]; 6];
         for (factors, left) in factors.iter_mut().zip(left) {
-            *factors = left.map(|factor| -factor);
+            for (factor, left) in factors.iter_mut().zip(left) {
+                *factor = -left;
+            }
         }
         let mut rows = [[0.0; L]; 6];
         for block in 0..L / K {

@@ -1,0 +1,39 @@
+/// `to = −left right`, six rows by K columns at a time: fewer sums would wait for each other.
+///
+/// - `rows_of`: for each block of columns the rows of `right` that are not 0 there
+#[inline]
+pub fn negative_product<const N: usize, const L: usize, const W: usize, const B: usize>(
+    left: &[[f64; L]; N],
+    right: &[[f64; L]; N],
+    to: &mut [[f64; W]; N],
+    rows_of: &[&[usize]; B],
+) {
+    for (left, to) in left.chunks(6).zip(to.chunks_mut(6)) {
+        let mut factors = [[0.0; L]; 6];
+        for (factors, left) in factors.iter_mut().zip(left) {
+            for (factor, left) in factors.iter_mut().zip(left) {
+                *factor = -left;
+            }
+        }
+        let mut rows = [[0.0; L]; 6];
+        for (block, rows_of) in rows_of.iter().enumerate() {
+            // −0 + x is x, with the sign of zero too.
+            let mut sums = [[-0.0; K]; 6];
+            // Without a check in each step.
+            for k in rows_of.iter().map(|&k| k.min(N - 1)) {
+                let right = &right[k].as_chunks::<K>().0[block];
+                for i in 0..6 {
+                    for j in 0..K {
+                        sums[i][j] = add_product(sums[i][j], factors[i][k], right[j]);
+                    }
+                }
+            }
+            for (row, sums) in rows.iter_mut().zip(sums) {
+                row.as_chunks_mut::<K>().0[block] = sums;
+            }
+        }
+        for (to, row) in to.iter_mut().zip(&rows) {
+            to.copy_from_slice(row.split_at(W).0);
+        }
+    }
+}

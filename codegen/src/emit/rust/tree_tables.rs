@@ -1,0 +1,87 @@
+//! Constants of a module with loops over a tree's joints: which joints and which coordinates stand on one path.
+
+use proc_macro2::{Ident, Literal};
+use quote::quote;
+
+use super::arrays::Emission;
+use super::doc_comment::DocComment;
+use crate::emit::arrays;
+use crate::program::arrays::{Arrays, Relation};
+
+impl Emission<'_> {
+    /// Which joints of a tree stand before and beyond each other.
+    pub(super) fn add_relations(&self) -> Ident {
+        let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
+        self.add_table(("RELATIONS", about), self.form.joints.len(), self.row.len, arrays::relation)
+    }
+
+    /// The blocks of columns with joints before and beyond each joint.
+    pub(super) fn add_blocks(&self) -> [Ident; 2] {
+        let table = |name: &str, about: &str, is_in: fn(Relation) -> bool| {
+            let (joints, block) = (self.form.joints.len(), self.row.block);
+            let in_block = |i: usize, first: usize| {
+                (first..joints.min(first + block)).any(|j| is_in(self.form.relation(i, j)))
+            };
+            let blocks = |i: usize| (0..self.row.len / block).filter(move |of| in_block(i, of * block));
+            self.add_lists((name, about), (0..joints).map(|i| blocks(i).collect()).collect())
+        };
+        [
+            table("BLOCKS_BEFORE", "Blocks of columns with joints before joint i.", |of| {
+                of == Relation::Before
+            }),
+            table("BLOCKS_BEYOND", "Blocks of columns with joints beyond joint i.", |of| {
+                of == Relation::Beyond
+            }),
+        ]
+    }
+
+    /// For each block of columns the coordinates that meet one of its own.
+    pub(super) fn add_rows_of_blocks(&self) -> Ident {
+        let (tree, block) = (self.form.coordinates(), self.row.block);
+        let meets = |row: usize, first: usize| {
+            (first..tree.len().min(first + block)).any(|column| tree.meet(row, column))
+        };
+        let rows = |of: usize| (0..tree.len()).filter(move |&row| meets(row, of * block)).collect();
+        let about =
+            "Rows that are not zero in each block of columns, in a matrix over coordinates on one path.";
+        self.add_lists(("ROWS_OF_BLOCKS", about), (0..self.row.coordinates / block).map(rows).collect())
+    }
+
+    fn add_lists(&self, (name, about): (&str, &str), lists: Vec<Vec<usize>>) -> Ident {
+        let count = Literal::usize_unsuffixed(lists.len());
+        let lists = lists.into_iter().map(|list| {
+            let list = list.into_iter().map(Literal::usize_unsuffixed);
+            quote!(&[#(#list),*])
+        });
+        let (lists, documentation) = (lists.collect::<Vec<_>>(), DocComment::new(about).tokens());
+        self.context
+            .shared
+            .add(name, |name| quote!(#documentation const #name: [&[usize]; #count] = [#(#lists),*];))
+    }
+
+    /// Which coordinates meet.
+    pub(super) fn add_meetings(&self) -> Ident {
+        let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
+        let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);
+        self.add_table(("MEETINGS", about), count, lanes, arrays::meeting)
+    }
+
+    fn add_table(
+        &self,
+        (name, about): (&str, &str),
+        count: usize,
+        lanes: usize,
+        entry: fn(&Arrays, usize, usize) -> i8,
+    ) -> Ident {
+        let rows = (0..count).map(|i| {
+            let row = (0..lanes).map(|j| Literal::i8_unsuffixed(entry(self.form, i, j)));
+            quote!([#(#row),*])
+        });
+        let (rows, count) = (rows.collect::<Vec<_>>(), Literal::usize_unsuffixed(count));
+        let lanes = Literal::usize_unsuffixed(lanes);
+        let documentation = DocComment::new(about).tokens();
+        self.context
+            .shared
+            .add(name, |name| quote!(#documentation const #name: [[i8; #lanes]; #count] = [#(#rows),*];))
+    }
+}
