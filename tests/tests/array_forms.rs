@@ -13,7 +13,7 @@ use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::functions::selection::derive_in_form;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::Model;
+use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::module::Module;
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};
@@ -22,7 +22,7 @@ use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
     random_coupled_model, random_helical_model, random_model, random_model_with_near_rotors,
 };
-use gelenk_tests::{FUNCTIONS, table};
+use gelenk_tests::{FUNCTIONS, table, workspace};
 
 const NAMES: [&str; 4] = [
     "inverse_dynamics_derivatives",
@@ -54,13 +54,26 @@ fn robots(fused: bool) -> Vec<Robot> {
     let floating = floating.map(|(seed, kind)| with_quaternions(kind(seed, 5), seed));
     let models = chains.into_iter().chain([chain(&GENERAL, down)]).chain(trees).chain(coupled).chain(helical);
     let models = models.chain(floating);
-    models.enumerate().map(|(index, model)| robot(&format!("robot_{index}"), model, fused)).collect()
+    let in_loops = models.enumerate();
+    let in_loops =
+        in_loops.map(|(index, model)| robot(&format!("robot_{index}"), model, fused, Form::Arrays, &NAMES));
+    in_loops.chain([quadruped(fused)]).collect()
 }
 
-fn robot(name: &str, mut model: Model, fused: bool) -> Robot {
+/// A robot whose loops are products with M⁻¹ alone.
+fn quadruped(fused: bool) -> Robot {
+    let file = workspace().join("models/go2.toml");
+    let read = read(&file, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    let robot = robot("go2", read.model, fused, Form::Cheapest, &NAMES[2..]);
+    let mut notes = robot.functions.iter().flat_map(|function| &function.notes);
+    assert!(notes.any(|note| note.contains("the products with M⁻¹ are loops")), "its loops are others");
+    robot
+}
+
+fn robot(name: &str, mut model: Model, fused: bool, form: Form, names: &[&str]) -> Robot {
     model.name = name.to_owned();
-    let names = NAMES.map(str::to_owned);
-    let mut functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Arrays, &[])
+    let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    let mut functions = derive_in_form(&model, &names, MOST_OPERATIONS, form, &[])
         .unwrap_or_else(|problems| panic!("{problems}"));
     for function in functions.iter_mut().filter(|_| fused) {
         if let Some(form) = function.arrays.take() {

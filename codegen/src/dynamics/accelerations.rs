@@ -3,6 +3,7 @@
 use super::equations::Equations;
 use super::load_friction;
 use super::matrix::{FREE, Matrix, dot, subtract, sum};
+use super::recursion::derivatives::ForceDerivatives;
 use super::recursion::factorization::Factorization;
 use super::recursion::motion::MotionInput;
 use crate::graph::{Cost, Edge, Scalar};
@@ -32,6 +33,17 @@ pub struct AffineAccelerations<'g> {
     pub by_inputs: Matrix<'g>,
     /// c
     pub remainder: Vec<Scalar<'g>>,
+}
+
+/// What M⁻¹ is multiplied with in the derivatives of accelerations.
+#[derive(Debug, Clone)]
+pub struct AcceleratedForces<'g> {
+    /// ÿ
+    pub accelerations: Vec<Scalar<'g>>,
+    /// M⁻¹
+    pub inverse: Matrix<'g>,
+    /// The forces M ÿ + k − q at these accelerations, with their derivatives.
+    pub forces: ForceDerivatives<'g>,
 }
 
 impl<'g> Equations<'_, 'g> {
@@ -75,6 +87,23 @@ impl<'g> Equations<'_, 'g> {
         u: &[Scalar<'g>],
     ) -> AccelerationDerivatives<'g> {
         self.acceleration_derivatives(y, v, u, None)
+    }
+
+    /// Accelerations, M⁻¹, and the forces with their derivatives by y and ẏ, where no joint is driven:
+    /// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`.
+    pub fn accelerated_forces(
+        &self,
+        y: &[Scalar<'g>],
+        v: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+    ) -> AcceleratedForces<'g> {
+        let (mass, bias) = self.formulations.mass_and_bias_beside_derivatives();
+        let factorization = Factorization::new(self.formulations.mechanism(), &self.mass_matrix_by(mass, y));
+        let accelerating = subtract(&self.driving_forces(y, v, u), &self.bias_by(bias, y, v));
+        let accelerations = factorization.solve(&accelerating);
+        let input = MotionInput { y, v, a: &accelerations };
+        let forces = self.remaining_derivatives(input, || self.driving_forces_by_motion(y, v, u));
+        AcceleratedForces { accelerations, inverse: factorization.inverse(self.graph), forces }
     }
 
     fn acceleration_derivatives(

@@ -50,6 +50,14 @@ impl Row {
     }
 }
 
+/// What the setup of a function computes, in front of the function's name.
+pub(super) fn about_setup(form: &Arrays) -> &'static str {
+    match form.steps.iter().any(|step| matches!(step, Step::Map(_))) {
+        true => "Poses and single joints of",
+        false => "Accelerations, M⁻¹ and Jacobians of forces for",
+    }
+}
+
 /// The entries of an array that is constant.
 pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     let output = form.setup.outputs.get(array)?;

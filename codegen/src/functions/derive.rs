@@ -20,7 +20,8 @@ pub(super) fn derive_quantity(
     let mut notes: Vec<String> = quantity.notes.iter().map(|&note| note.to_owned()).collect();
     if arrays.is_some() {
         // The first note of a function that may have loops says how its straight-line code is derived.
-        notes = std::iter::once(form::NOTE.to_owned()).chain(notes.into_iter().skip(1)).collect();
+        let note = arrays.as_ref().map_or(form::NOTE, form::note);
+        notes = std::iter::once(note.to_owned()).chain(notes.into_iter().skip(1)).collect();
     } else {
         notes.extend((quantity.route)(formulations).map(str::to_owned));
     }

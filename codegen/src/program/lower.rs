@@ -47,6 +47,11 @@ pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOu
     })
 }
 
+/// The same with its results computed from the last velocity to the first, whatever they are made of.
+pub fn lower_from_leaves(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
+    lowered(graph, inputs, outputs, |results| from_leaves(outputs, results))
+}
+
 /// Fewer values than these are read well in any order.
 const MANY_VALUES: usize = 300;
 

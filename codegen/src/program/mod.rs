@@ -24,7 +24,7 @@ mod zeros;
 
 pub use by_parameters::by_parameters;
 pub use fuse::fuse_multiply_adds;
-pub use lower::{GraphOutput, lower, lower_branches};
+pub use lower::{GraphOutput, lower, lower_branches, lower_from_leaves};
 pub use zeros::nonzero_entries;
 
 /// A straight-line program: the body of one generated function.

@@ -188,6 +188,16 @@ fn loops_over_seven_joints_compute_the_same_bits() {
     }
 }
 
+/// A quadruped, whose loops are products with M⁻¹ alone.
+#[test]
+fn products_with_the_inverse_compute_the_same_bits() {
+    let compilers: Vec<Compiler> = c_compilers().into_iter().take(1).collect();
+    for (is_fused, scalar) in variants().zip([Scalar::F64, Scalar::F32]) {
+        let module = derive(&model("go2.toml"), &["linearize"], Form::Cheapest, is_fused);
+        compare(&module, scalar, is_fused, &compilers, &[]);
+    }
+}
+
 /// A floating body with a wheel and a boom on a ball joint: joints of every number of position entries, and a free parameter.
 const FLOATING: &str = r#"
 name = "floating"

@@ -5,7 +5,7 @@ use crate::layout::{Dimension, Extent};
 use crate::program::arrays::{
     Array, ArrayId, ArrayOutput, Arrays, Coordinates, Map, Over, Pairs, Step, Tree,
 };
-use crate::program::{GraphOutput, InputArray, Program, Shape, lower};
+use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_leaves};
 
 /// Rows of an array at one joint.
 pub(super) type Rows<'g> = [Scalar<'g>];
@@ -78,6 +78,14 @@ impl ArrayBuilder {
             entries: rows.concat().iter().map(|x| x.edge()).collect(),
         });
         self.array(name, rows.len())
+    }
+
+    /// A matrix over coordinates from straight-line code, where each joint is one.
+    pub(super) fn set_up_matrix(&mut self, name: &str, matrix: Vec<Vec<Scalar<'_>>>) -> ArrayId {
+        let array = self.set_up(name, matrix);
+        let n = self.each_coordinate();
+        self.set_up.last_mut().into_iter().for_each(|output| output.shape = Shape::Matrix(n, n));
+        array
     }
 
     /// The same for each joint by itself.
@@ -241,5 +249,10 @@ impl ArrayBuilder {
     /// The array form; the setup is lowered from the graph of its scalars.
     pub(super) fn finish(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower(graph, inputs, &self.set_up), ..self.form }
+    }
+
+    /// The same with a setup of many values, in which what concerns a branch stands together.
+    pub(super) fn finish_from_leaves(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
+        Arrays { setup: lower_from_leaves(graph, inputs, &self.set_up), ..self.form }
     }
 }

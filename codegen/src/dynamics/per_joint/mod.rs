@@ -23,6 +23,7 @@ mod bodies;
 mod builder;
 mod joints;
 mod moving;
+mod products;
 mod rotors;
 mod rows;
 mod setup;
@@ -33,6 +34,9 @@ use self::joints::{jacobians, joint_forces, mass_matrix, remaining_forces};
 use self::moving::{Moving, accelerate, set_moving};
 use self::setup::{Joints, Last, Setup, set_up};
 use self::tree::LoopJoints;
+
+pub use self::products::{forward_dynamics_derivatives_by_products, products_are_possible};
+
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::kinematics::{Mechanism, Number};

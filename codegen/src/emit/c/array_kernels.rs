@@ -15,8 +15,12 @@ pub(super) fn text(context: &Context<'_>) -> String {
     };
     let has = |wanted: fn(&Step) -> bool| forms.iter().any(|form| form.arrays().steps.iter().any(wanted));
     let inverts = has(|step| matches!(step, Step::Invert { .. }));
-    let mut texts: Vec<&str> = parts(context, first).to_vec();
-    let of_pairs: Vec<String> = match has(|step| matches!(step, Step::Pairs(_))) {
+    let has_pairs = has(|step| matches!(step, Step::Pairs(_)));
+    let [sizes_of_parts, access, products_of_parts] = parts(context, first);
+    let choices = (inverts || has_pairs).then_some(include_str!("array_kernels/part_choices.c"));
+    let mut texts: Vec<&str> = [sizes_of_parts, access].into_iter().chain(choices).collect();
+    texts.push(products_of_parts);
+    let of_pairs: Vec<String> = match has_pairs {
         true => pairs(first).map(|text| of_joints(first, text)).into(),
         false => vec![],
     };

@@ -317,7 +317,8 @@ impl<'a> Emission<'a> {
         };
         let head = layout::call(0, &format!("static void {name}"), &signature::arguments(&body), "");
         let function = layout::function(&head, &[body.unused(), statements].concat());
-        let about = format!("// Poses and single joints of {}; the arrays hold zeros before.\n", self.name);
+        let about =
+            format!("// {} {}; the arrays hold zeros before.\n", arrays::about_setup(self.form), self.name);
         items.push([about, function].concat());
         items
     }

@@ -21,14 +21,24 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
             false => include_str!("array_kernels/products.rs"),
         },
     ];
-    let is_inverse = |step: &Step| matches!(step, Step::Invert { .. });
-    let inverts = forms.iter().any(|form| form.arrays().steps.iter().any(is_inverse));
-    if !row.is_one_block() && (inverts || !row.is_chain) {
+    let has = |wanted: fn(&Step) -> bool| forms.iter().any(|form| form.arrays().steps.iter().any(wanted));
+    let has_pairs = has(|step| matches!(step, Step::Pairs(_)));
+    let inverts = has(|step| matches!(step, Step::Invert { .. }));
+    if !row.is_one_block() && (inverts || has_pairs && !row.is_chain) {
         texts.extend(CHOICES);
     }
-    texts.extend(pairs(row, &block));
+    match row.is_one_block() || has_pairs {
+        true => texts.extend(pairs(row, &block)),
+        false => texts.push(&block),
+    }
     if inverts {
-        texts.extend(inverse(row));
+        texts.push(inverse(row));
+    }
+    if has(|step| matches!(step, Step::NegativeProduct { .. })) {
+        texts.push(matrix_products(row));
+    }
+    if has(|step| matches!(step, Step::Apply { .. })) {
+        texts.push(include_str!("array_kernels/apply.rs"));
     }
     if forms.iter().any(|form| matches!(form, ArrayForm::Affine(_))) {
         texts.push(include_str!("array_kernels/dot.rs"));
@@ -59,22 +69,19 @@ fn pairs(row: Row, block: &str) -> Vec<&str> {
     ]
 }
 
-/// The inverse, and what is multiplied by it.
-fn inverse(row: Row) -> [&'static str; 3] {
-    let apply = include_str!("array_kernels/apply.rs");
+/// The inverse.
+fn inverse(row: Row) -> &'static str {
     match row.is_one_block() {
-        true => [
-            include_str!("array_kernels/one_block/inverse.rs"),
-            include_str!("array_kernels/one_block/matrix_products.rs"),
-            apply,
-        ],
-        false => [
-            include_str!("array_kernels/blocks/inverse.rs"),
-            match row.is_chain {
-                true => include_str!("array_kernels/blocks/matrix_products.rs"),
-                false => include_str!("array_kernels/blocks/tree_matrix_products.rs"),
-            },
-            apply,
-        ],
+        true => include_str!("array_kernels/one_block/inverse.rs"),
+        false => include_str!("array_kernels/blocks/inverse.rs"),
+    }
+}
+
+/// What is multiplied by it.
+fn matrix_products(row: Row) -> &'static str {
+    match (row.is_one_block(), row.is_chain) {
+        (true, _) => include_str!("array_kernels/one_block/matrix_products.rs"),
+        (false, true) => include_str!("array_kernels/blocks/matrix_products.rs"),
+        (false, false) => include_str!("array_kernels/blocks/tree_matrix_products.rs"),
     }
 }

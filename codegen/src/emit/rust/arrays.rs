@@ -9,7 +9,7 @@ use super::doc_comment::DocComment;
 use super::shared_rows::SharedRows;
 use super::signature::{Signature, item};
 use super::{lints, names, parts, public};
-use crate::emit::arrays::{Row, is_only_result, table};
+use crate::emit::arrays::{self, Row, is_only_result, table};
 use crate::functions::function::Function;
 use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
@@ -420,7 +420,7 @@ impl<'a> Emission<'a> {
         });
         let arguments = signature.arguments.iter().cloned().chain(filled);
         let arguments: Vec<TokenStream> = arguments.collect();
-        let about = "Poses and single joints of";
+        let about = arrays::about_setup(self.form);
         item(
             &DocComment::new(&format!("{about} `{}`; the arrays hold zeros before.", self.name)),
             [

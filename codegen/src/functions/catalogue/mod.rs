@@ -88,11 +88,6 @@ fn all() -> impl Iterator<Item = &'static Quantity> {
     quantities().chain(ON_REQUEST).chain(of_some)
 }
 
-/// Tells whether other functions may call a function.
-pub(super) fn is_called(name: &str) -> bool {
-    quantities().any(|row| matches!(row.loops, Some(Loops::Affine { called }) if called == name))
-}
-
 /// Tells whether a function differentiates friction by the velocity.
 pub(crate) fn differentiates_friction(name: &str) -> bool {
     row(name).is_some_and(|row| row.differentiates_friction)

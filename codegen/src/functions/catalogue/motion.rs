@@ -2,7 +2,7 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities};
 use super::quantity::{
-    BY_INPUTS, Estimate, Loops, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
+    BY_INPUTS, Estimate, Loops, Products, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
 };
 use super::{driven, frame_inputs, load_friction, quaternions};
 use crate::dynamics::arguments::Arguments;
@@ -180,6 +180,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         loops: Some(Loops::PerJoint {
             build: per_joint::inverse_dynamics_derivatives,
             size: Estimate::Pairs,
+            products: None,
         }),
         ..Quantity::PLAIN
     },
@@ -208,6 +209,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         loops: Some(Loops::PerJoint {
             build: per_joint::inverse_dynamics_derivatives_and_mass_matrix,
             size: Estimate::Pairs,
+            products: None,
         }),
         ..Quantity::PLAIN
     },
@@ -237,6 +239,10 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         loops: Some(Loops::PerJoint {
             build: per_joint::forward_dynamics_derivatives,
             size: Estimate::Inverse,
+            products: Some(Products {
+                build: per_joint::forward_dynamics_derivatives_by_products,
+                beside: function_names::INVERSE_DYNAMICS_DERIVATIVES_AND_MASS_MATRIX,
+            }),
         }),
         ..Quantity::PLAIN
     },

@@ -223,9 +223,17 @@ pub struct Quantity {
 #[derive(Clone, Copy)]
 pub(in crate::functions) enum Loops {
     /// The loops of the function itself, and the operations that they stand for.
-    PerJoint { build: BuildLoops, size: Estimate },
+    PerJoint { build: BuildLoops, size: Estimate, products: Option<Products> },
     /// Its results are affine in those of another function, which it calls.
     Affine { called: &'static str },
+}
+
+/// Loops for the products with M⁻¹ alone.
+#[derive(Clone, Copy)]
+pub(in crate::functions) struct Products {
+    pub build: BuildLoops,
+    /// The function that has what M⁻¹ is multiplied with: they pay where it is straight-line code, though a long one.
+    pub beside: &'static str,
 }
 
 /// How loops over joints are built.

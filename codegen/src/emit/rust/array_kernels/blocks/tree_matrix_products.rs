@@ -32,8 +32,13 @@ pub fn negative_product<const N: usize, const L: usize, const W: usize, const B:
                 row.as_chunks_mut::<K>().0[block] = sums;
             }
         }
+        // Block by block as they were written: longer loads would wait for several stores.
         for (to, row) in to.iter_mut().zip(&rows) {
-            to.copy_from_slice(row.split_at(W).0);
+            for (to, row) in to.chunks_mut(K).zip(row.as_chunks::<K>().0) {
+                for (to, entry) in to.iter_mut().zip(row) {
+                    *to = *entry;
+                }
+            }
         }
     }
 }

@@ -1,0 +1,46 @@
+//! Jacobians of the forward dynamics whose products with M⁻¹ alone are loops.
+//!
+//! Where branches are short most pairs of joints have nothing in common, and straight-line code leaves them out: M, the
+//! accelerations, M⁻¹ and the Jacobians of the inverse dynamics are computed by it. M⁻¹ is dense where the base moves, and what is
+//! multiplied with it is left to loops.
+
+use super::builder::ArrayBuilder;
+use super::tree::LoopJoints;
+use crate::dynamics::arguments::Arguments;
+use crate::dynamics::equations::Equations;
+use crate::kinematics::{Mechanism, Number};
+use crate::program::arrays::Arrays;
+use crate::program::{InputArray, Shape};
+
+/// Tells whether each joint of the loops is a coordinate.
+pub fn products_are_possible(mechanism: &Mechanism<Number>) -> bool {
+    LoopJoints::new(mechanism).coordinates(mechanism).is_none()
+}
+
+/// `forward_dynamics_derivatives`
+pub fn forward_dynamics_derivatives_by_products<'g>(
+    equations: &Equations<'_, 'g>,
+    arguments: &Arguments<'g>,
+    inputs: Vec<InputArray>,
+) -> Arrays {
+    let mechanism = equations.mechanism();
+    let loops = LoopJoints::new(&mechanism);
+    let mut builder = ArrayBuilder::new(loops.tree.clone(), None, loops.chains(&mechanism));
+    let Arguments { y, v, u, .. } = arguments;
+    let accelerated = equations.accelerated_forces(y, v, u);
+    let (forces, n) = (accelerated.forces, builder.each_coordinate());
+    let accelerations = builder.set_up("accelerations", vec![accelerated.accelerations]);
+    let inverse = builder.set_up_matrix("inverse", accelerated.inverse);
+    let by_coordinates = builder.set_up_matrix("forces_by_coordinates", forces.by_coordinates);
+    let by_velocities = builder.set_up_matrix("forces_by_velocities", forces.by_velocities);
+    builder.output("ÿ", Shape::Vector(n), accelerations);
+    for (result, matrix, name) in [
+        ("∂ÿ/∂y", by_coordinates, "accelerations_by_coordinates"),
+        ("∂ÿ/∂ẏ", by_velocities, "accelerations_by_velocities"),
+    ] {
+        let product = builder.negative_product(inverse, matrix, name);
+        builder.output(result, Shape::Matrix(n, n), product);
+    }
+    builder.output("M⁻¹", Shape::Matrix(n, n), inverse);
+    builder.finish_from_leaves(equations.graph, inputs)
+}
