@@ -203,3 +203,39 @@ fn loops_compile_without_a_warning() {
     }
     clippy(folder.path(), "outer", &outer, &check).unwrap_or_else(|message| panic!("{message}"));
 }
+
+/// Two arms on a torso, and a motor whose shaft moves both, with friction on the shaft.
+const SHAFT: &str = r#"
+name = "shaft"
+joints = [
+    { name = "torso", axis = [0, 0, 1], drive = "ideal" },
+    { name = "left", parent = "torso", axis = [0, 1, 0], origin = { xyz = [0, 0.2, 0.3] } },
+    { name = "right", parent = "torso", axis = [0, 1, 0], origin = { xyz = [0, -0.2, 0.3] } },
+]
+bodies = [
+    { link = "torso", mass = 4, inertia = 0.1 },
+    { link = "left", mass = 2, center_of_mass = [0, 0, 0.2], inertia = 0.02 },
+    { link = "right", mass = 1, center_of_mass = [0.1, 0, 0.2], inertia = 0.01 },
+]
+drives = [{ name = "motor", on = { left = 1, right = -1 }, gear_ratio = 10, friction = { viscous = 0.03 } }]
+"#;
+
+/// The friction of a shaft depends on two branches, which have nothing else in common: products keep what it adds.
+#[test]
+fn forces_between_branches_stay_in_the_products() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("shaft.toml");
+    std::fs::write(&path, SHAFT).expect("a file");
+    let model = read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model;
+    let [loops, straight] = [Form::Arrays, Form::Straight]
+        .map(|form| robot("shaft", model.clone(), false, form, &["forward_dynamics_derivatives"]));
+    assert!(loops.functions[0].arrays.is_some(), "there are no loops");
+    let inputs: [&[f64]; 3] = [&[0.3, 0.5, -0.4], &[0.7, -1.2, 0.9], &[1.5, -0.6]];
+    let [found, expected] = [loops, straight].map(|robot| {
+        interpret(&robot.functions[0].program, &inputs, &[], &FUNCTIONS).expect("inputs fit").concat()
+    });
+    let largest = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
+        assert!((found - expected).abs() <= 1e-12 * largest, "{index}: {found}, {expected}");
+    }
+}

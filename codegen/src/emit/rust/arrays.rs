@@ -298,7 +298,7 @@ impl<'a> Emission<'a> {
         let declaration = self.declaration(to);
         let ([left, right], to) = (factors.map(|array| self.read(array)), self.write(to));
         let rows = (!self.row.is_chain).then(|| {
-            let rows = self.add_rows_of_blocks();
+            let rows = self.add_rows_of_blocks(factors[1]);
             quote!(, &#rows)
         });
         quote!(#declaration arrays::negative_product(#left, #right, #to #rows);)

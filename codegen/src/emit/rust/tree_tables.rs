@@ -35,15 +35,20 @@ impl Emission<'_> {
         ]
     }
 
-    /// For each block of columns the coordinates that meet one of its own.
-    pub(super) fn add_rows_of_blocks(&self) -> Ident {
+    /// For each block of columns of a matrix the rows that may not be zero there.
+    pub(super) fn add_rows_of_blocks(&self, matrix: usize) -> Ident {
         let (tree, block) = (self.form.coordinates(), self.row.block);
+        let is_over_paths = self.form.is_over_paths(matrix);
         let meets = |row: usize, first: usize| {
-            (first..tree.len().min(first + block)).any(|column| tree.meet(row, column))
+            !is_over_paths || (first..tree.len().min(first + block)).any(|column| tree.meet(row, column))
         };
         let rows = |of: usize| (0..tree.len()).filter(move |&row| meets(row, of * block)).collect();
-        let about =
-            "Rows that are not zero in each block of columns, in a matrix over coordinates on one path.";
+        let about = match is_over_paths {
+            true => {
+                "Rows that are not zero in each block of columns, in a matrix over coordinates on one path."
+            }
+            false => "Rows in each block of columns, all of which may not be zero.",
+        };
         self.add_lists(("ROWS_OF_BLOCKS", about), (0..self.row.coordinates / block).map(rows).collect())
     }
 

@@ -14,7 +14,7 @@ mod writer;
 pub use affine::{Affine, Drift};
 pub use tree::{Coordinates, Tree};
 
-use super::{Program, Shape, fuse_multiply_adds};
+use super::{Operand, Program, Shape, fuse_multiply_adds};
 
 /// A function with loops over arrays.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,7 +187,7 @@ pub enum Step {
         /// Its inverse.
         to: ArrayId,
     },
-    /// `to = −left · right`, matrices over the coordinates; the right one is zero where two are on no path.
+    /// `to = −left · right`, matrices over the coordinates.
     NegativeProduct {
         /// Left factor.
         left: ArrayId,
@@ -289,6 +289,24 @@ impl Arrays {
     #[must_use]
     pub fn tree(&self, array: ArrayId) -> &Tree {
         self.over(self.arrays[array].over)
+    }
+
+    /// Tells whether a matrix over coordinates is zero where two of them are on no path. Forces of one coordinate that depend on
+    /// another branch, as the friction of a shaft that moves two, are elsewhere.
+    #[must_use]
+    pub fn is_over_paths(&self, array: ArrayId) -> bool {
+        let Some(output) = self.setup.outputs.get(array) else {
+            let made = self.steps.iter().find(|step| step.writes(array));
+            return match made {
+                Some(Step::Pairs(_)) => true,
+                Some(Step::Project { from, .. }) => self.is_over_paths(*from),
+                _ => false,
+            };
+        };
+        let (tree, n) = (self.coordinates(), self.coordinates().len());
+        let is_there = |entry: &Operand| *entry != Operand::Constant(0.0);
+        let mut entries = output.entries.iter().enumerate();
+        entries.all(|(index, entry)| tree.meet(index / n, index % n) || !is_there(entry))
     }
 
     fn over(&self, over: Over) -> &Tree {

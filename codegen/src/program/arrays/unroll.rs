@@ -240,7 +240,7 @@ impl Unrolling<'_> {
     }
 
     fn product(&mut self, left: usize, right: usize, to: usize) {
-        let n = self.form.coordinates().len();
+        let (n, is_over_paths) = (self.form.coordinates().len(), self.form.is_over_paths(right));
         for i in 0..n {
             let factors: Vec<_> = (0..n)
                 .map(|k| {
@@ -249,9 +249,8 @@ impl Unrolling<'_> {
                 })
                 .collect();
             for j in 0..n {
-                // The right matrix is one over pairs on one path: its other entries are zero.
                 let tree = self.form.coordinates();
-                let met = (0..n).filter(|&k| tree.meet(k, j));
+                let met = (0..n).filter(|&k| !is_over_paths || tree.meet(k, j));
                 let terms: Vec<_> = met.map(|k| (factors[k], self.at(right, k, j))).collect();
                 let entry = self.writer.sum_of_products(&terms);
                 self.set(to, i, j, entry);
