@@ -91,7 +91,7 @@ struct Friction {
     velocities: [Vec<f64>; 6],
     torques: [Vec<f64>; 6],
     /// Samples of each group.
-    groups: Vec<Range<usize>>,
+    groups: Vec<Vec<Range<usize>>>,
 }
 
 fn friction_of(log: &Log, groups: &[Vec<u32>]) -> Friction {
@@ -106,7 +106,11 @@ fn friction_of(log: &Log, groups: &[Vec<u32>]) -> Friction {
     let columns = log.motion(&POSITIONS, &TORQUES, &rows).unwrap();
     let arm = Recorded { friction: &|_, _| 0.0 };
     let torques = friction_torques(&arm, &columns.motion()).unwrap();
-    Friction { velocities: columns.velocities, torques, groups: ranges }
+    Friction {
+        velocities: columns.velocities,
+        torques,
+        groups: ranges.into_iter().map(|rows| vec![rows]).collect(),
+    }
 }
 
 /// The fewest terms that explain groups left out as well as any, within one standard error.

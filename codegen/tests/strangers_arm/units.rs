@@ -30,6 +30,7 @@ fn values_far_beyond_the_limits_are_refused_with_their_unit() {
         ([1.0, DEGREES, 1.0], "They look like deg: --columns 'position=q_{name}[deg]'"),
         ([1.0, 1e3, 1.0], "They look like mrad: --columns 'position=q_{name}[mrad]'"),
         ([1e-3, 1.0, 1.0], "times are in another unit (--columns 'time=t[UNIT]')"),
+        ([1.0 / 60.0, 1.0, 1.0], "times are in min (--columns 'time=t[min]')"),
         ([1.0, 1.0, 1e3], "They may be in mNm: --columns 'torque=effort_{name}[mNm]'"),
         (
             [1.0, 1.0, 20.0],

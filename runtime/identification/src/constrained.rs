@@ -6,6 +6,7 @@
 use super::error::{IdentificationError, Result, require_length};
 use super::least_squares::Reduced;
 use super::library::Library;
+use super::moments::Moments;
 use nalgebra::{DMatrix, DVector};
 
 /// Rows of `A` that keep the coefficients of `terms` non-negative; `count` terms in all.
@@ -43,11 +44,31 @@ pub fn constrained_fit(
     rows: &DMatrix<f64>,
 ) -> Result<DVector<f64>> {
     require_length("columns of the constraints", reduced.moments().terms(), rows.ncols())?;
-    let free = reduced.solve(target, active, 0.0)?;
-    let gram = reduced.moments().gram().select_rows(active).select_columns(active);
+    constrained(reduced.moments(), reduced.solve(target, active, 0.0)?, active, rows)
+}
+
+/// Share of the largest coefficient by which `A ξ ≥ 0` may be missed.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether coefficients break `A ξ ≥ 0`.
+pub(crate) fn breaks(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
+    (rows * coefficients).min() < -ROUNDING * coefficients.amax()
+}
+
+/// Least squares subject to `A ξ ≥ 0` from its free solution: the nearest one in the metric of `ΘᵀΘ`.
+///
+/// # Errors
+/// Collinear terms, or an iteration that does not end.
+pub(crate) fn constrained(
+    moments: &Moments,
+    free: DVector<f64>,
+    active: &[usize],
+    rows: &DMatrix<f64>,
+) -> Result<DVector<f64>> {
+    let gram = moments.gram().select_rows(active).select_columns(active);
     let collinear = || IdentificationError::Collinear {
-        terms: active.iter().map(|&i| reduced.moments().names()[i].clone()).collect(),
-        condition: reduced.condition(),
+        terms: active.iter().map(|&i| moments.names()[i].clone()).collect(),
+        condition: moments.condition(),
         limit: 1e7,
     };
     let factor = gram.cholesky().ok_or_else(collinear)?.l();

@@ -1,20 +1,17 @@
 //! From logs to an identified robot, in one call.
 
-use super::digits::plain;
 use super::error::{IdentificationError, Result};
-use super::estimation::{Estimate, EstimationSettings, JointEstimate, Offsets, estimate};
-use super::friction::{
-    CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
-};
+use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, repeated_motions};
+use super::friction::{CommonTerms, FrictionIdentification, FrictionMethod, FrictionReport};
+use super::joint_samples::JointSamples;
 use super::log::{ColumnOptions, FindingKind, Recording, runs_noting};
 use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
 use super::range::{far_beyond, require_in_range};
 use super::result::FrictionTerm;
-use super::robot::{JointLimits, Robot, require_no_quaternions};
+use super::robot::{Robot, require_no_quaternions};
 use super::run::PreparedRun;
 use super::shafts::{RobotRows, ShaftRows, in_words};
 use nalgebra::DVector;
-use std::ops::Range;
 use std::path::PathBuf;
 
 /// What may be decided about an identification; the defaults suit a log about which nothing is known.
@@ -129,13 +126,18 @@ pub fn identify(
     progress("choosing the terms of friction");
     let data = source(&recording);
     let rubs = |joint: &usize| estimate.joints[*joint].moves && !estimate.joints[*joint].exact;
+    let motions = repeated_motions(&prepared);
     let friction = (0..estimate.joints.len()).filter(rubs).map(|joint| {
-        let samples = JointSamples::new(joint, &prepared, &estimate);
-        let mut found = samples.friction(robot, settings, &data, &preparation);
-        if let Ok(report) = &mut found.report {
+        let runs = (&prepared[..], motions.as_deref());
+        let mut samples = JointSamples::new(joint, runs, &estimate, common(&estimate, joint));
+        let law = samples.law(robot, &settings.friction, &data, &preparation);
+        let law = law.map_err(|error| error.to_string());
+        let mut report = law.and_then(|report| unless_refused(report, settings.accept_poor));
+        if let Ok(report) = &mut report {
             report.result.load = under_load(&estimate.joints[joint]).into_iter().collect();
         }
-        found
+        let (velocities, torques) = (samples.velocities, samples.torques);
+        JointFriction { joint, name: samples.name.to_owned(), velocities, torques, report }
     });
     let mut friction: Vec<JointFriction> = friction.collect();
     estimate.warnings.retain(|warning| !is_said(warning, &friction));
@@ -310,36 +312,6 @@ fn source(recording: &Recording) -> String {
     logs.collect::<Vec<_>>().join(", ")
 }
 
-fn sentences(preparation: &PreparationReport) -> Vec<String> {
-    let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
-    let filter = bandwidth.map(|hertz| {
-        format!(
-            "positions and efforts through one zero-phase filter of {} Hz, {} Hz grid",
-            plain(hertz, 4),
-            plain(preparation.sample_rate, 6)
-        )
-    });
-    filter.into_iter().collect()
-}
-
-/// Columns of one joint over all runs.
-struct JointSamples<'a> {
-    joint: usize,
-    name: &'a str,
-    unit: &'a str,
-    /// Whether the estimate has one offset for all runs: the law is found beside the same one.
-    one_offset: bool,
-    runs: Vec<Range<usize>>,
-    /// The runs that samples are of, whole.
-    whole: Vec<FilteredRun<'a>>,
-    positions: Vec<f64>,
-    velocities: Vec<f64>,
-    accelerations: Vec<f64>,
-    torques: Vec<f64>,
-    /// What the common estimate says of the friction.
-    common: Option<CommonTerms>,
-}
-
 /// What the estimate says of a joint's friction, and instrumental variables where least squares is biased; `None` where the
 /// joint has no terms.
 pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
@@ -361,95 +333,6 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
         covariance: other.terms_covariance[joint].clone(),
         freedom: other.freedom.max(1) as f64,
     })
-}
-
-impl<'a> JointSamples<'a> {
-    fn new(joint: usize, prepared: &'a [PreparedRun], estimate: &'a Estimate) -> Self {
-        let mut samples = Self {
-            joint,
-            name: &estimate.joints[joint].name,
-            unit: estimate.joints[joint].unit,
-            one_offset: estimate.offsets == Offsets::Common && prepared.len() > 1,
-            runs: Vec::new(),
-            whole: Vec::new(),
-            positions: Vec::new(),
-            velocities: Vec::new(),
-            accelerations: Vec::new(),
-            torques: Vec::new(),
-            common: common(estimate, joint),
-        };
-        for (index, (run, torques)) in prepared.iter().zip(&estimate.friction).enumerate() {
-            match estimate.load_friction.get(index) {
-                Some(load) => {
-                    let torques = torques[joint].iter().zip(&load[joint]);
-                    samples.extend(run, &torques.map(|(all, load)| all - load).collect::<Vec<_>>());
-                }
-                None => samples.extend(run, &torques[joint]),
-            }
-        }
-        samples
-    }
-
-    /// Adds the samples of a run in which the joint moves and its torque is known.
-    fn extend(&mut self, run: &'a PreparedRun, torques: &[f64]) {
-        let start = self.torques.len();
-        let known = (0..torques.len()).filter(|i| torques[*i].is_finite() && !run.rests(self.joint, *i));
-        let kept: Vec<usize> = known.collect();
-        for &i in &kept {
-            self.positions.push(run.positions[self.joint][i]);
-            self.velocities.push(run.velocities[self.joint][i]);
-            self.accelerations.push(run.accelerations[self.joint][i]);
-            self.torques.push(torques[i]);
-        }
-        if self.torques.len() > start {
-            self.runs.push(start..self.torques.len());
-            self.whole.push(FilteredRun { velocities: &run.velocities[self.joint], kept });
-        }
-    }
-
-    fn friction(
-        self,
-        robot: &dyn Robot,
-        settings: &IdentificationSettings,
-        source: &str,
-        preparation: &PreparationReport,
-    ) -> JointFriction {
-        let preparations = sentences(preparation);
-        let filtered = Filtered { filter: &preparation.filter, runs: self.whole };
-        let limits: Option<JointLimits> = robot.limits().get(self.joint).copied();
-        let data = FrictionData {
-            joint: self.name,
-            unit: self.unit,
-            velocity_unit: if self.unit == "N" { "m/s" } else { "rad/s" },
-            velocities: &self.velocities,
-            torques: &self.torques,
-            weights: None,
-            folds: None,
-            runs: Some(&self.runs),
-            one_offset: self.one_offset,
-            filtered: Some(&filtered),
-            positions: Some(&self.positions),
-            accelerations: Some(&self.accelerations),
-            common: self.common.as_ref(),
-            limits,
-            data: source,
-            settings: &preparations,
-        };
-        let scale = robot.speed_scales()[self.joint];
-        let library = settings.friction.library.scaled(scale);
-        let report = library.and_then(|library| {
-            FrictionIdentification { library, ..settings.friction.clone() }.identify(&data)
-        });
-        let report = report.map_err(|error| error.to_string());
-        let report = report.and_then(|report| unless_refused(report, settings.accept_poor));
-        JointFriction {
-            joint: self.joint,
-            name: self.name.to_owned(),
-            velocities: self.velocities,
-            torques: self.torques,
-            report,
-        }
-    }
 }
 
 /// What is said about a law of which no term is left.

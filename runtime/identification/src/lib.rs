@@ -24,6 +24,7 @@ pub mod fleet;
 pub mod friction;
 pub mod identify;
 pub mod inertial;
+mod joint_samples;
 mod kernel;
 pub mod lasso;
 pub mod least_squares;

@@ -228,6 +228,14 @@ impl Moments {
         Ok(blocks)
     }
 
+    /// Sums over folds, each of several ranges of samples.
+    ///
+    /// # Errors
+    /// As [`Self::ranges`], and a fold without ranges.
+    pub fn folds(samples: &Samples, folds: &[Vec<Range<usize>>]) -> Result<Vec<Self>> {
+        folds.iter().map(|ranges| Self::sum(&Self::ranges(samples, ranges)?)).collect()
+    }
+
     fn over(samples: &Samples, rows: Range<usize>) -> Self {
         let q = samples.names.len() + samples.targets.len();
         let mut sums = vec![0.0; q * q];

@@ -4,11 +4,12 @@
 //! With p terms and k folds these are k·2ᵖ solves of at most p × p normal equations, free of λ and of the
 //! LASSO's bias (Hocking and Leslie 1967; the one-standard-error rule is Breiman's, 1984).
 
+use super::constrained::{breaks, constrained};
 use super::error::{IdentificationError, Result, require_length, require_setting};
 use super::least_squares::solve_scaled;
 use super::moments::{Moments, splits};
 use super::statistics::{mean_with_error, simplest};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Largest library: 4095 subsets.
 pub const MOST_TERMS: usize = 12;
@@ -55,8 +56,28 @@ pub fn requirements(terms: &[String]) -> Vec<Requirement> {
     terms.iter().enumerate().filter_map(partner).collect()
 }
 
-/// Share of a term's energy that the rarer direction must have for an asymmetry to be told.
-const LEAST_OF_A_DIRECTION: f64 = 0.01;
+/// What the law of a subset has to meet.
+#[derive(Debug, Clone, Default)]
+pub struct Conditions {
+    /// Terms that need others.
+    pub requirements: Vec<Requirement>,
+    /// Rows of `A ξ ≥ 0` over all terms, which every fit meets; none where fits are free.
+    pub rows: Option<DMatrix<f64>>,
+}
+
+impl Conditions {
+    /// Least squares on a subset under the rows; `None` where it cannot be solved.
+    fn fit(&self, moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
+        let free = fit(moments, target, active)?;
+        match &self.rows {
+            Some(rows) if breaks(rows, &free) => constrained(moments, free, active, rows).ok(),
+            _ => Some(free),
+        }
+    }
+}
+
+/// Cosine between f and |f| beyond which an asymmetry is not told from f: nine tenths of the energy of f are in one direction.
+pub(crate) const MOST_ALIKE: f64 = 0.8;
 
 /// Terms without the asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or its
 /// negative. Beside them a sentence about those left out.
@@ -68,12 +89,12 @@ pub(crate) fn seen_both_ways(
 ) -> (Vec<usize>, Option<String>) {
     let unseen = |requirement: &Requirement| {
         let [forwards, backwards] = energies(requirement.needs);
-        forwards.min(backwards) < LEAST_OF_A_DIRECTION * (forwards + backwards)
+        (forwards - backwards).abs() > MOST_ALIKE * (forwards + backwards)
     };
     let out: Vec<usize> = requirements(terms).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
     let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
     let note = (!out.is_empty())
-        .then(|| format!("{} left out: the joint hardly moves in one of its directions", texts.join(", ")));
+        .then(|| format!("{} left out: nine tenths of the motion are in one direction", texts.join(", ")));
     ((0..terms.len()).filter(|i| !out.contains(i)).collect(), note)
 }
 
@@ -94,14 +115,14 @@ impl SubsetValidation {
     /// # Errors
     /// Fewer than two folds, more than [`MOST_TERMS`] terms, or no subset that can be solved.
     pub fn new(folds: &[Moments], target: usize) -> Result<Self> {
-        Self::with_requirements(folds, target, &[])
+        Self::with_conditions(folds, target, &Conditions::default())
     }
 
-    /// Judges all subsets that meet requirements.
+    /// Judges all subsets that meet conditions.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn with_requirements(folds: &[Moments], target: usize, requirements: &[Requirement]) -> Result<Self> {
+    pub fn with_conditions(folds: &[Moments], target: usize, conditions: &Conditions) -> Result<Self> {
         let p = folds.first().map_or(0, Moments::terms);
         let count = folds.len() as f64;
         require_setting("number of folds", count, folds.len() >= 2, "at least two are needed")?;
@@ -116,8 +137,8 @@ impl SubsetValidation {
         }
         let splits = splits(folds).collect::<Result<Vec<_>>>()?;
         let mut best: Vec<Option<ValidatedSubset>> = vec![None; p];
-        for active in subsets(p, requirements).skip(1) {
-            let Some(subset) = validate(active, &splits, target) else {
+        for active in subsets(p, &conditions.requirements).skip(1) {
+            let Some(subset) = validate(active, &splits, target, conditions) else {
                 continue;
             };
             let slot = &mut best[subset.active.len() - 1];
@@ -214,9 +235,14 @@ impl ModelAverage {
 }
 
 /// None where the normal equations of a fold are singular.
-fn validate(active: Vec<usize>, splits: &[(Moments, &Moments)], target: usize) -> Option<ValidatedSubset> {
+fn validate(
+    active: Vec<usize>,
+    splits: &[(Moments, &Moments)],
+    target: usize,
+    conditions: &Conditions,
+) -> Option<ValidatedSubset> {
     let error = |(training, fold): &(Moments, &Moments)| {
-        let coefficients = fit(training, target, &active)?;
+        let coefficients = conditions.fit(training, target, &active)?;
         Some(fold.residual(target, &coefficients) / fold.samples() as f64)
     };
     let errors: Vec<f64> = splits.iter().map(error).collect::<Option<_>>()?;
@@ -241,11 +267,11 @@ pub fn best_of_size(
     moments: &Moments,
     target: usize,
     size: usize,
-    requirements: &[Requirement],
+    conditions: &Conditions,
 ) -> Result<DVector<f64>> {
     let mut best: Option<(f64, DVector<f64>)> = None;
-    for active in subsets(moments.terms(), requirements).filter(|a| a.len() == size && size > 0) {
-        let Some(coefficients) = fit(moments, target, &active) else {
+    for active in subsets(moments.terms(), &conditions.requirements).filter(|a| a.len() == size && size > 0) {
+        let Some(coefficients) = conditions.fit(moments, target, &active) else {
             continue;
         };
         let residual = moments.residual(target, &coefficients);
@@ -286,7 +312,7 @@ mod tests {
         assert_eq!(found.best[found.one_standard_error].active, [1, 4]);
         assert!(found.one_standard_error <= found.minimum);
         let all = Moments::sum(&folds).unwrap();
-        let two = best_of_size(&all, 0, 2, &[]).unwrap();
+        let two = best_of_size(&all, 0, 2, &Conditions::default()).unwrap();
         assert!((two[1] - 4.0).abs() < 0.05 && (two[4] - 0.7).abs() < 0.05, "{two}");
     }
 
@@ -355,8 +381,8 @@ mod tests {
         let library = Library::new(&["abs(v)", "v"], &["v"]).unwrap();
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let folds = Moments::blocks(&samples, 5).unwrap();
-        let needs = requirements(library.terms());
-        let found = SubsetValidation::with_requirements(&folds, 0, &needs).unwrap();
+        let needs = Conditions { requirements: requirements(library.terms()), rows: None };
+        let found = SubsetValidation::with_conditions(&folds, 0, &needs).unwrap();
         assert_eq!(found.best[0].active, [1]);
     }
 

@@ -4,6 +4,7 @@
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::super::run::Effort;
+use super::super::subset::MOST_ALIKE;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
 use super::gains::{Gain, gains as found_gains};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
@@ -20,9 +21,6 @@ const WEIGHTS: usize = 23;
 /// Factor by which a body may be trusted less, and how often.
 const LESS_TRUST: f64 = 0.01;
 const LESS_TRUST_STEPS: usize = 2;
-
-/// Cosine between v and |v| beyond which they are not told apart.
-const MOST_ALIKE: f64 = 0.8;
 
 /// A choice, and what it was chosen from.
 pub(super) struct Chosen<'a> {

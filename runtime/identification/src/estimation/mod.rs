@@ -44,4 +44,5 @@ pub(crate) use {
     intervals::correlation_time,
     residuals::{huber, robust_deviation},
     shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
+    sums::{FEWEST_MOTIONS, repeated_motions},
 };

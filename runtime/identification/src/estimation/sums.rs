@@ -100,6 +100,15 @@ fn motions(runs: &[PreparedRun]) -> (Vec<usize>, usize) {
     (numbers, first.len())
 }
 
+/// Fewest motions that can be folds.
+pub(crate) const FEWEST_MOTIONS: usize = 3;
+
+/// Number of each run's motion, where runs repeat motions, of which there are several.
+pub(crate) fn repeated_motions(runs: &[PreparedRun]) -> Option<Vec<usize>> {
+    let (numbers, count) = motions(runs);
+    (count >= FEWEST_MOTIONS && count < runs.len()).then_some(numbers)
+}
+
 /// Whether two runs go the same way at the same pace.
 fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
     let counts = [one.times.len(), other.times.len()];
@@ -270,5 +279,15 @@ mod tests {
         );
         let other: Vec<PreparedRun> = (1..=6).map(|k| run(f64::from(k), 0.0)).collect();
         assert_eq!(cut(&other, 4), cut(&same, 4));
+    }
+
+    #[test]
+    fn motions_are_numbered_where_some_of_several_are_repeated() {
+        let of = |frequencies: &[f64]| {
+            repeated_motions(&frequencies.iter().map(|f| run(*f, 0.0)).collect::<Vec<_>>())
+        };
+        assert_eq!(of(&[1.0, 2.0, 1.0, 3.0, 2.0]), Some(vec![0, 1, 0, 2, 1]));
+        assert_eq!(of(&[1.0, 2.0, 3.0]), None);
+        assert_eq!(of(&[1.0, 2.0, 1.0, 2.0]), None);
     }
 }

@@ -3,7 +3,7 @@
 use super::super::digits::plain;
 use super::super::moments::{Moments, Samples};
 use super::super::offset::centre;
-use super::design::{fold_ranges, offset_ranges};
+use super::design::offset_ranges;
 use super::held_out::by_folds;
 use super::selection::Selection;
 use super::task::FrictionData;
@@ -70,7 +70,7 @@ fn explained_share(
     if let Some(weights) = data.weights {
         samples = samples.with_weights(weights).ok()?;
     }
-    let folds = Moments::ranges(&samples, &fold_ranges(data, folds)).ok()?;
+    let folds = Moments::folds(&samples, &super::design::folds(data, folds)).ok()?;
     let energy: f64 = folds.iter().map(|fold| fold.energy(0)).sum();
     let left = by_folds(&folds, &Selection::All, None).ok()?;
     (energy > 0.0).then(|| 1.0 - left / energy)

@@ -89,11 +89,7 @@ impl<'a> Design<'a> {
 
     /// Folds of the cross-validation.
     pub(super) fn folds(&self, samples: &Samples, count: usize) -> Result<Vec<Moments>> {
-        Moments::ranges(samples, &self.fold_ranges(count))
-    }
-
-    pub(super) fn fold_ranges(&self, count: usize) -> Vec<Range<usize>> {
-        fold_ranges(self.data, count)
+        Moments::folds(samples, &folds(self.data, count))
     }
 
     /// Torque minus offset minus law.
@@ -116,12 +112,11 @@ impl<'a> Design<'a> {
     }
 }
 
-/// Ranges of the folds that the data name, or contiguous blocks; at most one for each sample.
-pub(super) fn fold_ranges(data: &FrictionData, count: usize) -> Vec<Range<usize>> {
-    match data.folds {
-        Some(folds) => folds.to_vec(),
-        None => contiguous_blocks(data.velocities.len(), count.clamp(1, data.velocities.len())).collect(),
-    }
+/// The folds that the data name, or contiguous blocks; at most one for each sample.
+pub(super) fn folds(data: &FrictionData, count: usize) -> Vec<Vec<Range<usize>>> {
+    let samples = data.velocities.len();
+    let blocks = || contiguous_blocks(samples, count.clamp(1, samples)).map(|block| vec![block]).collect();
+    data.folds.map_or_else(blocks, <[_]>::to_vec)
 }
 
 /// The runs of the data, or one that holds all samples.

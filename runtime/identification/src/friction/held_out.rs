@@ -1,6 +1,6 @@
 //! R² on data that were left out: the choice of terms and the fit are repeated without each fold in turn.
 
-use super::super::constrained::constrained_fit;
+use super::super::constrained::{breaks, constrained_fit};
 use super::super::error::Result;
 use super::super::least_squares::Reduced;
 use super::super::moments::{Moments, splits};
@@ -61,9 +61,7 @@ pub(super) fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&D
 fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<DVector<f64>> {
     let free = selection.fit(training)?;
     match rows {
-        Some(rows) if (rows * &free.coefficients).min() < -1e-9 * free.coefficients.amax() => {
-            constrained_fit(training, 0, &free.active, rows)
-        }
+        Some(rows) if breaks(rows, &free.coefficients) => constrained_fit(training, 0, &free.active, rows),
         _ => Ok(free.coefficients),
     }
 }

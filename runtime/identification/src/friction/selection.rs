@@ -6,16 +6,17 @@ use super::super::error::Result;
 use super::super::lasso::{Lasso, active_terms, paper_lambda};
 use super::super::least_squares::{Reduced, Solution};
 use super::super::moments::Moments;
-use super::super::subset::{SubsetValidation, best_of_size, requirements};
+use super::super::subset::{Conditions, SubsetValidation, best_of_size, requirements};
 use super::super::thresholding::Thresholding;
 use super::task::{FrictionMethod, LambdaChoice};
+use nalgebra::DMatrix;
 
 /// A choice of terms.
 pub(super) enum Selection {
     All,
     Thresholding(Thresholding),
     Lasso(Lasso, f64),
-    BestOfSize(usize),
+    BestOfSize(usize, Conditions),
 }
 
 /// A choice with its fit on all samples and the words that say how it came about.
@@ -47,9 +48,8 @@ impl Selection {
                 let (_, active) = lasso.fit(reduced.moments(), 0, *lambda)?;
                 completed(reduced.fit(0, &active)?, reduced)
             }
-            Self::BestOfSize(size) => {
-                let requirements = requirements(reduced.moments().names());
-                let best = best_of_size(reduced.moments(), 0, *size, &requirements)?;
+            Self::BestOfSize(size, conditions) => {
+                let best = best_of_size(reduced.moments(), 0, *size, conditions)?;
                 reduced.fit(0, &active_terms(&best))
             }
         }
@@ -69,10 +69,13 @@ fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
 }
 
 /// Chooses terms by a method; `folds` are made where it needs them.
+///
+/// - `rows`: of `A ξ ≥ 0`, where the law has to dissipate; subsets are judged by fits under them
 pub(super) fn choose(
     method: &FrictionMethod,
     reduced: &Reduced,
     folds: impl Fn() -> Result<Vec<Moments>>,
+    rows: Option<&DMatrix<f64>>,
 ) -> Result<Chosen> {
     match method {
         FrictionMethod::Thresholding(settings) => {
@@ -82,22 +85,23 @@ pub(super) fn choose(
             Chosen::directly(Selection::Thresholding(*settings), reduced, note)
         }
         FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?),
-        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?),
+        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?, rows),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
             Chosen::directly(Selection::All, reduced, "least squares on all terms".into())
         }
     }
 }
 
-fn by_subsets(reduced: &Reduced, folds: &[Moments]) -> Result<Chosen> {
-    let requirements = requirements(reduced.moments().names());
-    let subsets = SubsetValidation::with_requirements(folds, 0, &requirements)?;
+fn by_subsets(reduced: &Reduced, folds: &[Moments], rows: Option<&DMatrix<f64>>) -> Result<Chosen> {
+    let conditions =
+        Conditions { requirements: requirements(reduced.moments().names()), rows: rows.cloned() };
+    let subsets = SubsetValidation::with_conditions(folds, 0, &conditions)?;
     let best = &subsets.best[subsets.one_standard_error];
     Ok(Chosen {
-        selection: Selection::BestOfSize(best.active.len()),
+        selection: Selection::BestOfSize(best.active.len(), conditions),
         solution: reduced.fit(0, &best.active)?,
         validation: None,
-        note: format!("best subset, {} contiguous folds, choice by one standard error", folds.len()),
+        note: format!("best subset, {} folds, choice by one standard error", folds.len()),
         subsets: Some(subsets),
     })
 }

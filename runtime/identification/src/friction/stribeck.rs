@@ -5,10 +5,11 @@ use super::super::error::Result;
 use super::super::offset::centre;
 use super::super::result::FrictionLaw;
 use super::super::stribeck::{Robustness, StribeckFit, StribeckRegression, stribeck_torque};
-use super::design::{fold_ranges, offset_ranges, offsets};
+use super::design::{folds, offset_ranges, offsets};
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
 use super::judgement::Judged;
+use super::passivity::beyond;
 use super::report::FrictionReport;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::DMatrix;
@@ -125,7 +126,8 @@ fn refuse_other_laws(fit: &StribeckFit, velocities: &[f64], findings: &mut Findi
 fn refuse_driving(fit: &StribeckFit, velocities: &[f64], findings: &mut Findings) {
     let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
     // The law is odd: one direction is enough.
-    let speeds = (1..=200).map(|i| fastest * f64::from(i) / 200.0);
+    let speeds =
+        (1..=200).map(|i| fastest * f64::from(i) / 200.0).chain(beyond().map(|factor| factor * fastest));
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);
     if driving > 0.0 {
         findings.refuse(format!(
@@ -144,11 +146,12 @@ fn held_out(
     fit: &StribeckFit,
     runs: &[Range<usize>],
 ) -> Unseen {
-    let ranges = fold_ranges(data, settings.folds);
-    let mut unseen = Unseen { residual: 0.0, total: variation(data, regression.offset, &ranges) };
+    let folds = folds(data, settings.folds);
+    let mut unseen = Unseen { residual: 0.0, total: variation(data, regression.offset, &folds.concat()) };
     let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
-    for fold in &ranges {
-        let others = |i: usize| if fold.contains(&i) { 0.0 } else { weight(i) };
+    for fold in &folds {
+        let is_left_out = |i: usize| fold.iter().any(|range| range.contains(&i));
+        let others = |i: usize| if is_left_out(i) { 0.0 } else { weight(i) };
         let weights: Vec<f64> = (0..data.velocities.len()).map(others).collect();
         let law = regression.refit(fit, data.velocities, data.torques, &weights, runs);
         let left = |(v, t): (&f64, &f64)| t - stribeck_torque(*v, &law);
@@ -157,7 +160,8 @@ fn held_out(
             // As for terms, a run keeps its offset where a part of it is left out.
             centre(&mut residuals, runs, data.weights);
         }
-        unseen.residual += fold.clone().map(|i| weight(i) * residuals[i] * residuals[i]).sum::<f64>();
+        unseen.residual +=
+            fold.iter().cloned().flatten().map(|i| weight(i) * residuals[i] * residuals[i]).sum::<f64>();
     }
     unseen
 }

@@ -30,9 +30,9 @@ pub struct FrictionData<'a> {
     pub torques: &'a [f64],
     /// Weights of the samples, 1 where absent.
     pub weights: Option<&'a [f64]>,
-    /// Folds of the cross-validation, e.g. runs, or groups of runs that repeat one motion; contiguous blocks
-    /// of equal size where absent.
-    pub folds: Option<&'a [Range<usize>]>,
+    /// Folds of the cross-validation, each of several ranges of samples, e.g. the runs that repeat one motion; contiguous
+    /// blocks of equal size where absent.
+    pub folds: Option<&'a [Vec<Range<usize>>]>,
     /// Ranges of samples that were recorded without interruption. They follow each other and hold all samples;
     /// each has an offset of its own, and no error is taken to be correlated between them. One run where absent.
     pub runs: Option<&'a [Range<usize>]>,
@@ -123,8 +123,9 @@ pub struct FrictionIdentification {
     pub blocks: usize,
     /// Seed of the bootstrap.
     pub seed: u64,
-    /// Forces `τ v ≥ 0` over the speeds in the data and viscous friction ≥ 0, where least squares would break
-    /// them. Offsets are separated before. A Stribeck law that breaks it is refused.
+    /// Forces `τ v ≥ 0` at all speeds up to ten times the largest one in the data, viscous friction ≥ 0, and a torque that
+    /// grows beyond the data at most half as fast again as the speed, where least squares would break them. Terms are chosen
+    /// among laws that meet this. Offsets are separated before. A Stribeck law that drives the joint is refused.
     pub passive: bool,
     /// R² on left-out data below which a law is refused.
     pub least_r_squared: f64,

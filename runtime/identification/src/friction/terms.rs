@@ -8,7 +8,7 @@ use super::super::library::Library;
 use super::super::moments::Moments;
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
-use super::design::Design;
+use super::design::{Design, folds};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::{held_out, variation};
@@ -40,7 +40,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let average = average(&reduced, &errors)?;
     let law = fitted.law(&design.library, &errors, average.as_ref());
     let offsets = design.offsets(&data.torques_of(&law)?, &residuals);
-    let total = variation(data, design.separate, &design.fold_ranges(settings.folds));
+    let total = variation(data, design.separate, &folds(data, settings.folds).concat());
     let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
     let judged = Judged { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
     let report = findings.report(settings, judged)?;
@@ -84,10 +84,10 @@ impl Candidates<'_> {
         settings: &FrictionIdentification,
         findings: &mut Findings,
     ) -> Result<Fitted> {
-        let chosen = choose(&settings.method, self.reduced, self.folds)?;
+        let rows = settings.passive.then(|| passive(self.library, self.velocity_range)).transpose()?;
+        let chosen = choose(&settings.method, self.reduced, self.folds, rows.as_ref())?;
         findings.note(chosen.note.clone());
         let ensemble = self.draw(settings, &chosen.selection, findings)?;
-        let rows = settings.passive.then(|| passive(self.library, self.velocity_range)).transpose()?;
         let samples = self.reduced.moments().samples();
         let free = chosen.solution.clone();
         let (solution, binding) = restrict(self.reduced, free, rows.as_ref(), samples, findings)?;

@@ -151,8 +151,13 @@ fn speeds(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option
     if !limit.is_finite() || fastest <= 1.1 * limit {
         return None;
     }
+    let minutes = if (0.05..=1.1).contains(&(fastest / limit / 60.0)) {
+        "; times would fit in min: --columns 'time=…[min]'"
+    } else {
+        ""
+    };
     Some(format!(
-        "it moves by up to {} {unit}/s, {:.1} times its limit of {}{}",
+        "it moves by up to {} {unit}/s, {:.1} times its limit of {}{}{minutes}",
         plain(fastest, 4),
         fastest / limit,
         plain(limit, 4),
