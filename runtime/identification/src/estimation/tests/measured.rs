@@ -177,14 +177,13 @@ fn a_robot_that_compensates_gravity_is_told_from_one_that_does_not() {
     assert!(r_squared[4] > 0.97 && r_squared[5] > 0.97, "{r_squared:.3?}");
 }
 
-/// R² of the command's call on the half of the runs that it has not seen.
-#[test]
-#[ignore = "four halves, a minute: cargo test --release -p gelenk-identification --lib other_half -- --ignored --nocapture"]
-fn halves_of_the_schunk_runs_predict_the_other_half() {
+/// R² of the command's call on the runs that it has not seen, and the friction laws; `None` without the data.
+///
+/// - `fitted`: whether the run of a number, counted from zero, is one of those that are fitted
+fn of_unseen_runs(fitted: impl Fn(usize) -> bool) -> Option<(Vec<f64>, Vec<String>)> {
     use super::super::super::identify::{IdentificationSettings, identify};
     use super::super::super::validation::validate;
-    let Some(path) = shared("data/schunk_lwa4p/runs.csv") else { return };
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = std::fs::read_to_string(shared("data/schunk_lwa4p/runs.csv")?).unwrap();
     let (header, rows) = text.split_once('\n').unwrap();
     let mut names: Vec<&str> = rows.lines().map(|row| row.split(',').next().unwrap()).collect();
     names.dedup();
@@ -192,33 +191,52 @@ fn halves_of_the_schunk_runs_predict_the_other_half() {
     settings.columns.effort = Some(super::super::super::run::Effort::Joint);
     settings.estimation.gravity_compensated = true;
     (settings.estimation.accept_poor, settings.accept_poor) = (true, true);
-    type Half<'a> = (&'a str, &'a dyn Fn(usize) -> bool);
-    let halves: [Half; 4] = [
-        ("even to odd", &|k| k % 2 == 0),
-        ("odd to even", &|k| k % 2 == 1),
-        ("first to last", &|k| k < 14),
-        ("last to first", &|k| k >= 14),
-    ];
-    for (name, fitted) in halves {
-        let folder = tempfile::tempdir().unwrap();
-        let files = [true, false].map(|kept| {
-            let of_run = |row: &&str| {
-                let run = names.iter().position(|n| *n == row.split(',').next().unwrap()).unwrap();
-                fitted(run) == kept
-            };
-            let rows: Vec<&str> = rows.lines().filter(of_run).collect();
-            let file = folder.path().join(format!("{kept}.csv"));
-            std::fs::write(&file, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
-            file
-        });
-        let [fit, unseen] = files.map(|file| vec![file]);
-        let found = identify(&schunk(), &fit, &settings, &mut |_| ()).unwrap();
-        let judged = validate(&schunk(), &found, &unseen, &settings, &mut |_| ()).unwrap();
-        let r_squared: Vec<f64> = judged.iter().map(|joint| joint.r_squared).collect();
-        let bandwidth = found.preparation.filter.bandwidth();
-        println!("{name}: {bandwidth:.1} Hz, {r_squared:.4?}");
-        for law in &found.friction {
-            println!("  {}", law.report.as_ref().map_or_else(Clone::clone, |report| report.result.formula()));
-        }
+    let folder = tempfile::tempdir().unwrap();
+    let files = [true, false].map(|kept| {
+        let of_run = |row: &&str| {
+            let run = names.iter().position(|n| *n == row.split(',').next().unwrap()).unwrap();
+            fitted(run) == kept
+        };
+        let rows: Vec<&str> = rows.lines().filter(of_run).collect();
+        let file = folder.path().join(format!("{kept}.csv"));
+        std::fs::write(&file, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+        file
+    });
+    let [fit, unseen] = files.map(|file| vec![file]);
+    let found = identify(&schunk(), &fit, &settings, &mut |_| ()).unwrap();
+    let judged = validate(&schunk(), &found, &unseen, &settings, &mut |_| ()).unwrap();
+    let laws = found.friction.iter().map(|law| law.report.as_ref().unwrap().result.formula()).collect();
+    Some((judged.iter().map(|joint| joint.r_squared).collect(), laws))
+}
+
+/// Every second run, so that both halves hold every motion, is predicted by the others. Least squares in numpy has .967 .950 .975
+/// .928 .995 .990 for the odd runs and .956 .942 .972 .928 .991 .987 for the even ones (`tests/halves/schunk.sh`, another filter).
+fn predicts_the_others(parity: usize) {
+    const LEAST: [f64; 6] = [0.970, 0.978, 0.975, 0.938, 0.995, 0.985];
+    let Some((r_squared, laws)) = of_unseen_runs(|run| run % 2 == parity) else { return };
+    println!("{r_squared:.4?} {laws:#?}");
+    assert!(r_squared.iter().zip(LEAST).all(|(found, least)| *found > least), "{r_squared:.4?}");
+    // Joint 4 leaves more than viscous friction: the robot compensates too much of its dry friction.
+    assert!(laws[3].contains("*v - ") && laws[3].contains("tanh"), "{}", laws[3]);
+}
+
+#[test]
+fn the_even_runs_of_the_schunk_predict_the_odd_ones() {
+    predicts_the_others(0);
+}
+
+#[test]
+#[ignore = "half a minute without optimization"]
+fn the_odd_runs_of_the_schunk_predict_the_even_ones() {
+    predicts_the_others(1);
+}
+
+/// The halves hold other motions: one joint moves a tenth as fast in the first one. No bars can be set there.
+#[test]
+#[ignore = "cargo test --release -p gelenk-identification --lib other_motions -- --ignored --nocapture"]
+fn other_motions_of_the_schunk() {
+    for first in [true, false] {
+        let Some((r_squared, laws)) = of_unseen_runs(|run| (run < 14) == first) else { return };
+        println!("{r_squared:.4?} {laws:#?}");
     }
 }
