@@ -7,6 +7,7 @@ use super::super::description::{
 };
 use super::super::{FrictionTerm, Input, MotorTorque, Pose, RotorCoupling};
 use super::files::{Element, Given};
+use super::schema::Place;
 use super::{Placed, Reader, Remark, or};
 use crate::diagnostic::{At, Span, nearest};
 use gelenk_formula::Formula;
@@ -52,12 +53,12 @@ impl<'a> Reader<'_, 'a> {
     pub(super) fn actuators(&mut self, actuators: &[Element<'a>], tendons: &[Element<'a>]) {
         let mut sums = BTreeMap::new();
         for &section in tendons {
-            for element in self.files.children(section) {
+            for element in self.known_children(Place::Tendons, section) {
                 self.tendon(element, &mut sums);
             }
         }
         for &section in actuators {
-            for element in self.files.children(section) {
+            for element in self.known_children(Place::Actuators, section) {
                 let class = self.class(element, "class", 0);
                 self.actuator(&Placed { element, pose: Pose::identity(), class }, &sums);
             }
@@ -81,7 +82,7 @@ impl<'a> Reader<'_, 'a> {
             return self.notes.remark(Remark::TendonForce, element.span(), owner);
         }
         let mut sum = Sum::new();
-        for part in self.files.children(element) {
+        for part in self.known_children(Place::Tendon, element) {
             let Some(joint) = self.joint_of(part, "joint") else { continue };
             let factor = or(self.number(part.attribute("coef"), "coef"), 0.0);
             if self.joints.get(&joint).is_some_and(|joint| joint.has_quaternion) {

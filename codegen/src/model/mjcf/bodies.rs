@@ -4,6 +4,7 @@ use super::super::description::FrameDescription;
 use super::super::description::{JointDescription, Name};
 use super::super::{JointKind, Pose};
 use super::files::Element;
+use super::schema::{ORIENTATIONS, Place, tags};
 use super::{Placed, Reader, Remark, WORLD};
 use crate::diagnostic::At;
 
@@ -90,9 +91,11 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn unread(&mut self, placed: &Placed<'a>) {
-        match GENERATORS.contains(&placed.element.tag()) {
-            true => self.refuse(placed.element),
-            false => self.notes.skip(format!("<{}>", placed.element.tag()), placed.element.span()),
+        let tag = placed.element.tag();
+        if GENERATORS.contains(&tag) {
+            self.refuse(placed.element);
+        } else if tags(Place::Body).contains(&tag) {
+            self.notes.skip(format!("<{tag}>"), placed.element.span());
         }
     }
 
@@ -108,8 +111,14 @@ impl<'a> Reader<'_, 'a> {
 
     /// The pose that an element, or its class, says.
     pub(super) fn pose_of(&mut self, placed: &Placed<'a>, owner: &str) -> Pose {
+        let element = placed.element;
+        let is_turned = ORIENTATIONS.iter().any(|key| element.attribute(key).is_some());
         let keys = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
-        let found = keys.map(|key| self.find(placed, key));
+        let found = keys.map(|key| match is_turned && ORIENTATIONS.contains(&key) {
+            // One orientation of its own replaces any of the class.
+            true => element.attribute(key),
+            false => self.find(placed, key),
+        });
         let at = |wanted: &str| keys.iter().position(|key| *key == wanted).and_then(|index| found[index]);
         self.pose_by(&at, owner)
     }

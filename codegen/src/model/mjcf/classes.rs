@@ -3,7 +3,7 @@
 use super::files::{Element, Files, Given};
 
 /// Tags that share one set of defaults.
-const ACTUATORS: [&str; 11] = [
+const ACTUATORS: [&str; 13] = [
     "general",
     "motor",
     "position",
@@ -14,6 +14,8 @@ const ACTUATORS: [&str; 11] = [
     "muscle",
     "adhesion",
     "dcmotor",
+    "orientation",
+    "pid",
     "plugin",
 ];
 

@@ -3,13 +3,14 @@
 use super::super::Pose;
 use super::super::description::FollowsDescription;
 use super::files::Element;
+use super::schema::Place;
 use super::{Placed, Reader, Remark};
 use crate::diagnostic::{At, nearest};
 use gelenk_formula::Formula;
 
 impl<'a> Reader<'_, 'a> {
     pub(super) fn equalities(&mut self, section: Element<'a>) {
-        for element in self.files.children(section) {
+        for element in self.known_children(Place::Equalities, section) {
             let class = self.class(element, "class", 0);
             let placed = Placed { element, pose: Pose::identity(), class };
             let active = element.attribute("active");

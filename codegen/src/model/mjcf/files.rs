@@ -142,6 +142,12 @@ impl<'a> Element<'a> {
         Some(Given::of(attribute, self.source))
     }
 
+    /// The names of its attributes, and their places.
+    pub(super) fn attributes(self) -> impl Iterator<Item = (&'a str, Span)> {
+        let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
+        own.map(move |attribute| (attribute.name(), Span::new(self.source, attribute.range())))
+    }
+
     /// The opening tag.
     pub(super) fn span(self) -> Span {
         opening_tag(self.node, self.source)

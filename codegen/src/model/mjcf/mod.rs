@@ -12,6 +12,8 @@ mod inertia;
 mod joints;
 mod notes;
 mod place;
+mod schema;
+mod vocabulary;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -140,20 +142,15 @@ impl<'a> Reader<'_, 'a> {
         with("compiler").for_each(|section| self.compiler(section));
         with("option").for_each(|section| self.option(section));
         self.robot.gravity = Some(self.gravity.map(Formula::Number));
+        self.vocabulary(sections);
         self.bodies(&with("worldbody").collect::<Vec<_>>());
         let actuators: Vec<_> = with("actuator").collect();
         let tendons: Vec<_> = with("tendon").collect();
         with("equality").for_each(|section| self.equalities(section));
         self.actuators(&actuators, &tendons);
         self.armatures();
-        const READ: [&str; 7] =
-            ["compiler", "option", "default", "worldbody", "actuator", "tendon", "equality"];
-        for section in sections.iter().filter(|section| !READ.contains(&section.tag())) {
-            if !HARMLESS.contains(&section.tag()) {
-                self.refuse(*section);
-            } else {
-                self.notes.skip(format!("<{}>", section.tag()), section.span());
-            }
+        for section in sections.iter().filter(|section| HARMLESS.contains(&section.tag())) {
+            self.notes.skip(format!("<{}>", section.tag()), section.span());
         }
     }
 
