@@ -71,9 +71,11 @@ fn stiff(model: &Model) -> Option<Diagnostic> {
             "N m s/rad"
         }
     };
+    let is_damper = joint.friction.is_empty() && joint.load_friction.is_empty();
     let message = format!(
-        "friction of `{}`{} rises by {} {unit} at standstill and slows down at a rate of {} 1/s: with {substeps} substep{} \
+        "{} of `{}`{} rises by {} {unit} at standstill and slows down at a rate of {} 1/s: with {substeps} substep{} \
          `step` is unstable for periods beyond {} ms",
+        if is_damper { "damping" } else { "friction" },
         joint.name,
         if joint.load_friction.is_empty() { "" } else { ", under the load of its effort limit," },
         three_digits(slope),
@@ -84,12 +86,13 @@ fn stiff(model: &Model) -> Option<Diagnostic> {
     let needed = |period: f64| (rate * period / UNSTABLE).ceil();
     let note = Diagnostic::note("stiff-friction", message);
     Some(note.help(format!(
-        "`substeps` in [generate] have to be at least {} for {} ms, {} for {} ms; or choose a smaller slope; `discretize` has \
+        "`substeps` in [generate] have to be at least {} for {} ms, {} for {} ms; or choose a smaller {}; `discretize` has \
          no such limit",
         needed(SHORTEST_PERIOD),
         1000.0 * SHORTEST_PERIOD,
         needed(LONGEST_PERIOD),
         1000.0 * LONGEST_PERIOD,
+        if is_damper { "damping" } else { "slope" },
     )))
 }
 

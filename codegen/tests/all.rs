@@ -36,3 +36,4 @@ mod stages;
 mod strangers_arm;
 mod torque_speed;
 mod wild_urdf;
+mod words;

@@ -4,6 +4,7 @@
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics, Severity};
 use gelenk_codegen::model::{Model, ReadOptions, from_toml};
+use gelenk_codegen::pipeline::{GenerateOptions, generate};
 
 fn load_onto(text: &str, base: &str) -> Result<(Model, Diagnostics), Diagnostics> {
     let load = &mut |file: &str| match file {
@@ -235,4 +236,91 @@ fn help_lists_described_links_alone() {
         load_onto(&[hook, "[[wrenches]]\nname = \"pull\"\nframe = \"rope\"\n"].concat(), "").unwrap_err();
     let told = wrong.to_string();
     assert!(told.contains("known are `base`, `hook`") && !told.contains("hook_x"), "{told}");
+}
+
+/// A part of an origin that an extension does not name stays, as those of limits do.
+#[test]
+fn an_origin_keeps_the_part_that_is_not_named() {
+    let base = "[[joints]]\nname = \"j\"\norigin = { xyz = [1, 2, 3], rpy = [0, 0, 0.5] }\n\
+                [[bodies]]\nlink = \"j\"\norigin = { xyz = [4, 5, 6] }\nmass = 1\ninertia = [1, 2, 2.5]\n";
+    let on_top = |lines: &str| {
+        let text = format!("extends = \"base.toml\"\n{lines}");
+        let (model, _) = load_onto(&text, base).unwrap_or_else(|wrong| panic!("{wrong}"));
+        let link = &model.links[1];
+        let origin = &link.joint.as_ref().unwrap().origin;
+        let number = |formula: &gelenk_codegen::formula::Formula| formula.evaluate(&[], 0.0, 0.0);
+        let center = link.bodies[0].center_of_mass.each_ref().map(number);
+        (origin.translation.each_ref().map(number), origin.rotation[1][0], center)
+    };
+    let (place, turn, center) = on_top("");
+    assert_eq!((place, center), ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]));
+    let joint = |origin: &str| on_top(&format!("[[joints]]\nname = \"j\"\norigin = {origin}\n"));
+    assert_eq!(joint("{ xyz = [7, 8, 9] }"), ([7.0, 8.0, 9.0], turn, center));
+    assert_eq!(joint("{ rpy = [0, 0, 0] }"), (place, 0.0, center));
+    assert_eq!(joint("{ xyz = [0, 0, 0], rpy = [0, 0, 0] }"), ([0.0; 3], 0.0, center));
+    let body = on_top("[[bodies]]\nname = \"j\"\norigin = { rpy = [0, 0, 1] }\n");
+    assert_eq!(body, (place, turn, center));
+}
+
+#[test]
+fn springs_and_inertias_that_are_hardly_meant_are_told() {
+    let arm = |spring: &str, inertia: &str| {
+        format!(
+            "[[joints]]\nname = \"j\"\n{spring}\n[[bodies]]\nlink = \"j\"\nmass = 1\ninertia = {inertia}\n"
+        )
+    };
+    assert_eq!(told(&arm("spring = { stiffness = 5, rest = 0.1, damping = 1 }", "2000")), []);
+    let (severity, said) = only(&arm("spring = { stiffness = -5 }", "1"));
+    assert_eq!(severity, Severity::Warning);
+    assert!(
+        said.contains("the spring of `j` has negative stiffness -5: it pushes away from its rest"),
+        "{said}"
+    );
+    let (severity, said) = only(&arm("", "100000"));
+    assert_eq!(severity, Severity::Note);
+    assert!(said.contains("`j` of 1 kg has 100000 kg m², as at 316 m; are they in kg mm²?"), "{said}");
+}
+
+/// The option is for the joints of other files.
+#[test]
+fn joints_that_follow_by_the_description_do_so_all_the_same() {
+    let text = "[[joints]]\nname = \"a\"\n[[joints]]\nname = \"b\"\nfollows = { a = 1 }\n\
+                [[bodies]]\nlink = \"a\"\nmass = 1\ninertia = 1\n[[bodies]]\nlink = \"b\"\nmass = 1\ninertia = 1\n";
+    let told = |ignore_mimic: bool| {
+        let options = ReadOptions { ignore_mimic, ..ReadOptions::default() };
+        let load = &mut |file: &str| Err(Diagnostic::error("file-unreadable", file).into());
+        from_toml(text, "robot.toml", &options, load).unwrap().1.to_string()
+    };
+    assert_eq!(told(false), "");
+    assert!(
+        told(true).contains("joints that follow others by `follows` do so all the same: `b`"),
+        "{}",
+        told(true)
+    );
+}
+
+/// A ball of 0.02 kg m² with 0.3 N m s/rad slows down at 15 1/s; two of three hinges that nearly share an axis said 2700.
+#[test]
+fn the_rate_of_a_damped_ball_is_that_of_its_inertia() {
+    let stiff = |damping: f64| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ball.toml");
+        let text = format!(
+            "[[joints]]\nname = \"top\"\ntype = \"spherical\"\nspring = {{ rx = {{ damping = {damping} }} }}\n\
+             [[bodies]]\nlink = \"top\"\nmass = 3\ninertia = 0.02\n"
+        );
+        std::fs::write(&path, text).unwrap();
+        let notes = generate(&path, &GenerateOptions::default()).unwrap().notes;
+        let found = notes.entries().iter().find(|entry| entry.code == "stiff-friction");
+        found.map(ToString::to_string)
+    };
+    assert_eq!(stiff(0.3), None);
+    let said = stiff(30.0).unwrap();
+    assert!(
+        said.contains(
+            "damping of `top_rx` rises by 30 N m s/rad at standstill and slows down at a rate of 1500 1/s"
+        ),
+        "{said}"
+    );
+    assert!(said.contains("choose a smaller damping"), "{said}");
 }

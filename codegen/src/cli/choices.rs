@@ -5,6 +5,7 @@ use clap::{Args, ValueEnum};
 use crate::diagnostic::nearest;
 use crate::emit::{Companion, Language, Scalar};
 use crate::function_names;
+use crate::functions::position_functions::PositionFunction;
 use crate::model::ReadOptions;
 
 /// How a description is read: choices that change the equations.
@@ -214,6 +215,12 @@ fn function(text: &str) -> Result<String, String> {
     }
     if name.contains(char::is_whitespace) {
         return Err("names are separated by commas".to_owned());
+    }
+    if PositionFunction::ALL.iter().any(|function| function.name() == name) {
+        return Err(
+            "it is written in any case for robots with spherical or floating joints, and for no others"
+                .to_owned(),
+        );
     }
     let near = nearest(name, function_names::listed()).unwrap_or_default();
     Err(format!("there is no such function; {near}"))

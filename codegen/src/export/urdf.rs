@@ -7,7 +7,7 @@ use super::losses::{LINE, Losses};
 use super::names::{distinct, slide_name};
 use super::numbers::{Placed, Values};
 use super::xml::{Attributes, Xml, numbers};
-use crate::model::{Frame, Joint, JointKind, Limits, Link, Model, Motion, MovingJoint};
+use crate::model::{Frame, Joint, JointKind, Limits, Link, Model, Motion, MovingJoint, QuaternionKind};
 
 /// What readers of URDFs take for no limit: ROS wants both numbers, and 0 would forbid all motion.
 const UNLIMITED: f64 = 1e31;
@@ -19,6 +19,8 @@ const IDEAL: &str =
     "does not say which joints have a drive; most readers take one for each, here there is none at";
 const OTHER_FRICTION: &str =
     "has viscous and dry friction, and no other laws (Stribeck, tanh, by position); left out in part at";
+const SPHERICAL: &str =
+    "says `spherical` where none of the types of ROS fits; urdfdom and Pinocchio refuse the whole file for";
 const SEVERAL: &str =
     "has joints that follow one other alone; these follow several, and move by themselves there";
 
@@ -91,6 +93,9 @@ impl Writer<'_> {
         if let Some(chain) = chain {
             if model.coordinates[chain.first] == link {
                 let child = model.coordinates[chain.coordinates().end - 1];
+                if chain.kind == QuaternionKind::Spherical {
+                    self.losses.add(SPHERICAL, &chain.name);
+                }
                 self.open(&chain.name, chain.kind.name(), &self.values.resting(joint), [joint.parent, child]);
                 self.xml.close();
             }

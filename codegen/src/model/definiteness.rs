@@ -35,7 +35,7 @@ impl Model {
 
     /// For each coordinate the smallest pivot of M at seeded states.
     pub(crate) fn least_pivots(&self) -> Vec<f64> {
-        let least = Pivots::of(self).least;
+        let least = Pivots::of_velocities(self).least;
         let pivots = self.coordinates.iter();
         pivots.filter_map(|&link| least.get(link).copied()).collect()
     }

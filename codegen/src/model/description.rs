@@ -4,7 +4,7 @@
 //! value that could not be read was reported and stands here as something harmless, so that it causes no
 //! second complaint.
 
-use super::pose::rotate_inertia;
+use super::pose::{Unsaid, rotate_inertia};
 use super::{
     FrictionTerm, Input, JointKind, MotorTorque, Options, Parameter, Pose, QuaternionKind, RotorCoupling,
     TorqueSpeedLine, WrenchAxes,
@@ -124,6 +124,8 @@ pub(super) struct BodyDescription {
     pub link: Name,
     /// Pose of the body's own frame in the link's described frame.
     pub origin: Option<Pose>,
+    /// Parts of it that keep what they were in a description below.
+    pub unsaid: Unsaid,
     pub mass: Option<At<Formula>>,
     pub center_of_mass: Option<[Formula; 3]>,
     pub inertia: Option<At<[Formula; 6]>>,
@@ -161,6 +163,8 @@ pub(super) struct JointDescription {
     pub parent: Option<Name>,
     pub child: Option<Name>,
     pub origin: Option<Pose>,
+    /// Parts of it that keep what they were in a description below.
+    pub unsaid: Unsaid,
     /// Pose of the child link's described frame in the frame that moves with the joint (standard DH).
     pub link_frame: Option<Pose>,
     pub axis: Option<[f64; 3]>,
@@ -215,6 +219,7 @@ impl JointDescription {
             parent: None,
             child: None,
             origin: None,
+            unsaid: Unsaid::default(),
             link_frame: None,
             axis: None,
             held: None,

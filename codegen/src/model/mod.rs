@@ -45,6 +45,7 @@ mod urdf_limits;
 mod urdf_notes;
 mod urdf_text;
 mod urdf_values;
+mod urdf_words;
 mod validate;
 mod xacro;
 

@@ -19,6 +19,24 @@ pub struct Pose {
     pub rotation: [[f64; 3]; 3],
 }
 
+/// Parts of a pose of which a description says nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Unsaid {
+    pub translation: bool,
+    pub rotation: bool,
+}
+
+impl Unsaid {
+    /// The pose with those parts of the one that it replaces.
+    pub fn filled(self, pose: Pose, known: Option<&Pose>) -> Pose {
+        let Some(known) = known else { return pose };
+        Pose {
+            translation: if self.translation { known.translation.clone() } else { pose.translation },
+            rotation: if self.rotation { known.rotation } else { pose.rotation },
+        }
+    }
+}
+
 impl Pose {
     /// The pose of a frame in itself.
     pub fn identity() -> Self {

@@ -4,8 +4,11 @@ use super::description::{BodyDescription, DriveChoice, JointDescription, Name, R
 use super::load::Load;
 use super::read_options::ReadOptions;
 use super::toml_values::Reader;
-use super::{JointKind, Model, extended_frames, file_kind, floating_base, mjcf, toml_file, urdf, validate};
+use super::{
+    JointKind, Model, Pose, extended_frames, file_kind, floating_base, mjcf, toml_file, urdf, validate,
+};
 use crate::diagnostic::{At, Diagnostics, Report, Span, nearest};
+use crate::wording::listed;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -143,6 +146,9 @@ fn finish(
             robot.floating_base.get_or_insert(robot.name.span);
         }
         floating_base::free(&mut robot, &mut reader.report);
+        if options.ignore_mimic {
+            note_followers(&robot, &mut reader.report);
+        }
         if options.free_driven {
             free_driven(&mut robot);
         }
@@ -158,6 +164,17 @@ fn finish(
         Some(model) if !failed => Ok((model, diagnostics)),
         _ => Err(diagnostics),
     }
+}
+
+/// Joints that follow although the caller frees those of a URDF or MJCF: a TOML file says so.
+fn note_followers(robot: &RobotDescription, report: &mut Report) {
+    let follows = robot.joints.iter().filter_map(|joint| Some((joint, joint.follows.as_ref()?)));
+    let found: Vec<_> = follows.collect();
+    let Some((_, first)) = found.first() else { return };
+    let names = listed(found.iter().map(|(joint, _)| joint.name.quoted()));
+    let message = format!("joints that follow others by `follows` do so all the same: {names}");
+    report.note(Some(first.span), "mimic-not-ignored", message);
+    report.help("`--ignore-mimic` frees the joints with <mimic> of a URDF and those of equalities of an MJCF; remove `follows` to free others");
 }
 
 /// Driven joints as coordinates without a drive.
@@ -363,8 +380,10 @@ fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
 fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let moved = body.center_of_mass.is_some() || body.inertia.is_some();
     let replaced = moved || body.mass.is_some();
-    let kept = known.origin.take().filter(|_| !moved);
-    if moved && body.origin.is_none() {
+    let below = known.origin.take();
+    let origin = body.origin.map(|origin| body.unsaid.filled(origin, below.as_ref()));
+    let kept = below.filter(|_| !moved);
+    if moved && origin.is_none() {
         // Both were described in the old frame: what is not replaced has to follow into the link's frame.
         let unmoved = BodyDescription { origin: kept.clone(), ..known.clone() };
         known.center_of_mass = Some(unmoved.center_in_link());
@@ -372,7 +391,7 @@ fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
             inertia.value = unmoved.inertia_in_link();
         }
     }
-    known.origin = body.origin.or(kept);
+    known.origin = origin.or(kept);
     known.mass = body.mass.or(known.mass.take());
     known.center_of_mass = body.center_of_mass.or(known.center_of_mass.take());
     known.inertia = body.inertia.or(known.inertia.take());
@@ -396,8 +415,12 @@ fn extend_joint(
     known.kind = joint.kind.or(known.kind);
     known.parent = joint.parent.or(known.parent.take());
     known.child = joint.child.or(known.child.take());
-    if joint.origin.is_some() {
-        (known.origin, known.link_frame) = (joint.origin, joint.link_frame);
+    if let Some(origin) = joint.origin {
+        // Behind a row of Denavit and Hartenberg, and off the frame of an MJCF's body, a part would not be what was described.
+        let is_plain = known.link_frame.as_ref().is_none_or(Pose::is_identity);
+        let below = known.origin.as_ref().filter(|_| is_plain);
+        known.origin = Some(joint.unsaid.filled(origin, below));
+        known.link_frame = joint.link_frame;
     }
     known.axis = joint.axis.or(known.axis);
     if joint.follows.is_some() {

@@ -40,6 +40,19 @@ impl Pivots {
 
     /// At the described values of the free parameters.
     pub fn of(model: &Model) -> Self {
+        Self::at(model, |_| false)
+    }
+
+    /// The same with joints of quaternions at no rotation: there the velocities of their hinges are those of the body,
+    /// while elsewhere two hinges may turn about the same axis.
+    pub fn of_velocities(model: &Model) -> Self {
+        let parts = model.quaternion_joints.iter().flat_map(|joint| joint.coordinates());
+        let parts: Vec<usize> = parts.filter_map(|part| model.coordinates.get(part).copied()).collect();
+        Self::at(model, |link| parts.contains(&link))
+    }
+
+    /// - `is_at_zero`: tells whether the joint of a link stays at position 0
+    fn at(model: &Model, is_at_zero: impl Fn(usize) -> bool) -> Self {
         let described = model.parameters.iter().map(|parameter| parameter.default);
         let described: Vec<f64> = described.collect();
         let mut random = Random::new(SEED);
@@ -48,6 +61,7 @@ impl Pivots {
         let mut indefinite_states = 0;
         for state in 0..STATES {
             let positions = positions(model, &described, |index, [low, high]| match state {
+                _ if is_at_zero(index) => 0.0,
                 // An irrational stride keeps angles of different joints in general position.
                 0 => 0.4 + (index as f64 * 0.618_033_988_75).fract(),
                 _ => random.between(low, high),

@@ -5,7 +5,7 @@ use super::table::{Item, Table};
 use super::toml_couplings::read_drives;
 use super::toml_frame_forces::{read_point_forces, read_wrench_inputs, read_wrenches};
 use super::toml_joint_tables::{Extended, Joints, read_joints};
-use super::toml_values::Reader;
+use super::toml_values::{Reader, unsaid};
 use super::{Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
 use crate::function_names;
@@ -358,6 +358,7 @@ fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> 
         link: link.unwrap_or_else(|| name.clone()),
         name,
         origin: table.get("origin").and_then(|item| reader.pose(item, &owner)),
+        unsaid: unsaid(table.get("origin")),
         mass: mass.map(|(item, value)| At::new(value.unwrap_or(Formula::ONE), item.span)),
         center_of_mass,
         inertia,

@@ -4,7 +4,8 @@ use super::description::{DriveChoice, DriveDescription, FrictionDescription};
 use super::table::{Item, Table};
 use super::toml_values::Reader;
 use super::{Input, MotorTorque, RotorCoupling, TorqueSpeedLine};
-use crate::diagnostic::At;
+use crate::diagnostic::{At, Report};
+use crate::wording::as_written;
 use gelenk_formula::{Formula, FrictionPart, FrictionTerm};
 use toml::de::DeValue;
 
@@ -129,13 +130,46 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
         return reader.force_law(item);
     }
     let table = item.table("a spring", &["stiffness", "rest", "damping"], &mut reader.report)?;
+    let joint = owner;
     let owner = &format!("{owner}_spring");
     let mut value =
         |key| table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or(Formula::ZERO);
-    let stretch = Formula::difference(Formula::Position, value("rest"));
-    let elastic = Formula::product(value("stiffness"), stretch);
-    let damping = Formula::product(value("damping"), Formula::Velocity);
+    let [rest, stiffness, damping] = ["rest", "stiffness", "damping"].map(&mut value);
+    let factors = ["stiffness", "damping"].map(|key| table.get(key));
+    match factors {
+        [None, None] if table.get("rest").is_some() => {
+            let message = format!("the spring of `{joint}` has a rest, and neither stiffness nor damping");
+            reader.report.error(item.span, "missing-key", message);
+            reader.report.help("for example `spring = { stiffness = 100, rest = 0.1 }`");
+        }
+        _ => check_signs(reader, factors, [&stiffness, &damping], joint),
+    }
+    let stretch = Formula::difference(Formula::Position, rest);
+    let elastic = Formula::product(stiffness, stretch);
+    let damping = Formula::product(damping, Formula::Velocity);
     Some(Formula::difference(Formula::negation(elastic), damping))
+}
+
+/// A spring that pushes away from its rest may be meant; damping that gives energy is none.
+fn check_signs(reader: &mut Reader, items: [Option<Item<'_>>; 2], factors: [&Formula; 2], joint: &str) {
+    let [stiffness, damping] = factors.map(|factor| reader.at_defaults(factor));
+    if let Some(item) = items[0].filter(|_| stiffness < 0.0) {
+        warn_of_negative_stiffness(joint, At::new(stiffness, item.span), &mut reader.report);
+    }
+    if let Some(item) = items[1].filter(|_| damping < 0.0) {
+        let message = format!("the spring of `{joint}` has negative damping {}", as_written(damping));
+        reader.report.error(item.span, "negative-damping", message);
+        reader.report.help("damping that brakes has a positive coefficient: change the sign");
+    }
+}
+
+pub(super) fn warn_of_negative_stiffness(joint: &str, stiffness: At<f64>, report: &mut Report) {
+    let message = format!(
+        "the spring of `{joint}` has negative stiffness {}: it pushes away from its rest",
+        as_written(stiffness.value)
+    );
+    report.warning(stiffness.span, "negative-stiffness", message);
+    report.help("a spring beyond its dead centre does so; one that pulls back has a positive stiffness");
 }
 
 pub(super) const DRIVE: [&str; 12] = [

@@ -7,7 +7,7 @@ use super::quaternion_joint::{NO_LAW_OF_POSITION, NO_ROTOR};
 use super::table::{Item, Table};
 use super::toml_couplings::followed_joints;
 use super::toml_forces::{drive, friction, springs};
-use super::toml_values::Reader;
+use super::toml_values::{Reader, unsaid};
 use super::{JointKind, Pose, QuaternionKind};
 use crate::diagnostic::At;
 use gelenk_formula::Formula;
@@ -72,6 +72,7 @@ pub(super) fn single_joint(
         parent: table.get("parent").and_then(|item| reader.name(item)),
         child: table.get("child").and_then(|item| reader.name(item)),
         origin,
+        unsaid: unsaid(table.get("origin")),
         link_frame,
         axis: table.get("axis").and_then(|item| reader.axis(item)),
         follows: table.get("follows").map(|item| {

@@ -6,7 +6,7 @@ use super::angles::Angles;
 use super::description::Name;
 use super::key_examples::example;
 use super::name::{has_meaning, identifier, is_keyword};
-use super::pose::{IDENTITY, norm};
+use super::pose::{IDENTITY, Unsaid, norm};
 use super::read_options::ReadOptions;
 use super::table::{Item, Table};
 use crate::diagnostic::{At, Report, Span};
@@ -346,6 +346,15 @@ impl Reader {
         });
         None
     }
+}
+
+/// Parts of a pose that its table does not have.
+pub(super) fn unsaid(item: Option<Item<'_>>) -> Unsaid {
+    let lacks = |keys: &[&str]| {
+        let table = item.and_then(|item| item.value.as_table());
+        table.is_some_and(|table| !keys.iter().any(|key| table.contains_key(*key)))
+    };
+    Unsaid { translation: lacks(&["xyz"]), rotation: lacks(&["rpy", "quaternion"]) }
 }
 
 /// A length that is not 1, with enough digits to see it.

@@ -10,7 +10,7 @@ use super::description::{
     JointDescription, Name, RobotDescription,
 };
 use super::notes::Notes;
-use super::pose::{IDENTITY, norm};
+use super::pose::{IDENTITY, Unsaid, norm};
 use super::toml_values::join;
 use super::urdf_notes::{HARMLESS, Remark};
 use super::urdf_text::UrdfText;
@@ -130,7 +130,7 @@ impl Reader<'_> {
                     None => result.joints.extend(self.joint(node)),
                 },
                 "transmission" | "ros2_control" => self.transmission(node),
-                other => self.notes.skip(format!("<{other}>"), self.span(node)),
+                _ => self.skip(node, &["link", "joint"]),
             }
         }
         result.frames = massless_frames(&result);
@@ -163,7 +163,7 @@ impl Reader<'_> {
         for skipped in
             node.children().filter(Node::is_element).filter(|inner| inner.tag_name().name() != "inertial")
         {
-            self.notes.skip(format!("<{}>", skipped.tag_name().name()), self.span(skipped));
+            self.skip(skipped, &["inertial"]);
         }
         result.links.push(name.clone());
         let is_shape = |inner: XmlNode<'_>| SHAPES.contains(&inner.tag_name().name());
@@ -201,6 +201,7 @@ impl Reader<'_> {
         Some(BodyDescription {
             link: name.clone(),
             origin: Some(self.origin(node, &owner)),
+            unsaid: Unsaid::default(),
             mass: Some(At::new(Formula::Number(mass.value), mass.span)),
             center_of_mass: None,
             inertia: inertia.map(|entries| At::new(entries.value.map(Formula::Number), entries.span)),
@@ -227,6 +228,7 @@ impl Reader<'_> {
 
     fn joint(&mut self, node: XmlNode<'_>) -> Option<JointDescription> {
         let name = self.required_name(node, "name")?;
+        self.known_attributes(node);
         let known = ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"];
         self.known_children(node, &known);
         let kind = self.kind(node, &name);
@@ -247,6 +249,7 @@ impl Reader<'_> {
             axis: if moves { self.axis(node, &name) } else { None },
             limits: self.limits(node, kind, &name),
             origin: Some(origin),
+            unsaid: Unsaid::default(),
             friction,
             offset: mimic.and_then(|node| self.number(node, "offset")),
             follows: mimic.and_then(|node| self.mimicked(node)),
@@ -358,6 +361,9 @@ impl Reader<'_> {
     /// The axis at unit length; x where none is described.
     fn axis(&mut self, joint: XmlNode<'_>, name: &Name) -> Option<[f64; 3]> {
         let node = self.single(joint, "axis", &name.quoted());
+        if let Some(node) = node.filter(|node| !node.has_attribute("xyz")) {
+            self.notes.remark(Remark::AxisMissing, self.span(node), name.quoted());
+        }
         let Some(axis) = node.and_then(|node| self.vector(node, "xyz")) else {
             return Some([1.0, 0.0, 0.0]);
         };
@@ -377,12 +383,6 @@ impl Reader<'_> {
 
     /// `τ = damping · v + friction · sign(v)`
     fn friction(&mut self, node: XmlNode<'_>, name: &Name) -> Vec<FrictionTerm> {
-        for unknown in
-            node.attributes().filter(|attribute| !["damping", "friction"].contains(&attribute.name()))
-        {
-            self.notes
-                .skip(format!("<dynamics {}>", unknown.name()), Span::new(self.source, unknown.range()));
-        }
         if self.options.no_friction {
             return Vec::new();
         }

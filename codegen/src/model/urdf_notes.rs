@@ -24,6 +24,7 @@ pub(super) const HARMLESS: [&str; 14] = [
 /// Something about a description that is worth a note, once for all places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
+    AxisMissing,
     AxisNormalized,
     ContinuousLimits,
     DuplicateElement,
@@ -39,6 +40,7 @@ pub(super) enum Remark {
 impl notes::Remark for Remark {
     fn code(self) -> &'static str {
         match self {
+            Self::AxisMissing => "axis-missing",
             Self::AxisNormalized => "axis-normalized",
             Self::ContinuousLimits => "continuous-limits",
             Self::DuplicateElement => "duplicate-element",
@@ -54,13 +56,16 @@ impl notes::Remark for Remark {
 
     fn severity(self) -> Severity {
         match self {
-            Self::DuplicateElement | Self::EmptyInertial | Self::LimitUnusable => Severity::Warning,
+            Self::AxisMissing | Self::DuplicateElement | Self::EmptyInertial | Self::LimitUnusable => {
+                Severity::Warning
+            }
             _ => Severity::Note,
         }
     }
 
     fn text(self) -> &'static str {
         match self {
+            Self::AxisMissing => "an <axis> without `xyz` was taken as x",
             Self::AxisNormalized => "axes were brought to length 1",
             Self::ContinuousLimits => {
                 "continuous joints turn without end; their position limits were not taken"

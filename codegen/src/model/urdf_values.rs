@@ -23,6 +23,7 @@ impl Reader<'_> {
     pub(super) fn single<'a>(&mut self, node: XmlNode<'a>, tag: &str, owner: &str) -> Option<XmlNode<'a>> {
         let mut found = node.children().filter(|inner| inner.is_element() && inner.tag_name().name() == tag);
         let first = found.next()?;
+        self.known_attributes(first);
         if let Some(second) = found.next() {
             let span = self.span(second);
             let owner = format!("<{tag}> of {owner}");
@@ -34,7 +35,7 @@ impl Reader<'_> {
     pub(super) fn known_children(&mut self, node: XmlNode<'_>, known: &[&str]) {
         for inner in node.children().filter(Node::is_element) {
             if !known.contains(&inner.tag_name().name()) {
-                self.notes.skip(format!("<{}>", inner.tag_name().name()), self.span(inner));
+                self.skip(inner, known);
             }
         }
     }

@@ -36,6 +36,18 @@ fn a_page_and_its_numbers_are_written() {
     assert_eq!(first, fs::read_to_string(folder.path().join("again/index.html")).unwrap());
 }
 
+/// What others refuse is said, and so is what is written in any case.
+#[test]
+fn a_ball_in_a_urdf_is_refused_by_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let ball = "[[joints]]\nname = \"top\"\ntype = \"spherical\"\n[[bodies]]\nlink = \"top\"\nmass = 1\ninertia = 1\n";
+    fs::write(folder.path().join("ball.toml"), ball).unwrap();
+    let said = shown(&gelenk(folder.path(), &["export", "ball.toml", "--urdf", "--output", "ball.urdf"]));
+    assert!(said.contains("urdfdom and Pinocchio refuse the whole file for: `top`"), "{said}");
+    let said = shown(&gelenk(folder.path(), &["generate", "ball.toml", "--functions", "integrate"]));
+    assert!(said.contains("written in any case for robots with spherical or floating joints"), "{said}");
+}
+
 #[test]
 fn a_page_that_cannot_be_written_ends_with_1() {
     let folder = tempfile::tempdir().unwrap();

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::super::Pose;
 use super::super::description::{BodyDescription, Name};
 use super::super::inertia::principal_axes;
-use super::super::pose::{Rotation, rotate_inertia};
+use super::super::pose::{Rotation, Unsaid, rotate_inertia};
 use super::compiler::FromGeoms;
 use super::files::Element;
 use super::place::z_to;
@@ -60,6 +60,7 @@ impl<'a> Reader<'_, 'a> {
                 name: name.clone(),
                 link: name.clone(),
                 origin: None,
+                unsaid: Unsaid::default(),
                 mass: Some(At::new(Formula::Number(lump.mass), place)),
                 center_of_mass: Some(lump.center.map(Formula::Number)),
                 inertia: Some(At::new(lump.inertia.map(Formula::Number), place)),

@@ -3,6 +3,7 @@
 use super::super::composite::{self, Composite, Place};
 use super::super::description::{FrictionDescription, JointDescription, LimitsDescription, Name};
 use super::super::pose::rotate_numbers;
+use super::super::toml_forces::warn_of_negative_stiffness;
 use super::super::{FrictionTerm, JointKind, Pose, QuaternionKind};
 use super::place::by_axis;
 use super::{KnownJoint, Placed, Reader, Remark, or};
@@ -205,6 +206,11 @@ impl<'a> Reader<'_, 'a> {
             self.notes.remark(Remark::SpringDamper, given.span, format!("`{body}`"));
         }
         let stiffness = self.linear(joint, "stiffness")?;
+        if stiffness.value < 0.0 {
+            let name = joint.element.node.attribute("name").unwrap_or("a joint");
+            let stiffness = At::new(stiffness.value, stiffness.span);
+            warn_of_negative_stiffness(name, stiffness, self.report);
+        }
         let rest = unit * or(self.number(self.find(joint, "springref"), "springref"), 0.0);
         let reach = Formula::difference(Formula::Position, Formula::Number(rest));
         let law = Formula::product(Formula::Number(-stiffness.value), reach);

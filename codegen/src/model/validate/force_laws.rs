@@ -131,7 +131,19 @@ fn is_finite(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> boo
 fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
     let (name, what) = (&grid.owner, law.what);
     let driven = driven(law, grid);
-    if driven.iter().all(|(_, is_driven)| *is_driven) {
+    if driven.iter().all(|(_, is_driven)| *is_driven)
+        && let Some(y) = braked(law, grid)
+    {
+        let [driving, braking] = [driving(law, grid).unwrap_or(y), y].map(three_digits);
+        let unit = grid.unit;
+        let message = format!(
+            "the {what} of {name} drives it at every speed at y = {driving} {unit}, and not at y = {braking} {unit}"
+        );
+        report.error(span, "friction-drives", message);
+        report.help(
+            "a law by the position has the velocity's sign at every position within the limits: squares, `abs` or a summand keep its factor positive",
+        );
+    } else if driven.iter().all(|(_, is_driven)| *is_driven) {
         let message = format!("the {what} of {name} drives it at every speed");
         report.error(span, "friction-drives", message);
         report.help("friction is positive for positive velocity: change the sign");
@@ -149,6 +161,22 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
             "friction with the sign of the velocity brakes; with the other sign it gives the joint energy",
         );
     }
+}
+
+/// A position where friction brakes at every speed.
+fn braked(law: &Law<'_>, grid: &Grid) -> Option<f64> {
+    by_sign(law, grid, 1.0)
+}
+
+/// A position where friction drives at every speed.
+fn driving(law: &Law<'_>, grid: &Grid) -> Option<f64> {
+    by_sign(law, grid, -1.0)
+}
+
+fn by_sign(law: &Law<'_>, grid: &Grid, sign: f64) -> Option<f64> {
+    let velocities: Vec<f64> = grid.velocities().collect();
+    let has_sign = |y: &f64| velocities.iter().all(|v| sign * law.value(*y, *v) * v.signum() > 0.0);
+    grid.positions().into_iter().filter(has_sign).min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
 /// The velocities of the grid but 0, each with whether friction drives the joint there at some position.

@@ -23,6 +23,7 @@ pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], repo
     let moving = tree.moving(robot);
     note_degrees(robot, report);
     note_lengths(robot, tree, &moving, defaults, report);
+    note_inertias(robot, tree, &moving, defaults, report);
     note_legs(robot, tree, report);
     note_shapes(robot, tree, report);
     warn_of_missing_drives(robot, report);
@@ -100,6 +101,32 @@ fn note_lengths(
     }
     let message = |entries| format!("far from the frame of its link: {entries}; are lengths in millimetres?");
     note_found(found, "far-away", message, "lengths are in metres, inertias in kg m²", report);
+}
+
+/// Inertias as if the whole mass were that far away.
+fn note_inertias(
+    robot: &RobotDescription,
+    tree: &Tree,
+    moving: &[bool],
+    defaults: &[f64],
+    report: &mut Report,
+) {
+    let mut found: Vec<(Span, String)> = Vec::new();
+    for body in &robot.bodies {
+        let moves = tree.index.get(&body.link.value).is_some_and(|&link| moving[link]);
+        let (Some(mass), Some(inertia)) = (&body.mass, &body.inertia) else { continue };
+        let value = |formula: &Formula| formula.evaluate(defaults, 0.0, 0.0);
+        let [xx, _, _, yy, _, zz] = inertia.value.each_ref().map(value);
+        let (mass, largest) = (value(&mass.value), xx.max(yy).max(zz));
+        let radius = (largest / mass).sqrt();
+        if moves && radius.is_finite() && radius > FAR {
+            let [mass, largest, radius] = [mass, largest, radius].map(three_digits);
+            let entry = format!("{} of {mass} kg has {largest} kg m², as at {radius} m", body.name.quoted());
+            found.push((inertia.span, entry));
+        }
+    }
+    let message = |entries| format!("inertias that fit no mass so small: {entries}; are they in kg mm²?");
+    note_found(found, "large-inertia", message, "inertias are in kg m²: 1 kg m² is 1e6 kg mm²", report);
 }
 
 /// Two legs at least: a leg alone is tested on a stand.
