@@ -3,6 +3,7 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
+mod doubts;
 mod said;
 mod tilted;
 mod units;

@@ -176,9 +176,7 @@ pub enum IdentificationError {
         detail: String,
     },
     /// A fit that explains too little of a joint's force on data that it has not seen.
-    #[error(
-        "the fit does not explain joint {joint}: R² {r_squared:.3} on held-out data, at least {least} is asked for; {reasons}"
-    )]
+    #[error("{}", unexplained(joint, [*r_squared, *least], reasons))]
     Unexplained {
         /// Name of the joint.
         joint: String,
@@ -199,6 +197,17 @@ pub enum IdentificationError {
         /// Why.
         reason: String,
     },
+}
+
+fn unexplained(joint: &str, [r_squared, least]: [f64; 2], reasons: &str) -> String {
+    if r_squared >= least {
+        return format!(
+            "the fit of joint {joint} is doubted, though R² is {r_squared:.3} on held-out data: {reasons}"
+        );
+    }
+    format!(
+        "the fit does not explain joint {joint}: R² {r_squared:.3} on held-out data, at least {least} is asked for; {reasons}"
+    )
 }
 
 /// Result of an identification step.

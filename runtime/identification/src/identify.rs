@@ -11,6 +11,7 @@ use super::result::FrictionTerm;
 use super::robot::{Robot, require_no_quaternions};
 use super::run::PreparedRun;
 use super::shafts::{RobotRows, ShaftRows, in_words};
+use super::written;
 use nalgebra::DVector;
 use std::path::PathBuf;
 
@@ -140,6 +141,11 @@ pub fn identify(
         JointFriction { joint, name: samples.name.to_owned(), velocities, torques, report }
     });
     let mut friction: Vec<JointFriction> = friction.collect();
+    for JointFriction { joint, report, .. } in &mut friction {
+        let Ok(report) = report else { continue };
+        written::judge(&mut estimate.joints[*joint], &mut report.result);
+        written::predict(&mut estimate, *joint, &prepared, &report.residuals);
+    }
     estimate.warnings.retain(|warning| !is_said(warning, &friction));
     if let Some(shafts) = &shafts {
         shafts.word(joints, &mut estimate, faults_of(&mut friction));

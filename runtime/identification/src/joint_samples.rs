@@ -80,8 +80,7 @@ impl<'a> JointSamples<'a> {
     /// Adds the samples of a run in which the joint moves and its torque is known.
     fn extend(&mut self, run: &'a PreparedRun, motion: Option<usize>, torques: &[f64]) {
         let start = self.torques.len();
-        let known = (0..torques.len()).filter(|i| torques[*i].is_finite() && !run.rests(self.joint, *i));
-        let kept: Vec<usize> = known.collect();
+        let kept: Vec<usize> = kept(run, self.joint, torques).collect();
         for &i in &kept {
             self.positions.push(run.positions[self.joint][i]);
             self.velocities.push(run.velocities[self.joint][i]);
@@ -132,6 +131,11 @@ impl<'a> JointSamples<'a> {
         let library = settings.library.scaled(robot.speed_scales()[self.joint])?;
         FrictionIdentification { library, ..settings.clone() }.identify(&data)
     }
+}
+
+/// Samples of a run in which a joint moves and its torque is known.
+pub(crate) fn kept(run: &PreparedRun, joint: usize, torques: &[f64]) -> impl Iterator<Item = usize> {
+    (0..torques.len()).filter(move |i| torques[*i].is_finite() && !run.rests(joint, *i))
 }
 
 fn sentences(preparation: &PreparationReport) -> Vec<String> {

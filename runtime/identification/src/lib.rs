@@ -48,5 +48,6 @@ pub mod subset;
 pub mod thresholding;
 pub mod torque;
 pub mod validation;
+mod written;
 
 pub use error::{IdentificationError, Result};

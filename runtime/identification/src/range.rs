@@ -56,6 +56,8 @@ struct Worst {
     limit: f64,
     /// How many joints go too far.
     joints: usize,
+    /// Numbers of the runs in which this one does, where it does not in others.
+    runs: Vec<usize>,
 }
 
 struct Runs<'a> {
@@ -86,15 +88,30 @@ impl Runs<'_> {
         let judged = (0..exact.len()).filter(|joint| !exact[*joint]);
         let judged = judged.filter(|joint| limit(*joint).is_finite() && limit(*joint) > 0.0);
         let far = judged.filter_map(|joint| {
-            let all = self.prepared.iter().flat_map(|run| values(run, joint));
-            let largest = largest(all.collect())?;
-            (largest > most * limit(joint)).then(|| Worst { joint, largest, limit: limit(joint), joints: 1 })
+            let all = self.prepared.iter().map(|run| values(run, joint));
+            let runs = self.far_runs(most * limit(joint), all.clone());
+            let largest = largest(all.flatten().collect())?;
+            (largest > most * limit(joint)).then(|| Worst {
+                joint,
+                largest,
+                limit: limit(joint),
+                joints: 1,
+                runs,
+            })
         });
         far.reduce(|a, b| {
             let joints = a.joints + b.joints;
             let farther = if b.largest / b.limit > a.largest / a.limit { b } else { a };
             Worst { joints, ..farther }
         })
+    }
+
+    /// Numbers of the runs whose values are beyond a bound, where others' are not.
+    fn far_runs(&self, most: f64, values: impl Iterator<Item = Vec<f64>>) -> Vec<usize> {
+        let largest: Vec<Option<f64>> = values.map(largest).collect();
+        let is_far = |run: &usize| largest[*run].is_some_and(|largest| largest > most);
+        let (far, others): (Vec<usize>, Vec<usize>) = (0..largest.len()).partition(is_far);
+        if others.is_empty() { Vec::new() } else { far }
     }
 
     fn positions(&self) -> Option<String> {
@@ -177,7 +194,7 @@ impl Runs<'_> {
         (what, unit): (&str, &str),
         (of, column): (&str, Option<&String>),
     ) -> String {
-        let Worst { joint, largest, limit, joints } = *worst;
+        let Worst { joint, largest, limit, joints, ref runs } = *worst;
         let name = &self.robot.joint_names()[joint];
         let times = largest / limit;
         let [largest, limit] = [largest, limit].map(|x| plain(x, 4));
@@ -187,8 +204,18 @@ impl Runs<'_> {
             1 => ", and one more joint goes too far".to_owned(),
             others => format!(", and {others} more joints go too far"),
         };
+        let names: Vec<&str> = runs.iter().map(|run| self.prepared[*run].name.as_str()).take(3).collect();
+        let alone = match (names.join(", "), runs.len() - names.len()) {
+            (names, _) if names.is_empty() => String::new(),
+            (names, 0) => format!(
+                ". It does so in {names} alone, and --columns holds for all logs: bring these to the others' units"
+            ),
+            (names, more) => format!(
+                ". It does so in {names} and {more} more runs, not in the others, and --columns holds for all logs: bring these to the others' units"
+            ),
+        };
         format!(
-            "the {what} of joint {name}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}"
+            "the {what} of joint {name}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}{alone}"
         )
     }
 }

@@ -6,6 +6,7 @@ use super::friction::FrictionReport;
 use super::identify::{Identification, IdentificationSettings, or_noted};
 use super::log::runs_noting;
 use super::preparation::{Filter, PreparationSettings, prepare_all};
+use super::range::far_beyond;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
 use std::path::PathBuf;
@@ -44,6 +45,10 @@ pub fn validate(
     let recording = or_noted(recording, || findings.iter().map(ToString::to_string).collect(), progress)?;
     let notes = recording.warnings.iter().cloned().chain(recording.findings.iter().map(ToString::to_string));
     notes.for_each(|note| progress(&format!("note: in the logs to validate, {note}")));
+    let fitted = |hash: &str| found.recording.hashes.iter().any(|(_, other)| other == hash);
+    for (path, _) in recording.hashes.iter().filter(|(_, hash)| fitted(hash)) {
+        progress(&format!("warning: {path} is one of the fitted logs: R² there says nothing of other data"));
+    }
     let joint = found.preparation.joints.first();
     let preparation = PreparationSettings {
         bandwidth: joint.map(|joint| joint.bandwidth),
@@ -52,6 +57,9 @@ pub fn validate(
         ..settings.preparation.clone()
     };
     let (prepared, report) = prepare_all(&recording.runs, Some(robot), &preparation)?;
+    for doubt in far_beyond(robot, &recording, &prepared) {
+        progress(&format!("warning: in the logs to validate, {doubt}"));
+    }
     let rows = found.rows(robot);
     let prepared = rows.along(prepared);
     let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;

@@ -3,6 +3,7 @@
 use super::super::error::Result;
 use super::super::robot::Robot;
 use super::choice::Chosen;
+use super::factors::factor;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD};
 use super::prior::Prior;
@@ -11,7 +12,7 @@ use super::sums::{moving, sum};
 use super::task::Task;
 
 /// An explanation counts as better where it lowers the held-out error by this share, and by two standard errors.
-const CLEARLY: f64 = 0.1;
+pub(super) const CLEARLY: f64 = 0.1;
 
 /// R² below which a sign is doubted.
 const POOR: f64 = 0.5;
@@ -23,7 +24,8 @@ const FEWEST_SAMPLES: usize = 100;
 
 /// What is said where the rigid body fits better with the other sign.
 const OTHER_SIGN: &str = "the data are explained better with the other sign of its effort. Check the signs of effort and \
-                          position.";
+                          position; --columns turns all columns, 'torque=tau{}[-1 Nm]', or one of them, 'torque=tau1|tau2[-1 \
+                          Nm]|tau3'.";
 
 /// What is said where friction has the wrong sign and the rigid body does not tell.
 const DRIVING: &str = "its friction comes out as driving it. With the other sign of its effort friction would brake, but the \
@@ -58,6 +60,25 @@ pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) ->
         of_joints.iter_mut().flatten().for_each(|doubt| doubt.clone_from(&short));
     }
     Ok(Doubts { of_all, of_joints })
+}
+
+/// Tries other factors of the efforts, where nothing else is doubted and no joint is hardly explained: what is wrong there
+/// would pass for a factor.
+pub(super) fn other_factors(
+    task: &Task,
+    chosen: &Chosen,
+    held_out: &[f64],
+    doubts: &mut Doubts,
+) -> Result<()> {
+    let poor = chosen.centred.layout.rubbing().any(|joint| held_out[joint] < POOR);
+    let has_doubts = !doubts.of_all.is_empty() || doubts.of_joints.iter().any(Option::is_some);
+    if poor || has_doubts || too_short(task).is_some() {
+        return Ok(());
+    }
+    if let Some((joint, doubt)) = factor(chosen, task.prior)? {
+        doubts.of_joints[joint] = Some(doubt);
+    }
+    Ok(())
 }
 
 /// Doubts about the sign of each joint's effort.

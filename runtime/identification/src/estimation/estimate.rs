@@ -3,7 +3,7 @@
 use super::super::error::{Result, require_finite};
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::alternatives::{Doubts, other_explanations};
+use super::alternatives::{Doubts, other_explanations, other_factors};
 use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::endogeneity::endogeneity;
@@ -320,6 +320,7 @@ impl Task<'_> {
         };
         let mut doubts = other_explanations(self, judged.0, judged.1)?;
         doubts.of_all.extend(tilt(self, judged.0, correlation_time).ok().flatten());
+        other_factors(self, judged.0, held_out, &mut doubts)?;
         self.require_explained(held_out, &doubts, &checked)?;
         if let Some(ratio) = checked.common_ratio() {
             doubts.of_all.extend(ratio.judged(self.settings.accept_poor)?);

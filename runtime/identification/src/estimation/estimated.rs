@@ -330,13 +330,16 @@ pub(super) fn require_explained(
         let explains_nothing = r_squared.is_nan() && !layout.exact[*joint];
         layout.moves[*joint] && (r_squared < least || explains_nothing || doubts[*joint].is_some())
     };
-    let Some(joint) = (0..layout.joints).find(poor).filter(|_| !settings.accept_poor) else {
+    // Another joint's fault makes joints poor too: a joint that is doubted itself goes first.
+    let doubted = (0..layout.joints).filter(&poor).find(|joint| doubts[*joint].is_some());
+    let Some(joint) = doubted.or_else(|| (0..layout.joints).find(&poor)).filter(|_| !settings.accept_poor)
+    else {
         return Ok(());
     };
     Err(IdentificationError::Unexplained {
         joint: robot.joint_names()[joint].clone(),
         r_squared: held_out[joint],
         least,
-        reasons: doubts[joint].clone().into_iter().chain(reasons(joint)).collect::<Vec<_>>().join(" "),
+        reasons: doubts[joint].clone().unwrap_or_else(|| reasons(joint).join(" ")),
     })
 }

@@ -9,6 +9,7 @@ mod described;
 mod endogeneity;
 mod estimate;
 mod estimated;
+mod factors;
 mod fit;
 mod gains;
 mod instruments;

@@ -14,6 +14,7 @@ use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
 use super::super::shafts::{RobotRows, ShaftRows, in_words};
 use super::super::subset::seen_both_ways;
+use super::super::written::judge;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share, hexadecimal};
@@ -60,6 +61,10 @@ pub fn identify_moments(
     progress("choosing the terms of friction");
     let mut friction = moments.friction(&data, settings, &found);
     let mut estimate = found.estimate;
+    for JointFriction { joint, report, .. } in &mut friction {
+        let Ok(report) = report else { continue };
+        judge(&mut estimate.joints[*joint], &mut report.result);
+    }
     if let Some(shafts) = &shafts {
         shafts.word(joints, &mut estimate, faults_of(&mut friction));
     }

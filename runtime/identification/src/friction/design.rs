@@ -19,6 +19,10 @@ use std::ops::Range;
 /// digits of the data would be lost.
 const LEAST_REMAINDER: f64 = 1e-6;
 
+/// Share of a term's size that must change within the runs. What changes less is told by what the data have wrong rather than
+/// by friction, and its coefficient grows by what is missing.
+const LEAST_CHANGE: f64 = 0.01;
+
 /// Columns of the candidate terms and the torque, without offsets.
 pub(super) struct Design<'a> {
     pub(super) data: &'a FrictionData<'a>,
@@ -208,7 +212,7 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
         let mut column: Vec<f64> = matrix.column(*term).iter().copied().collect();
         let all: f64 = column.iter().map(|x| x * x).sum();
         centre(&mut column, &runs, data.weights);
-        column.iter().map(|x| x * x).sum::<f64>() > LEAST_REMAINDER * LEAST_REMAINDER * all
+        column.iter().map(|x| x * x).sum::<f64>() > LEAST_CHANGE * LEAST_CHANGE * all
     };
     let (kept, out): (Vec<usize>, Vec<usize>) = (0..library.len()).partition(varies);
     // Too few samples are said as such.
@@ -217,7 +221,7 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
     }
     let out: Vec<&str> = out.iter().map(|i| library.terms()[*i].as_str()).collect();
     let note = format!(
-        "{} left out: the data do not show a change of it within a run. What it contributes is part of the offset, which is \
+        "{} left out: the data hardly show a change of it within a run. What it contributes is part of the offset, which is \
          not written: let the joint move in both directions, slowly too",
         out.join(", ")
     );

@@ -39,6 +39,8 @@ impl Findings<'_> {
         let held_out = judged.unseen.and_then(|unseen| unseen.r_squared());
         self.judge(held_out, settings.least_r_squared);
         self.check_limits();
+        let fastest = data.velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        self.judge_unseen_speeds(&judged.law, fastest)?;
         let rms = (total / judged.residuals.len() as f64).sqrt();
         self.warnings.extend(dependences(data, settings.folds, &judged.residuals, rms));
         let law = &judged.law;

@@ -66,6 +66,8 @@ impl FrictionIdentification {
         findings.judge(held_out, self.least_r_squared);
         data.require_limits(&mut findings);
         let law = fitted.law(&library, &errors, average.as_ref());
+        let fastest = data.velocity_range.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        findings.judge_unseen_speeds(&law, fastest)?;
         let result = FrictionResult {
             held_out,
             freedom: errors.freedom,

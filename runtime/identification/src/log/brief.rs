@@ -78,7 +78,7 @@ impl Finder<'_> {
         let line = self.pattern_line(what, &found.columns, targets)?;
         let mut units: Vec<String> = Vec::new();
         for (i, column) in found.columns.iter().enumerate() {
-            let (_, unit) = factor(self, *column, kind, i, found.unit).ok()?;
+            let (_, unit) = factor(self, *column, kind, i, found.unit(i)).ok()?;
             units.extend((!units.contains(&unit)).then_some(unit));
         }
         Some(format!("{line}, {}", units.join(" or ")))

@@ -313,7 +313,7 @@ impl Finder<'_> {
         let tried: &[(Effort, &[Kind])] = match wanted {
             Some(Effort::Joint) => &[(Effort::Joint, &[Kind::Torque, Kind::Input])],
             Some(Effort::Input) => &[(Effort::Input, &[Kind::Input, Kind::Torque])],
-            Some(Effort::Current) => &[(Effort::Current, &[Kind::Current])],
+            Some(Effort::Current) => &[(Effort::Current, &[Kind::Current, Kind::Torque, Kind::Input])],
             None => &[
                 (Effort::Joint, &[Kind::Torque]),
                 (Effort::Input, &[Kind::Input]),

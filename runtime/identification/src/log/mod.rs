@@ -34,6 +34,7 @@ mod scale;
 mod schema;
 mod search;
 mod sheet;
+mod spikes;
 #[cfg(test)]
 mod strangers;
 #[cfg(test)]

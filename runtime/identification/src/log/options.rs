@@ -64,11 +64,23 @@ pub(super) struct Pattern {
     text: String,
 }
 
-/// Columns that a pattern names, with their unit where it gives one.
+/// Columns that a pattern names, each with its unit where the pattern gives one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chosen {
     pub columns: Vec<usize>,
-    pub unit: Option<Unit>,
+    pub units: Vec<Option<Unit>>,
+}
+
+impl Chosen {
+    /// Columns in one unit.
+    fn alike(columns: Vec<usize>, unit: Option<Unit>) -> Self {
+        Self { units: vec![unit; columns.len()], columns }
+    }
+
+    /// The unit of the first column.
+    pub(super) fn unit(&self) -> Option<Unit> {
+        self.units.first().copied().flatten()
+    }
 }
 
 impl ColumnOptions {
@@ -138,7 +150,7 @@ impl Pattern {
         let count = targets.names.len();
         let whole = self.columns(&self.text, headers, width, targets)?;
         if let Some(columns) = whole {
-            return self.counted(columns, None, count);
+            return self.counted(Chosen::alike(columns, None), count);
         }
         let split = self.text.strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
         if let Some((text, unit)) = split.filter(|(_, unit)| !unit.contains("{")) {
@@ -149,20 +161,22 @@ impl Pattern {
                 ));
             };
             if let Some(columns) = self.columns(text.trim_end(), headers, width, targets)? {
-                return self.counted(columns, Some(found), count);
+                return self.counted(Chosen::alike(columns, Some(found)), count);
             }
         }
-        Err(self.nothing(headers))
+        match each(&self.text, headers, width) {
+            Some(chosen) => self.counted(chosen, count),
+            None => Err(self.nothing(headers)),
+        }
     }
 
-    fn counted(&self, columns: Vec<usize>, unit: Option<Unit>, count: usize) -> Result<Chosen> {
-        if columns.len() == count {
-            return Ok(Chosen { columns, unit });
+    fn counted(&self, chosen: Chosen, count: usize) -> Result<Chosen> {
+        let given = chosen.columns.len();
+        if given == count {
+            return Ok(chosen);
         }
-        Err(fault(
-            &self.text,
-            format!("it names {} columns, {count} are needed, one for each joint or input", columns.len()),
-        ))
+        let needed = format!("it names {given} columns, {count} are needed, one for each joint or input");
+        Err(fault(&self.text, needed))
     }
 
     /// None where nothing has this name.
@@ -205,6 +219,22 @@ impl Pattern {
         let nearest = nearest.map_or(String::new(), |n| format!("; the nearest is `{n}`"));
         fault(&self.text, format!("no columns have this name{nearest}. There are {}", shortened(&names)))
     }
+}
+
+/// Columns of a list, each with a unit of its own or none, as in `tau1|tau2[-1 Nm]|tau3`; `None` where one of them is not
+/// there.
+fn each(text: &str, headers: &[Header], width: usize) -> Option<Chosen> {
+    let item = |item: &str| {
+        let item = item.trim();
+        if let Some(column) = one(item, headers, width) {
+            return Some((column, None));
+        }
+        let (name, unit) = item.strip_suffix(']')?.rsplit_once('[')?;
+        Some((one(name.trim_end(), headers, width)?, Some(units::find(unit)?)))
+    };
+    let items: Option<Vec<(usize, Option<Unit>)>> = text.split('|').map(item).collect();
+    let (columns, units) = items?.into_iter().unzip();
+    Some(Chosen { columns, units })
 }
 
 /// A header, or the number of a column.

@@ -81,7 +81,11 @@ fn told(finder: &Finder, named: Named, count: usize, width: usize) -> Result<Opt
     let names: Vec<String> = (0..count * width).map(|i| format!("entry {}", i + 1)).collect();
     let chosen = pattern.resolve(finder.headers, finder.sheet.width, &Targets::new(&names, &[]))?;
     let columns = chosen.columns.chunks_exact(width.max(1)).map(<[usize]>::to_vec).collect();
-    Ok(Some(Told { columns, unit: chosen.unit }))
+    let unit = chosen.unit();
+    if chosen.units.iter().any(|other| *other != unit) {
+        return Err(finder.fault("the entries of a place, and those of a quaternion, have one unit".into()));
+    }
+    Ok(Some(Told { columns, unit }))
 }
 
 /// Quaternions by `--columns`, in the order x, y, z, w.

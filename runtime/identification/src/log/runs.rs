@@ -11,7 +11,8 @@ use super::mapping::Mapping;
 use super::number::{Decimals, number};
 use super::search::Source;
 use super::sheet::{Sheet, shortened};
-use super::time::assumed_unit;
+use super::spikes::leave_out_spikes;
+use super::time::{assumed_unit, counter_finding};
 use super::unroll::unrolled;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -126,6 +127,10 @@ impl Samples {
             )
         }));
         require_alive(sheet, &sources, &gaps, &efforts, source)?;
+        for i in efforts.clone() {
+            let named = (sources[i].map(|column| label(sheet, column.column)), source);
+            findings.extend(leave_out_spikes(&mut samples.values[i], &samples.lines, named));
+        }
         samples.leave_out_gaps(efforts);
         let left_out = total - samples.lines.len() - long_rows;
         findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, left_out));
@@ -336,6 +341,7 @@ pub(super) fn split(
     };
     findings.extend(said.map(|message| file_finding(source, None, FindingKind::UnitAssumed, message)));
     let clock = Clock::new(&samples.times, unit);
+    findings.extend(counter_finding(&samples.times, unit, source));
     let short = parts.iter().filter(|p| p.len() < 2).count();
     if short > 0 {
         let message = format!("{short} runs of a single sample are left out");

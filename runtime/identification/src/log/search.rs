@@ -20,16 +20,24 @@ pub(super) struct Source {
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) columns: Vec<usize>,
-    pub(super) unit: Option<Unit>,
+    /// Units that the user names; empty where nobody does.
+    pub(super) units: Vec<Option<Unit>>,
     pub(super) remarks: Vec<String>,
     /// Nothing that was measured is found, and nobody named these.
     pub(super) is_commanded: bool,
 }
 
+impl Found {
+    /// The unit that the user names for a column.
+    pub(super) fn unit(&self, index: usize) -> Option<Unit> {
+        self.units.get(index).copied().flatten()
+    }
+}
+
 impl Finder<'_> {
     pub(super) fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Found> {
         let chosen = pattern.resolve(self.headers, self.sheet.width, targets)?;
-        Ok(Found { columns: chosen.columns, unit: chosen.unit, ..Found::default() })
+        Ok(Found { columns: chosen.columns, units: chosen.units, ..Found::default() })
     }
 
     pub(super) fn is_commanded(&self, columns: &[usize]) -> bool {
@@ -73,7 +81,7 @@ impl Finder<'_> {
         }
         remarks.extend(order_said(family, kinds[0]));
         let is_commanded = family.meaning.origin == Origin::Commanded;
-        Ok(Some(Found { columns: columns.clone(), unit: None, remarks, is_commanded }))
+        Ok(Some(Found { columns: columns.clone(), units: Vec::new(), remarks, is_commanded }))
     }
 
     /// Factors to SI, and a sentence for each column.
@@ -86,7 +94,7 @@ impl Finder<'_> {
     ) -> Result<Vec<Source>> {
         let mut sources = Vec::with_capacity(found.columns.len());
         for (i, &column) in found.columns.iter().enumerate() {
-            let (factor, unit) = factor(self, column, kind, i, found.unit)?;
+            let (factor, unit) = factor(self, column, kind, i, found.unit(i))?;
             let what = if kind == Kind::Input || kind == Kind::Current { "input" } else { "joint" };
             sentences.push(format!(
                 "Column {} is the {} of {what} {}, {unit}.",

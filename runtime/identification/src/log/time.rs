@@ -1,8 +1,10 @@
 //! Times of strangers' logs: the column, its unit, and values without a lost digit.
 
 use super::super::error::Result;
+use super::FindingKind;
 use super::families::{Targets, meaning_of};
 use super::finder::Finder;
+use super::finding::{RunFinding, file_finding};
 use super::number::{Decimals, exact};
 use super::options::Named;
 use super::scale::is_described;
@@ -49,8 +51,8 @@ pub(super) fn find_time(finder: &Finder) -> Result<TimeColumn> {
         let chosen = pattern.resolve(finder.headers, finder.sheet.width, &one)?;
         let column = chosen.columns[0];
         let header = finder.headers.get(column);
-        let pair = header.and_then(|h| partner(h, finder.headers)).filter(|_| chosen.unit.is_none());
-        return Ok(time_column(finder, column, pair, chosen.unit.map(|u| u.factor)));
+        let pair = header.and_then(|h| partner(h, finder.headers)).filter(|_| chosen.unit().is_none());
+        return Ok(time_column(finder, column, pair, chosen.unit().map(|u| u.factor)));
     }
     let mut found: Vec<(u8, &Header)> = finder
         .headers
@@ -63,7 +65,8 @@ pub(super) fn find_time(finder: &Finder) -> Result<TimeColumn> {
     let candidates = if moving.is_empty() { still } else { moving };
     let Some((doubt, header)) = candidates.first() else {
         return Err(finder.fault(format!(
-            "no column is known as the time. There are {}. Name it: --columns 'time=…[s]'",
+            "no column is known as the time. There are {}. Name it: --columns 'time=…[s]', or where a column counts samples, its \
+             period: --columns 'time=…[4 ms]'",
             super::sheet::shortened(&finder.sheet.headers)
         )));
     };
@@ -162,8 +165,27 @@ pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
         _ => (1e-9, "ns"),
     };
     let said = format!(
-        "the time has no unit and steps by {steps}: taken as {name} ({:.6} Hz); --columns 'time=…[s]' says otherwise",
-        1.0 / (steps * factor)
+        "the time has no unit and steps by {steps}: taken as {name} ({:.6} Hz); --columns 'time=…[s]' says otherwise{}",
+        1.0 / (steps * factor),
+        if steps == 1.0 { ", and the period of a counter of samples, as in 'time=…[4 ms]'" } else { "" }
     );
     (factor, Some(said))
+}
+
+/// Fewest samples by which a counter is told from a clock.
+const COUNTED: usize = 100;
+
+/// What is said where times step by exactly one second throughout: nobody records a robot so slowly, and a counter of
+/// samples looks like that.
+///
+/// - `times`: in 10⁻¹² of the unit; `unit`: in seconds
+pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<RunFinding> {
+    const ONE: i128 = 1_000_000_000_000;
+    let counts =
+        unit == 1.0 && times.len() >= COUNTED && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
+    counts.then(|| {
+        let message = "its times step by exactly 1 s: where they are a counter of samples, name the period, as in --columns \
+                       'time=…[4 ms]'";
+        file_finding(place, None, FindingKind::UnitAssumed, message.into())
+    })
 }

@@ -186,6 +186,28 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
 }
 
 #[test]
+fn one_effort_with_another_factor_is_refused_and_named() {
+    let truth = Pendulum::described();
+    let (run, _) = simulate(&truth, &Experiment::default(), &mut SplitMix64::new(3));
+    let settings = EstimationSettings { folds: 5, optional_terms: false, ..EstimationSettings::default() };
+    let of = |joint: usize, factor: f64| {
+        let mut run = run.clone();
+        run.efforts[joint].iter_mut().for_each(|u| *u *= factor);
+        estimate(&truth, &[run], &settings, &mut |_| ())
+    };
+    for (joint, name, factor) in [(0, "shoulder", 2.0), (1, "elbow", 3.0), (1, "elbow", 0.4)] {
+        let message = of(joint, factor).unwrap_err().to_string();
+        assert!(
+            message.starts_with(&format!("the fit of joint {name} is doubted, though R² is ")),
+            "{message}"
+        );
+        let told = message.split("its effort times ").nth(1).unwrap().split(". ").next().unwrap();
+        assert!((told.parse::<f64>().unwrap() * factor - 1.0).abs() < 0.15, "{factor}: {message}");
+    }
+    assert!(of(1, 1.0).is_ok());
+}
+
+#[test]
 fn data_of_the_wrong_shape_are_named() {
     let mut random = SplitMix64::new(3);
     let truth = Pendulum::described();

@@ -1,0 +1,120 @@
+//! What a log has wrong is told, and what is told helps.
+
+use super::{Arm, RIGHT, Recorded};
+use std::fs;
+
+/// Rewrites the fields of each row of a log, the rows counted from zero.
+fn rewrite(arm: &Arm, from: &str, to: &str, change: impl Fn(usize, &mut Vec<String>)) {
+    let text = fs::read_to_string(arm.at(from)).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    let rows = rows.lines().enumerate().map(|(i, row)| {
+        let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
+        change(i, &mut fields);
+        fields.join(",")
+    });
+    let rows: Vec<String> = rows.collect();
+    fs::write(arm.at(to), format!("{header}\n{}\n", rows.join("\n"))).unwrap();
+}
+
+fn times(field: &mut String, factor: f64) {
+    *field = (factor * field.parse::<f64>().unwrap()).to_string();
+}
+
+#[test]
+fn one_effort_with_another_factor_is_refused_and_its_remedy_helps() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    rewrite(&arm, "log.csv", "half.csv", |_, fields| times(&mut fields[5], 0.5));
+    let said = arm.refuses(&["arm.toml", "half.csv", "--effort", "joint", "--output", "refused.toml"]);
+    assert!(
+        said.contains("the fit of joint lift is doubted") && said.contains("its effort times 2"),
+        "{said}"
+    );
+    let columns = "torque=effort_turn|effort_lift[2 Nm]|effort_reach";
+    let done = arm.run(&["arm.toml", "half.csv", "--columns", columns, "--output", "found.toml"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+#[test]
+fn lost_bits_of_an_effort_are_left_out_and_said() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    rewrite(&arm, "log.csv", "spike.csv", |row, fields| {
+        if row == 700 {
+            fields[5] = "-999999".into();
+        }
+    });
+    let done = arm.run(&["arm.toml", "spike.csv", "--effort", "joint", "--output", "found.toml"]);
+    let text = String::from_utf8(done.stdout).unwrap();
+    let said = "row 702: column `effort_lift`: 1 effort is far beyond all others and left out, -999999";
+    assert!(done.status.success() && text.contains(said), "{text}");
+}
+
+/// R² of a law that was asked for, and not of the terms that explain the data.
+#[test]
+fn numbers_are_those_of_the_law_that_is_written() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    let all = arm.identify(&["log.csv", "--output", "all.toml"]);
+    let viscous = arm.identify(&["log.csv", "--friction", "viscous", "--output", "viscous.toml"]);
+    for joint in 0..3 {
+        let of = |found: &serde_json::Value, key: &str| found["joints"][joint][key].as_f64().unwrap();
+        for key in ["r_squared_held_out", "r_squared"] {
+            assert!(of(&viscous, key) < of(&all, key) - 0.01, "{key} of joint {joint}: {viscous:#}");
+        }
+    }
+    assert!(
+        viscous["warnings"].to_string().contains("explain less than friction"),
+        "{:#}",
+        viscous["warnings"]
+    );
+    assert!(!all["warnings"].to_string().contains("explain less than friction"), "{:#}", all["warnings"]);
+}
+
+#[test]
+fn a_log_that_was_fitted_validates_nothing() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    fs::copy(arm.at("log.csv"), arm.at("copy.csv")).unwrap();
+    let arguments =
+        ["arm.toml", "log.csv", "--effort", "joint", "--validate", "copy.csv", "--output", "found.toml"];
+    let done = arm.run(&arguments);
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert!(said.contains("copy.csv is one of the fitted logs"), "{said}");
+}
+
+#[test]
+fn currents_may_be_called_efforts() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", Some([0.05; 3]));
+    let text = fs::read_to_string(arm.at("log.csv")).unwrap().replace("current_", "effort_");
+    fs::write(arm.at("log.csv"), text).unwrap();
+    let done = arm.run(&["arm.toml", "log.csv", "--effort", "current", "--output", "found.toml"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+#[test]
+fn a_counter_of_samples_is_no_time() {
+    let arm = Arm::new();
+    arm.record_as("arm.toml", "log.csv", Recorded { factors: [100.0, 1.0, 1.0], ..RIGHT });
+    rewrite(&arm, "log.csv", "counted.csv", |row, fields| fields[0] = row.to_string());
+    let arguments = |unit| {
+        let columns = format!("time=t[{unit}]");
+        arm.run(&[
+            "arm.toml",
+            "counted.csv",
+            "--effort",
+            "joint",
+            "--accept-poor",
+            "--columns",
+            &columns,
+            "--output",
+            "found.toml",
+        ])
+    };
+    let said = |done: std::process::Output| {
+        format!("{}{}", String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr))
+    };
+    assert!(said(arguments("s")).contains("its times step by exactly 1 s"));
+    assert!(!said(arguments("10 ms")).contains("its times step by exactly 1 s"));
+}

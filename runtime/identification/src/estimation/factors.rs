@@ -1,0 +1,79 @@
+//! Whether the effort of one joint has another factor than those of the others: a unit, a gear or a sensor of its own, or
+//! percent of a rated torque.
+//!
+//! Bodies move several joints, so that efforts of other joints tell the factor of one. What a joint alone bears, as its
+//! friction, does not.
+
+use super::super::digits::plain;
+use super::super::error::Result;
+use super::super::run::Effort;
+use super::alternatives::CLEARLY;
+use super::choice::Chosen;
+use super::fit::{HeldOut, held_out};
+use super::normal::Model;
+use super::prior::Prior;
+
+/// Factors that are tried first.
+const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10.0, 20.0];
+/// By how much the best of them is refined, and in how many steps to each side.
+const FINE: f64 = 1.05;
+const STEPS: i32 = 8;
+
+/// The fit with another factor of one joint's effort, everything else as chosen.
+struct Factors<'a> {
+    chosen: &'a Chosen<'a>,
+    prior: &'a Prior,
+    model: Model,
+}
+
+impl Factors<'_> {
+    fn error(&self, joint: usize, factor: f64) -> Result<HeldOut> {
+        let mut start = self.chosen.values.clone();
+        start.gains[joint] *= factor;
+        held_out(&self.chosen.centred, &self.model, self.prior, &self.chosen.weighting, &start)
+    }
+
+    /// The best of some factors with its error.
+    fn best(&self, joint: usize, factors: impl Iterator<Item = f64>) -> Result<Option<(f64, HeldOut)>> {
+        let mut best: Option<(f64, HeldOut)> = None;
+        for factor in factors {
+            let error = self.error(joint, factor)?;
+            if best.as_ref().is_none_or(|(_, least)| error.total() < least.total()) {
+                best = Some((factor, error));
+            }
+        }
+        Ok(best)
+    }
+}
+
+/// The joint whose effort explains the data most clearly better with another factor, and a sentence; `None` where none does.
+pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, String)>> {
+    let layout = chosen.centred.layout;
+    if layout.effort == Effort::Current {
+        return Ok(None);
+    }
+    let model = Model { consistent: false, ..chosen.model.clone() };
+    let factors = Factors { chosen, prior, model };
+    let mut clearest: Option<(usize, f64, f64)> = None;
+    for joint in layout.rubbing() {
+        let own = factors.error(joint, 1.0)?;
+        let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
+        let (excess, deviation) = other.excess(&own);
+        let is_clear = excess < -CLEARLY * own.total() && excess < -2.0 * deviation;
+        if is_clear && clearest.is_none_or(|(.., least)| other.total() < least) {
+            clearest = Some((joint, factor, other.total()));
+        }
+    }
+    let Some((joint, factor, _)) = clearest else { return Ok(None) };
+    let near = (-STEPS..=STEPS).map(|i| factor * FINE.powi(i));
+    let factor = factors.best(joint, near)?.map_or(factor, |(factor, _)| factor);
+    Ok(Some((joint, sentence(factor))))
+}
+
+fn sentence(factor: f64) -> String {
+    let factor = plain(factor, 2);
+    format!(
+        "the data are explained better with its effort times {factor}. Check the effort's unit, gear ratio and sensor, and the zero of \
+         its position; --columns gives one column a factor, as in 'torque=tau1|tau2[{factor} Nm]|tau3'."
+    )
+}

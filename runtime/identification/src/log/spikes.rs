@@ -1,0 +1,86 @@
+//! Single efforts that are far beyond all others: values that a driver writes where it has none, and lost bits.
+
+use super::super::digits::plain;
+use super::super::statistics::quantile;
+use super::FindingKind;
+use super::finding::{RunFinding, file_finding};
+
+/// Share of the values at each end that the usual range leaves out.
+const OUTER: f64 = 0.01;
+/// Distance from the usual range, in units of it, that no motion explains.
+const FAR: f64 = 5.0;
+/// Most samples in a row. More are an event: a collision, or a motion in a log that rests.
+const LONGEST: usize = 3;
+/// Largest share of the samples.
+const MOST: f64 = 0.005;
+/// Fewest samples that tell a usual range.
+const FEWEST: usize = 100;
+
+/// Takes spikes of a column for no values, and says so.
+///
+/// - `lines`: of the samples in the file; `named`: the column, and the file
+pub(super) fn leave_out_spikes(
+    column: &mut [f64],
+    lines: &[usize],
+    (label, place): (Option<String>, &str),
+) -> Option<RunFinding> {
+    let rows = spikes(column);
+    let (first, last) = (*rows.first()?, *rows.last()?);
+    let (label, value) = (label?, plain(column[first], 6));
+    let message = match rows.len() {
+        1 => format!("{label}: 1 effort is far beyond all others and left out, {value}"),
+        n => format!("{label}: {n} efforts are far beyond all others and left out, the first is {value}"),
+    };
+    rows.iter().for_each(|row| column[*row] = f64::NAN);
+    Some(file_finding(place, Some((lines[first], lines[last])), FindingKind::Outlier, message))
+}
+
+/// Rows of the spikes of a column.
+fn spikes(column: &[f64]) -> Vec<usize> {
+    let mut sorted: Vec<f64> = column.iter().copied().filter(|x| x.is_finite()).collect();
+    if sorted.len() < FEWEST {
+        return Vec::new();
+    }
+    sorted.sort_unstable_by(f64::total_cmp);
+    let [low, high] = [OUTER, 1.0 - OUTER].map(|share| quantile(&sorted, share));
+    let reach = FAR * (high - low);
+    if reach <= 0.0 {
+        return Vec::new();
+    }
+    let is_far = |row: &usize| column[*row] > high + reach || column[*row] < low - reach;
+    let rows: Vec<usize> = (0..column.len()).filter(is_far).collect();
+    let is_short = rows.chunk_by(|a, b| a + 1 == *b).all(|chunk| chunk.len() <= LONGEST);
+    let are_few = rows.len() as f64 <= (MOST * sorted.len() as f64).max(1.0);
+    if is_short && are_few { rows } else { Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn swing() -> Vec<f64> {
+        (0..1000).map(|i| 20.0 * (0.02 * f64::from(i)).sin()).collect()
+    }
+
+    #[test]
+    fn single_values_far_beyond_all_others_are_spikes() {
+        let mut column = swing();
+        assert!(spikes(&column).is_empty());
+        (column[100], column[500], column[501]) = (1e5, -999_999.0, f64::NAN);
+        assert_eq!(spikes(&column), [100, 500]);
+    }
+
+    #[test]
+    fn events_motions_and_noise_are_none() {
+        let mut collision = swing();
+        collision[300..304].fill(900.0);
+        let mut short = vec![0.1; 2000];
+        for (i, x) in short.iter_mut().enumerate() {
+            *x = if (1000..1010).contains(&i) { 30.0 } else { 0.01 * (i as f64).sin() };
+        }
+        let stuck = vec![3.0; 500];
+        for column in [collision, short, stuck, swing()[..50].to_vec()] {
+            assert!(spikes(&column).is_empty());
+        }
+    }
+}
