@@ -186,7 +186,10 @@ fn parameters_that_the_data_do_not_show() {
     // Steps of the same library are part of the offset, and a warning says so.
     let report = identify(&friction, FrictionMethod::LeastSquares, &v, &torque).expect("a law");
     let warnings = report.result.warnings.join("\n");
-    assert!(warnings.contains("sign(v), tanh(20*v), tanh(100*v) left out"), "{warnings}");
+    assert!(
+        warnings.contains("sign(v), tanh(5*v), tanh(10*v), tanh(20*v), tanh(100*v) left out"),
+        "{warnings}"
+    );
     assert!(warnings.contains("move in both directions"), "{warnings}");
     // Where offsets are friction, they have no unique answer.
     let settings = FrictionIdentification {

@@ -64,7 +64,11 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
 pub fn warnings(found: &Identification) -> Vec<String> {
     let laws = found.friction.iter().filter_map(|joint| {
         let reason = joint.report.as_ref().err()?;
-        Some(format!("joint {}: no friction law is written: {reason}", joint.name))
+        Some(format!(
+            "joint {}: no friction law is written: {reason}. The described friction stays; R² and residual of this joint are those of \
+             the estimate with friction of its own",
+            joint.name
+        ))
     });
     let doubts = found.friction.iter().filter_map(|joint| joint.report.as_ref().ok()).flat_map(|report| {
         let result = &report.result;

@@ -381,7 +381,8 @@ fn to_joints(robot: &dyn Robot, effort: Effort, settings: &PayloadSettings) -> R
     let mut map = DMatrix::from_row_slice(joints, inputs, &robot.input_matrix());
     if effort == Effort::Current {
         let given = settings.gains.as_deref().unwrap_or_default();
-        require_length("gains K_M of the inputs, which logs of currents need", inputs, given.len())?;
+        let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
+        require_length(what, inputs, given.len())?;
         for (k, gain) in given.iter().enumerate() {
             map.column_mut(k).scale_mut(*gain);
         }
