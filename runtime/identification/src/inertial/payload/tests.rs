@@ -177,7 +177,10 @@ fn a_load_is_found_whatever_the_efforts_are() {
     assert!((again.mass.value - found.mass.value).abs() < 1e-6);
     // Without gains, and against a log of another kind.
     assert!(
-        estimate(&Ur5, &runs[..1], &runs[1..], &settings).unwrap_err().to_string().starts_with("gains K_M")
+        estimate(&Ur5, &runs[..1], &runs[1..], &settings)
+            .unwrap_err()
+            .to_string()
+            .starts_with("motor constants (`motor_constant`")
     );
     let other = estimate(&Ur5, slice::from_ref(without()), &runs[1..], &gains).unwrap_err().to_string();
     assert!(other.contains("its efforts are Current, those of the first run are Joint"), "{other}");
