@@ -2,11 +2,10 @@
 
 use super::digits::plain;
 use super::error::{IdentificationError, Result};
-use super::log::{Recording, unit_value};
+use super::log::{Recording, SEEN, are_minutes, unit_value};
 use super::pose::rows_of;
 use super::robot::{JointLimits, Robot};
 use super::run::{Effort, PreparedRun};
-use std::ops::RangeInclusive;
 
 /// Factor beyond a limit of speed or effort that no right log reaches: the least confusion of units is rpm or a gear.
 const FAR_BEYOND: f64 = 3.0;
@@ -14,9 +13,6 @@ const FAR_BEYOND: f64 = 3.0;
 const FAR_AWAY: f64 = 10.0;
 /// Share of values at each end that are outliers.
 const OUTLIERS: usize = 200;
-
-/// Share of a limit that values use whose unit is right.
-const SEEN: RangeInclusive<f64> = 0.05..=1.1;
 
 /// Units that columns may be in, as `--columns` calls them.
 const ANGLES: &[&str] = &["deg", "mrad"];
@@ -148,7 +144,7 @@ impl Runs<'_> {
         let positions = known.map(|name| {
             format!("positions are in {name} (--columns 'position={}[{name}]') or ", labels.positions.pattern)
         });
-        let times = match are_minutes(&worst) {
+        let times = match are_minutes(worst.largest / worst.limit) {
             true => format!("times are in min (--columns 'time={}[min]')", labels.time),
             false => format!("times are in another unit (--columns 'time={}[UNIT]')", labels.time),
         };
@@ -226,11 +222,6 @@ fn largest(values: Vec<f64>) -> Option<f64> {
     let last = sizes.len().checked_sub(1)?;
     let place = last - sizes.len() / OUTLIERS;
     Some(*sizes.select_nth_unstable_by(place, f64::total_cmp).1)
-}
-
-/// Whether speeds are within their limit, and use a part of it that can be seen, where times are minutes.
-fn are_minutes(worst: &Worst) -> bool {
-    SEEN.contains(&(worst.largest / worst.limit / 60.0))
 }
 
 /// The largest unit in which the values are within their limit, and use a part of it that can be seen.

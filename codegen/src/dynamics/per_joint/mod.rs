@@ -35,6 +35,7 @@ use self::moving::{Moving, accelerate, set_moving};
 use self::setup::{Joints, Last, Setup, set_up};
 use self::tree::LoopJoints;
 
+use self::products::put_derivatives;
 pub use self::products::{forward_dynamics_derivatives_by_products, products_are_possible};
 
 use crate::dynamics::arguments::Arguments;
@@ -121,15 +122,6 @@ pub fn forward_dynamics_derivatives<'g>(
     let spread = builder.spread(accelerations, "accelerations_of_joints");
     let moving = accelerate(&mut builder, steady, spread);
     let (by_coordinates, by_velocities) = jacobians(&mut builder, &moving);
-    let n = builder.each_coordinate();
-    builder.output("ÿ", Shape::Vector(n), accelerations);
-    for (result, matrix, name) in [
-        ("∂ÿ/∂y", by_coordinates, "accelerations_by_coordinates"),
-        ("∂ÿ/∂ẏ", by_velocities, "accelerations_by_velocities"),
-    ] {
-        let product = builder.negative_product(inverse, matrix, name);
-        builder.output(result, Shape::Matrix(n, n), product);
-    }
-    builder.output("M⁻¹", Shape::Matrix(n, n), inverse);
+    put_derivatives(&mut builder, (accelerations, inverse), [by_coordinates, by_velocities]);
     builder.finish(equations.graph, inputs)
 }

@@ -9,7 +9,7 @@ use super::tree::LoopJoints;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::kinematics::{Mechanism, Number};
-use crate::program::arrays::Arrays;
+use crate::program::arrays::{ArrayId, Arrays};
 use crate::program::{InputArray, Shape};
 
 /// Tells whether each joint of the loops is a coordinate.
@@ -28,19 +28,29 @@ pub fn forward_dynamics_derivatives_by_products<'g>(
     let mut builder = ArrayBuilder::new(loops.tree.clone(), None, loops.chains(&mechanism));
     let Arguments { y, v, u, .. } = arguments;
     let accelerated = equations.accelerated_forces(y, v, u);
-    let (forces, n) = (accelerated.forces, builder.each_coordinate());
+    let forces = accelerated.forces;
     let accelerations = builder.set_up("accelerations", vec![accelerated.accelerations]);
     let inverse = builder.set_up_matrix("inverse", accelerated.inverse);
     let by_coordinates = builder.set_up_matrix("forces_by_coordinates", forces.by_coordinates);
     let by_velocities = builder.set_up_matrix("forces_by_velocities", forces.by_velocities);
+    put_derivatives(&mut builder, (accelerations, inverse), [by_coordinates, by_velocities]);
+    builder.finish_from_leaves(equations.graph, inputs)
+}
+
+/// The results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and `M⁻¹`.
+///
+/// - `forces`: ∂n/∂y and ∂n/∂ẏ of the forces n that the accelerations need
+pub(super) fn put_derivatives(
+    builder: &mut ArrayBuilder,
+    (accelerations, inverse): (ArrayId, ArrayId),
+    forces: [ArrayId; 2],
+) {
+    let n = builder.each_coordinate();
     builder.output("ÿ", Shape::Vector(n), accelerations);
-    for (result, matrix, name) in [
-        ("∂ÿ/∂y", by_coordinates, "accelerations_by_coordinates"),
-        ("∂ÿ/∂ẏ", by_velocities, "accelerations_by_velocities"),
-    ] {
+    let results = [("∂ÿ/∂y", "accelerations_by_coordinates"), ("∂ÿ/∂ẏ", "accelerations_by_velocities")];
+    for ((result, name), matrix) in results.into_iter().zip(forces) {
         let product = builder.negative_product(inverse, matrix, name);
         builder.output(result, Shape::Matrix(n, n), product);
     }
     builder.output("M⁻¹", Shape::Matrix(n, n), inverse);
-    builder.finish_from_leaves(equations.graph, inputs)
 }

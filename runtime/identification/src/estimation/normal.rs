@@ -271,7 +271,9 @@ impl Factor {
         }
         let largest = a.amax();
         if largest < LARGEST_SUM {
-            return Err(IdentificationError::NoSolution { reason: "its equations are singular: the log is too short, or moves too little. Record 10 s or more in which all joints move".into() });
+            let reason = "its equations are singular: the log is too short, or moves too little. Record 10 s or more in which all \
+                          joints move";
+            return Err(IdentificationError::NoSolution { reason: reason.into() });
         }
         Err(IdentificationError::Overflow { what: "the sum of products".into(), largest })
     }

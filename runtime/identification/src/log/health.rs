@@ -6,6 +6,7 @@ use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
 use super::FindingKind;
 use super::finding::RunFinding;
+use super::units::are_minutes;
 use std::f64::consts::{PI, TAU};
 
 /// Findings of all joints, pooled over the runs.
@@ -151,11 +152,8 @@ fn speeds(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option
     if !limit.is_finite() || fastest <= 1.1 * limit {
         return None;
     }
-    let minutes = if (0.05..=1.1).contains(&(fastest / limit / 60.0)) {
-        "; times would fit in min: --columns 'time=…[min]'"
-    } else {
-        ""
-    };
+    let minutes =
+        if are_minutes(fastest / limit) { "; times would fit in min: --columns 'time=…[min]'" } else { "" };
     Some(format!(
         "it moves by up to {} {unit}/s, {:.1} times its limit of {}{}{minutes}",
         plain(fastest, 4),

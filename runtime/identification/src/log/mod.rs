@@ -53,7 +53,7 @@ pub use options::ColumnOptions;
 pub(crate) use recording::runs_noting;
 pub use recording::{Recording, runs, runs_of};
 pub use schema::{ChannelSchema, LogSchema, Quantity};
-pub(crate) use units::unit_value;
+pub(crate) use units::{SEEN, are_minutes, unit_value};
 
 use super::error::{IdentificationError, Result};
 use super::expression::select;

@@ -1,6 +1,7 @@
 //! Units as logs name them, and what they are in SI.
 
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 /// A unit: its value in the SI unit of the same kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +69,15 @@ pub(super) fn conversion(unit: &str) -> Option<(f64, &'static str)> {
 /// The value of the unit of exactly this name, in the SI unit of its kind.
 pub(crate) fn unit_value(unit: &str) -> Option<f64> {
     conversion(unit).map(|(value, _)| value)
+}
+
+/// Share of a limit that values use whose unit is right.
+pub(crate) const SEEN: RangeInclusive<f64> = 0.05..=1.1;
+
+/// Whether speeds that are so many times their limit would be within it, and use a part of it that can be seen, if times were
+/// minutes.
+pub(crate) fn are_minutes(times: f64) -> bool {
+    SEEN.contains(&(times / 60.0))
 }
 
 /// The unit that a stranger's log names, in one of its spellings; a number before it is a factor, as in
