@@ -56,7 +56,7 @@ fn place_body<'g>(
 ) -> Placement<'g> {
     let body = &mechanism.bodies[index];
     let revolute = body.axis == JointAxis::Revolute;
-    let previous = body.parent.filter(|&p| revolute && body.twist.is_none() && may_lead_a_run(mechanism, p));
+    let previous = run_parent(mechanism, index);
     let before = previous.and_then(|p| placed[p].aligned);
     let aligned = match formulation.bodies[index].frame {
         WorkingFrame::BeforeJoint if revolute => before,
@@ -136,24 +136,22 @@ pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
         && root.is_some_and(|root| root.parent.is_none() && root.axis == JointAxis::Revolute)
 }
 
-/// Tells whether a joint with a parallel axis can form a run with that of a body: the angles of both may then be added.
-fn may_lead_a_run(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
-    let body = &mechanism.bodies[body];
-    body.axis == JointAxis::Revolute && body.chain.is_none()
+/// The parent of a body, if both turn about parallel axes by angles that may be added; they then belong to one run.
+/// A body of a quaternion joint belongs to no run: the pose of its joint lies between the two.
+fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
+    let turns = |body: usize| {
+        let body = &mechanism.bodies[body];
+        body.axis == JointAxis::Revolute && body.chain.is_none()
+    };
+    let parent = mechanism.bodies[body].parent?;
+    let is_run = mechanism.bodies[body].twist.is_none() && turns(body) && turns(parent);
+    is_run.then_some(parent)
 }
 
 /// The bodies of the run that ends with `member`, from its first body on.
 fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
-    let mut chain = vec![member];
-    let mut body = &mechanism.bodies[member];
-    while let Some(parent) = body.parent.filter(|_| body.twist.is_none() && body.axis == JointAxis::Revolute)
-    {
-        if !may_lead_a_run(mechanism, parent) {
-            break;
-        }
-        chain.push(parent);
-        body = &mechanism.bodies[parent];
-    }
+    let mut chain: Vec<usize> =
+        std::iter::successors(Some(member), |&body| run_parent(mechanism, body)).collect();
     chain.reverse();
     chain
 }
