@@ -103,7 +103,7 @@ fn delegate(description: &Path) -> Result<ExitCode, Failure> {
     match status.code() {
         Some(0) => print::out(&std::fs::read_to_string(&output)?).map(|()| ExitCode::SUCCESS),
         // It has said why.
-        Some(1) => Ok(ExitCode::from(1)),
+        Some(code @ 1..=3) => Ok(ExitCode::from(code as u8)),
         _ => Err(Failure::Problem(format!(
             "the computer algebra ended its process ({status})\n  \
              = help: without a key only one instance of Symbolica may run per machine; end other programs that use it"

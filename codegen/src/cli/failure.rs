@@ -1,6 +1,19 @@
-//! The ways in which a command ends without success.
+//! The ways in which a command ends without success, and their exit codes.
 
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::process::ExitCode;
+use std::sync::Mutex;
+
+use super::arguments::Format;
+use super::print;
 use crate::diagnostic::Diagnostics;
+
+/// Exit code where a description or a file is at fault, or the output is stale.
+pub(super) const FAULT: u8 = 1;
+/// Exit code of a wrong command line.
+pub(super) const USAGE: u8 = 2;
+/// Exit code where the program is at fault.
+pub(super) const INTERNAL: u8 = 3;
 
 /// Reason why a command ends without success.
 #[derive(Debug)]
@@ -9,6 +22,8 @@ pub(super) enum Failure {
     Descriptions(Vec<Diagnostics>),
     /// A wrong command line.
     Usage(String),
+    /// The program is at fault.
+    Internal(String),
     /// Anything else: a file that cannot be written.
     Problem(String),
 }
@@ -16,5 +31,79 @@ pub(super) enum Failure {
 impl<E: std::error::Error> From<E> for Failure {
     fn from(error: E) -> Self {
         Self::Problem(error.to_string())
+    }
+}
+
+impl Failure {
+    /// Prints the reason; the exit code.
+    pub(super) fn say(&self, format: Format) -> u8 {
+        match self {
+            Self::Descriptions(all) => {
+                print::problems(all, format);
+                FAULT
+            }
+            Self::Problem(message) => {
+                print::err(&format!("error: {message}\n"));
+                FAULT
+            }
+            Self::Usage(message) => {
+                print::err(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
+                USAGE
+            }
+            Self::Internal(message) => {
+                print::err(&format!(
+                    "internal error: {message}; please report it at {}, with the description and the command\n",
+                    env!("CARGO_PKG_REPOSITORY")
+                ));
+                INTERNAL
+            }
+        }
+    }
+}
+
+/// Message and place of the first panic. A panic of another thread ends the command, too, with a second one.
+static FIRST_PANIC: Mutex<Option<String>> = Mutex::new(None);
+
+/// Runs a command; a panic becomes [`Failure::Internal`]. From then on the process prints no panics.
+pub(super) fn guarded(command: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
+    panic::set_hook(Box::new(keep));
+    panic::catch_unwind(AssertUnwindSafe(command)).unwrap_or_else(|_| {
+        let first = FIRST_PANIC.lock().ok().and_then(|mut first| first.take());
+        Err(Failure::Internal(first.unwrap_or_default()))
+    })
+}
+
+fn keep(info: &PanicHookInfo<'_>) {
+    let message = info.payload_as_str().unwrap_or("panic");
+    let place = info.location().map(|place| format!(" at {}:{}", place.file(), place.line()));
+    if let Ok(mut first) = FIRST_PANIC.lock() {
+        first.get_or_insert(format!("{message}{}", place.unwrap_or_default()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::process::Command;
+
+    /// Ends the process in which the test below runs it.
+    #[test]
+    #[ignore = "ends its process"]
+    fn panicking() {
+        let failure = guarded(|| panic!("the matrix {:?} is empty", [0; 0])).unwrap_err();
+        std::process::exit(failure.say(Format::Text).into());
+    }
+
+    #[test]
+    fn a_panic_becomes_a_message_with_its_place() {
+        let mut child = Command::new(std::env::current_exe().unwrap());
+        child.args(["--exact", "--ignored", "--nocapture", "cli::failure::tests::panicking"]);
+        let output = child.env("RUST_BACKTRACE", "1").output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(3), "{said}");
+        let (start, end) = said.split_once(" at codegen/src/cli/failure.rs:").unwrap();
+        assert_eq!(start, "internal error: the matrix [] is empty");
+        assert!(end.contains("; please report it at https://"), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
     }
 }

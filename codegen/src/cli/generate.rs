@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::arguments::{Check, Format, Generate};
 use super::choices::{Choices, LanguageName, Modules, ScalarName, ToolName};
-use super::failure::Failure;
+use super::failure::{FAULT, Failure};
 use super::place::{Output, Target, Workspace, shown};
 use super::progress::Progress;
 use super::{interface, print};
@@ -156,7 +156,7 @@ fn stale(workspace: &Workspace, modules: &Modules) -> Result<Vec<(PathBuf, Strin
 }
 
 fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode, Failure> {
-    let code = ExitCode::from(u8::from(!stale.is_empty()));
+    let code = if stale.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAULT) };
     if format == Format::Json {
         let files: Vec<String> = stale.iter().map(|(path, _)| relative(path)).collect();
         let commands: Vec<&String> = stale.iter().map(|(_, command)| command).take(1).collect();

@@ -28,35 +28,21 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use arguments::{Arguments, Command};
-use failure::Failure;
 
 /// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a
-/// file) is at fault or the output is stale, 2 for a wrong command line.
+/// file) is at fault or the output is stale, 2 for a wrong command line, 3 where the program is at fault.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
-    let result = match &arguments.command {
-        Command::Generate(what) => generate::generate(what, arguments.format),
-        Command::Check(what) => generate::check(what, arguments.format),
-        Command::Export(what) => export::export(what, arguments.format),
-        Command::Inspect(what) => inspect::inspect(what, arguments.format),
-        Command::Identify(what) => identify::identify(what, arguments.format),
-        Command::New(what) => new::new(what, arguments.format),
-        Command::Report(what) => report::write(what, arguments.format),
-    };
-    match result {
-        Ok(code) => code,
-        Err(Failure::Descriptions(all)) => {
-            print::problems(&all, arguments.format);
-            ExitCode::from(1)
-        }
-        Err(Failure::Usage(message)) => {
-            print::err(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
-            ExitCode::from(2)
-        }
-        Err(Failure::Problem(message)) => {
-            print::err(&format!("error: {message}\n"));
-            ExitCode::from(1)
-        }
-    }
+    let format = arguments.format;
+    let result = failure::guarded(|| match &arguments.command {
+        Command::Generate(what) => generate::generate(what, format),
+        Command::Check(what) => generate::check(what, format),
+        Command::Export(what) => export::export(what, format),
+        Command::Inspect(what) => inspect::inspect(what, format),
+        Command::Identify(what) => identify::identify(what, format),
+        Command::New(what) => new::new(what, format),
+        Command::Report(what) => report::write(what, format),
+    });
+    result.unwrap_or_else(|failure| ExitCode::from(failure.say(format)))
 }

@@ -7,7 +7,7 @@ use gelenk_report::{Report, Verdict};
 use serde_json::{Value, json};
 
 use super::arguments::{self, Format};
-use super::failure::Failure;
+use super::failure::{FAULT, Failure};
 use super::place::{Workspace, shown};
 use super::print;
 use super::progress::Progress;
@@ -37,7 +37,7 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
         Format::Text => say(&loaded, &page, &files)?,
     }
     let failed = page.claims().any(|claim| claim.verdict() == Verdict::DoesNotHold);
-    Ok(ExitCode::from(u8::from(failed)))
+    Ok(if failed { ExitCode::from(FAULT) } else { ExitCode::SUCCESS })
 }
 
 /// Writes a page into the folder that an option names; its files.
