@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,11 +27,18 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """What was run since."""
     seen: list[str] = []
     program, compiler = gelenk._program.run, gelenk._robot._compiler.compile
-    monkeypatch.setattr("gelenk._program.run", lambda words: (seen.append("program"), program(words))[1])
+    monkeypatch.setattr(
+        "gelenk._program.run", lambda words, **options: (seen.append("program"), program(words, **options))[1]
+    )
     monkeypatch.setattr(
         "gelenk._compiler.compile", lambda folder, sources: (seen.append("compiler"), compiler(folder, sources))[1]
     )
     return seen
+
+
+def for_acados(file: Path) -> Path:
+    """The folder with what `gelenk.acados` executes, where acados need not be installed."""
+    return gelenk._robot.generated(file, [], "acados")
 
 
 def entries(folder: Path) -> int:
@@ -79,16 +87,71 @@ def test_what_is_written_meanwhile_is_read_again(empty: Path, runs: list[str], t
     assert runs == ["program", "compiler", "program"]
 
 
-def test_what_was_removed_is_made_again(empty: Path, arm_file: Path) -> None:
-    import shutil
+def test_a_robot_elsewhere_is_the_same_robot(
+    empty: Path, runs: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Its warnings are about the files that are read now."""
+    told = []
+    for name in ("here", "there"):
+        (tmp_path / name).mkdir()
+        write(tmp_path / name / "base.toml", ARM.replace('drive = "ideal"', "limits = { effort = 5 }"))
+        file = write(tmp_path / name / "arm.toml", 'extends = "base.toml"\nname = "arm"\n')
+        with pytest.warns(gelenk.DescriptionWarning, match=f"{name}/base.toml:4"):
+            robot = gelenk.load(file, functions=FEW)
+        told.append((robot.folder, capfd.readouterr().err))
+        assert [note.file for note in robot.notes] == [str(tmp_path / name / "base.toml")]
+    assert runs == ["program", "compiler"]
+    [(folder, compiling), (other, nothing)] = told
+    assert folder == other and nothing == ""
+    assert compiling.startswith("gelenk: compiling arm.c") and compiling.count("\n") == 1
+    # The same words that extend another robot.
+    write(tmp_path / "there/base.toml", ARM)
+    gelenk.load(tmp_path / "there/arm.toml", functions=FEW)
+    gelenk.load(tmp_path / "there/arm.toml", functions=FEW)
+    assert runs == ["program", "compiler"] * 2
 
+
+def test_what_was_removed_is_made_again(empty: Path, arm_file: Path) -> None:
     gelenk.load(arm_file, functions=FEW)
-    for kind in ("libraries", "modules", "asked"):
+    for kind in ("libraries", "modules", "asked", "read"):
         shutil.rmtree(empty / kind)
         assert gelenk.load(arm_file, functions=FEW).N == 2
-    for index in (empty / "asked").iterdir():
+    for index in [*(empty / "asked").iterdir(), *(empty / "read").iterdir()]:
         index.write_text("{")
     assert gelenk.load(arm_file, functions=FEW).N == 2
+
+
+def test_what_a_crash_left_half_written_is_made_again(empty: Path, arm_file: Path) -> None:
+    """Every other file is emptied, the others have another content."""
+    gelenk.load(arm_file, functions=FEW)
+    for_acados(arm_file)
+    files = [file for kind in ("libraries", "modules") for entry in (empty / kind).iterdir() for file in entry.iterdir()]
+    assert len(files) > 12
+    for index, file in enumerate(files):
+        text = ["", "raise SystemExit('executed')"][index % 2]
+        # Another file in its place: that of a library may be in use.
+        file.unlink()
+        file.write_text(text)
+        assert gelenk.load(arm_file, functions=FEW).N == 2
+        for_acados(arm_file)
+        assert file.read_text("utf-8", errors="replace") != text, file
+
+
+def test_folders_of_other_users_are_refused(empty: Path, arm_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gelenk.load(arm_file, functions=FEW)
+    for_acados(arm_file)
+    entries = [next((empty / kind).iterdir()) for kind in ("libraries", "modules")]
+    for folder in [empty, empty / "modules", empty / "asked", *entries]:
+        folder.chmod(0o777)
+        with pytest.raises(gelenk.CacheError, match="name a folder of your own in GELENK_CACHE"):
+            gelenk.load(arm_file, functions=FEW)
+            for_acados(arm_file)
+        folder.chmod(0o700)
+    assert gelenk.load(arm_file, functions=FEW).N == 2
+    monkeypatch.setattr("os.geteuid", lambda: empty.stat().st_uid + 1)
+    for load in (gelenk.load, for_acados):
+        with pytest.raises(gelenk.CacheError, match="belongs to another user"):
+            load(arm_file)
 
 
 def test_two_processes_make_the_same_robot_at_once(empty: Path, arm_file: Path) -> None:

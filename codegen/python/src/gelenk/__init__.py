@@ -16,6 +16,7 @@ from ._casadi import CasadiFunctions, casadi
 from ._commands import Identified, generate, identify, merge, plan, reduce, report
 from ._robot import Robot, load
 from .errors import (
+    CacheError,
     CompilerError,
     DescriptionError,
     DescriptionWarning,
@@ -25,6 +26,7 @@ from .errors import (
 )
 
 __all__ = [
+    "CacheError",
     "CasadiFunctions",
     "CompilerError",
     "DescriptionError",

@@ -45,8 +45,9 @@ def acados(
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
         "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
     })
-    folder = generated(Path(description).absolute(), options, "acados")
-    told, _ = read(folder)
+    path = Path(description).absolute()
+    folder = generated(path, options, "acados")
+    told, _ = read(folder, path)
     [file] = [name for name in told["files"] if name.endswith(".py")]
     module = ModuleType(Path(file).stem)
     module.__file__ = str(folder / file)

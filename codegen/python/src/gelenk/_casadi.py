@@ -73,8 +73,9 @@ def casadi(
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
         "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
     })
-    module = generated(Path(description).absolute(), options, "casadi")
-    told, _ = read(module)
+    path = Path(description).absolute()
+    module = generated(path, options, "casadi")
+    told, _ = read(module, path)
     library = compiled(module, told["files"])
     symbols = ctypes.CDLL(str(library))
     interface = told["interface"]

@@ -49,16 +49,17 @@ def identity(program: Path) -> list[Any]:
     return [str(program.resolve()), found.st_size, found.st_mtime_ns]
 
 
-def run(words: Iterable[str | os.PathLike[str]], *, may_fail: bool = False) -> Any:
+def run(words: Iterable[str | os.PathLike[str]], *, may_fail: bool = False, folder: Path | None = None) -> Any:
     """Runs the program; what it prints as JSON.
 
+    - `folder`: where it runs; by default the current one
     - `may_fail`: whether a result with exit code 1 is one, as that of a page with a failed self-check
 
     Raises `DescriptionError` where a description is at fault, `ValueError` for words that the program refuses, and
     `ProgramError` for all else.
     """
-    command = [str(find()), "--format", "json", *[os.fspath(word) for word in words]]
-    done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace")
+    command = [str(find().absolute()), "--format", "json", *[os.fspath(word) for word in words]]
+    done = subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8", errors="replace")
     result = _json(done.stdout)
     if done.returncode == 0 and result is not None:
         return result

@@ -7,11 +7,12 @@ import json
 import os
 import re
 import shutil
+import sys
 import tempfile
 import time
 import warnings
 from pathlib import Path
-from typing import Any, Iterable, Mapping
+from typing import Any, Callable, Iterable, Mapping
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from ._functions import Function, Parameters, identifier
 from ._numpy import gufunc
 from .errors import DescriptionWarning, Diagnostic
 
-FORMAT = 1
+FORMAT = 2
 """Changes with what entries of the cache hold."""
 
 CLOCK = 0.05
@@ -120,20 +121,30 @@ def load(
         "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     })
-    module = generated(Path(description).absolute(), options, "python")
-    told, notes = read(module)
+    path = Path(description).absolute()
+    module = generated(path, options, "python")
+    told, notes = read(module, path)
     library = compiled(module, told["files"])
     return robot(told, notes, library, np.dtype(np.float32 if scalar == "f32" else np.float64))
 
 
-def read(module: Path) -> tuple[dict[str, Any], tuple[Diagnostic, ...]]:
+def read(module: Path, description: Path) -> tuple[dict[str, Any], tuple[Diagnostic, ...]]:
     """What the program said about a module, and its notes. Warnings become those of Python, in the name of whoever loads the robot."""
     told = json.loads((module / "module.json").read_text("utf-8"))
-    notes = _program.diagnostics(told["notes"])
+    folder = description.parent
+    notes = _program.diagnostics(_at(note, lambda file: os.path.join(folder, file)) for note in told["notes"])
     for note in notes:
         if note.severity == "warning":
             warnings.warn(str(note), DescriptionWarning, stacklevel=3)
     return told, notes
+
+
+def _at(note: dict[str, Any], place: Callable[[str], str]) -> dict[str, Any]:
+    """A note on the file at another place."""
+    if note["file"] is None:
+        return note
+    file = place(note["file"])
+    return {**note, "file": file, "text": note["text"].replace(f"--> {note['file']}:", f"--> {file}:", 1)}
 
 
 def generated(description: Path, options: list[str], tool: str) -> Path:
@@ -141,43 +152,45 @@ def generated(description: Path, options: list[str], tool: str) -> Path:
 
     - `tool`: for whom there are files beside the module: `python`, `casadi` or `acados`
 
-    What was read is known after the first time alone: the cache remembers it for each description and choice of
-    options, and a module is fresh as long as all these files have the same content.
+    The cache remembers which files the program read for a description and a choice of options, and the module for
+    their contents. Where they lie does not matter, except to each other.
     """
     program = _program.find()
-    asked = _cache.key(FORMAT, str(description), options, tool, _program.identity(program))
-    known = _cache.read_json("asked", asked)
-    if known is not None and all(_cache.fingerprint(path) == content for path, content in known["read"].items()):
-        place: Path = _cache.folder() / "modules" / known["module"]
-        if place.is_dir():
-            return place
-    return _generate(description, options, tool, asked)
+    content = _cache.fingerprint(description)
+    asked = _cache.key(FORMAT, description.name, content, options, tool, _program.identity(program))
+    known = _cache.read_json("asked", _asked(asked, description, _cache.read_json("read", asked) or []))
+    place = known and _cache.find("modules", known)
+    return place or _generate(description, options, tool, asked)
+
+
+def _asked(asked: str, description: Path, read: list[str]) -> str:
+    return _cache.key(asked, [(file, _cache.fingerprint(description.parent / file)) for file in read])
 
 
 def _generate(description: Path, options: list[str], tool: str, asked: str) -> Path:
-    folder = _cache.folder() / "modules"
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    scratch = Path(tempfile.mkdtemp(prefix=".new-", dir=folder))
+    scratch = Path(tempfile.mkdtemp(prefix=".new-", dir=_cache.kind_folder("modules")))
     try:
         start = time.time()
         words = ["generate", str(description), "--language=c", f"--for={tool}", f"--output={scratch}{os.sep}", *options]
-        [told] = _program.run(words)
+        # A module says how it was made, from where the program runs.
+        [told] = _program.run(words, folder=scratch)
         told["files"] = [Path(file).name for file in told["files"]]
+        told["notes"] = [_at(note, lambda file: os.path.relpath(file, description.parent)) for note in told["notes"]]
         texts = {name: (scratch / name).read_text("utf-8") for name in told["files"]}
         kept = {key: told[key] for key in ("robot", "files", "notes", "interface")}
-        name = _cache.key(FORMAT, kept, texts)
 
         def fill(place: Path) -> None:
             for file in told["files"]:
                 shutil.copy(scratch / file, place / file)
             (place / "module.json").write_text(json.dumps(kept), "utf-8")
 
+        name = _cache.key(FORMAT, kept, texts)
         place = _cache.entry("modules", name, fill)
-        read = [Path(file).absolute() for file in told["read"]]
         # A file that was written while the program read may have another content than it read: the next call asks again.
-        if all(file.stat().st_mtime < start - CLOCK for file in read):
-            contents = {str(file): _cache.fingerprint(file) for file in read}
-            _cache.write_json("asked", asked, {"read": contents, "module": name})
+        if all(Path(file).stat().st_mtime < start - CLOCK for file in told["read"]):
+            read = [os.path.relpath(file, description.parent) for file in told["read"]]
+            _cache.write_json("read", asked, read)
+            _cache.write_json("asked", _asked(asked, description, read), name)
         return place
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
@@ -190,6 +203,7 @@ def compiled(module: Path, files: Iterable[str]) -> Path:
     def fill(place: Path) -> None:
         for file in module.iterdir():
             shutil.copy(file, place / file.name)
+        print(f"gelenk: compiling {', '.join(sources)}, once: the library is kept in {_cache.folder()}", file=sys.stderr)
         _compiler.compile(place, sources)
 
     name = _cache.key(FORMAT, module.name, sources, _compiler.identity())

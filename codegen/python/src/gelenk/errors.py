@@ -49,3 +49,7 @@ class ProgramError(GelenkError):
 
 class CompilerError(GelenkError):
     """There is no C compiler, or it refused the module."""
+
+
+class CacheError(GelenkError):
+    """The folder of the cache is not the user's own."""
