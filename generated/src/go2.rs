@@ -185,6 +185,28 @@ pub const NEUTRAL: [f64; NY] = [
     0.0,
 ];
 
+/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+pub const EFFORT_UNITS: [&str; N] = [
+    "N",
+    "N",
+    "N",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+];
+
 /// Names of the inputs.
 pub const INPUT_NAMES: [&str; M] = [
     "FL_hip",

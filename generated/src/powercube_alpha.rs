@@ -18,6 +18,9 @@ pub const JOINT_NAMES: [&str; N] = ["alpha"];
 /// Units of the coordinates: `rad` or `m`.
 pub const JOINT_UNITS: [&str; N] = ["rad"];
 
+/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+pub const EFFORT_UNITS: [&str; N] = ["N m"];
+
 /// Names of the inputs.
 pub const INPUT_NAMES: [&str; M] = ["alpha"];
 

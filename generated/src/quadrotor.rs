@@ -68,6 +68,9 @@ pub const VELOCITY_UNITS: [&str; N] = ["m/s", "m/s", "m/s", "rad/s", "rad/s", "r
 /// Positions at which no joint is turned or displaced: 0, and the quaternion 0 0 0 1.
 pub const NEUTRAL: [f64; NY] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
+/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+pub const EFFORT_UNITS: [&str; N] = ["N", "N", "N", "N m", "N m", "N m"];
+
 /// Names of the inputs.
 pub const INPUT_NAMES: [&str; M] = [
     "front_right",

@@ -135,6 +135,22 @@ pub const NEUTRAL: [f64; NY] = [
     1.0,
 ];
 
+/// Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.
+pub const EFFORT_UNITS: [&str; N] = [
+    "N",
+    "N",
+    "N",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+    "N m",
+];
+
 /// Names of the inputs.
 pub const INPUT_NAMES: [&str; M] = ["wheel_x", "wheel_y", "wheel_z"];
 

@@ -134,6 +134,15 @@ impl JointKind {
         }
     }
 
+    /// Unit of the force on the coordinate.
+    #[must_use]
+    pub fn effort_unit(self) -> &'static str {
+        match self {
+            Self::Prismatic => "N",
+            Self::Fixed | Self::Revolute | Self::Continuous | Self::Helical { .. } => "N m",
+        }
+    }
+
     /// Rotation about the axis (rad) and translation along it (m) for a unit of the position.
     #[must_use]
     pub fn turn_and_slide(self) -> [f64; 2] {

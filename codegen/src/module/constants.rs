@@ -10,7 +10,7 @@ use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
 use gelenk_formula::Formula;
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 44] = [
+pub const NAMES: [&str; 45] = [
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -24,6 +24,7 @@ pub const NAMES: [&str; 44] = [
     "NEUTRAL",
     "JOINT_NAMES",
     "JOINT_UNITS",
+    "EFFORT_UNITS",
     "INPUT_NAMES",
     "INPUT_UNITS",
     "INPUT_JOINTS",
@@ -120,7 +121,12 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
             ),
         ],
     };
-    let of_inputs = [
+    let of_forces = [
+        constant(
+            "EFFORT_UNITS",
+            "Units of the forces at the joints, as those of `inverse_dynamics`: `N m` or `N`.",
+            strings(Coordinates, joints.iter().map(|joint| joint.kind.effort_unit())),
+        ),
         constant(
             "INPUT_NAMES",
             "Names of the inputs.",
@@ -139,7 +145,7 @@ fn names(model: &Model, joints: &[&Joint], inputs: &[Actuator<'_>]) -> Vec<Const
             constant("WRENCH_NAMES", "Names of the wrenches.", strings(Fixed, names)),
         ]
     });
-    let constants = of_joints.into_iter().chain(of_inputs).chain(acted_on).chain(frames);
+    let constants = of_joints.into_iter().chain(of_forces).chain(acted_on).chain(frames);
     let driven = (!model.driven.is_empty()).then(|| {
         let names = model.driven_joints().map(|joint| joint.name.as_str());
         [

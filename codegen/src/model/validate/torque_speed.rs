@@ -1,7 +1,7 @@
 //! Torque–speed lines that no controller could keep, or that other limits do not fit.
 
 use super::super::description::{DriveDescription, RobotDescription};
-use super::super::{Drive, JointKind, Model, TorqueSpeedLine};
+use super::super::{Drive, Model, TorqueSpeedLine};
 use crate::diagnostic::{At, Report, Span};
 use crate::wording::{as_written, three_digits};
 
@@ -71,7 +71,7 @@ fn note_effort(name: &str, drive: &Drive, (model, span): (&Model, Span), report:
     let (Some(joint), Some(effort), Some(line)) = (joint, effort, drive.line) else { return };
     let most = line.stall_torque * drive.gear_ratio.value(&[]).unwrap_or(f64::INFINITY).abs();
     if effort > most * (1.0 + ROUNDING) {
-        let unit = if joint.kind == JointKind::Prismatic { "N" } else { "N m" };
+        let unit = joint.kind.effort_unit();
         let message = format!(
             "joint `{}` has an effort of {} {unit}, and its motor `{name}` {} {unit} at rest",
             joint.name,

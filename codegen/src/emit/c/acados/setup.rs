@@ -92,6 +92,7 @@ impl<'a> Robot<'a> {
             entry("M", self.m.to_string(), "Number of inputs."),
             entry(coordinates[0], texts(coordinates[0]), names_of),
             entry(coordinates[1], texts(coordinates[1]), units_of),
+            entry("EFFORT_UNITS", texts("EFFORT_UNITS"), "Units of the forces at the joints."),
             entry("INPUT_NAMES", texts("INPUT_NAMES"), "Names of the inputs."),
             entry("INPUT_UNITS", texts("INPUT_UNITS"), "Units of the inputs."),
             entry(
