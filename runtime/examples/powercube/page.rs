@@ -21,7 +21,7 @@ pub fn report(study: &Study, mut parts: Vec<Part>) -> Outcome<Report> {
         claim.statement = format!("{}. {}", label(claim), claim.statement);
     }
     let report = Report::new("Friction models for the MPC of a PowerCube, reproduced")
-        .lead("The claims of J. Fehr, P. Kargl and H. Eschmann, “Identification of Friction Models for MPC-based Control of a PowerCube Serial Robot”, tried on the simulated arm: from its equations, with plants and controllers that do not share a model where model error is the matter.")
+        .lead("The claims of J. Fehr, A. Kargl and H. Eschmann, “Identification of Friction Models for MPC-based Control of a PowerCube Serial Robot”, tried on the simulated arm: from its equations, with plants and controllers that do not share a model where model error is the matter.")
         .fact("Robot", "Schunk PowerCube, joints β and γ")
         .fact("Trajectory", "published, 1220 samples, 20 ms")
         .fact("Randomness", "seeded: every run gives the same numbers, measured times apart")
