@@ -19,6 +19,8 @@ mod drawn_forces;
 mod driven_joints;
 mod elementary_functions;
 mod emitted_code;
+#[path = "findings/main.rs"]
+mod findings;
 #[path = "floating_identification/main.rs"]
 mod floating_identification;
 mod identified_friction;
