@@ -5,7 +5,7 @@
 //! inputs that are reached on the way. All arrays that cross the interface have their rows first.
 
 use gelenk_runtime::control_loop::{Controller, Cycle};
-use gelenk_runtime::dynamics::{Discretizable, LimitRows, PhaseSpace};
+use gelenk_runtime::dynamics::{Discretizable, Predictable};
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
@@ -80,7 +80,7 @@ fn terminal<D, const N: usize, const M: usize, const NX: usize>(
     options: &MpcOptions<N, M>,
 ) -> Result<Vec<Vec<f64>>, Box<dyn Error>>
 where
-    D: Discretizable<N, M> + PhaseSpace<NX> + Copy,
+    D: Predictable<N, M, NX> + Copy,
 {
     let forward = FeedForward::new(*model)?;
     let (mut q, mut r) = ([[0.0; NX]; NX], [[0.0; M]; M]);
@@ -175,7 +175,7 @@ fn contest<D, const N: usize, const M: usize, const NX: usize>(
     is_nonlinear: bool,
 ) -> Result<Box<dyn Contender>, Box<dyn Error>>
 where
-    D: Discretizable<N, M> + PhaseSpace<NX> + LimitRows<0> + Copy + 'static,
+    D: Predictable<N, M, NX> + Copy + 'static,
 {
     let mut options = MpcOptions::new(&model, PERIOD, HORIZON);
     options.input_limits = most.map(|u| [-u, u]);

@@ -140,9 +140,11 @@ fn a_killed_plant_stops_the_loop_and_comes_back_braked() {
     while control.period() {}
     let report = control.report();
     drop(control);
-    assert_eq!(report.end, End::Stopped(StopReason::NoMeasurement));
+    assert_eq!(report.end, End::Stopped(StopReason::Transport(TransportError::NoAnswer)));
     assert_eq!(report.counts.held, 3, "{report}");
-    assert_ne!(report.brakes, Brakes::Engaged, "nobody confirmed them");
+    assert_eq!(report.brakes, Brakes::Unknown, "nobody confirmed them");
+    assert!(report.to_string().contains("nobody answers"), "{report}");
+    assert!(report.to_string().contains("brakes unknown: look at the robot"), "{report}");
 
     let port = address.port().to_string();
     let _restarted = start(&["--port", &port]);
@@ -266,21 +268,24 @@ fn only_the_answer_to_the_question_is_a_reading() {
     let mut link: Link = connect(robot.local_addr().unwrap());
     let answering = std::thread::spawn(move || {
         let mut buffer = [0; MAX_DATAGRAM];
-        for _ in 0..3 {
+        for _ in 0..4 {
             let (length, from) = robot.recv_from(&mut buffer).unwrap();
             let question = Datagram::<2, 2>::decode(&buffer[..length]).unwrap();
             let answer = |sequence, position| Datagram::<2, 2> {
-                session: 1,
+                connection: 1,
                 sequence,
                 brakes: Brakes::Released,
-                message: Message::Measured { positions: [position; 2], velocities: None, torques: None },
+                message: match question.message {
+                    Message::Connect => Message::Connect,
+                    _ => Message::Measured { positions: [position; 2], velocities: None, torques: None },
+                },
             };
             let send = |datagram: Datagram<2, 2>| {
                 let mut buffer = [0; MAX_DATAGRAM];
                 robot.send_to(datagram.encode(&mut buffer).unwrap(), from).unwrap();
             };
-            send(answer(question.sequence - 1, 9.0));
-            send(answer(question.sequence + 1, 9.0));
+            send(answer(question.sequence.wrapping_sub(1), 9.0));
+            send(answer(question.sequence.wrapping_add(1), 9.0));
             robot.send_to(b"", from).unwrap();
             robot.send_to(&[0x47; 4000], from).unwrap();
             let mut damaged = [0; MAX_DATAGRAM];

@@ -50,11 +50,14 @@ fn senseless_options_are_refused_by_name() {
         change(&mut options);
         Ltv::new(PowerCube, motion(), options).unwrap_err().to_string()
     };
-    assert!(refuse(|o| o.period = 0.0).contains("period"));
+    assert_eq!(refuse(|o| o.period = 0.0), "period is 0; it must be positive and finite (s)");
+    assert_eq!(refuse(|o| o.horizon = 200), "horizon is 200 stages; it must be 1 to 100");
     assert!(refuse(|o| o.position_weight[1] = -1.0).contains("position_weight[1] is -1"));
     assert!(refuse(|o| o.input_weight = [0.0; 2]).contains("input_weight"));
     assert!(refuse(|o| o.velocity_limits[0] = f64::NAN).contains("velocity_limits"));
-    assert!(refuse(|o| o.input_limits[0] = [1.0, -1.0]).contains("lower before upper"));
+    assert!(
+        refuse(|o| o.input_limits[0] = [1.0, -1.0]).contains("input_limits (upper minus lower)[0] is -2")
+    );
     assert!(refuse(|o| o.observer.encoder_noise[0] = 0.0).contains("encoder_noise"));
 }
 

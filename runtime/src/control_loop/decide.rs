@@ -61,10 +61,10 @@ where
                 self.engage(End::Stopped(StopReason::Restarted));
                 return missing;
             }
-            Err(_) => {
+            Err(error) => {
                 self.state.counts.missing += 1;
                 self.state.counts.transport_errors += 1;
-                self.go_unmeasured(periods, StopReason::NoMeasurement);
+                self.go_unmeasured(periods, StopReason::Transport(error));
                 return missing;
             }
         };
@@ -159,9 +159,11 @@ where
             Ok(_) => ControllerFault::NotFinite,
             Err(fault) => fault,
         };
-        self.state.counts.controller_faults += 1;
+        // A lost reading is no fault of the controller, and has its own limit.
+        let lost = measured.is_none() && fault == ControllerFault::NoMeasurement;
+        self.state.counts.controller_faults += u64::from(!lost);
         self.state.failures = self.state.failures.saturating_add(periods);
-        if self.state.failures > self.settings.fallback_periods {
+        if !lost && self.state.failures > self.settings.fallback_periods {
             self.slow_down(StopReason::Controller(fault));
         }
         self.follow_plan().unwrap_or_else(|| self.fall_back(desired, measured))

@@ -19,7 +19,8 @@ pub enum EncoderFault {
     Attitude(AttitudeError),
     /// Further from the last believed position than the joint can have moved.
     #[error(
-        "encoder of joint {} jumped by {distance:.4}; the joint can move {possible:.4} in that time",
+        "encoder of joint {} jumped by {distance:.4} rad (or m); the joint can move {possible:.4} in that time by `guard.jump_speed` \
+         and `guard.jump_margin`",
         Named(.name)
     )]
     Jump {
@@ -32,9 +33,10 @@ pub enum EncoderFault {
         /// Distance that would have been believed [rad or m].
         possible: f64,
     },
-    /// The reading stayed the same while the desired position moved on.
+    /// The reading stayed the same while the desired position moved on: a joint that sticks, or an encoder that fails.
     #[error(
-        "encoder of joint {} did not change while {desired:.4} of motion was desired",
+        "reading of joint {} stayed the same while {desired:.4} rad (or m) of motion was desired, more than `guard.frozen_motion` \
+         allows: the joint sticks (friction, a brake, an input without effect), or its encoder fails",
         Named(.name)
     )]
     Frozen {
@@ -48,8 +50,8 @@ pub enum EncoderFault {
     /// The measured velocity is not finite, or not that with which the positions change: a wrong sign, unit
     /// or gear ratio, or a sensor that fails.
     #[error(
-        "velocity {measured:.4} measured at joint {} is off by {mismatch:.4} from the change of its position, more than \
-         {possible:.4}: check its sign and unit",
+        "velocity {measured:.4} rad/s (or m/s) measured at joint {} is off by {mismatch:.4} from the change of its position, more \
+         than `guard.velocity_mismatch` of {possible:.4}: check its sign and unit",
         Named(.name)
     )]
     Velocity {
@@ -272,7 +274,7 @@ mod tests {
         assert_eq!(guard.check(&[1.0, 0.01], None, &[1.04, 0.01]), Ok(()));
         let fault = guard.check(&[1.0, 0.02], None, &[1.06, 0.02]).unwrap_err();
         assert!(matches!(fault, EncoderFault::Frozen { joint: 0, .. }));
-        assert!(fault.to_string().starts_with("encoder of joint 1 did not"));
+        assert!(fault.to_string().contains("the joint sticks"));
         // A new reading counts from where it changed.
         guard.elapse(0.02);
         assert_eq!(guard.check(&[1.001, 0.03], None, &[1.07, 0.03]), Ok(()));

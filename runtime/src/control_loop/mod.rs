@@ -102,7 +102,7 @@ pub use realtime::{Grant, RealtimeReport, RealtimeRequest};
 pub use report::{Counts, End, LoopReport, Refusal, Source, StopReason};
 #[cfg(feature = "std")]
 pub use run::ControlLoop;
-pub use settings::{LoopSettings, RATES, SettingError};
+pub use settings::{LoopSettings, RATES, SPEED_MARGIN, SettingError};
 pub use stage::{STAGES, Stage};
 #[cfg(feature = "std")]
 pub use stop_request::StopRequest;

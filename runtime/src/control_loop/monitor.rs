@@ -1,6 +1,6 @@
 //! Limits outside the optimizer: what is written, and where the robot is.
 
-use super::settings::LoopSettings;
+use super::settings::{LoopSettings, SPEED_MARGIN};
 use crate::dynamics::{DependentJoint, Named};
 use std::fmt;
 
@@ -20,6 +20,8 @@ pub enum LimitFault {
         stopping: f64,
         /// Limits [rad or m].
         limits: [f64; 2],
+        /// The setting that they come from.
+        setting: &'static str,
     },
     /// The speed is above its limit.
     Speed {
@@ -31,6 +33,8 @@ pub enum LimitFault {
         speed: f64,
         /// Limit [rad/s or m/s].
         limit: f64,
+        /// The setting that it comes from.
+        setting: &'static str,
     },
     /// The robot is too far from where it should be.
     FollowingError {
@@ -48,17 +52,19 @@ pub enum LimitFault {
 impl fmt::Display for LimitFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Position { name, position, stopping, limits: [low, high], .. } => write!(
+            Self::Position { name, position, stopping, limits: [low, high], setting, .. } => write!(
                 f,
-                "joint {} at {position:.4} would stop at {stopping:.4}, outside {low:.4} to {high:.4}",
+                "joint {} at {position:.4} would stop at {stopping:.4}, outside {low:.4} to {high:.4} rad (or m) of `{setting}`",
                 Named(name)
             ),
-            Self::Speed { name, speed, limit, .. } => {
-                write!(f, "joint {} moves at {speed:.4}, faster than {limit:.4}", Named(name))
-            }
+            Self::Speed { name, speed, limit, setting, .. } => write!(
+                f,
+                "joint {} moves at {speed:.4}, faster than {limit:.4} rad/s (or m/s) of `{setting}`",
+                Named(name)
+            ),
             Self::FollowingError { name, error, limit, .. } => write!(
                 f,
-                "joint {} is {error:.4} away from its desired position, more than {limit:.4}: right after the start, check signs and \
+                "joint {} is {error:.4} rad (or m) away from its desired position, more than {limit:.4} of `following_error`: right after the start, check signs and \
                  order of inputs and encoders; later, check that inputs and soft limits allow the trajectory (`notes` of a predictive \
                  controller, `limits::violations`)",
                 Named(name)
@@ -127,7 +133,8 @@ pub(super) fn check_state<const N: usize, const M: usize>(
         let (speed, limit) = (velocities[joint], settings.speed_limit[joint]);
         let within = speed.is_finite() && speed.abs() <= limit;
         if !within {
-            return Err(LimitFault::Speed { joint, name: names[joint], speed, limit });
+            let setting = "speed_limit";
+            return Err(LimitFault::Speed { joint, name: names[joint], speed, limit, setting });
         }
     }
     check_dependent(settings.dependent_joints, [positions, &stopping], velocities, situation.dependent)?;
@@ -158,6 +165,7 @@ fn check_stop<const N: usize, const M: usize>(
                 position: positions[joint],
                 stopping: stopping[joint],
                 limits,
+                setting: "position_limits",
             });
         }
     }
@@ -172,17 +180,17 @@ fn check_dependent<const N: usize>(
     motion: DependentMotion<'_, N>,
 ) -> Result<(), LimitFault> {
     for (k, joint) in joints.iter().enumerate() {
-        let (place, name) = (N + k, joint.name);
+        let (place, name, setting) = (N + k, joint.name, "dependent_joints");
         let [position, speed] = motion(joint, (positions, velocities));
         let [stopping, _] = motion(joint, (stopping, velocities));
-        let (limits, limit) = (joint.position, joint.velocity);
+        let (limits, limit) = (joint.position, SPEED_MARGIN * joint.velocity);
         let within = |x: f64| (limits[0]..=limits[1]).contains(&x);
         if joint.has_position_limit() && !(within(position) && within(stopping)) {
-            return Err(LimitFault::Position { joint: place, name, position, stopping, limits });
+            return Err(LimitFault::Position { joint: place, name, position, stopping, limits, setting });
         }
         let is_slow = speed.abs() <= limit;
         if joint.has_velocity_limit() && !is_slow {
-            return Err(LimitFault::Speed { joint: place, name, speed, limit });
+            return Err(LimitFault::Speed { joint: place, name, speed, limit, setting });
         }
     }
     Ok(())
@@ -234,12 +242,18 @@ mod tests {
         assert!(matches!(fault, LimitFault::Position { .. }));
         assert_eq!(
             fault.to_string(),
-            "joint \"upper arm\" at 0.8100 would stop at 1.0100, outside -1.0000 to 1.0000"
+            "joint \"upper arm\" at 0.8100 would stop at 1.0100, outside -1.0000 to 1.0000 rad (or m) of `position_limits`"
         );
         assert_eq!(at(0.81, -2.0), Ok(()), "it moves away");
         assert!(matches!(at(-0.81, -2.0), Err(LimitFault::Position { .. })));
         assert!(matches!(at(1.01, 0.0), Err(LimitFault::Position { .. })));
-        assert!(matches!(at(0.0, 2.1), Err(LimitFault::Speed { .. })));
+        // A tenth above the described 2 rad/s, on which predictive controllers ride.
+        assert_eq!(at(0.0, 2.19), Ok(()));
+        let fault = at(0.0, 2.21).unwrap_err();
+        assert_eq!(
+            fault.to_string(),
+            "joint \"upper arm\" moves at 2.2100, faster than 2.2000 rad/s (or m/s) of `speed_limit`"
+        );
     }
 
     #[test]
@@ -267,7 +281,7 @@ mod tests {
                 Situation { positions: &[y], velocities: &[v], age: 0.0, error: &[0.0], dependent: NONE };
             check_state(&settings, &["upper arm"], &situation)
         };
-        // Its own limits are reached at 0.55 and −0.7 rad of the coordinate, and at 1.5 rad/s.
+        // Its own limits are reached at 0.55 and −0.7 rad of the coordinate, and at 1.5 rad/s, with the margin 1.65.
         assert_eq!(check(0.54, 0.0), Ok(()));
         assert_eq!(check(-0.69, 0.0), Ok(()));
         let fault = check(0.56, 0.0).unwrap_err();
@@ -276,10 +290,10 @@ mod tests {
         // 1 rad/s and 10 rad/s²: 0.05 rad, twice as much at the rod.
         assert_eq!(check(0.49, 1.0), Ok(()));
         let fault = check(0.51, 1.0).unwrap_err();
-        let text = "joint rod at -0.9200 would stop at -1.0200, outside -1.0000 to 1.5000";
+        let text = "joint rod at -0.9200 would stop at -1.0200, outside -1.0000 to 1.5000 rad (or m) of `dependent_joints`";
         assert_eq!(fault.to_string(), text);
-        assert_eq!(check(0.0, -1.49), Ok(()));
-        assert!(matches!(check(0.0, -1.51), Err(LimitFault::Speed { joint: 1, limit: 3.0, .. })));
+        assert_eq!(check(0.0, -1.64), Ok(()));
+        assert!(matches!(check(0.0, -1.66), Err(LimitFault::Speed { joint: 1, .. })));
     }
 
     /// Braked rather than believed: a law that does not know the driven joints leaves it without a number.

@@ -4,7 +4,7 @@ use super::controller::ControllerFault;
 use super::guard::EncoderFault;
 use super::monitor::LimitFault;
 use super::stage::STAGES;
-use crate::dynamics::{AttitudeError, Named};
+use crate::dynamics::Named;
 use crate::transport::{Brakes, TransportError};
 use std::fmt;
 use std::time::Duration;
@@ -52,19 +52,22 @@ pub enum StopReason {
     #[error("controller: {0}")]
     Controller(ControllerFault),
     /// Too many periods in a row without a reading.
-    #[error("no measurement arrived for too long")]
+    #[error("no measurement arrived for more than `hold_periods`")]
     NoMeasurement,
+    /// Too many periods in a row in which the transport could neither read nor write.
+    #[error("{0}")]
+    Transport(TransportError),
     /// Too many periods in a row without a believable reading.
     #[error("{0}")]
     Encoder(EncoderFault),
     /// Too many deadlines in a row were missed.
-    #[error("too many deadlines missed in a row")]
+    #[error("more than `hold_periods` deadlines missed in a row")]
     DeadlineMissed,
     /// A limit was reached.
     #[error("{0}")]
     Limit(LimitFault),
     /// The robot's side restarted.
-    #[error("the robot's side restarted during the motion")]
+    #[error("the robot's side restarted during the motion, or has another controller")]
     Restarted,
     /// The brakes were engaged, but not by this loop.
     #[error("the robot engaged its brakes by itself")]
@@ -74,9 +77,12 @@ pub enum StopReason {
 /// Why the loop did not start; the brakes stay engaged.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Refusal {
-    /// Nothing believable was read.
-    #[error("no finite measurement arrived")]
+    /// Nothing was read.
+    #[error("no measurement arrived within `start_periods`: check that the robot is on, and its connection")]
     NoMeasurement,
+    /// Nothing believable was read.
+    #[error("{0}")]
+    Encoder(EncoderFault),
     /// Somebody asked to stop before the start.
     #[error("asked to stop before the start")]
     Requested,
@@ -98,9 +104,6 @@ pub enum Refusal {
         /// Position at which the trajectory begins [rad or m].
         start: f64,
     },
-    /// A measured quaternion is no attitude.
-    #[error("a reading cannot be: {0}")]
-    Attitude(AttitudeError),
     /// The inputs cannot hold the robot where it is.
     #[error(
         "input {} would need {needed:.4} to hold the robot, more than its limit {limit:.4}",
@@ -169,13 +172,14 @@ pub struct Counts {
     pub not_finite: u64,
     /// Readings that jumped.
     pub jumps: u64,
-    /// Readings that froze.
+    /// Readings that stayed the same while motion was desired.
     pub frozen: u64,
     /// Readings whose measured velocities contradicted their positions, or were no numbers.
     pub velocity_faults: u64,
     /// Inputs that were cut off at their limit.
     pub limited_inputs: u64,
-    /// Steps of the controller that failed or gave numbers that are not finite.
+    /// Steps of the controller that failed or gave numbers that are not finite. Those that lacked a measurement are
+    /// not among them.
     pub controller_faults: u64,
     /// Writes, readings and brake commands that the transport could not do.
     pub transport_errors: u64,
@@ -198,7 +202,8 @@ pub struct Counts {
 pub struct LoopReport {
     /// How it ended.
     pub end: End,
-    /// Brakes as the robot last reported them. Anything but engaged after a run needs a look at the robot.
+    /// Brakes as the robot reported them after the loop's last command for them. Anything but engaged after a run
+    /// needs a look at the robot.
     pub brakes: Brakes,
     /// The counts of the run.
     pub counts: Counts,
@@ -207,7 +212,9 @@ pub struct LoopReport {
 impl fmt::Display for LoopReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let c = &self.counts;
-        writeln!(f, "{}; brakes {:?}", self.end, self.brakes)?;
+        let is_sure = self.brakes == Brakes::Engaged || self.end == End::Running;
+        let look = if is_sure { "" } else { ": look at the robot" };
+        writeln!(f, "{}; brakes {}{look}", self.end, self.brakes)?;
         writeln!(
             f,
             "{} periods: {} controller, {} plan, {} fallback, {} held; {} deadlines missed (at most {} in a row)",
@@ -215,7 +222,7 @@ impl fmt::Display for LoopReport {
         )?;
         write!(
             f,
-            "{} readings missing, {} not finite, {} jumped, {} frozen, {} contradicted by their velocities; \
+            "{} readings missing, {} not finite, {} jumped, {} unchanged, {} contradicted by their velocities; \
              {} inputs limited; {} controller faults; {} transport errors",
             c.missing,
             c.not_finite,

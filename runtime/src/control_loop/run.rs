@@ -288,29 +288,29 @@ where
             self.miss(1);
             return false;
         }
-        if self.transport.write(inputs).is_ok() {
-            self.state.unwritten = 0;
-            self.state.inputs = *inputs;
-            return true;
+        if let Err(error) = self.transport.write(inputs) {
+            self.state.counts.transport_errors += 1;
+            self.leave_unwritten(1, StopReason::Transport(error));
+            return false;
         }
-        self.state.counts.transport_errors += 1;
-        self.leave_unwritten(1);
-        false
+        self.state.unwritten = 0;
+        self.state.inputs = *inputs;
+        true
     }
 
     fn miss(&mut self, periods: u64) {
         if periods > 0 {
             self.state.counts.deadline_misses += periods;
-            self.leave_unwritten(periods);
+            self.leave_unwritten(periods, StopReason::DeadlineMissed);
             let counts = &mut self.state.counts;
             counts.longest_miss = counts.longest_miss.max(self.state.unwritten);
         }
     }
 
-    fn leave_unwritten(&mut self, periods: u64) {
+    fn leave_unwritten(&mut self, periods: u64, reason: StopReason) {
         self.state.unwritten += periods;
         if self.state.unwritten > u64::from(self.settings.hold_periods) {
-            self.engage(End::Stopped(StopReason::DeadlineMissed));
+            self.engage(End::Stopped(reason));
         }
     }
 
@@ -333,11 +333,13 @@ where
 
     fn brake_again(&mut self, end: End, left: u32) -> LogRecord<N, M, NY> {
         self.brake();
-        let mut reading = Reading::of([f64::NAN; NY], self.state.brakes);
-        if let Ok(Some(arrived)) = self.transport.read() {
-            reading = arrived;
-            self.state.brakes = arrived.brakes;
-        }
+        let arrived = self.transport.read().unwrap_or_else(|_| {
+            self.state.counts.transport_errors += 1;
+            None
+        });
+        // What the robot said before the command says nothing of its brakes now.
+        let reading = arrived.unwrap_or(Reading::of([f64::NAN; NY], Brakes::Unknown));
+        self.state.brakes = reading.brakes;
         self.state.phase = if self.state.brakes == Brakes::Engaged || left == 0 {
             Phase::Ended(end)
         } else {

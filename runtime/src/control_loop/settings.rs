@@ -9,6 +9,10 @@ use crate::no_std::*;
 use core::fmt;
 use core::time::Duration;
 
+/// The loop brakes at this multiple of a described speed limit. Predictive controllers ride on the limit itself, which is soft
+/// to them.
+pub const SPEED_MARGIN: f64 = 1.1;
+
 /// Rates that the loop accepts (Hz).
 pub const RATES: core::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
@@ -30,7 +34,8 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub position_limits: [[f64; 2]; N],
     /// Speeds at which the loop brakes [rad/s or m/s].
     pub speed_limit: [f64; N],
-    /// Joints that follow coordinates, whose limits hold beside `position_limits` and `speed_limit`.
+    /// Joints that follow coordinates, whose limits hold beside `position_limits` and `speed_limit`, the speeds times
+    /// [`SPEED_MARGIN`].
     pub dependent_joints: &'static [DependentJoint<N>],
     /// Deceleration that the brakes are sure to reach [rad/s² or m/s²]: the loop brakes where the robot would
     /// otherwise come to rest outside `position_limits`. Infinite: no looking ahead.
@@ -77,7 +82,8 @@ pub struct LoopSettings<const N: usize, const M: usize> {
 
 impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// Settings for a robot with the limits of `model`: inputs up to the peak of motor and joint
-    /// ([`Dynamics::input_limits`]), positions and speeds up to their limits, those of joints that follow coordinates too.
+    /// ([`Dynamics::input_limits`]), positions up to their limits, speeds up to a tenth above theirs ([`SPEED_MARGIN`]), those of
+    /// joints that follow coordinates too.
     ///
     /// Bridges 3 periods, falls back for 25 at most, of which 5 on the plan; brakes at a following error of
     /// 0.1 rad (or m), starts within 0.05, believes jumps up to twice the highest speed and 0.001, stillness
@@ -104,7 +110,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
             plan_periods: 5,
             fallback_periods: 25,
             position_limits: limits.position,
-            speed_limit: limits.velocity,
+            speed_limit: limits.velocity.map(|v| SPEED_MARGIN * v),
             dependent_joints: limits.dependent,
             braking_deceleration: fastest.map(|v| v / 0.2),
             following_error: [0.1; N],

@@ -1,7 +1,7 @@
 //! The start of the loop: where the robot is, whether it may start there, and the release of its brakes.
 
 use super::controller::Controller;
-use super::guard::EncoderGuard;
+use super::guard::{EncoderFault, EncoderGuard};
 use super::law::JointLaw;
 use super::monitor::check_positions;
 use super::reference::Reference;
@@ -10,9 +10,9 @@ use super::run::{ControlLoop, Phase};
 use super::unrolled::Unrolled;
 use super::velocity_filter::VelocityFilter;
 use crate::clock::Clock;
-use crate::dynamics::DependentJoint;
+use crate::dynamics::{DependentJoint, plain_entries};
 use crate::trajectory::{Sample, Trajectory};
-use crate::transport::Transport;
+use crate::transport::{Brakes, Reading, Transport};
 
 impl<L, R, C, T, K, const N: usize, const M: usize, const NY: usize> ControlLoop<L, R, C, T, K, N, M, NY>
 where
@@ -37,7 +37,6 @@ where
     }
 
     fn try_start(&mut self) -> Result<(), Refusal> {
-        self.transport.brake().map_err(Refusal::Transport)?;
         let positions = self.first_reading()?;
         let measured = Unrolled::at(positions, &self.fallback);
         let dependent = |joint: &DependentJoint<N>, at: (&[f64; N], &[f64; N])| {
@@ -67,6 +66,7 @@ where
         self.state.inputs = inputs;
         self.first_warm_up(&positions);
         self.transport.write(&inputs).map_err(Refusal::Transport)?;
+        self.state.brakes = Brakes::Unknown;
         self.transport.release().map_err(Refusal::Transport)?;
         let time = -self.release_time();
         let (settings, state) = (&self.settings, &mut self.state);
@@ -81,24 +81,44 @@ where
         Ok(())
     }
 
+    /// Engages the brakes and reads, until a reading is finite.
     fn first_reading(&mut self) -> Result<[f64; NY], Refusal> {
+        let mut refusal = Refusal::NoMeasurement;
         for _ in 0..=self.settings.start_periods {
             if self.stop.is_raised() {
                 return Err(Refusal::Requested);
             }
             // Errors too are waited out: a robot that was just switched on reports its restart here.
-            if let Ok(Some(reading)) = self.transport.read() {
-                self.state.brakes = reading.brakes;
-                self.state.measures = [reading.velocities.is_some(), reading.torques.is_some()];
-                if reading.positions.iter().all(|y| y.is_finite()) {
-                    self.fallback.check_attitudes(&reading.positions).map_err(Refusal::Attitude)?;
-                    return Ok(reading.positions);
+            refusal = match self.transport.brake().and_then(|()| self.transport.read()) {
+                Ok(Some(reading)) => match self.judge_first(&reading) {
+                    Ok(()) => return Ok(reading.positions),
+                    Err(fault @ EncoderFault::Attitude(_)) => return Err(Refusal::Encoder(fault)),
+                    Err(fault) => Refusal::Encoder(fault),
+                },
+                Ok(None) => {
+                    self.state.counts.missing += 1;
+                    Refusal::NoMeasurement
                 }
-            }
+                Err(error) => {
+                    self.state.counts.transport_errors += 1;
+                    Refusal::Transport(error)
+                }
+            };
             let next = self.clock.now().saturating_add(self.period);
             self.clock.sleep_until(next);
         }
-        Err(Refusal::NoMeasurement)
+        Err(refusal)
+    }
+
+    fn judge_first(&mut self, reading: &Reading<N, NY>) -> Result<(), EncoderFault> {
+        self.state.brakes = reading.brakes;
+        self.state.measures = [reading.velocities.is_some(), reading.torques.is_some()];
+        let mut plain = plain_entries(self.fallback.quaternion_joints(), N);
+        if let Some((joint, _)) = plain.find(|(_, position)| !reading.positions[*position].is_finite()) {
+            self.state.counts.not_finite += 1;
+            return Err(EncoderFault::NotFinite { joint, name: self.joints[joint] });
+        }
+        self.fallback.check_attitudes(&reading.positions).map_err(EncoderFault::Attitude)
     }
 
     fn holding_inputs(&self, positions: &[f64; NY]) -> Result<[f64; M], Refusal> {

@@ -12,12 +12,12 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MpcError {
     /// An option is out of its range.
-    #[error("option {option}[{index}] is {value}; it must be {range}")]
+    #[error("{option}{} is {value}; it must be {range}", .index.map(|i| format!("[{i}]")).unwrap_or_default())]
     Option {
         /// Name of the option.
         option: &'static str,
-        /// Its component, 0 for scalars.
-        index: usize,
+        /// Its component, where it has several.
+        index: Option<usize>,
         /// The value that was given.
         value: f64,
         /// The range that is allowed.
@@ -107,7 +107,10 @@ pub(super) fn require(
 ) -> Result<(), MpcError> {
     match values.iter().position(|x| !holds(*x)) {
         None => Ok(()),
-        Some(index) => Err(MpcError::Option { option, index, value: values[index], range }),
+        Some(k) => {
+            let index = (values.len() > 1).then_some(k);
+            Err(MpcError::Option { option, index, value: values[k], range })
+        }
     }
 }
 

@@ -32,7 +32,8 @@
 //!
 //! Nothing is allocated after construction. A state has `NX = 2 N` numbers, positions before velocities; `NX`
 //! is a parameter of its own because `2 N` is not a type on stable Rust; `dynamics!` supplies it
-//! ([`PhaseSpace`](crate::dynamics::PhaseSpace)).
+//! ([`PhaseSpace`](crate::dynamics::PhaseSpace)). Code that is generic over the model asks for
+//! [`Predictable`](crate::dynamics::Predictable).
 //!
 //! Sources: the controller's structure follows Fehr, Schmid, Schneider, Eberhard, *Proc. Appl. Math. Mech.*
 //! 20 (2020) (feed-forward and LTV-MPC on the PowerCube); offset-free tracking Pannocchia, Rawlings, *AIChE

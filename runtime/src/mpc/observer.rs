@@ -36,11 +36,16 @@ impl<const N: usize, const M: usize> ObserverOptions<N, M> {
     pub(super) fn check(&self) -> Result<(), MpcError> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let weight = |x: f64| x.is_finite() && x >= 0.0;
-        require("encoder_noise", &self.encoder_noise, "positive", positive)?;
+        require("observer.encoder_noise", &self.encoder_noise, "positive (rad or m)", positive)?;
         let sensors = self.velocity_sensor_noise.as_ref().map_or(&[][..], |n| n);
-        require("velocity_sensor_noise", sensors, "positive", positive)?;
-        require("velocity_noise", &self.velocity_noise, "not negative", weight)?;
-        require("disturbance_noise", &self.disturbance_noise, "not negative", weight)
+        require("observer.velocity_sensor_noise", sensors, "positive (rad/s or m/s)", positive)?;
+        require("observer.velocity_noise", &self.velocity_noise, "not negative (rad/s or m/s)", weight)?;
+        require(
+            "observer.disturbance_noise",
+            &self.disturbance_noise,
+            "not negative (unit of the input)",
+            weight,
+        )
     }
 }
 

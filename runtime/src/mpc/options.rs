@@ -155,7 +155,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     pub(super) fn check(&self) -> Result<(), MpcError> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let weight = |x: f64| x.is_finite() && x >= 0.0;
-        require("period", &[self.period], "positive and finite", positive)?;
+        require("period", &[self.period], "positive and finite (s)", positive)?;
         require("position_weight", &self.position_weight, NOT_NEGATIVE, weight)?;
         require("velocity_weight", &self.velocity_weight, NOT_NEGATIVE, weight)?;
         require("input_weight", &self.input_weight, NOT_NEGATIVE, weight)?;
@@ -163,14 +163,13 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         let both: [f64; M] = core::array::from_fn(|i| self.input_weight[i] + self.input_rate_weight[i]);
         require("input_weight plus input_rate_weight", &both, "positive", positive)?;
         if let TerminalWeight::Discounted { time_constant } = self.terminal_weight {
-            require("terminal_weight.time_constant", &[time_constant], "positive and finite", positive)?;
+            require("terminal_weight.time_constant", &[time_constant], "positive and finite (s)", positive)?;
         }
-        for limits in self.input_limits.iter().chain(&self.position_limits) {
-            require("a bound", limits, "a number, lower before upper", |x| {
-                !x.is_nan() && limits[0] <= limits[1]
-            })?;
-        }
-        require("velocity_limits", &self.velocity_limits, "positive", |x| x > 0.0)?;
+        let [inputs, positions] = [&self.input_limits[..], &self.position_limits]
+            .map(|limits| limits.iter().map(|[low, high]| high - low).collect::<Vec<f64>>());
+        require("input_limits (upper minus lower)", &inputs, "not negative", |x| x >= 0.0)?;
+        require("position_limits (upper minus lower)", &positions, "not negative (rad or m)", |x| x >= 0.0)?;
+        require("velocity_limits", &self.velocity_limits, "positive (rad/s or m/s)", |x| x > 0.0)?;
         require("limit_penalty.linear", &[self.limit_penalty.linear], "positive and finite", positive)?;
         require("limit_penalty.quadratic", &[self.limit_penalty.quadratic], NOT_NEGATIVE, weight)?;
         for row in &self.rows {

@@ -46,23 +46,28 @@ impl Mode {
     }
 }
 
+/// Generalized forces from outside at given positions.
+pub(super) type PushForce<const N: usize, const NY: usize> = dyn Fn(&[f64; NY]) -> [f64; N] + Send + Sync;
+
 /// Equations of motion with the mode of each joint.
-pub(super) struct Joints<'d, D, const N: usize, const M: usize> {
+pub(super) struct Joints<'d, D, const N: usize, const M: usize, const NY: usize> {
     pub model: &'d D,
     /// When the integration's time is 0 (s).
     pub start: f64,
     pub inputs: &'d [f64; M],
     /// Torques of the engaged brakes.
     pub brakes: &'d [f64; N],
+    /// Forces from outside.
+    pub push: Option<&'d PushForce<N, NY>>,
     pub modes: [Mode; N],
     /// Speed that the integration cannot resolve. A joint has turned beyond it, and rests below twice as
     /// much: where it turned, it rests.
     pub rest: f64,
 }
 
-impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
+impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joints<'d, D, N, M, NY> {
     /// The same joints of the robot as it is at some time.
-    fn of<'e>(&self, model: &'e D) -> Joints<'e, D, N, M>
+    fn of<'e>(&self, model: &'e D) -> Joints<'e, D, N, M, NY>
     where
         'd: 'e,
     {
@@ -70,10 +75,7 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
     }
 
     /// Sets the modes for a motion at a time of the integration (s), and speeds of joints at rest to zero.
-    pub fn settle_at<const NY: usize>(&mut self, time: f64, motion: &mut Motion<N, NY>)
-    where
-        D: Dynamics<N, M, NY>,
-    {
+    pub fn settle_at(&mut self, time: f64, motion: &mut Motion<N, NY>) {
         self.modes = self.model.at_time(self.start + time, |model| {
             let mut joints = self.of(model);
             joints.settle(motion);
@@ -82,10 +84,7 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
     }
 
     /// Friction just before and just after rest, brakes included.
-    fn friction_range<const NY: usize>(&self, y: &[f64; NY]) -> [Range; N]
-    where
-        D: Dynamics<N, M, NY>,
-    {
+    fn friction_range(&self, y: &[f64; NY]) -> [Range; N] {
         let (at_rest, shares) = (self.model.friction_at_rest(y), self.model.load_friction_at_rest(y));
         core::array::from_fn(|i| {
             let ([low, high], brake) = (at_rest[i], self.brakes[i]);
@@ -93,10 +92,7 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
         })
     }
 
-    fn settle<const NY: usize>(&mut self, motion: &mut Motion<N, NY>)
-    where
-        D: Dynamics<N, M, NY>,
-    {
+    fn settle(&mut self, motion: &mut Motion<N, NY>) {
         let range = self.friction_range(&motion.positions);
         let mut at_rest = [false; N];
         for i in 0..N {
@@ -123,15 +119,12 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
     }
 
     /// The resting joint that violates its mode most, and the mode that it should have.
-    fn worst<const NY: usize>(
+    fn worst(
         &self,
         motion: &Motion<N, NY>,
         range: &[Range; N],
         at_rest: &[bool; N],
-    ) -> Option<(usize, Mode)>
-    where
-        D: Dynamics<N, M, NY>,
-    {
+    ) -> Option<(usize, Mode)> {
         let Solution { accelerations, friction, loads } = self.solve(motion);
         let mut worst = None;
         let mut largest = 0.0;
@@ -160,10 +153,7 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
     }
 
     /// Accelerations, the friction torques of joints that stick, and the loads of all.
-    fn solve<const NY: usize>(&self, motion: &Motion<N, NY>) -> Solution<N>
-    where
-        D: Dynamics<N, M, NY>,
-    {
+    fn solve(&self, motion: &Motion<N, NY>) -> Solution<N> {
         let y = &motion.positions;
         let v = self.directed(&motion.velocities);
         let (mass, coriolis, applied) = self.model.equations_of_motion(y, &v);
@@ -171,6 +161,7 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
         let input_matrix = self.model.input_matrix(y);
         let stuck = |i: usize| self.modes[i] == Mode::Stuck;
         let mut loads = [0.0; N];
+        let push = self.push.map_or([0.0; N], |push| push(y));
         let forces: [f64; N] = core::array::from_fn(|i| {
             let input: f64 = input_matrix[i].iter().zip(self.inputs).map(|(b, u)| b * u).sum();
             // A sticking brake holds as part of the friction that is solved for.
@@ -178,7 +169,7 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
                 0.0 => 0.0,
                 direction => direction * self.brakes[i],
             };
-            let rest = applied[i] + input - coriolis[i] - brake;
+            let rest = applied[i] + input + push[i] - coriolis[i] - brake;
             if stuck(i) {
                 loads[i] = input;
                 return rest;
@@ -208,10 +199,7 @@ impl<'d, D, const N: usize, const M: usize> Joints<'d, D, N, M> {
     }
 
     /// True if a joint that sticks is held by more than its friction can.
-    fn is_overloaded<const NY: usize>(&self, motion: &Motion<N, NY>) -> bool
-    where
-        D: Dynamics<N, M, NY>,
-    {
+    fn is_overloaded(&self, motion: &Motion<N, NY>) -> bool {
         let Solution { friction, loads, .. } = self.solve(motion);
         let range = self.friction_range(&motion.positions);
         (0..N).any(|i| self.modes[i] == Mode::Stuck && overload(friction[i], range[i].under(loads[i])) != 0.0)
@@ -269,7 +257,7 @@ fn overload(friction: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Flow<N, NY>
-    for Joints<'_, D, N, M>
+    for Joints<'_, D, N, M, NY>
 {
     fn rates(&self, motion: &Motion<N, NY>) -> [f64; NY] {
         position_rates(self.model.quaternion_joints(), &motion.positions, &motion.velocities)
@@ -279,7 +267,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Flo
         let braked = self.brakes.iter().any(|b| *b > 0.0);
         let sticks = self.modes.contains(&Mode::Stuck);
         self.model.at_time(self.start + time, |model| {
-            if braked || sticks {
+            if braked || sticks || self.push.is_some() {
                 return self.of(model).solve(motion).accelerations;
             }
             let v = self.directed(&motion.velocities);

@@ -20,13 +20,14 @@ pub use options::{PlantError, PlantOptions};
 
 use crate::dynamics::{Dynamics, jumps_with, plain_entries};
 use crate::input_limits::limit_torques;
-use dry_friction::{Joints, Mode};
+use dry_friction::{Joints, Mode, PushForce};
 use integrator::{Integrator, MAX_PERIOD_STEPS, Motion};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::StandardNormal;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Changes between sticking and sliding in one period after which the integration gives up.
 const MAX_EVENTS: usize = 1000;
@@ -46,6 +47,21 @@ pub struct Measurement<const N: usize, const NY: usize = N> {
     /// Forces of the drives at their joints over the last period, B u_applied [N m or N], where
     /// [`PlantOptions::torque_noise`] makes them measured.
     pub torques: Option<[f64; N]>,
+}
+
+/// Generalized forces from outside that act until a time (s).
+#[derive(Clone)]
+struct Push<const N: usize, const NY: usize> {
+    end: f64,
+    force: Arc<PushForce<N, NY>>,
+}
+
+/// `Jᵀ w`: generalized forces of a force and a moment [N, N m] at the origin of a frame.
+///
+/// - `jacobian`: of this origin in the axes of `wrench`, linear before angular
+#[must_use]
+pub fn wrench_forces<const N: usize>(jacobian: &[[f64; N]; 6], wrench: &[f64; 6]) -> [f64; N] {
+    core::array::from_fn(|i| jacobian.iter().zip(wrench).map(|(row, w)| row[i] * w).sum())
 }
 
 /// A robot that moves in periods with constant inputs.
@@ -78,6 +94,7 @@ pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
     /// What last arrived, before noise, rounding and limit.
     received: [f64; M],
     applied: [f64; M],
+    push: Option<Push<N, NY>>,
     encoder_noise: ChaCha8Rng,
     input_noise: ChaCha8Rng,
     losses: ChaCha8Rng,
@@ -113,6 +130,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
             queue: VecDeque::with_capacity(options.delay + 1),
             received: [0.0; M],
             applied: [0.0; M],
+            push: None,
             encoder_noise: stream(0),
             input_noise: stream(1),
             losses: stream(2),
@@ -150,6 +168,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.time = 0.0;
         self.brakes_engaged = false;
         self.applied = [0.0; M];
+        self.push = None;
         self.preload([0.0; M]);
         self.measurement = self.read_encoders();
         Ok(())
@@ -220,6 +239,29 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     /// Releases the brakes; inputs act again.
     pub fn release(&mut self) {
         self.brakes_engaged = false;
+    }
+
+    /// Pushes the robot from outside, over the whole periods that are nearest to `duration` (s), in place of an
+    /// earlier push. Brakes and friction withstand it as they do in reality.
+    ///
+    /// - `force`: generalized forces at given positions [N m or N]; of a force at a frame [`wrench_forces`]
+    ///
+    /// ```
+    /// use gelenk_runtime::plant::{Plant, PlantOptions, wrench_forces};
+    ///
+    /// gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5);
+    ///
+    /// let mut plant = Plant::new(Ur5, PlantOptions::default())?;
+    /// // 20 N sideways at the tool.
+    /// plant.push(0.1, |y| {
+    ///     let jacobian = gelenk_generated::ur5::frame_tool_jacobian(y);
+    ///     wrench_forces(&jacobian, &[0.0, 20.0, 0.0, 0.0, 0.0, 0.0])
+    /// });
+    /// plant.apply(&[0.0; 6], 0.01)?;
+    /// # Ok::<(), gelenk_runtime::plant::PlantError>(())
+    /// ```
+    pub fn push(&mut self, duration: f64, force: impl Fn(&[f64; NY]) -> [f64; N] + Send + Sync + 'static) {
+        self.push = Some(Push { end: self.time + duration, force: Arc::new(force) });
     }
 
     /// True while the brakes are engaged.
@@ -314,11 +356,13 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         // Another model, or another place, may have a jump where the first had none.
         refuse_shared_friction(&self.model, (self.time, &self.motion.positions))?;
         let brakes = if self.brakes_engaged { self.brake_torque } else { [0.0; N] };
+        let push = self.push.as_ref().filter(|push| self.time + 0.5 * period < push.end);
         let mut joints = Joints {
             model: &self.model,
             start: self.time,
             inputs,
             brakes: &brakes,
+            push: push.map(|push| &*push.force),
             modes: [Mode::Smooth; N],
             rest: self.options.absolute_tolerance,
         };

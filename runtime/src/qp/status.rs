@@ -77,7 +77,7 @@ impl Default for QpSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum QpError {
     /// The horizon must be 1..=100.
-    #[error("a horizon of {0} stages; choose 1 to 100")]
+    #[error("horizon is {0} stages; it must be 1 to 100")]
     Horizon(usize),
     /// `NX` must be 1..=32, `NU` 1..=32 and `NR` 0..=32.
     #[error("a QP needs 1 to 32 states, 1 to 32 inputs and at most 32 rows per stage")]

@@ -1,6 +1,6 @@
 //! A simulated robot in the same process.
 
-use super::{Brakes, Reading, Transport, TransportError};
+use super::{Brakes, Reading, Transport, TransportError, require_finite};
 use crate::clock::Clock;
 use crate::dynamics::Dynamics;
 use crate::plant::Plant;
@@ -85,9 +85,7 @@ where
     }
 
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {
-        if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
-            return Err(TransportError::Input { input });
-        }
+        require_finite(inputs)?;
         self.catch_up()?;
         self.written = Some(*inputs);
         Ok(())

@@ -17,7 +17,7 @@ pub use plant_server::{Pace, PlantServer, ServerError, ServerOptions};
 pub use socketcan::CanTransport;
 pub use udp::UdpTransport;
 
-use std::io;
+use std::{fmt, io};
 use thiserror::Error;
 
 /// Where the brakes are, as far as the robot tells.
@@ -30,6 +30,16 @@ pub enum Brakes {
     Released,
     /// At least one is engaged.
     Engaged,
+}
+
+impl fmt::Display for Brakes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unknown => "unknown",
+            Self::Released => "released",
+            Self::Engaged => "engaged",
+        })
+    }
 }
 
 /// A measurement that arrived from the robot.
@@ -59,10 +69,15 @@ impl<const N: usize, const NY: usize> Reading<N, NY> {
 /// Why a transport could not do what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum TransportError {
-    /// The robot's side started anew since the last reading: its brakes, positions and inputs are not what
-    /// they were.
-    #[error("the robot's side restarted")]
+    /// The robot's side started anew since the last reading, or another controller has connected to it: its brakes,
+    /// positions and inputs are not what they were.
+    #[error("the robot's side restarted, or has another controller")]
     Restarted,
+    /// Nobody answers where the robot should be.
+    #[error(
+        "nobody answers: check that the robot's side runs, its address, and that it has the same version"
+    )]
+    NoAnswer,
     /// The operating system failed to send or receive.
     #[error("transport: {0}")]
     Io(io::ErrorKind),
@@ -77,9 +92,23 @@ pub enum TransportError {
     },
 }
 
+fn require_finite(inputs: &[f64]) -> Result<(), TransportError> {
+    let not_finite = inputs.iter().position(|u| !u.is_finite());
+    not_finite.map_or(Ok(()), |input| Err(TransportError::Input { input }))
+}
+
 impl From<io::Error> for TransportError {
     fn from(e: io::Error) -> Self {
-        Self::Io(e.kind())
+        e.kind().into()
+    }
+}
+
+impl From<io::ErrorKind> for TransportError {
+    fn from(kind: io::ErrorKind) -> Self {
+        match kind {
+            io::ErrorKind::ConnectionRefused => Self::NoAnswer,
+            _ => Self::Io(kind),
+        }
     }
 }
 

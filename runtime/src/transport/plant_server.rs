@@ -1,15 +1,17 @@
 //! The robot's side of the UDP connection: a plant process.
 
 use super::Brakes;
-use super::datagram::{Datagram, MAX_DATAGRAM, Message, TrueState};
+use super::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
 use super::udp::is_timeout;
 use crate::dynamics::Dynamics;
-use crate::plant::{Plant, PlantError};
-use rand::{RngExt, SeedableRng};
+use crate::plant::{Plant, PlantError, wrench_forces};
+use rand::rngs::SysRng;
+use rand::{RngExt, SeedableRng, TryRng};
 use rand_chacha::ChaCha8Rng;
 use std::io;
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -38,22 +40,12 @@ pub struct ServerOptions {
     pub silence: Range<u64>,
     /// Seed of the losses.
     pub seed: u64,
-    /// Tells one start of the process from another.
-    pub session: u32,
 }
 
 impl Default for ServerOptions {
-    /// 20 ms in real time, a watchdog of 5 periods, nothing lost; the session is the id of the process.
+    /// 20 ms in real time, a watchdog of 5 periods, nothing lost.
     fn default() -> Self {
-        Self {
-            period: 0.02,
-            pace: Pace::RealTime,
-            watchdog_periods: 5,
-            loss: 0.0,
-            silence: 0..0,
-            seed: 0,
-            session: std::process::id(),
-        }
+        Self { period: 0.02, pace: Pace::RealTime, watchdog_periods: 5, loss: 0.0, silence: 0..0, seed: 0 }
     }
 }
 
@@ -78,6 +70,34 @@ pub enum ServerError {
     },
 }
 
+/// The Jacobian of a frame's origin in the axes of the world at given positions, linear before angular.
+type Frame<const N: usize, const NY: usize> = Arc<dyn Fn(&[f64; NY]) -> [[f64; N]; 6] + Send + Sync>;
+
+/// A controller, and the number of the last datagram that it was obeyed in.
+#[derive(Debug, Clone, Copy)]
+struct Connection {
+    controller: SocketAddr,
+    number: u32,
+    sequence: u64,
+}
+
+impl Connection {
+    /// True once for each datagram of this connection, in rising order.
+    fn takes<const N: usize, const M: usize, const NY: usize>(
+        &mut self,
+        question: &Datagram<N, M, NY>,
+        from: SocketAddr,
+    ) -> bool {
+        // As a signed number, so that 0 follows the largest.
+        let rises = question.sequence.wrapping_sub(self.sequence).cast_signed() > 0;
+        let taken = rises && self.controller == from && self.number == question.connection;
+        if taken {
+            self.sequence = question.sequence;
+        }
+        taken
+    }
+}
+
 /// Most periods that a server in real time catches up with at once. After a longer pause of the machine the
 /// plant, which has braked meanwhile, goes on from where it was.
 const MAX_CATCH_UP: u32 = 1000;
@@ -95,17 +115,21 @@ impl ServerOptions {
     }
 }
 
-/// A plant that answers controllers over UDP. It begins with its brakes engaged. Whoever reaches its port can
-/// drive it: bind it to this machine (`127.0.0.1`) or to a network of its own.
+/// A plant that answers controllers over UDP. It begins with its brakes engaged. It obeys the controller that connected
+/// last, and each of its commands once, see [`datagram`](super::datagram). Whoever reaches its port can
+/// connect: bind it to this machine (`127.0.0.1`) or to a network of its own.
 ///
 /// No datagram ends it. Inputs that the simulation cannot go on with (1e308 N m) are a breakdown of the
-/// robot: it is taken up again at rest where it was, its brakes engaged, as a new session, which controllers
+/// robot: it is taken up again at rest where it was, its brakes engaged and without a controller, which controllers
 /// learn as [`TransportError::Restarted`](super::TransportError::Restarted). [`breakdowns`](Self::breakdowns)
 /// counts them.
 pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
     plant: Plant<D, N, M, NY>,
     socket: UdpSocket,
     options: ServerOptions,
+    frames: Vec<Frame<N, NY>>,
+    connection: Option<Connection>,
+    offered: Option<Connection>,
     losses: ChaCha8Rng,
     /// Received since the plant last moved.
     received: Option<[f64; M]>,
@@ -134,6 +158,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         let (positions, velocities) = plant.state();
         Ok(Self {
             socket: UdpSocket::bind(address)?,
+            frames: Vec::new(),
+            connection: None,
+            offered: None,
             losses: ChaCha8Rng::seed_from_u64(options.seed),
             received: None,
             periods: 0,
@@ -151,6 +178,18 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
             plant,
             options,
         })
+    }
+
+    /// With a frame for [`Push::Frame`], numbered from 0 in the order of these calls.
+    ///
+    /// - `jacobian`: of the frame's origin in the axes of the world, the module's `frame_…_jacobian`
+    #[must_use]
+    pub fn with_frame(
+        mut self,
+        jacobian: impl Fn(&[f64; NY]) -> [[f64; N]; 6] + Send + Sync + 'static,
+    ) -> Self {
+        self.frames.push(Arc::new(jacobian));
+        self
     }
 
     /// Where it listens.
@@ -215,7 +254,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
             return Ok(false);
         };
         let mut buffer = [0; MAX_DATAGRAM];
-        if let Some(answer) = self.respond(&question)?
+        if let Some(answer) = self.respond(&question, from)?
             && let Ok(bytes) = answer.encode(&mut buffer)
         {
             // What cannot be sent is lost, as on any network.
@@ -224,7 +263,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(true)
     }
 
-    /// Takes in what a controller says and answers it, if it is a question: for connections other than this
+    /// Takes in what somebody says and answers it, if it is a question: for connections other than this
     /// server's socket.
     ///
     /// # Errors
@@ -232,45 +271,90 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     pub fn respond(
         &mut self,
         question: &Datagram<N, M, NY>,
+        from: SocketAddr,
     ) -> Result<Option<Datagram<N, M, NY>>, ServerError> {
-        let message = self.answer(question)?;
+        let message = self.answer(question, from)?;
+        let offered = self.offered.filter(|_| message == Some(Message::Connect));
+        let connection = offered.or(self.connection).map_or(0, |connection| connection.number);
         Ok(message.map(|message| Datagram {
-            session: self.options.session,
+            connection,
             sequence: question.sequence,
             brakes: self.brakes(),
             message,
         }))
     }
 
-    fn answer(&mut self, question: &Datagram<N, M, NY>) -> Result<Option<Message<N, M, NY>>, ServerError> {
+    fn answer(
+        &mut self,
+        question: &Datagram<N, M, NY>,
+        from: SocketAddr,
+    ) -> Result<Option<Message<N, M, NY>>, ServerError> {
         let lost = self.is_lost();
+        let obeyed = self.obeys(question, from);
         let lock_step = self.options.pace == Pace::LockStep;
-        match question.message {
-            Message::Query => {
-                if lock_step {
-                    self.advance()?;
-                }
-                let unanswered = lock_step.then_some(Message::Lost);
-                Ok(if lost { unanswered } else { Some(self.measured()) })
+        if obeyed && lock_step && question.message == Message::Query {
+            self.advance()?;
+        }
+        Ok(match question.message {
+            Message::Inspect => Some(Message::TrueState(self.observed)),
+            Message::Connect | Message::Query | Message::Release | Message::Push(_) if lost => {
+                lock_step.then_some(Message::Lost)
             }
-            // No time passes here, so in lock-step a lost one can only be told, too.
-            Message::Release if lost => Ok(lock_step.then_some(Message::Lost)),
+            Message::Connect => {
+                let number = SysRng.try_next_u32().map_err(io::Error::other)?.max(1);
+                self.offered = Some(Connection { controller: from, number, sequence: question.sequence });
+                Some(Message::Connect)
+            }
+            Message::Query | Message::Release | Message::Push(_) => {
+                if obeyed {
+                    self.obey(&question.message);
+                }
+                Some(self.measured())
+            }
+            Message::Inputs(_) | Message::Brake => {
+                if obeyed && !lost {
+                    self.obey(&question.message);
+                }
+                None
+            }
+            // An answer where a question is expected.
+            Message::Measured { .. } | Message::Lost | Message::TrueState(_) => None,
+        })
+    }
+
+    /// Tells whether a command is the controller's and a new one. The first with an offered number connects.
+    fn obeys(&mut self, question: &Datagram<N, M, NY>, from: SocketAddr) -> bool {
+        if matches!(question.message, Message::Inspect | Message::Connect) {
+            return false;
+        }
+        if self.connection.as_mut().is_some_and(|known| known.takes(question, from)) {
+            return true;
+        }
+        let offered = self.offered.take_if(|offered| offered.takes(question, from));
+        let is_push = matches!(question.message, Message::Push(_));
+        if offered.is_some() && !is_push {
+            self.plant.brake();
+            self.received = None;
+            self.connection = offered;
+        }
+        offered.is_some()
+    }
+
+    fn obey(&mut self, command: &Message<N, M, NY>) {
+        match *command {
             Message::Release => {
                 self.plant.release();
                 self.silent_periods = 0;
-                Ok(Some(self.measured()))
             }
-            Message::Inputs(inputs) if !lost => {
-                self.received = Some(inputs);
-                Ok(None)
+            Message::Inputs(inputs) => self.received = Some(inputs),
+            Message::Brake => self.plant.brake(),
+            Message::Push(Push::Joints { duration, forces }) => self.plant.push(duration, move |_| forces),
+            Message::Push(Push::Frame { duration, frame, wrench }) => {
+                if let Some(jacobian) = self.frames.get(usize::from(frame)).cloned() {
+                    self.plant.push(duration, move |y| wrench_forces(&jacobian(y), &wrench));
+                }
             }
-            Message::Brake if !lost => {
-                self.plant.brake();
-                Ok(None)
-            }
-            Message::Inspect => Ok(Some(Message::TrueState(self.observed))),
-            // Lost, or an answer where a question is expected.
-            _ => Ok(None),
+            _ => {}
         }
     }
 
@@ -330,7 +414,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         let (positions, _) = self.plant.state();
         self.plant.reset(positions, [0.0; N])?;
         self.plant.brake();
-        self.options.session = self.options.session.wrapping_add(1);
+        (self.connection, self.offered) = (None, None);
         self.breakdowns += 1;
         self.last_breakdown = Some(fault);
         Ok(())

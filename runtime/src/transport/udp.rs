@@ -1,7 +1,9 @@
 //! The controller's side of the UDP connection.
 
-use super::datagram::{Datagram, DatagramError, MAX_DATAGRAM, Message, TrueState};
-use super::{Brakes, Reading, Transport, TransportError};
+use super::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
+use super::{Brakes, Reading, Transport, TransportError, require_finite};
+use rand::TryRng;
+use rand::rngs::SysRng;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
@@ -14,13 +16,15 @@ const RELEASE_ATTEMPTS: u32 = 20;
 /// A robot behind a UDP socket, in the datagrams of [`datagram`](super::datagram).
 ///
 /// A reading is a question and its answer: old, foreign, damaged and doubled datagrams do not fit the
-/// question and are dropped, so that the robot's positions are always those of this period.
+/// question and are dropped, so that the robot's positions are always those of this period. The first command or
+/// reading connects, and takes the robot, brakes engaged, from whoever controlled it before.
 #[derive(Debug)]
 pub struct UdpTransport<const N: usize, const M: usize, const NY: usize = N> {
     socket: UdpSocket,
     timeout: Duration,
     sequence: u64,
-    session: Option<u32>,
+    /// Number of the connection.
+    connection: Option<u32>,
 }
 
 impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
@@ -46,8 +50,10 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         let socket = UdpSocket::bind((any, 0))?;
         socket.connect(address)?;
         socket.set_read_timeout(Some(timeout))?;
-        let transport = Self { socket, timeout, sequence: 0, session: None };
-        let question = transport.question(Message::Query);
+        // Answers to an earlier process at this port do not fit.
+        let sequence = SysRng.try_next_u64().map_err(io::Error::other)?;
+        let transport = Self { socket, timeout, sequence, connection: None };
+        let question = transport.question(0, Message::Query);
         question.encode(&mut [0; MAX_DATAGRAM]).map_err(io::Error::other)?;
         Ok(transport)
     }
@@ -58,25 +64,60 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
     /// # Errors
     /// [`TransportError::Io`].
     pub fn inspect(&mut self) -> Result<Option<(TrueState<N, NY>, Brakes)>, TransportError> {
-        let answer = self.ask(Message::Inspect)?;
+        let answer = self.ask(0, Message::Inspect)?;
         Ok(answer.and_then(|answer| match answer.message {
             Message::TrueState(state) => Some((state, answer.brakes)),
             _ => None,
         }))
     }
 
-    fn question(&self, message: Message<N, M, NY>) -> Datagram<N, M, NY> {
-        Datagram { session: 0, sequence: self.sequence, brakes: Brakes::Unknown, message }
+    /// Pushes a simulated robot. From a transport that does not control it, the push leaves its controller connected. False
+    /// where no answer came in time.
+    ///
+    /// # Errors
+    /// [`TransportError::NoAnswer`], [`TransportError::Io`].
+    pub fn push(&mut self, push: Push<N>) -> Result<bool, TransportError> {
+        let number = self.connection.map_or_else(|| self.offered_number(), Ok)?;
+        Ok(self.ask(number, Message::Push(push))?.is_some())
     }
 
-    fn send(&mut self, message: Message<N, M, NY>) -> Result<(), TransportError> {
+    /// # Errors
+    /// [`TransportError::NoAnswer`] where no connection is offered.
+    fn offered_number(&mut self) -> Result<u32, TransportError> {
+        let answer = self.ask(0, Message::Connect)?;
+        let offer = answer.filter(|answer| answer.message == Message::Connect);
+        offer.map(|offer| offer.connection).ok_or(TransportError::NoAnswer)
+    }
+
+    fn connected_number(&mut self) -> Result<u32, TransportError> {
+        let number = self.connection.map_or_else(|| self.offered_number(), Ok)?;
+        self.connection = Some(number);
+        Ok(number)
+    }
+
+    /// The answer to the robot's controller; None where it does not come in time.
+    fn ask_connected(
+        &mut self,
+        message: Message<N, M, NY>,
+    ) -> Result<Option<Datagram<N, M, NY>>, TransportError> {
+        let number = self.connected_number()?;
+        let answer = self.ask(number, message)?;
+        if answer.is_some_and(|answer| answer.connection != number) {
+            self.connection = None;
+            return Err(TransportError::Restarted);
+        }
+        Ok(answer)
+    }
+
+    fn question(&self, connection: u32, message: Message<N, M, NY>) -> Datagram<N, M, NY> {
+        Datagram { connection, sequence: self.sequence, brakes: Brakes::Unknown, message }
+    }
+
+    fn send(&mut self, connection: u32, message: Message<N, M, NY>) -> Result<(), TransportError> {
         self.sequence = self.sequence.wrapping_add(1);
         let mut buffer = [0; MAX_DATAGRAM];
-        let datagram = self.question(message);
-        let bytes = datagram.encode(&mut buffer).map_err(|e| match e {
-            DatagramError::Input { input } => TransportError::Input { input },
-            _ => TransportError::Io(io::ErrorKind::InvalidInput),
-        })?;
+        let datagram = self.question(connection, message);
+        let bytes = datagram.encode(&mut buffer).map_err(|_| io::ErrorKind::InvalidInput)?;
         match self.socket.send(bytes) {
             // This reports that an earlier datagram found nobody; this one was not sent.
             Err(e) if e.kind() == io::ErrorKind::ConnectionRefused => {
@@ -88,8 +129,12 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
     }
 
     /// The answer to a question; None where it does not come in time.
-    fn ask(&mut self, message: Message<N, M, NY>) -> Result<Option<Datagram<N, M, NY>>, TransportError> {
-        self.send(message)?;
+    fn ask(
+        &mut self,
+        connection: u32,
+        message: Message<N, M, NY>,
+    ) -> Result<Option<Datagram<N, M, NY>>, TransportError> {
+        self.send(connection, message)?;
         let deadline = Instant::now() + self.timeout;
         let mut remaining = self.timeout;
         loop {
@@ -105,7 +150,6 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
             if let Ok(answer) = Datagram::decode(&buffer[..length])
                 && answer.sequence == self.sequence
             {
-                self.notice_restart(answer.session)?;
                 return Ok(Some(answer));
             }
             remaining = deadline.saturating_duration_since(Instant::now());
@@ -114,18 +158,11 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
             }
         }
     }
-
-    fn notice_restart(&mut self, session: u32) -> Result<(), TransportError> {
-        match self.session.replace(session) {
-            Some(known) if known != session => Err(TransportError::Restarted),
-            _ => Ok(()),
-        }
-    }
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for UdpTransport<N, M, NY> {
     fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError> {
-        let answer = self.ask(Message::Query)?;
+        let answer = self.ask_connected(Message::Query)?;
         Ok(answer.and_then(|answer| match answer.message {
             Message::Measured { positions, velocities, torques } => {
                 Some(Reading { positions, velocities, torques, brakes: answer.brakes })
@@ -135,13 +172,15 @@ impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for Ud
     }
 
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError> {
-        self.send(Message::Inputs(*inputs))
+        require_finite(inputs)?;
+        let number = self.connected_number()?;
+        self.send(number, Message::Inputs(*inputs))
     }
 
     /// Waits for the confirmation, and asks again where it is lost.
     fn release(&mut self) -> Result<(), TransportError> {
         for _ in 0..RELEASE_ATTEMPTS {
-            let answer = self.ask(Message::Release)?;
+            let answer = self.ask_connected(Message::Release)?;
             if answer.is_some_and(|answer| answer.brakes == Brakes::Released) {
                 return Ok(());
             }
@@ -150,7 +189,8 @@ impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for Ud
     }
 
     fn brake(&mut self) -> Result<(), TransportError> {
-        self.send(Message::Brake)
+        let number = self.connected_number()?;
+        self.send(number, Message::Brake)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::{Quadrotor, quadrotor};
 use gelenk_runtime::control_loop::{
-    ControlLoop, Controller, Cycle, End, FeedForwardPd, JointGains, JointLaw, JointPd, LoopReport,
-    LoopSettings, Refusal, StopReason, VirtualClock, log_to,
+    ControlLoop, Controller, Cycle, EncoderFault, End, FeedForwardPd, JointGains, JointLaw, JointPd,
+    LoopReport, LoopSettings, Refusal, StopReason, VirtualClock, log_to,
 };
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -149,7 +149,9 @@ fn readings_that_are_no_attitudes_stop_it_by_name() {
         assert!(matches!(report.end, End::Refused(_)), "{report}");
     }
     let refused = run_spoilt(0, [0.0; 4]).end;
-    assert!(matches!(refused, End::Refused(Refusal::Attitude(error)) if error.joint == "base"));
+    assert!(
+        matches!(refused, End::Refused(Refusal::Encoder(EncoderFault::Attitude(error))) if error.joint == "base")
+    );
 }
 
 /// An attitude that jumps is not believed, whichever its sign.

@@ -20,12 +20,12 @@ use gelenk_runtime::control_loop::{Source, log_to};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};
 use gelenk_runtime::transport::can_frame::{CanCodec, Frame};
-use gelenk_runtime::transport::datagram::{Datagram, MAX_DATAGRAM, Message, TrueState};
+use gelenk_runtime::transport::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
 use gelenk_runtime::transport::{Brakes, Pace, PlantServer, ServerOptions, Transport, UdpTransport};
 use named_robot::NamedRobot;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
@@ -72,7 +72,7 @@ fn numbers<const L: usize>(generator: &mut ChaCha8Rng) -> [f64; L] {
 }
 
 fn message<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Message<N, M> {
-    match generator.random_range(0..9) {
+    match generator.random_range(0..10) {
         0 | 1 => Message::Query,
         2 => Message::Inputs(numbers(generator).map(|u: f64| if u.is_finite() { u } else { 0.0 })),
         3 => Message::Release,
@@ -84,6 +84,7 @@ fn message<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Messag
             torques: generator.random_bool(0.5).then(|| numbers(generator)),
         },
         7 => Message::Lost,
+        9 => Message::Push(Push::Joints { duration: generator.random(), forces: [generator.random(); N] }),
         _ => Message::TrueState(TrueState {
             positions: numbers(generator),
             velocities: numbers(generator),
@@ -99,7 +100,7 @@ fn message<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Messag
 fn datagram<const N: usize, const M: usize>(generator: &mut ChaCha8Rng) -> Vec<u8> {
     let mut buffer = [0; MAX_DATAGRAM];
     let sound = Datagram::<N, M> {
-        session: generator.random(),
+        connection: generator.random(),
         sequence: generator.random(),
         brakes: [Brakes::Unknown, Brakes::Released, Brakes::Engaged][generator.random_range(0..3)],
         message: message(generator),
@@ -220,20 +221,34 @@ fn a_server_survives_what_it_is_told() {
     let mut generator = ChaCha8Rng::seed_from_u64(6);
     let mut plant = Plant::new(Alpha, PlantOptions::default()).unwrap();
     plant.reset([0.1], [0.0]).unwrap();
-    let options =
-        ServerOptions { pace: Pace::LockStep, period: 0.005, session: 1, ..ServerOptions::default() };
+    let options = ServerOptions { pace: Pace::LockStep, period: 0.005, ..ServerOptions::default() };
     let mut server: PlantServer<Alpha, 1, 1> = PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
     let (count, mut slowest, mut answers) = (rounds(1500, 1_000_000), Slowest::default(), 0_u64);
-    for _ in 0..count {
+    let controller = SocketAddr::from(([127, 0, 0, 1], 4000));
+    let mut number = 0;
+    for sequence in 0..count {
         let bytes = datagram::<1, 1>(&mut generator);
-        let Ok(question) = Datagram::decode(&bytes) else {
+        let Ok(mut question) = Datagram::decode(&bytes) else {
             continue;
         };
-        let answer = slowest.time(|| server.respond(&question)).unwrap();
+        // Mostly of the controller, which connects anew where the robot has none.
+        if generator.random_bool(0.9) {
+            (question.connection, question.sequence) = (number, sequence);
+            question.message = match generator.random_range(0..8) {
+                _ if number == 0 => Message::Connect,
+                0 => Message::Release,
+                1 => Message::Query,
+                2 => Message::Inputs([f64::MAX * generator.random_range(-1.0..1.0)]),
+                _ => question.message,
+            };
+        }
+        let answer = slowest.time(|| server.respond(&question, controller)).unwrap();
         if let Some(answer) = answer {
             answers += 1;
             assert_eq!(answer.sequence, question.sequence);
+            number = answer.connection;
             match answer.message {
+                Message::Connect => assert!(number != 0),
                 Message::Measured { positions, .. } => assert!(positions[0].is_finite()),
                 Message::TrueState(state) => assert!(state.velocities[0].is_finite()),
                 other => panic!("{other:?}"),
@@ -289,9 +304,16 @@ fn a_client_survives_what_it_is_answered() {
     let answering = std::thread::spawn(move || {
         let mut generator = ChaCha8Rng::seed_from_u64(8);
         let mut buffer = [0; MAX_DATAGRAM];
-        for _ in 0..questions {
+        // And the one that connects.
+        for _ in 0..=questions {
             let (length, from) = robot.recv_from(&mut buffer).unwrap();
             let question = Datagram::<2, 2>::decode(&buffer[..length]).unwrap();
+            let message = match question.message {
+                Message::Connect => Message::Connect,
+                _ => {
+                    Message::Measured { positions: [0.25, -0.5], velocities: Some([1.0, 2.0]), torques: None }
+                }
+            };
             for _ in 0..10 {
                 let mut bytes = datagram::<2, 2>(&mut generator);
                 if bytes.len() >= 24 && generator.random_bool(0.3) {
@@ -301,14 +323,10 @@ fn a_client_survives_what_it_is_answered() {
                 let _ = robot.send_to(&bytes, from);
             }
             let answer = Datagram::<2, 2> {
-                session: 1,
+                connection: 1,
                 sequence: question.sequence,
                 brakes: Brakes::Released,
-                message: Message::Measured {
-                    positions: [0.25, -0.5],
-                    velocities: Some([1.0, 2.0]),
-                    torques: None,
-                },
+                message,
             };
             let mut buffer = [0; MAX_DATAGRAM];
             robot.send_to(answer.encode(&mut buffer).unwrap(), from).unwrap();

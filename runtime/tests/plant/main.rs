@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 mod measurement;
+mod push;
 
 use gelenk_runtime::dynamics::{Dynamics, Limits};
 use gelenk_runtime::plant::{Plant, PlantOptions};

@@ -2,6 +2,7 @@
 //! brings it to a place and turns it there. Else it falls, and a PD law at its joints holds their posture.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use gelenk_runtime::control_loop::{Controller, Cycle, JointGains};
 use gelenk_runtime::dynamics::{Dynamics, plain_entries};
@@ -33,7 +34,17 @@ const PRINTED: u32 = 10;
 const FAST: f64 = 1e-3;
 const FAST_PRINTED: u32 = 200;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let home = home();
     match missing(&home) {
         None => {

@@ -9,6 +9,7 @@
 //! 3. The other rows, with these forces, are the joint torques.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use gelenk_runtime::dynamics::{Dynamics, plain_entries};
 use gelenk_runtime::feed_forward::FeedForward;
@@ -66,7 +67,17 @@ const STIFF: [f64; 2] = [1e4, 200.0];
 /// Length of a standing leg, as a part of its length at the positions closest to 0.
 const BENT: f64 = 0.8;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     println!("The robot stands on its feet, and its trunk sways. Contact is not simulated:");
     println!("the forces at the feet are chosen, and act as if the ground had answered so.");
     let standing =

@@ -57,7 +57,7 @@ pub use parameters::{NoFreeParameters, without_parameters};
 pub use torque_speed::TorqueSpeedLine;
 #[doc(hidden)]
 pub use torque_speed::{count_lines, torque_speed_lines};
-pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace};
+pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace, Predictable};
 #[doc(hidden)]
 pub use types::OfResults;
 pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};

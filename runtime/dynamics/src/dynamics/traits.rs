@@ -2,6 +2,7 @@
 
 use super::at_rest::either_side;
 use super::defaults;
+use super::dependent::LimitRows;
 use super::manifold::{self, AttitudeError, NO_WIDTHS, QuaternionJoint};
 use super::names::{names_of_arms, numbered};
 use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
@@ -271,6 +272,26 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
 /// [`dynamics!`](crate::dynamics!) implements it, so that `LtvMpc::new(arm, motion, options)` finds all sizes
 /// by itself.
 pub trait PhaseSpace<const NX: usize> {}
+
+/// All that predictive controllers ask of a model, for code that is generic over it. Whatever
+/// [`dynamics!`](crate::dynamics!) wraps with its derivatives has it, and so has a robot that is written by hand with
+/// these traits.
+pub trait Predictable<
+    const N: usize,
+    const M: usize,
+    const NX: usize,
+    const NR: usize = 0,
+    const NY: usize = N,
+>: Discretizable<N, M, NY> + PhaseSpace<NX> + LimitRows<NR>
+{
+}
+
+impl<D, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    Predictable<N, M, NX, NR, NY> for D
+where
+    D: Discretizable<N, M, NY> + PhaseSpace<NX> + LimitRows<NR>,
+{
+}
 
 /// The robot in discrete time. Periods are in s; inputs are held over them.
 ///

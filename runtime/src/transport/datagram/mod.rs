@@ -5,13 +5,13 @@
 //! | bytes | content |
 //! |---|---|
 //! | 0–3 | `GLNK` |
-//! | 4 | version: 3 where byte 22 is not 0, else 2 where byte 21 is not 0, else 1 |
+//! | 4 | version: 4 |
 //! | 5 | kind, see [`Message`] |
 //! | 6, 7 | N, M |
-//! | 8–11 | session: which start of the plant process answers; 0 from the controller |
+//! | 8–11 | number of the connection: of a command, the one that the plant offered; of an answer, that of the plant's controller, 0 without one |
 //! | 12–19 | sequence number |
 //! | 20 | brakes: 0 unknown, 1 released, 2 engaged |
-//! | 21 | what follows positions in kind 6: 1 velocities, 2 torques, 3 both; 0 else |
+//! | 21 | what follows positions in kind 6: 1 velocities, 2 torques, 3 both; in kind 10 the number of the frame plus 1; 0 else |
 //! | 22 | NY − N: how many more positions than velocities a robot with quaternions has; 0 for all others |
 //! | 23 | 0 |
 //! | 24… | values, 8 bytes each, as many as the kind has |
@@ -21,9 +21,14 @@
 //! quaternion x, y, z, w behind the position.
 //!
 //! A datagram is taken only if every byte is as it must be; lengths are exact. What is measured may be NaN,
-//! which the loop's guard judges, as it does quaternions; inputs must be finite. Version 2 adds measured velocities and torques; what
-//! has neither is still written as version 1, so that programs which know version 1 alone go on talking. Version 3 adds
-//! robots with quaternions.
+//! which the loop's guard judges, as it does quaternions; inputs must be finite.
+//!
+//! A connection begins with the question of kind 9. The plant answers with a number, which the operating system draws, and
+//! which every command of the connection carries; sequence numbers rise, and go on at 0 after the largest. Commands of
+//! another sender, of an earlier connection, doubled ones and late ones have no effect. The first command that carries an
+//! offered number makes its sender the plant's controller in place of the one before, and engages the brakes.
+//!
+//! Version 4 adds connections and pushes. Datagrams of earlier versions, whose commands anybody could repeat, are not taken.
 
 #[cfg(test)]
 mod tests;
@@ -33,12 +38,8 @@ use thiserror::Error;
 
 /// First bytes of every datagram.
 const MAGIC: [u8; 4] = *b"GLNK";
-/// Newest version of this layout that is read and written.
-pub const VERSION: u8 = 3;
-/// The version without measured velocities and torques.
-const FIRST_VERSION: u8 = 1;
-/// The version without quaternions.
-const SECOND_VERSION: u8 = 2;
+/// Version of this layout.
+pub const VERSION: u8 = 4;
 /// Bits of byte 21.
 const VELOCITIES: u8 = 0x01;
 const TORQUES: u8 = 0x02;
@@ -62,6 +63,27 @@ pub struct TrueState<const N: usize, const NY: usize = N> {
     pub highest: [f64; NY],
     /// Highest speeds since the start [rad/s or m/s].
     pub fastest: [f64; N],
+}
+
+/// A force on a simulated robot from outside, for a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Push<const N: usize> {
+    /// At the joints.
+    Joints {
+        /// How long it lasts (s).
+        duration: f64,
+        /// Generalized forces [N m or N].
+        forces: [f64; N],
+    },
+    /// At a frame that the plant knows, see [`PlantServer::with_frame`](super::PlantServer::with_frame).
+    Frame {
+        /// How long it lasts (s).
+        duration: f64,
+        /// Its number among them, 0 to 254.
+        frame: u8,
+        /// Force [N] and moment [N m] at its origin, in the axes of the world.
+        wrench: [f64; 6],
+    },
 }
 
 /// The content of a datagram.
@@ -91,14 +113,19 @@ pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
     Lost,
     /// Kind 8, from the plant, answers an inspection.
     TrueState(TrueState<N, NY>),
+    /// Kind 9, to the plant: offer a connection. The answer is of the same kind and bears its number.
+    Connect,
+    /// Kind 10, to the plant: push the robot. Of the controller, or of anybody once with an offered number. The answer is
+    /// that to a query.
+    Push(Push<N>),
 }
 
 /// A message with its envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
-    /// Start of the plant process that answers; 0 from the controller.
-    pub session: u32,
-    /// Number of the question; an answer bears that of its question.
+    /// Number of the connection; 0 where there is none.
+    pub connection: u32,
+    /// Number of the question, which rises within a connection; an answer bears that of its question.
     pub sequence: u64,
     /// Brakes, from the plant.
     pub brakes: Brakes,
@@ -120,8 +147,8 @@ pub enum DatagramError {
     /// Not a datagram of this protocol.
     #[error("does not begin with GLNK")]
     Magic,
-    /// Another version of the protocol, or not the one that such contents have.
-    #[error("version {0}, which is newer than {VERSION}, or not that of its contents")]
+    /// Another version of the protocol.
+    #[error("version {0} instead of {VERSION}")]
     Version(u8),
     /// For another robot.
     #[error(
@@ -151,6 +178,9 @@ pub enum DatagramError {
         /// Index of the input; messages count from 1.
         input: usize,
     },
+    /// Duration or force of a push is NaN or infinite, or its frame has no number.
+    #[error("a push is not finite, or its frame beyond 254")]
+    Push,
     /// More coordinates or inputs than fit in a datagram.
     #[error("{values} values do not fit in a datagram of at most {MAX_VALUES}")]
     TooLarge {
@@ -170,25 +200,30 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
             Self::Measured { .. } => 6,
             Self::Lost => 7,
             Self::TrueState(_) => 8,
+            Self::Connect => 9,
+            Self::Push(_) => 10,
         }
     }
 
     /// Byte 21.
     fn contents(&self) -> u8 {
-        let Self::Measured { velocities, torques, .. } = self else {
-            return 0;
-        };
-        let bit = |present: bool, bit: u8| if present { bit } else { 0 };
-        bit(velocities.is_some(), VELOCITIES) | bit(torques.is_some(), TORQUES)
+        match self {
+            Self::Measured { velocities, torques, .. } => {
+                u8::from(velocities.is_some()) * VELOCITIES + u8::from(torques.is_some()) * TORQUES
+            }
+            Self::Push(Push::Frame { frame, .. }) => frame.saturating_add(1),
+            _ => 0,
+        }
     }
 
     /// Number of values of a kind with this byte 21; None if there is no such kind.
     fn values(kind: u8, contents: u8) -> Option<usize> {
         match kind {
-            1 | 3 | 4 | 5 | 7 => Some(0),
+            1 | 3 | 4 | 5 | 7 | 9 => Some(0),
             2 => Some(M),
             6 => Some(NY + N * contents.count_ones() as usize),
             8 => Some(3 * NY + 2 * N),
+            10 => Some(1 + if contents == 0 { N } else { 6 }),
             _ => None,
         }
     }
@@ -198,14 +233,14 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
     /// Writes the datagram into `buffer`; returns its bytes.
     ///
     /// # Errors
-    /// [`DatagramError::TooLarge`] for more values than fit; [`DatagramError::Input`] for inputs that are not
-    /// finite.
+    /// [`DatagramError::TooLarge`] for more values than fit; [`DatagramError::Input`] for inputs and
+    /// [`DatagramError::Push`] for such pushes.
     pub fn encode<'a>(&self, buffer: &'a mut [u8; MAX_DATAGRAM]) -> Result<&'a [u8], DatagramError> {
         let [n, m, more] = sizes::<N, M, NY>()?;
         let (kind, contents) = (self.message.kind(), self.message.contents());
         buffer[..4].copy_from_slice(&MAGIC);
-        (buffer[4], buffer[5], buffer[6], buffer[7]) = (version(contents, more), kind, n, m);
-        buffer[8..12].copy_from_slice(&self.session.to_le_bytes());
+        (buffer[4], buffer[5], buffer[6], buffer[7]) = (VERSION, kind, n, m);
+        buffer[8..12].copy_from_slice(&self.connection.to_le_bytes());
         buffer[12..20].copy_from_slice(&self.sequence.to_le_bytes());
         buffer[20] = self.brakes as u8;
         (buffer[21], buffer[22], buffer[23]) = (contents, more, 0);
@@ -232,7 +267,18 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
                 put(&state.highest);
                 put(&state.fastest);
             }
-            Message::Query | Message::Release | Message::Brake | Message::Inspect | Message::Lost => {}
+            Message::Push(push) => {
+                push.check()?;
+                let (Push::Joints { duration, .. } | Push::Frame { duration, .. }) = push;
+                put(&[*duration]);
+                put(push.entries());
+            }
+            Message::Query
+            | Message::Release
+            | Message::Brake
+            | Message::Inspect
+            | Message::Lost
+            | Message::Connect => {}
         }
         let checksum = crc32fast::hash(&buffer[..end]);
         buffer[end..end + CHECKSUM].copy_from_slice(&checksum.to_le_bytes());
@@ -253,7 +299,7 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
         if bytes[..4] != MAGIC {
             return Err(DatagramError::Magic);
         }
-        if !(FIRST_VERSION..=VERSION).contains(&bytes[4]) {
+        if bytes[4] != VERSION {
             return Err(DatagramError::Version(bytes[4]));
         }
         let (kind, contents) = (bytes[5], bytes[21]);
@@ -263,13 +309,13 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
         }
         let unknown = |position: usize| DatagramError::Byte { position, value: bytes[position] };
         let values = Message::<N, M, NY>::values(kind, contents).ok_or(unknown(5))?;
-        let possible = if kind == 6 { VELOCITIES | TORQUES } else { 0 };
+        let possible = match kind {
+            6 => VELOCITIES | TORQUES,
+            10 => u8::MAX,
+            _ => 0,
+        };
         if contents & !possible != 0 {
             return Err(unknown(21));
-        }
-        // Each datagram is written in one way.
-        if bytes[4] != version(contents, more) {
-            return Err(DatagramError::Version(bytes[4]));
         }
         let end = HEADER + 8 * values;
         if bytes.len() != end + CHECKSUM {
@@ -282,7 +328,7 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
             return Err(unknown(23));
         }
         Ok(Self {
-            session: u32::from_le_bytes(array(&bytes[8..])),
+            connection: u32::from_le_bytes(array(&bytes[8..])),
             sequence: u64::from_le_bytes(array(&bytes[12..])),
             brakes: match bytes[20] {
                 0 => Brakes::Unknown,
@@ -321,22 +367,41 @@ fn message<const N: usize, const M: usize, const NY: usize>(
             }
         }
         7 => Message::Lost,
-        _ => Message::TrueState(TrueState {
+        8 => Message::TrueState(TrueState {
             positions: floats(bytes, 0),
             velocities: floats(bytes, NY),
             lowest: floats(bytes, NY + N),
             highest: floats(bytes, 2 * NY + N),
             fastest: floats(bytes, 3 * NY + N),
         }),
+        9 => Message::Connect,
+        _ => Message::Push(push(contents, bytes)?),
     })
 }
 
-/// The version that knows these contents, of a robot with so many more positions than velocities.
-fn version(contents: u8, more: u8) -> u8 {
-    match (contents, more) {
-        (0, 0) => FIRST_VERSION,
-        (_, 0) => SECOND_VERSION,
-        _ => VERSION,
+/// - `contents`: byte 21
+fn push<const N: usize>(contents: u8, bytes: &[u8]) -> Result<Push<N>, DatagramError> {
+    let [duration] = floats(bytes, 0);
+    let push = match contents.checked_sub(1) {
+        None => Push::Joints { duration, forces: floats(bytes, 1) },
+        Some(frame) => Push::Frame { duration, frame, wrench: floats(bytes, 1) },
+    };
+    push.check().map(|()| push)
+}
+
+impl<const N: usize> Push<N> {
+    fn entries(&self) -> &[f64] {
+        match self {
+            Self::Joints { forces, .. } => forces,
+            Self::Frame { wrench, .. } => wrench,
+        }
+    }
+
+    fn check(&self) -> Result<(), DatagramError> {
+        let (Self::Joints { duration, .. } | Self::Frame { duration, .. }) = self;
+        let finite = duration.is_finite() && self.entries().iter().all(|x| x.is_finite());
+        let has_number = !matches!(self, Self::Frame { frame: u8::MAX, .. });
+        if finite && has_number { Ok(()) } else { Err(DatagramError::Push) }
     }
 }
 

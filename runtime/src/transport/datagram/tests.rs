@@ -10,7 +10,7 @@ fn measured(velocities: Option<[f64; 3]>, torques: Option<[f64; 3]>) -> Message<
     Message::Measured { positions: [1.0, -0.0, 1e-300], velocities, torques }
 }
 
-fn messages() -> [Message<3, 2>; 11] {
+fn messages() -> [Message<3, 2>; 14] {
     [
         Message::Query,
         Message::Inputs([0.5, -1e300]),
@@ -29,11 +29,14 @@ fn messages() -> [Message<3, 2>; 11] {
             highest: [10.0, 11.0, 12.0],
             fastest: [13.0, 14.0, 15.0],
         }),
+        Message::Connect,
+        Message::Push(Push::Joints { duration: 0.1, forces: [1.0, -2.0, 3.0] }),
+        Message::Push(Push::Frame { duration: 0.1, frame: 254, wrench: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0] }),
     ]
 }
 
 fn datagram(message: Message<3, 2>) -> Small {
-    Small { session: 0xdead_beef, sequence: u64::MAX - 1, brakes: Brakes::Engaged, message }
+    Small { connection: 0xdead_beef, sequence: u64::MAX - 1, brakes: Brakes::Engaged, message }
 }
 
 #[test]
@@ -50,13 +53,13 @@ fn what_is_encoded_is_decoded() {
 fn the_layout_is_the_documented_one() {
     let mut buffer = [0; MAX_DATAGRAM];
     let sent = Datagram::<1, 1> {
-        session: 1,
+        connection: 1,
         sequence: 2,
         brakes: Brakes::Released,
         message: Message::Inputs([1.0]),
     };
     let bytes = sent.encode(&mut buffer).unwrap();
-    let head = b"GLNK\x01\x02\x01\x01\x01\0\0\0\x02\0\0\0\0\0\0\0\x01\0\0\0";
+    let head = b"GLNK\x04\x02\x01\x01\x01\0\0\0\x02\0\0\0\0\0\0\0\x01\0\0\0";
     assert_eq!(&bytes[..24], head);
     assert_eq!(&bytes[24..32], 1.0f64.to_le_bytes());
     // The CRC's published check value: the same function over "123456789".
@@ -115,43 +118,47 @@ fn other_versions_and_robots_are_named() {
         Datagram::<3, 2, 4>::decode(bytes).unwrap_err().to_string(),
         "for 3 positions, 3 velocities and 2 inputs instead of 4, 3 and 2"
     );
-    for version in [3, 4] {
+    for version in [1, 3, 5] {
         bytes[4] = version;
         seal(bytes);
         let error = Small::decode(bytes).unwrap_err();
-        assert!(error.to_string().starts_with(&format!("version {version}, ")), "{error}");
+        assert!(error.to_string().starts_with(&format!("version {version} instead")), "{error}");
     }
-    bytes[4] = FIRST_VERSION;
+    bytes[4] = VERSION;
     bytes[20] = 3;
     seal(bytes);
     let error = Small::decode(bytes).unwrap_err();
     assert_eq!(error.to_string(), "byte 20 is 3");
 }
 
-/// Positions alone are version 1, byte for byte, whoever reads them; velocities and torques are version
-/// 2.
 #[test]
-fn what_version_1_says_is_version_1() {
+fn a_kind_has_its_own_contents_alone() {
     let mut buffer = [0; MAX_DATAGRAM];
-    for message in messages() {
-        let more = message.contents() != 0;
-        let bytes = datagram(message).encode(&mut buffer).unwrap();
-        assert_eq!((bytes[4], bytes[21] != 0), (1 + u8::from(more), more));
-    }
-    // Neither version stands for what the other says.
-    for (message, other) in [(measured(None, None), 2), (measured(None, Some([0.0; 3])), 1)] {
-        let length = datagram(message).encode(&mut buffer).unwrap().len();
-        buffer[4] = other;
-        seal(&mut buffer[..length]);
-        assert_eq!(Small::decode(&buffer[..length]), Err(DatagramError::Version(other)));
-    }
-    // Contents that no version has, and contents of a kind that has none.
     let length = datagram(measured(None, None)).encode(&mut buffer).unwrap().len();
     for (kind, contents) in [(6, 4), (1, 1)] {
-        (buffer[4], buffer[5], buffer[21]) = (2, kind, contents);
+        (buffer[5], buffer[21]) = (kind, contents);
         seal(&mut buffer[..length]);
         assert!(Small::decode(&buffer[..length]).is_err());
     }
+}
+
+#[test]
+fn pushes_are_finite_and_their_frames_have_numbers() {
+    let mut buffer = [0; MAX_DATAGRAM];
+    let (duration, forces, wrench) = (0.1, [0.0; 3], [0.0; 6]);
+    for push in [
+        Push::Joints { duration: f64::NAN, forces },
+        Push::Joints { duration, forces: [f64::INFINITY; 3] },
+        Push::Frame { duration, frame: 255, wrench },
+    ] {
+        assert_eq!(datagram(Message::Push(push)).encode(&mut buffer), Err(DatagramError::Push));
+    }
+    // Written by somebody else, with the right checksum.
+    let good = datagram(Message::Push(Push::Frame { duration, frame: 0, wrench }));
+    let length = good.encode(&mut buffer).unwrap().len();
+    buffer[HEADER..HEADER + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+    seal(&mut buffer[..length]);
+    assert_eq!(Small::decode(&buffer[..length]), Err(DatagramError::Push));
 }
 
 /// With one position more than velocities.
@@ -159,7 +166,7 @@ fn what_version_1_says_is_version_1() {
 fn a_robot_with_a_quaternion_has_ny_positions_and_n_velocities() {
     type Ball = Datagram<3, 1, 4>;
     let mut buffer = [0; MAX_DATAGRAM];
-    let envelope = |message| Ball { session: 1, sequence: 2, brakes: Brakes::Released, message };
+    let envelope = |message| Ball { connection: 1, sequence: 2, brakes: Brakes::Released, message };
     let measured = Message::Measured {
         positions: [0.5, -0.5, 0.5, 0.5],
         velocities: Some([1.0, 2.0, 3.0]),
@@ -175,7 +182,7 @@ fn a_robot_with_a_quaternion_has_ny_positions_and_n_velocities() {
     for message in [measured, state, Message::Query, Message::Inputs([0.25])] {
         let sent = envelope(message);
         let bytes = sent.encode(&mut buffer).unwrap().to_vec();
-        assert_eq!((bytes[4], bytes[6], bytes[22]), (3, 3, 1));
+        assert_eq!((bytes[4], bytes[6], bytes[22]), (4, 3, 1));
         assert_eq!(Ball::decode(&bytes), Ok(sent));
         assert!(Datagram::<3, 1>::decode(&bytes).is_err() && Datagram::<4, 1>::decode(&bytes).is_err());
     }
@@ -190,7 +197,7 @@ fn a_robot_with_a_quaternion_has_ny_positions_and_n_velocities() {
 #[test]
 fn a_robot_too_large_is_an_error() {
     let sent =
-        Datagram::<40, 2> { session: 0, sequence: 0, brakes: Brakes::Unknown, message: Message::Query };
+        Datagram::<40, 2> { connection: 0, sequence: 0, brakes: Brakes::Unknown, message: Message::Query };
     assert_eq!(sent.encode(&mut [0; MAX_DATAGRAM]), Err(DatagramError::TooLarge { values: 200 }));
     assert!(Datagram::<300, 2>::decode(&[0; 100]).is_err());
 }
@@ -205,13 +212,12 @@ fn arbitrary_bytes_do_not_panic() {
         let mut bytes = vec![0; length];
         generator.fill_bytes(&mut bytes);
         if round % 3 > 0 && length >= 8 {
-            bytes[..8].copy_from_slice(b"GLNK\x01\x01\x03\x02");
-            bytes[4] = generator.random_range(1..3);
-            bytes[5] = generator.random_range(0..10);
+            bytes[..8].copy_from_slice(b"GLNK\x04\x01\x03\x02");
+            bytes[5] = generator.random_range(0..12);
         }
         if round % 3 > 1 && length >= HEADER + CHECKSUM {
             bytes[20] %= 4;
-            bytes[21] = (bytes[4] - 1) * (bytes[21] % 4);
+            bytes[21] = if bytes[5] % 4 == 2 { bytes[21] % 4 } else { 0 };
             bytes[22..24].fill(0);
             seal(&mut bytes);
         }
