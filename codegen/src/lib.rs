@@ -48,6 +48,7 @@ pub mod spatial;
 #[cfg(test)]
 mod testing;
 mod tools;
+pub mod verify;
 mod wording;
 
 pub use gelenk_formula as formula;

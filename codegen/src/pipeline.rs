@@ -17,6 +17,7 @@ use crate::program::fuse_multiply_adds;
 use crate::self_test::self_tests;
 use crate::snapping;
 use crate::tools;
+use crate::verify;
 
 /// Choices of the caller, beyond the description.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -108,6 +109,7 @@ fn generate_from(
     if options.emit.companions.contains(&Companion::Casadi) {
         functions.extend(tools::by_parameters(&model, &functions));
     }
+    verify::verify(&model, &functions)?;
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let (mut lanes, obstacles) = lanes.possible(&functions, options.emit.math);
     if options.emit.companions.contains(&Companion::Python) {

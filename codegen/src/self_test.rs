@@ -7,7 +7,7 @@ use crate::program::interpret::{Functions, interpret};
 use crate::random::Random;
 
 /// States for each function.
-const STATES: u64 = 2;
+pub(crate) const STATES: u64 = 2;
 
 /// One call of a function, and what the interpreter computes for it.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,14 +31,18 @@ pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
 }
 
 fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) -> Option<SelfTest> {
-    let mut random = Random::new(seed);
-    let inputs = function.program.inputs.iter();
-    let arguments = inputs.map(|input| entries(model, input.extent.dimension, &mut random));
-    let arguments: Vec<Vec<f64>> = arguments.collect();
+    let arguments = arguments(model, function, seed);
     let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
     let results = interpret(&function.program, &slices, parameters, &Functions::EMBEDDED).ok()?;
     let is_finite = results.iter().flatten().all(|x| x.is_finite());
     is_finite.then(|| SelfTest { function: function.name.clone(), arguments, results })
+}
+
+/// The arguments of a function at a seeded state.
+pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Vec<f64>> {
+    let mut random = Random::new(seed);
+    let inputs = function.program.inputs.iter();
+    inputs.map(|input| entries(model, input.extent.dimension, &mut random)).collect()
 }
 
 /// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may

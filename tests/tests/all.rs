@@ -43,6 +43,7 @@ mod regressors;
 mod second_order;
 mod snapshots_of_text;
 mod structure;
+mod verified;
 
 /// A file that no list has would never run.
 #[test]

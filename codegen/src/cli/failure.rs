@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use super::arguments::Format;
 use super::print;
 use crate::diagnostic::Diagnostics;
+use crate::verify;
 
 /// Exit code where a description or a file is at fault, or the output is stale.
 pub(super) const FAULT: u8 = 1;
@@ -40,7 +41,8 @@ impl Failure {
         match self {
             Self::Descriptions(all) => {
                 print::problems(all, format);
-                FAULT
+                let mut entries = all.iter().flat_map(Diagnostics::entries);
+                if entries.any(|entry| entry.code == verify::INTERNAL) { INTERNAL } else { FAULT }
             }
             Self::Problem(message) => {
                 print::err(&format!("error: {message}\n"));
@@ -84,7 +86,15 @@ fn keep(info: &PanicHookInfo<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnostic::Diagnostic;
     use std::process::Command;
+
+    #[test]
+    fn a_function_that_disagrees_is_a_fault_of_the_program() {
+        let problems = |code| vec![Diagnostic::error(code, "wrong").into()];
+        assert_eq!(Failure::Descriptions(problems(verify::INTERNAL)).say(Format::Json), INTERNAL);
+        assert_eq!(Failure::Descriptions(problems("not-a-joint")).say(Format::Json), FAULT);
+    }
 
     /// Ends the process in which the test below runs it.
     #[test]

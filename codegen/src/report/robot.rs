@@ -1,14 +1,10 @@
 //! A robot with its functions, evaluated by the interpreter.
 
-use std::cell::OnceCell;
-
 use super::formula::Motion;
 use crate::dynamics::load_friction;
 use crate::functions::function::Function;
-use crate::functions::selection::derive_functions;
-use crate::functions::size::MOST_OPERATIONS;
 use crate::layout::Dimension;
-use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model, PointForce};
+use crate::model::{Actuator, Body, FollowedCoordinate, Joint, Link, Model};
 use crate::program::interpret::{Functions, interpret};
 use gelenk_formula::Formula;
 use gelenk_report::SceneSymbol;
@@ -24,8 +20,6 @@ pub(super) struct Robot<'a> {
     pub parameter_names: Vec<String>,
     /// Position, velocity and acceleration of each driven joint.
     driven: Vec<f64>,
-    /// The springs of a robot that has no others than the laws with an energy, once they are asked for.
-    laws: OnceCell<Vec<Function>>,
 }
 
 impl<'a> Robot<'a> {
@@ -37,24 +31,7 @@ impl<'a> Robot<'a> {
             parameters: parameters.clone().map(|one| one.default).collect(),
             parameter_names: parameters.map(|one| one.name.clone()).collect(),
             driven: vec![0.0; 3 * model.driven.len()],
-            laws: OnceCell::new(),
         }
-    }
-
-    /// The same robot at another motion of its driven joints: position, velocity and acceleration of each.
-    pub(super) fn driven_by(&self, driven: Vec<f64>) -> Self {
-        Self {
-            driven,
-            parameters: self.parameters.clone(),
-            parameter_names: self.parameter_names.clone(),
-            laws: self.laws.clone(),
-            ..*self
-        }
-    }
-
-    /// Velocities of the coordinates, then those of the driven joints.
-    pub(super) fn all_velocities(&self, velocities: &[f64]) -> Vec<f64> {
-        velocities.iter().chain(self.driven.iter().skip(1).step_by(3)).copied().collect()
     }
 
     /// What a coordinate is called: as the position of its joint, or as its velocity where the joint has a quaternion.
@@ -143,29 +120,6 @@ impl<'a> Robot<'a> {
     /// Tells whether friction grows with the load.
     pub fn has_load_friction(&self) -> bool {
         load_friction::is_there(self.model)
-    }
-
-    /// The forces between frames whose laws have a potential energy.
-    pub fn laws_with_energy(&self) -> Vec<PointForce> {
-        let has_energy = |force: &&PointForce| force.law.energy().is_some_and(|energy| !energy.is_zero());
-        self.model.point_forces.iter().filter(has_energy).cloned().collect()
-    }
-
-    /// Generalized forces of these laws at standstill.
-    pub fn law_forces(&self, positions: &[f64]) -> Option<Vec<f64>> {
-        let still = vec![0.0; self.n()];
-        if self.laws_with_energy().is_empty() {
-            return Some(still);
-        }
-        let [springs] = self.laws.get_or_init(|| self.laws()).as_slice() else { return None };
-        self.results(springs, &[positions, &still])?.into_iter().next()
-    }
-
-    /// `spring_forces` of a robot that has no other springs than these laws.
-    fn laws(&self) -> Vec<Function> {
-        let mut model = Model { point_forces: self.laws_with_energy(), ..self.model.clone() };
-        model.links.iter_mut().filter_map(|link| link.joint.as_mut()).for_each(|joint| joint.springs.clear());
-        derive_functions(&model, &["spring_forces".to_owned()], MOST_OPERATIONS).unwrap_or_default()
     }
 
     /// Friction torques at positions and velocities.
