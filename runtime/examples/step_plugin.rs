@@ -179,6 +179,8 @@ where
 {
     let mut options = MpcOptions::new(&model, PERIOD, HORIZON);
     options.input_limits = most.map(|u| [-u, u]);
+    // The other solvers have none.
+    options.observer.disturbance_noise = [0.0; M];
     let terminal = terminal::<D, N, M, NX>(&model, &motion, &options)?;
     let is_running = false;
     Ok(if is_nonlinear {

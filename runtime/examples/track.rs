@@ -161,6 +161,8 @@ fn compare() -> Outcome<()> {
     let mut options = MpcOptions::new(&PowerCube, PERIOD, HORIZON);
     options.velocity_weight = [5.0, 3.5];
     options.linearization = LinearizationPoint::Reference;
+    // As in the paper: no estimate of disturbances.
+    options.observer.disturbance_noise = [0.0; 2];
     let mut runs = vec![];
     for reference in [("smoothed", &smoothed), ("file", &file)] {
         let mut alone =

@@ -6,8 +6,8 @@
 mod support;
 
 use gelenk_runtime::control_loop::{
-    Command, Controller, ControllerFault, Cycle, EncoderFault, End, Estimate, LoopReport, LoopSettings,
-    StopReason,
+    Command, Controller, ControllerFault, Cycle, EncoderFault, End, Estimate, LimitFault, LoopReport,
+    LoopSettings, SPEED_MARGIN, StopReason,
 };
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::plant::PlantOptions;
@@ -62,6 +62,27 @@ fn without_faults_it_ends_at_the_end() {
         assert_eq!(report.counts.controller_faults, 0);
         robot.assert_at_end(2e-3);
         robot.assert_stopped_safely();
+    }
+}
+
+/// The trajectory is 5 % faster than the limit, which is soft to the controller. A loop that brakes at the limit itself stops; its
+/// default is a tenth above.
+#[test]
+fn they_ride_on_a_speed_limit() {
+    const LIMIT: f64 = 0.5;
+    for kind in BOTH {
+        let ride = |speed_limit: f64| {
+            let mut robot = Watched::at_start(RATE);
+            let options = MpcOptions { velocity_limits: [LIMIT; 2], ..kind.options() };
+            let settings = LoopSettings { speed_limit: [speed_limit; 2], ..settings(RATE) };
+            let report = loop_with(settings, &mut *kind.with(options), &mut robot).run();
+            (report, robot.seen.fastest[0])
+        };
+        let (report, fastest) = ride(SPEED_MARGIN * LIMIT);
+        assert_eq!(report.end, End::Finished, "{report}");
+        assert!((0.99 * LIMIT..1.02 * LIMIT).contains(&fastest), "{kind:?}: {fastest}");
+        let (report, _) = ride(LIMIT);
+        assert!(matches!(report.end, End::Stopped(StopReason::Limit(LimitFault::Speed { .. }))), "{report}");
     }
 }
 

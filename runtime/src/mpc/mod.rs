@@ -10,7 +10,7 @@
 //!
 //! with P from the discrete Riccati equation, with a discount where no input reaches a part of the robot
 //! ([`TerminalWeight`]), and d the input disturbance that a Kalman filter estimates from
-//! the encoders ([`DisturbanceObserver`]), so that constant errors of the model leave no steady offset. The
+//! the encoders ([`DisturbanceObserver`]), on by default, so that constant errors of the model leave no steady offset. The
 //! two differ in where `A_k, B_k, c_k` come from: the exact zero-order hold of the linearization around the
 //! desired trajectory or the previous plan, or the exact sensitivities of the integrated nonlinear robot
 //! around the plan, one Gauss–Newton step a period.

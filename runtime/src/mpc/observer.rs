@@ -21,7 +21,8 @@ pub struct ObserverOptions<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> Default for ObserverOptions<N, M> {
-    /// Encoders of 1e-5 rad, velocity changes of 1e-3 rad/s, no disturbance.
+    /// Encoders of 1e-5 rad, velocity changes of 1e-3 rad/s, no disturbance: its size follows from the motors' limits, as
+    /// [`MpcOptions::new`](super::MpcOptions::new) sets it.
     fn default() -> Self {
         Self {
             encoder_noise: [1e-5; N],

@@ -75,12 +75,7 @@ impl Dynamics<7, 7> for Rubbing {
 }
 
 impl Differentiable<7, 7> for Rubbing {
-    fn inverse_dynamics_derivatives(
-        &self,
-        y: &[f64; 7],
-        v: &[f64; 7],
-        a: &[f64; 7],
-    ) -> ForceDerivatives<7> {
+    fn inverse_dynamics_derivatives(&self, y: &[f64; 7], v: &[f64; 7], a: &[f64; 7]) -> ForceDerivatives<7> {
         let mut derivatives = Panda.inverse_dynamics_derivatives(y, v, a);
         for (i, slope) in self.slopes(v).into_iter().enumerate() {
             derivatives.by_velocities[i][i] += slope;

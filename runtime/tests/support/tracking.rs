@@ -42,6 +42,8 @@ where
     let mut options = MpcOptions::new(model, period, horizon);
     options.velocity_weight = [5.0, 3.5];
     options.linearization = LinearizationPoint::Reference;
+    // The paper has no estimate of disturbances.
+    options.observer.disturbance_noise = [0.0; 2];
     options
 }
 

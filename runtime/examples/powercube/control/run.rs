@@ -4,7 +4,7 @@ use crate::arm::{Arm, GEAR, PEAK, PERIOD, Regime};
 use crate::study::Outcome;
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
 use gelenk_runtime::feed_forward::FeedForward;
-use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcOptions, Nmpc};
+use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcOptions, Nmpc, ObserverOptions};
 use gelenk_runtime::plant::Plant;
 use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
 
@@ -14,7 +14,7 @@ pub type Nonlinear<T> = Nmpc<Arm, T, 2, 2, 4>;
 /// Stages of the horizon at 50 Hz.
 pub const HORIZON: usize = 20;
 
-/// As in the paper: linearized around the desired trajectory. Velocity errors weigh so little that positions
+/// As in the paper: linearized around the desired trajectory, without an estimate of disturbances. Velocity errors weigh so little that positions
 /// return within about a period.
 pub fn options(model: &Arm, period: f64) -> MpcOptions<2, 2> {
     // The same time ahead at all sample times, but at least eight stages.
@@ -22,6 +22,7 @@ pub fn options(model: &Arm, period: f64) -> MpcOptions<2, 2> {
     MpcOptions {
         velocity_weight: [5.0, 3.5],
         linearization: LinearizationPoint::Reference,
+        observer: ObserverOptions::default(),
         ..MpcOptions::new(model, period, stages.clamp(8, HORIZON))
     }
 }
