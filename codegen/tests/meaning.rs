@@ -4,10 +4,13 @@
 #![allow(clippy::disallowed_methods, reason = "a second opinion on values")]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
+use gelenk_codegen::functions::selection::derive_functions;
+use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{
     Definiteness, FollowedCoordinate, Input, Joint, JointKind, Model, Motion, ReadOptions, RotorCoupling,
     from_mjcf, from_toml, from_urdf, read,
 };
+use gelenk_codegen::program::interpret::{Functions, interpret};
 
 fn load(text: &str) -> (Model, Diagnostics) {
     let base = &mut |file: &str| match file {
@@ -344,6 +347,19 @@ fn friction_of_a_shaft_counts_at_its_joint_through_the_gear() {
         let expected = 2.0 * v - 50.0 * shaft;
         assert!((at(y, v) - expected).abs() < 1e-12 && at(y, v) * v > 0.0, "{} {expected}", at(y, v));
     }
+}
+
+/// MuJoCo 4.0 has 0.3 · 0.05²/2 + 0.001 too.
+#[test]
+fn rotors_need_no_actuator() {
+    let text = r#"<mujoco><compiler angle="radian"/><worldbody><body name="knob">
+        <joint name="j" axis="0 0 1" armature="0.001" damping="1"/><geom type="cylinder" size="0.05 0.018" mass="0.3"/>
+        </body></worldbody></mujoco>"#;
+    let mut load = |file: &str| Err(Diagnostic::error("file-unreadable", file).into());
+    let (model, _) = from_mjcf(text, "knob.xml", &ReadOptions::default(), &mut load).unwrap();
+    let functions = derive_functions(&model, &["mass_matrix".to_owned()], MOST_OPERATIONS).unwrap();
+    let mass = interpret(&functions[0].program, &[&[0.3]], &[], &Functions::EMBEDDED).unwrap();
+    assert!((mass[0][0] - 0.001375).abs() < 1e-15, "{mass:?}");
 }
 
 /// What an MJCF says and a model does not hold is told by name.

@@ -77,5 +77,7 @@ fn least_eigenvalue(robot: &Robot<'_>, function: &Function, seed: u64) -> Option
     }
     let scale = diagonal.map(|entry| if entry > 0.0 { entry.sqrt() } else { 1.0 });
     let scaled = DMatrix::from_fn(robot.n(), robot.n(), |i, j| mass[(i, j)] / (scale[i] * scale[j]));
-    Some(SymmetricEigen::new(scaled).eigenvalues.min())
+    // The search for eigenvalues of NaN and infinity does not end.
+    let is_finite = scaled.iter().all(|entry| entry.is_finite());
+    Some(if is_finite { SymmetricEigen::new(scaled).eigenvalues.min() } else { f64::NAN })
 }

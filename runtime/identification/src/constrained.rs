@@ -7,6 +7,7 @@ use super::error::{IdentificationError, Result, require_length};
 use super::least_squares::Reduced;
 use super::library::Library;
 use super::moments::Moments;
+use super::spectrum;
 use nalgebra::{DMatrix, DVector};
 
 /// Rows of `A` that keep the coefficients of `terms` non-negative; `count` terms in all.
@@ -178,7 +179,7 @@ fn subset_solution(matrix: &DMatrix<f64>, b: &DVector<f64>, columns: &[usize]) -
     if columns.is_empty() {
         return Some(DVector::zeros(0));
     }
-    let svd = matrix.select_columns(columns).svd(true, true);
+    let svd = spectrum::svd(matrix.select_columns(columns));
     svd.solve(b, 1e-14 * svd.singular_values.max()).ok()
 }
 

@@ -2,6 +2,7 @@
 
 use super::error::{IdentificationError, Result, require_length, require_samples};
 use super::moments::{Moments, Samples};
+use super::spectrum::{svd, symmetric_eigen};
 use nalgebra::{DMatrix, DVector};
 
 /// Normal equations have the square of the library's condition number and lose that many digits. Above this
@@ -238,14 +239,14 @@ fn require_independent(triangle: &DMatrix<f64>, names: &[String]) -> Result<f64>
     for mut column in scaled.column_iter_mut() {
         column.normalize_mut();
     }
-    let svd = scaled.svd(false, true);
-    let (least, largest) = (svd.singular_values.min(), svd.singular_values.max());
+    let decomposed = svd(scaled);
+    let (least, largest) = (decomposed.singular_values.min(), decomposed.singular_values.max());
     let condition = if least > 0.0 { largest / least } else { f64::INFINITY };
     if condition <= COLLINEAR_LIMIT {
         return Ok(condition);
     }
-    let index = svd.singular_values.imin();
-    let direction = svd.v_t.map(|v| v.row(index).transpose()).unwrap_or_else(|| DVector::zeros(p));
+    let index = decomposed.singular_values.imin();
+    let direction = decomposed.v_t.map(|v| v.row(index).transpose()).unwrap_or_else(|| DVector::zeros(p));
     Err(IdentificationError::Collinear {
         terms: taking_part(&direction, names),
         condition,
@@ -259,7 +260,7 @@ fn collinear(
     condition: f64,
     limit: f64,
 ) -> IdentificationError {
-    let eigen = correlation.clone().symmetric_eigen();
+    let eigen = symmetric_eigen(correlation.clone());
     let direction = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
     IdentificationError::Collinear { terms: taking_part(&direction, names), condition, limit }
 }

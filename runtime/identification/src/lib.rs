@@ -7,6 +7,8 @@
 //! efforts, in [`preparation`]. Logs that are too many for one machine become sums of products that add up
 //! ([`fleet`]).
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod carried;
 pub mod confidence;
 pub mod constrained;
@@ -42,6 +44,7 @@ pub mod robot;
 pub mod run;
 pub mod shafts;
 mod shifted;
+mod spectrum;
 mod statistics;
 pub mod stribeck;
 pub mod subset;

@@ -8,6 +8,7 @@
 use super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use super::kernel::{BLOCK, add_products};
 use super::library::Library;
+use super::spectrum::symmetric_eigenvalues;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -327,9 +328,9 @@ impl Moments {
     /// Condition number of the library with its columns scaled to unit length; ∞ if a column vanishes.
     /// It is computed from the Gram matrix, so that values above 1e7 are only lower bounds.
     pub fn condition(&self) -> f64 {
-        let eigenvalues = self.correlation().symmetric_eigenvalues();
+        let eigenvalues = symmetric_eigenvalues(&self.correlation());
         let (least, largest) = (eigenvalues.min(), eigenvalues.max());
-        if least <= 0.0 { f64::INFINITY } else { (largest / least).sqrt() }
+        if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY }
     }
 
     pub(crate) fn require_no_zero_column(&self) -> Result<()> {

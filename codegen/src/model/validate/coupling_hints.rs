@@ -74,8 +74,9 @@ fn note_alike(robot: &RobotDescription, model: &Model, described: &[f64], report
             directions.column_mut(column).unscale_mut(norm);
         }
     }
-    let alike =
-        directions.clone().svd(false, false).singular_values.iter().filter(|s| **s > ROUNDING).count();
+    // Unlike singular values, these are found in a fixed number of steps, also of no drives.
+    let triangle = directions.clone().col_piv_qr().unpack_r();
+    let alike = (0..triangle.nrows()).filter(|&k| triangle[(k, k)] > ROUNDING).count();
     if alike == drives.len() {
         return;
     }

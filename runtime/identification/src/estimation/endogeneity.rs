@@ -13,6 +13,7 @@
 
 use super::super::error::Result;
 use super::super::kernel::BLOCK;
+use super::super::spectrum::symmetric_eigen;
 use super::cosines::{FEWEST, count, projections};
 use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};
@@ -372,7 +373,7 @@ impl Equations {
 /// The test in the directions in which regressor and instruments differ most, relative to what the data tell.
 fn test(factor: &Factor, difference: &DMatrix<f64>, moments: DMatrix<f64>, cosines: usize) -> Option<Test> {
     let white = factor.whitened(factor.whitened(difference.clone()).transpose());
-    let eigen = (0.5 * (&white + white.transpose())).symmetric_eigen();
+    let eigen = symmetric_eigen(0.5 * (&white + white.transpose()));
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let largest = *order.first().map(|i| &eigen.eigenvalues[*i])?;
@@ -382,10 +383,7 @@ fn test(factor: &Factor, difference: &DMatrix<f64>, moments: DMatrix<f64>, cosin
         .filter(|i| eigen.eigenvalues[*i] > NEGLIGIBLE * largest)
         .collect();
     let q = tested.len();
-    let directions = DMatrix::from_columns(
-        &tested.iter().map(|i| eigen.eigenvectors.column(*i).into_owned()).collect::<Vec<_>>(),
-    );
-    let series = directions.tr_mul(&factor.whitened(moments));
+    let series = eigen.eigenvectors.select_columns(&tested).tr_mul(&factor.whitened(moments));
     let sum = series.column_sum();
     let projected = projections(&series, cosines);
     let variance = &projected * projected.transpose() / cosines as f64;

@@ -9,6 +9,7 @@ use super::super::digits::plain;
 use super::super::error::Result;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
+use super::super::spectrum::symmetric_eigen;
 use super::choice::Chosen;
 use super::fit::{Weighting, fit};
 use super::intervals::{Fitted, covariance, scores};
@@ -261,10 +262,10 @@ impl Angles {
 
 /// Columns of directions whose variance is below [`UNTOLD`].
 fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
-    if variance.nrows() != 2 || !variance.iter().all(|entry| entry.is_finite()) {
+    if variance.nrows() != 2 {
         return DMatrix::zeros(2, 0);
     }
-    let eigen = variance.symmetric_eigen();
+    let eigen = symmetric_eigen(variance);
     let told: Vec<usize> = (0..2).filter(|k| eigen.eigenvalues[*k] < UNTOLD).collect();
     eigen.eigenvectors.select_columns(&told)
 }

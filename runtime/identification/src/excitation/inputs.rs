@@ -7,6 +7,7 @@ use super::{ExcitationLimits, Instant};
 use crate::error::{IdentificationError, Result};
 use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
+use crate::spectrum::svd;
 use nalgebra::DMatrix;
 
 /// What a planned motion asks of an input, by the described robot without friction.
@@ -167,10 +168,7 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
 fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) -> Result<()> {
     let rows = joint.velocities();
     let directions = |matrix: &DMatrix<f64>| {
-        if matrix.is_empty() {
-            return 0;
-        }
-        let values = matrix.rows(rows.start, rows.len()).into_owned().singular_values();
+        let values = svd(matrix.rows(rows.start, rows.len()).into_owned()).singular_values;
         let least = SINGULAR * values.max();
         values.iter().filter(|value| **value > least).count()
     };

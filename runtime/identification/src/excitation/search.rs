@@ -2,6 +2,7 @@
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples, require_setting};
 use super::super::random::SplitMix64;
+use super::super::spectrum::symmetric_eigenvalues;
 use super::{FourierMotion, Instant};
 use nalgebra::DMatrix;
 
@@ -248,12 +249,12 @@ pub(super) fn condition_of_scaled(gram: &DMatrix<f64>) -> f64 {
     }
     let n = norms.len();
     let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] / (norms[i] * norms[j]));
-    let eigenvalues = scaled.symmetric_eigenvalues();
+    let eigenvalues = symmetric_eigenvalues(&scaled);
     // Below this the Gram matrix has no digit left.
-    if eigenvalues.min() <= 1e-14 {
-        return f64::INFINITY;
+    match eigenvalues.min() {
+        least if least > 1e-14 => (eigenvalues.max() / least).sqrt(),
+        _ => f64::INFINITY,
     }
-    (eigenvalues.max() / eigenvalues.min()).sqrt()
 }
 
 #[cfg(test)]

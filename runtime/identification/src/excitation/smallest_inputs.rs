@@ -2,6 +2,7 @@
 
 use super::Instant;
 use crate::robot::Robot;
+use crate::spectrum::svd;
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Part of the largest force that no inputs need to make up.
@@ -22,7 +23,7 @@ pub(super) struct SmallestInputs {
 
 impl SmallestInputs {
     pub(super) fn new(matrix: DMatrix<f64>) -> Self {
-        let decomposed = matrix.clone().svd(true, true);
+        let decomposed = svd(matrix.clone());
         Self { matrix, decomposed }
     }
 

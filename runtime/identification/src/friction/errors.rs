@@ -6,6 +6,7 @@ use super::super::error::Result;
 use super::super::least_squares::{Reduced, triangular_factor};
 use super::super::moments::Moments;
 use super::super::result::FrictionTerm;
+use super::super::spectrum;
 use super::super::statistics::median;
 use super::design::Design;
 use nalgebra::{DMatrix, DVector};
@@ -129,7 +130,7 @@ fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Re
         // Constraints fix all coefficients.
         return Ok(DMatrix::zeros(p, p));
     }
-    let svd = (r * &z).svd(false, true);
+    let svd = spectrum::svd(r * &z);
     let limit = 1e-12 * svd.singular_values.amax();
     let Some(v_t) = svd.v_t else { return Ok(DMatrix::zeros(p, p)) };
     let inverse = svd.singular_values.map(|s| if s > limit { 1.0 / (s * s) } else { 0.0 });
@@ -144,7 +145,7 @@ fn inverse_on_face(gram: &DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> 
         // Constraints fix all coefficients.
         return DMatrix::zeros(gram.nrows(), gram.nrows());
     }
-    let inner = (z.transpose() * gram * &z).pseudo_inverse(1e-14 * gram.amax());
+    let inner = spectrum::svd(z.transpose() * gram * &z).pseudo_inverse(1e-14 * gram.amax());
     inner.map_or_else(|_| DMatrix::zeros(gram.nrows(), gram.nrows()), |inner| &z * inner * z.transpose())
 }
 
@@ -153,7 +154,7 @@ fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     if rows.nrows() == 0 {
         return DMatrix::identity(count, count);
     }
-    let eigen = (rows.transpose() * rows).symmetric_eigen();
+    let eigen = spectrum::symmetric_eigen(rows.transpose() * rows);
     let limit = 1e-10 * eigen.eigenvalues.amax();
     let kept: Vec<usize> = (0..count).filter(|&i| eigen.eigenvalues[i] <= limit).collect();
     eigen.eigenvectors.select_columns(&kept)

@@ -6,6 +6,7 @@ use super::super::error::Result;
 use super::super::least_squares::{Reduced, Solution};
 use super::super::library::Library;
 use super::super::moments::Moments;
+use super::super::spectrum::symmetric_eigenvalues;
 use super::findings::Findings;
 use nalgebra::{DMatrix, DVector};
 
@@ -90,7 +91,7 @@ fn remove_rounding(coefficients: &mut DVector<f64>, moments: &Moments, samples: 
 /// Doubts coefficients of chosen terms that resemble each other.
 pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings) {
     let chosen = reduced.moments().correlation().select_rows(active).select_columns(active);
-    let eigenvalues = chosen.symmetric_eigenvalues();
+    let eigenvalues = symmetric_eigenvalues(&chosen);
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
     if condition > DOUBTFUL_CONDITION {
         findings.warn(format!(

@@ -9,6 +9,7 @@
 //! same diagonal matrix Λ, with predictor and corrector (Mehrotra 1992). Both take the same step, as a
 //! quadratic objective asks for.
 
+use crate::spectrum;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, Vector4};
 
 /// Entries of a symmetric 4 × 4 block.
@@ -88,7 +89,7 @@ impl Scaling {
     /// From Cholesky factors of S and Z and one singular value decomposition; `None` on the boundary.
     fn new(s: &Matrix4<f64>, z: &Matrix4<f64>) -> Option<Self> {
         let (ls, lz) = (s.cholesky()?.unpack(), z.cholesky()?.unpack());
-        let svd = (lz.transpose() * ls).svd(true, false);
+        let svd = spectrum::svd(lz.transpose() * ls);
         let (u, lambda) = (svd.u?, svd.singular_values);
         if !lambda.iter().all(|&x| x > 0.0 && x.is_finite()) {
             return None;
@@ -127,7 +128,7 @@ impl Scaling {
     fn longest(&self, d: &Matrix4<f64>) -> f64 {
         let l = &self.lambda;
         let scaled = Matrix4::from_fn(|i, j| 0.5 * (d[(i, j)] + d[(j, i)]) / (l[i] * l[j]).sqrt());
-        longest(scaled.symmetric_eigenvalues().min())
+        longest(spectrum::symmetric_eigenvalues(&scaled).min())
     }
 }
 

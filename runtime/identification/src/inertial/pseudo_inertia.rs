@@ -1,5 +1,6 @@
 //! The pseudo-inertia of a body, and whether the body can exist.
 
+use crate::spectrum::symmetric_eigenvalues;
 use nalgebra::{Matrix3, Matrix4};
 
 /// Parameters per body.
@@ -55,7 +56,7 @@ pub fn margin(pi: &[f64; PER_BODY]) -> f64 {
         return f64::NEG_INFINITY;
     }
     let unit = Matrix4::from_fn(|r, c| j[(r, c)] / (d[r] * d[c]).sqrt());
-    unit.symmetric_eigenvalues().min()
+    symmetric_eigenvalues(&unit).min()
 }
 
 #[cfg(test)]

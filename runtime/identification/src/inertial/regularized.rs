@@ -7,6 +7,7 @@
 
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
 use crate::error::{Result, require_finite, require_length, require_setting};
+use crate::spectrum::symmetric_eigen;
 use crate::statistics::median;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
@@ -162,7 +163,7 @@ fn repair(j: &Matrix4<f64>, typical: &Typical) -> (Matrix4<f64>, Option<Fault>) 
     }
     let (centre, sigma) = central(j);
     let least = THINNEST * THINNEST * typical.spread;
-    let eigen = sigma.symmetric_eigen();
+    let eigen = symmetric_eigen(sigma);
     let smallest = eigen.eigenvalues.min();
     if smallest >= least {
         return (*j, None);

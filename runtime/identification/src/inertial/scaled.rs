@@ -9,6 +9,7 @@ use super::interior_point::{BLOCK, PLACES};
 use super::problem::ConsistentProblem;
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use crate::error::{IdentificationError, Result};
+use crate::spectrum::symmetric_eigenvalues;
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
 
 /// A curvature below this share of the largest one is rounding: the direction is not seen.
@@ -184,7 +185,7 @@ impl Scaled {
 
 /// Number of eigenvalues that are zero up to rounding.
 fn open_directions(h: &DMatrix<f64>) -> Result<usize> {
-    let eigenvalues = h.symmetric_eigenvalues();
+    let eigenvalues = symmetric_eigenvalues(h);
     let largest = eigenvalues.amax();
     match eigenvalues.iter().copied().fold(0.0, f64::min) {
         least if least < -NEGATIVE * largest => Err(IdentificationError::Setting {

@@ -4,6 +4,7 @@ use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result, require_length, require_setting};
 use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
+use super::super::spectrum::symmetric_eigen;
 use super::{Lasso, active_terms};
 use nalgebra::{DMatrix, DVector};
 
@@ -159,12 +160,10 @@ impl Problem {
         if regular || n == 0 {
             return None;
         }
-        let eigen = scaled.symmetric_eigen();
+        let eigen = symmetric_eigen(scaled);
         let least = eigen.eigenvalues.imin();
-        if eigen.eigenvalues[least] > 1e-12 {
-            return None;
-        }
-        Some(DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
+        let is_null = eigen.eigenvalues[least] <= 1e-12;
+        is_null.then(|| DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
     }
 
     /// A far point along a null direction, downhill in the penalty, so that some coefficient reaches zero.

@@ -5,6 +5,7 @@ use super::super::moments::contiguous_blocks;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
+use super::super::spectrum::svd;
 use super::filter::Filter;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -41,7 +42,7 @@ impl<'a> Columns<'a> {
         let inputs = runs.first().is_some_and(|r| r.effort != Effort::Joint);
         let inverse = || {
             let inputs = robot.input_names().len();
-            DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()).pseudo_inverse(1e-9).ok()
+            svd(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix())).pseudo_inverse(1e-9).ok()
         };
         let slow: Vec<f64> = (0..joints).map(|j| (ROUNDING * fastest(runs, j)).max(1e-12)).collect();
         let sign = |(v, slow): (&Vec<f64>, &f64)| -> Vec<f64> {

@@ -4,6 +4,7 @@ use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::digits::plain;
 use super::super::kernel::BLOCK;
 use super::super::offset::centre;
+use super::super::spectrum::symmetric_eigen;
 use super::law::{NAMES, StribeckFit, stribeck_block};
 use super::refine::{Data, Normal};
 use nalgebra::{DMatrix, SMatrix};
@@ -39,7 +40,7 @@ pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
 fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
     let d = h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| h[(i, j)] / (d[i] * d[j]));
-    let eigen = scaled.symmetric_eigen();
+    let eigen = symmetric_eigen(scaled);
     let largest = eigen.eigenvalues.max();
     let mut inverse = SMatrix::<f64, 5, 5>::zeros();
     let mut lost = [false; 5];
@@ -48,7 +49,9 @@ fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
         if eigen.eigenvalues[k] > 1e-10 * largest {
             inverse += direction * direction.transpose() / eigen.eigenvalues[k];
         } else {
-            (0..5).filter(|&i| direction[i].abs() > 0.1).for_each(|i| lost[i] = true);
+            (0..5)
+                .filter(|&i| direction[i].is_nan() || direction[i].abs() > 0.1)
+                .for_each(|i| lost[i] = true);
         }
     }
     let entry = |i: usize, j: usize| if lost[i] || lost[j] { 0.0 } else { inverse[(i, j)] / (d[i] * d[j]) };
