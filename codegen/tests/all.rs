@@ -30,7 +30,6 @@ mod meaning;
 mod models;
 mod motion_limits;
 mod reference;
-mod robustness;
 mod self_test;
 mod shown_forces;
 mod stages;

@@ -40,6 +40,8 @@ mod quaternions;
 mod reactions;
 mod reference;
 mod regressors;
+#[path = "robustness/main.rs"]
+mod robustness;
 mod second_order;
 mod snapshots_of_text;
 mod structure;

@@ -1,5 +1,7 @@
 //! Seeded edits of descriptions: of bytes, lines, numbers, names and whole parts.
 
+use super::elements::{with_element, with_list};
+
 /// SplitMix64 (Steele, Lea and Flood, 2014).
 pub struct Random(pub u64);
 
@@ -135,13 +137,15 @@ const LAWS: [&str; 9] = [
 pub fn rewritten(text: &str, random: &mut Random) -> String {
     let mut text = text.to_owned();
     for _ in 0..=random.below(3) {
-        text = match random.below(12) {
+        text = match random.below(16) {
             0..5 => with_number(&text, random),
             5 => with_law(&text, random),
-            6 => with_name(&text, random),
-            7 => with_lines(&text, random),
-            8 | 9 => with_parts(&text, random),
-            10 => with_word(&text, random),
+            6 | 7 => with_name(&text, random),
+            8 => with_lines(&text, random),
+            9 | 10 => with_parts(&text, random),
+            11 => with_word(&text, random),
+            12 | 13 => with_element(&text, random),
+            14 => with_list(&text, random),
             _ => mutated(&text, random),
         };
         if text.is_empty() {
@@ -163,7 +167,7 @@ fn runs(text: &str, is_in: impl Fn(char) -> bool) -> Vec<std::ops::Range<usize>>
     runs
 }
 
-fn with(text: &str, range: std::ops::Range<usize>, new: &str) -> String {
+pub fn with(text: &str, range: std::ops::Range<usize>, new: &str) -> String {
     format!("{}{new}{}", &text[..range.start], &text[range.end..])
 }
 

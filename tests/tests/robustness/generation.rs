@@ -1,14 +1,25 @@
-//! From a mutated description to a module: no panic, no hang, a module that compiles or a message.
+//! From a mutated description to a module, exports and a page: no panic, no hang, a module that compiles or a message. Half of
+//! the descriptions are of random robots.
 //!
-//! `GELENK_MUTATIONS=50000 cargo test --release -p gelenk-codegen --test all robustness::generation -- --nocapture`
+//! `GELENK_MUTATIONS=50000 cargo test --release -p gelenk-tests --test all robustness::generation -- --nocapture`
 //! is the long form; it takes an hour or two.
 
 use super::mutation::{Random, rewritten};
+use gelenk_codegen::diagnostic::Diagnostics;
 use gelenk_codegen::emit::{self, EmitOptions, Language, Scalar};
+use gelenk_codegen::export::{self, export};
 use gelenk_codegen::function_names;
+use gelenk_codegen::functions::form::Form;
+use gelenk_codegen::functions::selection::{self, Request};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::output::{Planned, Replaces};
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate, generate_pair};
 use gelenk_codegen::program::{Operand, Operation};
+use gelenk_codegen::report::{Contents, report};
+use gelenk_tests::quaternion_model::with_quaternions;
+use gelenk_tests::random_model::{
+    random_coupled_model, random_helical_model, random_model, random_model_with_frame_forces,
+};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
@@ -22,6 +33,11 @@ use std::time::{Duration, Instant};
 const MUTATIONS: usize = 500;
 /// Each so many of what is generated is compiled.
 const COMPILED: usize = 100;
+/// Each so many of what is generated is exported, and each so many of these has a page.
+const EXPORTED: usize = 4;
+const DRAWN: usize = 10;
+/// Operations of the functions of a page.
+const MOST_OPERATIONS: usize = 10_000;
 /// Work of the processor on one description. It is fractions of a second in a release build, and more in a
 /// debug build.
 const MOST_WORK: Duration = Duration::from_secs(if cfg!(debug_assertions) { 60 } else { 10 });
@@ -32,7 +48,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 const SMALL: usize = 8;
 
 /// What is mutated.
-const SEEDS: [&str; 14] = [
+const SEEDS: [&str; 24] = [
     "cart_pole.toml",
     "cart_pole.toml",
     "double_pendulum.toml",
@@ -47,16 +63,40 @@ const SEEDS: [&str; 14] = [
     "two_arm.toml",
     "urdf/ur5.urdf",
     "urdf/panda.urdf",
+    "differential_wrist.toml",
+    "excavator.toml",
+    "gripper.toml",
+    "palletizer.toml",
+    "quadrotor.toml",
+    "rail_arm.toml",
+    "satellite.toml",
+    "../tests/mujoco/robots/arm.xml",
+    "../tests/mujoco/robots/cart.xml",
+    "../tests/mujoco/robots/walker.xml",
 ];
 
-/// What some of them extend.
-const BASES: [&str; 1] = ["powercube_alpha.toml"];
+/// What some of them extend or include.
+const BASES: [&str; 3] = [
+    "powercube_alpha.toml",
+    "../tests/mujoco/robots/parts/defaults.xml",
+    "../tests/mujoco/robots/parts/tail.xml",
+];
+
+/// Random robots, with up to so many coordinates before some become free.
+const LONGEST: usize = 3;
+const ROBOTS: [fn(u64) -> Model; 5] = [
+    |seed| random_model(seed, LONGEST),
+    |seed| random_coupled_model(seed, LONGEST),
+    |seed| random_helical_model(seed, LONGEST),
+    |seed| random_model_with_frame_forces(seed, LONGEST),
+    |seed| with_quaternions(random_model_with_frame_forces(seed, LONGEST), seed),
+];
 
 /// A description and what is asked of it.
 #[derive(Debug, Clone)]
 struct Case {
     index: usize,
-    file: &'static str,
+    file: String,
     text: String,
     options: GenerateOptions,
     control_model: Option<f64>,
@@ -66,12 +106,17 @@ impl Case {
     /// The same for the same index, whatever the others are.
     fn new(index: usize) -> Self {
         let mut random = Random(0x6d75_7461_7465 ^ (index as u64) << 20);
-        let is_short = index < MUTATIONS && !random.chance(25);
-        let file = random.one(if is_short { &SEEDS[..SMALL] } else { &SEEDS });
+        let (file, text) = if random.chance(2) {
+            random_robot(&mut random)
+        } else {
+            let is_short = index < MUTATIONS && !random.chance(25);
+            let file = *random.one(if is_short { &SEEDS[..SMALL] } else { &SEEDS });
+            (file.to_owned(), seed(file))
+        };
         Self {
             index,
             file,
-            text: rewritten(&seed(file), &mut random),
+            text: rewritten(&text, &mut random),
             options: options(&mut random),
             control_model: random.chance(10).then_some(50.0),
         }
@@ -86,9 +131,19 @@ impl Case {
     }
 }
 
+/// A random robot as another program would describe it.
+fn random_robot(random: &mut Random) -> (String, String) {
+    let model = random.one(&ROBOTS)(random.next() % 10_000);
+    let format = *random.one(&[export::Format::Mjcf, export::Format::Urdf]);
+    (format!("random.{}", format.extension()), export(&model, format, "random").text)
+}
+
 /// Mostly a few functions; all of them take longer.
 fn options(random: &mut Random) -> GenerateOptions {
-    let names: Vec<&str> = function_names::listed().collect();
+    // Second derivatives of the larger robots take half a minute.
+    let is_second = |name: &&str| name.ends_with("_hessian");
+    let with_second = random.chance(20);
+    let names: Vec<&str> = function_names::listed().filter(|name| with_second || !is_second(name)).collect();
     let some = |random: &mut Random, most: usize| -> Vec<String> {
         let count = random.below(most);
         (0..count).map(|_| (*random.one(&names)).to_owned()).collect()
@@ -135,6 +190,32 @@ fn work_of_thread() -> Duration {
     nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed(), Duration::from_nanos)
 }
 
+/// What else the program makes of some robots.
+fn export_and_draw(found: &Result<Vec<Generated>, String>, index: usize) {
+    let Some(Generated { model, .. }) = found.iter().flatten().next() else { return };
+    if !index.is_multiple_of(EXPORTED) || !model.driven.is_empty() {
+        return;
+    }
+    for format in [export::Format::Mjcf, export::Format::Urdf] {
+        assert!(!export(model, format, "robot").text.is_empty());
+    }
+    let request = Request { names: &[], most: MOST_OPERATIONS, form: Form::Cheapest, straight: &[] };
+    if !index.is_multiple_of(EXPORTED * DRAWN) {
+        return;
+    }
+    if let Ok(selected) = selection::derive(model, &request) {
+        let contents = Contents {
+            model,
+            functions: &selected.functions,
+            notes: &Diagnostics::new(selected.notes.clone()),
+            closed_form: Err("none"),
+            command: "gelenk report",
+        };
+        // A figure that cannot be drawn is an error with its reason.
+        let _ = report(&contents);
+    }
+}
+
 /// The same modules for the other printer.
 fn print_in_c(found: &Result<Vec<Generated>, String>) {
     for robot in found.iter().flatten() {
@@ -147,17 +228,22 @@ fn print_in_c(found: &Result<Vec<Generated>, String>) {
 fn work(cases: impl Iterator<Item = usize>, folder: &Path, to: &mpsc::Sender<Option<Finished>>) {
     for index in cases {
         let case = Case::new(index);
-        let path = folder.join(format!("case_{index}.{}", extension(case.file)));
+        let path = folder.join(format!("case_{index}.{}", extension(&case.file)));
         fs::write(&path, &case.text).expect("a description");
         let start = work_of_thread();
-        let result = catch_unwind(AssertUnwindSafe(|| case.run(&path)));
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            let found = case.run(&path);
+            found.iter().flatten().for_each(check_numbers);
+            print_in_c(&found);
+            export_and_draw(&found, index);
+            found
+        }));
         let took = work_of_thread().saturating_sub(start);
-        let result =
-            result.and_then(|found| catch_unwind(AssertUnwindSafe(|| print_in_c(&found))).map(|()| found));
         let result = result.map_err(|panic| {
             let text = panic.downcast_ref::<String>().cloned();
             text.unwrap_or_else(|| "a panic".to_owned())
         });
+        fs::remove_file(&path).expect("the description");
         let finished = Finished { case, took, result };
         if to.send(Some(finished)).is_err() {
             return;
@@ -171,14 +257,14 @@ fn extension(file: &str) -> &str {
 }
 
 /// Every constant is a number: what is not finite would be silently wrong.
-fn check_numbers(robot: &Generated, index: usize) {
+fn check_numbers(robot: &Generated) {
     for function in &robot.module.functions {
         let entries = function.program.outputs.iter().flat_map(|output| &output.entries);
         let instructions = function.program.instructions.iter();
         let operands = instructions.flat_map(|made| operands(made.operation));
         for operand in entries.copied().chain(operands) {
             let is_number = !matches!(operand, Operand::Constant(x) if !x.is_finite());
-            assert!(is_number, "case {index}: {operand:?} in {}", function.name);
+            assert!(is_number, "{operand:?} in {}", function.name);
         }
     }
 }
@@ -247,59 +333,88 @@ fn write(robots: &[Generated], folder: &Path) {
     assert_eq!(fs::read_dir(folder).expect("a folder").count(), robots.len());
 }
 
+/// What became of all cases.
+#[derive(Default)]
+struct Tally {
+    generated: usize,
+    refused: usize,
+    slowest: Duration,
+    codes: BTreeMap<String, usize>,
+    faults: Vec<String>,
+    modules: Crate,
+}
+
+impl Tally {
+    fn add(&mut self, Finished { case, took, result }: Finished, folder: &Path) {
+        if took > self.slowest {
+            self.slowest = took;
+            eprintln!("case {}, {}: {took:?}", case.index, case.file);
+        }
+        if took > MOST_WORK {
+            self.fault(&case, &format!("takes {took:?}"));
+        }
+        match result {
+            Err(panic) => self.fault(&case, &format!("panics: {panic}")),
+            Ok(Err(message)) if !message.contains("error[") => self.fault(&case, &message),
+            Ok(Err(message)) => {
+                let code = message.split(']').next().unwrap_or_default();
+                *self.codes.entry(code.to_owned()).or_default() += 1;
+                self.refused += 1;
+            }
+            Ok(Ok(robots)) => self.compile_some(&robots, case.index, folder),
+        }
+    }
+
+    fn fault(&mut self, case: &Case, what: &str) {
+        let fault = format!("case {}, {}: {what}", case.index, case.file);
+        eprintln!("{fault}\n{}", case.text);
+        self.faults.push(fault);
+    }
+
+    fn compile_some(&mut self, robots: &[Generated], index: usize, folder: &Path) {
+        if self.generated.is_multiple_of(COMPILED) {
+            write(robots, &folder.join("modules"));
+            robots.iter().for_each(|robot| self.modules.add(robot, index));
+        }
+        self.generated += 1;
+        if self.modules.modules >= 10 {
+            self.modules.compile(folder);
+        }
+    }
+}
+
+/// A number in an environment variable.
+fn asked(name: &str, otherwise: usize) -> usize {
+    std::env::var(name).ok().and_then(|number| number.parse().ok()).unwrap_or(otherwise)
+}
+
 #[test]
 fn mutated_descriptions_generate_or_are_explained() {
-    let asked = std::env::var("GELENK_MUTATIONS").ok();
-    let count = asked.and_then(|count| count.parse().ok()).unwrap_or(MUTATIONS);
+    let count = asked("GELENK_MUTATIONS", MUTATIONS);
     // To look at a case again, or to go on behind it.
-    let first = std::env::var("GELENK_FIRST_MUTATION").ok();
-    let first: usize = first.and_then(|first| first.parse().ok()).unwrap_or(0);
+    let first = asked("GELENK_FIRST_MUTATION", 0);
     let folder = tempfile::tempdir().expect("a folder");
     let (to, from) = mpsc::channel();
     let place = folder.path().join("models");
-    fs::create_dir_all(place.join("urdf")).expect("a folder");
+    for part in ["urdf", "parts"] {
+        fs::create_dir_all(place.join(part)).expect("a folder");
+    }
     // What others extend.
     for file in SEEDS.iter().chain(&BASES) {
-        fs::write(place.join(file), seed(file)).expect(file);
+        fs::write(place.join(file.rsplit("robots/").next().unwrap_or(file)), seed(file)).expect(file);
     }
     std::thread::spawn(move || work(first..first + count, &place, &to));
-    let (mut generated, mut refused, mut slowest) = (0_usize, 0_usize, Duration::ZERO);
-    let mut codes = BTreeMap::new();
-    let mut modules = Crate::default();
+    let mut tally = Tally::default();
     for next in first.. {
         let Ok(finished) = from.recv_timeout(PATIENCE) else {
             panic!("case {next} never ends: {:#?}", Case::new(next));
         };
-        let Some(Finished { case, took, result }) = finished else {
-            break;
-        };
-        if took > slowest {
-            slowest = took;
-            eprintln!("case {next}, {}: {took:?}", case.file);
-        }
-        assert!(took <= MOST_WORK, "case {next} takes {took:?}: {case:#?}");
-        let result = result.unwrap_or_else(|panic| panic!("case {next} panics: {panic}\n{}", case.text));
-        let robots = match result {
-            Ok(robots) => robots,
-            Err(message) => {
-                let code = message.split(']').next().unwrap_or_default();
-                assert!(message.contains("error["), "case {next}: {message}");
-                *codes.entry(code.to_owned()).or_insert(0_usize) += 1;
-                refused += 1;
-                continue;
-            }
-        };
-        robots.iter().for_each(|robot| check_numbers(robot, next));
-        if generated.is_multiple_of(COMPILED) {
-            write(&robots, &folder.path().join("modules"));
-            robots.iter().for_each(|robot| modules.add(robot, case.index));
-        }
-        generated += 1;
-        if modules.modules >= 10 {
-            modules.compile(folder.path());
-        }
+        let Some(finished) = finished else { break };
+        tally.add(finished, folder.path());
     }
-    modules.compile(folder.path());
+    tally.modules.compile(folder.path());
+    let Tally { generated, refused, slowest, codes, faults, .. } = tally;
     eprintln!("{generated} generated, {refused} refused, at most {slowest:?}: {codes:#?}");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
     assert!(generated > count / 10 && refused > count / 10);
 }

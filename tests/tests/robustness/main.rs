@@ -9,9 +9,8 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-#[path = "robustness/generation.rs"]
+mod elements;
 mod generation;
-#[path = "robustness/mutation.rs"]
 mod mutation;
 
 type Outcome = Result<(Model, Diagnostics), Diagnostics>;
