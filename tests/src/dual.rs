@@ -2,8 +2,11 @@
 
 use gelenk_codegen::formula::Function;
 use gelenk_codegen::program::{Operand, Operation, Program};
+use num_dual::DualNum;
 
-use crate::oracle::Number;
+/// Numbers that carry derivatives, or plain ones.
+pub trait Number: DualNum<Primitive = f64> + Copy {}
+impl<T: DualNum<Primitive = f64> + Copy> Number for T {}
 
 /// Results of a program, each flattened rows first.
 pub fn evaluate<T: Number>(program: &Program, inputs: &[&[T]], parameters: &[f64]) -> Vec<Vec<T>> {
@@ -39,7 +42,8 @@ pub fn evaluate<T: Number>(program: &Program, inputs: &[&[T]], parameters: &[f64
     program.outputs.iter().map(|result| output(&result.entries)).collect()
 }
 
-fn call<T: Number>(function: Function, x: T) -> T {
+/// Value of an elementary function.
+pub fn call<T: Number>(function: Function, x: T) -> T {
     match function {
         Function::Sin => x.sin(),
         Function::Cos => x.cos(),

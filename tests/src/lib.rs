@@ -3,16 +3,19 @@
 
 #![allow(clippy::expect_used, reason = "what is missing ends a test")]
 
+pub mod agreement;
 pub mod browser;
 pub mod cargo;
 pub mod compiler;
 pub mod dual;
+pub mod enumerated;
 pub mod flat;
 pub mod generated;
 pub mod literature;
 pub mod mujoco;
 pub mod oracle;
 pub mod packages;
+pub mod positions;
 pub mod python;
 pub mod quaternion_model;
 pub mod random_model;
@@ -20,6 +23,8 @@ pub mod single;
 pub mod table;
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::functions::form::Form;
@@ -152,6 +157,23 @@ impl Robot {
     pub fn first(&self, name: &str, inputs: &[&[f64]]) -> Vec<f64> {
         self.call(name, inputs).swap_remove(0)
     }
+}
+
+/// The results of a function of each item, by as many threads as there are processors.
+pub fn in_parallel<T: Sync, R: Send + Sync>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let results: Vec<OnceLock<R>> = items.iter().map(|_| OnceLock::new()).collect();
+    let next = AtomicUsize::new(0);
+    let run = || {
+        while let Some((item, result)) = {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            items.get(index).zip(results.get(index))
+        } {
+            result.get_or_init(|| work(item));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..threads).for_each(|_| _ = scope.spawn(run)));
+    results.into_iter().map(|result| result.into_inner().expect("each item was worked on")).collect()
 }
 
 /// Largest difference between two arrays, relative to the largest entry of the second.

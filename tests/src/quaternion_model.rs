@@ -1,14 +1,11 @@
-//! Random robots with spherical and floating joints, and their motion in the angles of the chains that stand for these.
+//! Random robots with spherical and floating joints.
 
 use fastrand::Rng;
 use gelenk_codegen::formula::Formula;
 use gelenk_codegen::model::{
-    Attachment, Body, ForceEffect, Joint, JointKind, JointPosition, Limits, Link, Model, Motion, Pose,
-    QuaternionJoint, QuaternionKind,
+    Attachment, Body, ForceEffect, Joint, JointKind, Limits, Link, Model, Motion, Pose, QuaternionJoint,
+    QuaternionKind,
 };
-use nalgebra::{UnitQuaternion, Vector3};
-
-use crate::oracle::Number;
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -163,102 +160,4 @@ fn free_base(model: &mut Model) {
     model.coordinates.splice(0..0, 1..=6);
     let base = QuaternionJoint { name: "base".into(), kind: QuaternionKind::Floating, first: 0 };
     model.quaternion_joints = std::iter::once(base).chain(quaternion_joints).collect();
-}
-
-/// Velocities of a model with quaternions from positions and velocities of its chains: those of the bodies in their own
-/// frames. Rotations are `R_x(a) R_y(b) R_z(c)`.
-pub fn velocities<T: Number>(model: &Model, y: &[T], v: &[T]) -> Vec<T> {
-    let mut result = v.to_vec();
-    for joint in &model.quaternion_joints {
-        let turning = joint.coordinates().end - 3;
-        let (sines, cosines): (Vec<T>, Vec<T>) = (0..3).map(|k| y[turning + k].sin_cos()).unzip();
-        let rate = |k: usize| v[turning + k];
-        // (R_y R_z)ᵀ e_x ȧ + R_zᵀ e_y ḃ + e_z ċ
-        let (x, z) = (cosines[1] * rate(0), sines[1] * rate(0));
-        result[turning] = cosines[2] * x + sines[2] * rate(1);
-        result[turning + 1] = cosines[2] * rate(1) - sines[2] * x;
-        result[turning + 2] = z + rate(2);
-        if joint.kind == QuaternionKind::Floating {
-            let slides = [v[joint.first], v[joint.first + 1], v[joint.first + 2]];
-            let turned = |v: [T; 3], axis: usize| {
-                let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-                let (s, c) = (sines[axis], cosines[axis]);
-                let mut turned = v;
-                turned[i] = c * v[i] + s * v[j];
-                turned[j] = c * v[j] - s * v[i];
-                turned
-            };
-            let own = turned(turned(turned(slides, 0), 1), 2);
-            result[joint.first..turning].copy_from_slice(&own);
-        }
-    }
-    result
-}
-
-/// Positions with quaternions from those of the chains.
-pub fn positions(model: &Model, y: &[f64]) -> Vec<f64> {
-    let entries = model.joint_positions().flat_map(|joint| match joint {
-        JointPosition::Coordinate(coordinate) => vec![y[coordinate]],
-        JointPosition::Quaternion(joint) => {
-            let own = &y[joint.coordinates()];
-            let (slides, angles) = own.split_at(own.len() - 3);
-            let about = |axis: nalgebra::Unit<Vector3<f64>>, k: usize| {
-                UnitQuaternion::from_axis_angle(&axis, angles[k])
-            };
-            let turn =
-                about(Vector3::x_axis(), 0) * about(Vector3::y_axis(), 1) * about(Vector3::z_axis(), 2);
-            slides.iter().copied().chain([turn.i, turn.j, turn.k, turn.w]).collect()
-        }
-    });
-    entries.collect()
-}
-
-/// Brings the quaternions of positions to unit length; the identity takes the place of zero.
-pub fn normalize(model: &Model, y: &mut [f64]) {
-    for joint in &model.quaternion_joints {
-        let first = model.first_position(joint.first) + joint.kind.quaternion();
-        let quaternion = &mut y[first..first + 4];
-        let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if length == 0.0 {
-            quaternion[3] = 1.0;
-        } else {
-            quaternion.iter_mut().for_each(|x| *x /= length);
-        }
-    }
-}
-
-/// Rates of the positions at velocities: ẏ = T(y) v. Quaternions are taken for unit ones.
-pub fn rates<T: Number>(model: &Model, y: &[T], v: &[T]) -> Vec<T> {
-    let half = T::from(0.5);
-    let of_joint = |joint: JointPosition| match joint {
-        JointPosition::Coordinate(coordinate) => vec![v[coordinate]],
-        JointPosition::Quaternion(joint) => {
-            let q = model.first_position(joint.first) + joint.kind.quaternion();
-            let ([x, y, z, w], turning) = ([y[q], y[q + 1], y[q + 2], y[q + 3]], joint.coordinates().end - 3);
-            let [a, b, c] = [v[turning], v[turning + 1], v[turning + 2]];
-            let slides =
-                v[joint.first..turning].chunks(3).flat_map(|l| turned([x, y, z], w, [l[0], l[1], l[2]]));
-            let turns = [
-                w * a + y * c - z * b,
-                w * b + z * a - x * c,
-                w * c + x * b - y * a,
-                -(x * a + y * b + z * c),
-            ];
-            slides.chain(turns.map(|rate| half * rate)).collect()
-        }
-    };
-    model.joint_positions().flat_map(of_joint).collect()
-}
-
-/// A vector turned by a unit quaternion: `r + 2 w (q × r) + 2 q × (q × r)`.
-fn turned<T: Number>(q: [T; 3], w: T, r: [T; 3]) -> [T; 3] {
-    let cross = |a: [T; 3], b: [T; 3]| -> [T; 3] {
-        std::array::from_fn(|i| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            a[j] * b[k] - a[k] * b[j]
-        })
-    };
-    let once = cross(q, r).map(|x| x * T::from(2.0));
-    let twice = cross(q, once);
-    std::array::from_fn(|i| r[i] + w * once[i] + twice[i])
 }

@@ -2,6 +2,7 @@
 
 mod acados;
 mod array_forms;
+mod ball_joints;
 mod build_script;
 #[path = "c_modules/main.rs"]
 mod c_modules;
@@ -16,6 +17,7 @@ mod driven;
 mod driven_motion;
 mod emitted;
 mod emitted_options;
+mod enumerated;
 mod freshness;
 mod friction;
 mod identified_loop;

@@ -19,7 +19,7 @@ use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};
 use gelenk_tests::flat::Call;
 use gelenk_tests::generated::ROBOTS;
-use gelenk_tests::quaternion_model::normalize;
+use gelenk_tests::positions::normalize;
 use gelenk_tests::single::{self, Bounded};
 use gelenk_tests::{FUNCTIONS, descriptions, generate_model, table};
 

@@ -9,7 +9,7 @@ use gelenk_codegen::functions::selection::derive_functions;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::pipeline::GenerateOptions;
 use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics};
-use gelenk_tests::oracle::Number;
+use gelenk_tests::dual::Number;
 use gelenk_tests::{Robot, workspace};
 use num_dual::Dual64;
 

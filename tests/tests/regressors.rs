@@ -11,7 +11,7 @@ use gelenk_codegen::model::Model;
 use gelenk_codegen::model::{Joint, ReadOptions, read};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_identification::inertial::{PER_BODY, is_physically_consistent};
-use gelenk_tests::quaternion_model::positions;
+use gelenk_tests::positions::positions;
 use gelenk_tests::random_model::{Sample, random_helical_model, random_model, random_sample};
 use gelenk_tests::{Robot, descriptions, oracle, shared, workspace};
 use nalgebra::DMatrix;

@@ -5,7 +5,8 @@ use fastrand::Rng;
 use gelenk_codegen::model::{Model, QuaternionKind};
 use gelenk_tests::Robot;
 use gelenk_tests::dual::evaluate;
-use gelenk_tests::quaternion_model::{positions, rates, with_quaternions};
+use gelenk_tests::positions::{moved, positions};
+use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
     Sample, random_coupled_model, random_helical_model, random_model, random_model_with_frame_forces,
     random_sample,
@@ -13,16 +14,6 @@ use gelenk_tests::random_model::{
 use num_dual::HyperDual64;
 
 const HESSIAN: &str = "inverse_dynamics_hessian";
-
-/// `y ⊕ d` for dual numbers d without a real part: ⊕ follows ẏ = T(y) d for a unit of time, and a step by the midpoint has its
-/// derivatives of first and second order.
-fn moved(model: &Model, y: &[HyperDual64], d: &[HyperDual64]) -> Vec<HyperDual64> {
-    let plus = |rates: Vec<HyperDual64>, by: f64| -> Vec<HyperDual64> {
-        y.iter().zip(rates).map(|(&y, rate)| y + rate * by).collect()
-    };
-    let middle = plus(rates(model, y, d), 0.5);
-    plus(rates(model, &middle, d), 1.0)
-}
 
 /// `∂² λᵀ f / ∂x_i ∂x_j` with x = (δ, ẏ, ÿ) at the positions `y ⊕ δ`.
 fn second_derivative(robot: &Robot, state: &Sample, lambda: &[f64], i: usize, j: usize) -> f64 {

@@ -11,7 +11,7 @@ use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_codegen::program::{GraphOutput, InputArray, Program, Shape, lower};
 use gelenk_tests::literature::{chain, right_angles};
-use gelenk_tests::quaternion_model::positions;
+use gelenk_tests::positions::positions;
 use gelenk_tests::random_model::{Sample, condition_of, random_helical_model, random_model, random_sample};
 use gelenk_tests::{FUNCTIONS, Robot, descriptions};
 

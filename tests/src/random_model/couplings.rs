@@ -4,7 +4,7 @@ use fastrand::Rng;
 use gelenk_codegen::formula::Formula;
 use gelenk_codegen::model::{FollowedCoordinate, Follower, Model, Motion};
 
-use super::numbers::{chance, number, product, within};
+use super::numbers::{chance, length, number, product, within};
 use super::tree::{drives, shaft_friction};
 
 /// Makes about a third of the coordinates followers, and lets drives act on several.
@@ -26,7 +26,7 @@ pub(super) fn couple(rng: &mut Rng, model: &mut Model) {
     let free = !model.parameters.is_empty();
     for (index, &link) in followers.iter().enumerate() {
         let follows = followed(rng, n, free);
-        let offset = if chance(rng, 0.5) { 0.0 } else { within(rng, 1.0) };
+        let offset = length(rng, 1.0);
         model.followers.push(Follower { link, follows, offset });
         set_motion(model, link, Motion::Follower(n + index));
     }

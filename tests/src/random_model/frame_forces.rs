@@ -5,12 +5,12 @@ use gelenk_codegen::formula::{Formula, Function};
 use gelenk_codegen::model::{Attachment, Model, Pose};
 
 use super::moves;
-use super::numbers::{direction, number, product, rotation};
+use super::numbers::{direction, number, place, product, rotation};
 
-pub(super) fn attachment(rng: &mut Rng, model: &Model) -> Attachment {
+fn attachment(rng: &mut Rng, model: &Model, translation: [f64; 3]) -> Attachment {
     let link = rng.usize(0..model.links.len());
-    let translation = direction(rng).map(|x| number(0.3 + x));
-    Attachment { name: format!("on {link}"), link, pose: Pose { translation, rotation: rotation(rng) } }
+    let pose = Pose { translation: translation.map(number), rotation: rotation(rng) };
+    Attachment { name: format!("on {link}"), link, pose }
 }
 
 /// The first link on the way to the base whose own joint moves; the base for what does not move.
@@ -26,17 +26,21 @@ pub(super) fn carrier(model: &Model, mut link: usize) -> usize {
 
 pub(super) fn moving(rng: &mut Rng, model: &Model) -> Attachment {
     loop {
-        let at = attachment(rng, model);
+        let translation = place(rng, 0.5);
+        let at = attachment(rng, model, translation);
         if carrier(model, at.link) != 0 {
             return at;
         }
     }
 }
 
-/// Two frames that move relative to each other.
+/// Two frames that move relative to each other. Exact places would make some of them meet: no force has a direction there.
 pub(super) fn separated(rng: &mut Rng, model: &Model) -> [Attachment; 2] {
     loop {
-        let between = [attachment(rng, model), attachment(rng, model)];
+        let between = [0; 2].map(|_| {
+            let translation = direction(rng).map(|x| 0.3 + x);
+            attachment(rng, model, translation)
+        });
         if carrier(model, between[0].link) != carrier(model, between[1].link) {
             return between;
         }

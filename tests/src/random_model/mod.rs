@@ -2,7 +2,7 @@
 
 mod couplings;
 mod frame_forces;
-mod numbers;
+pub(crate) mod numbers;
 mod tree;
 
 use std::f64::consts::PI;
@@ -16,8 +16,8 @@ use nalgebra::DMatrix;
 use crate::oracle::Oracle;
 use couplings::couple;
 use frame_forces::{moving, pull, separated};
-use numbers::{chance, number, within};
-use tree::{rigid_body, tree};
+use numbers::{chance, number, rigid_body, within};
+use tree::tree;
 
 /// Condition number of M up to which a random robot is taken: beyond it forward dynamics says little.
 pub const WORST_CONDITION: f64 = 1e7;

@@ -1,7 +1,5 @@
 //! A tree of links with all that a link carries.
 
-use std::f64::consts::PI;
-
 use fastrand::Rng;
 use gelenk_codegen::formula::{Formula, Function};
 use gelenk_codegen::model::{
@@ -9,7 +7,7 @@ use gelenk_codegen::model::{
     Motion, MotorTorque, Options, Parameter, Pose, RotorCoupling,
 };
 
-use super::numbers::{axis, chance, number, principal, product, rotation, scaled, within};
+use super::numbers::{angle, axis, chance, number, place, point_mass, product, rigid_body, rotation, within};
 
 pub(super) fn tree(rng: &mut Rng, longest: usize) -> Model {
     let count = rng.usize(1..=longest);
@@ -20,7 +18,7 @@ pub(super) fn tree(rng: &mut Rng, longest: usize) -> Model {
         let index = links.len();
         let motion = match rng.f64() {
             x if x < 0.1 => Motion::Fixed,
-            x if x < 0.2 => Motion::Held(within(rng, PI)),
+            x if x < 0.2 => Motion::Held(angle(rng)),
             _ => {
                 moving.push(index);
                 // Numbered below.
@@ -107,12 +105,7 @@ pub(super) fn link(rng: &mut Rng, index: usize, motion: Motion, free: bool) -> L
 }
 
 pub(super) fn pose(rng: &mut Rng, free: bool) -> Pose {
-    let translation = match rng.u8(0..4) {
-        0 => [0.0; 3],
-        1 => scaled(principal(rng), within(rng, 0.5)),
-        _ => [within(rng, 0.5), within(rng, 0.5), within(rng, 0.5)],
-    };
-    let mut translation = translation.map(number);
+    let mut translation = place(rng, 0.5).map(number);
     if free && chance(rng, 0.3) {
         let [x, y, z] = translation;
         translation = [product(Formula::Parameter(1), x), y, z];
@@ -133,30 +126,6 @@ pub(super) fn bodies(rng: &mut Rng, free: bool) -> Vec<Body> {
         }
     }
     bodies
-}
-
-pub(super) fn point_mass(rng: &mut Rng, name: &str) -> Body {
-    Body {
-        name: name.into(),
-        mass: number(0.2 + 2.0 * rng.f64()),
-        center_of_mass: [within(rng, 0.3), within(rng, 0.3), within(rng, 0.3)].map(number),
-        inertia: [0.0; 6].map(number),
-    }
-}
-
-/// Inertia from principal second moments in random axes, so that it is that of a real body.
-pub(super) fn rigid_body(rng: &mut Rng, name: &str) -> Body {
-    let axes = rotation(rng);
-    let second = [0, 1, 2].map(|_| 0.002 + 0.05 * rng.f64());
-    let trace: f64 = second.iter().sum();
-    let entry = |i: usize, j: usize| {
-        let moment: f64 = (0..3).map(|k| axes[k][i] * second[k] * axes[k][j]).sum();
-        number(if i == j { trace - moment } else { -moment })
-    };
-    Body {
-        inertia: [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)],
-        ..point_mass(rng, name)
-    }
 }
 
 /// `−s (y − r) − d v`, or a cubic one.

@@ -28,6 +28,7 @@ use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::module::Module;
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_tests::compiler::rustc;
+use gelenk_tests::enumerated::{Chain, Role};
 use gelenk_tests::{descriptions, workspace};
 
 /// Ordinary states of each function.
@@ -281,6 +282,25 @@ fn robots_with_driven_joints_compute_the_same_bits() {
     let functions = ["linearize", "inverse_dynamics", "driving_forces", "friction_torques", "frames"];
     let module = derive(&path, &functions, Form::Cheapest, false);
     compare(&module, Scalar::F64, false, &compilers, &others);
+}
+
+/// Chains whose axes are parallel: loops over the joints, and frames.
+#[test]
+fn chains_of_every_kind_of_motion_compute_the_same_bits() {
+    let compilers: Vec<Compiler> = c_compilers().into_iter().take(1).collect();
+    let folder = tempfile::tempdir().expect("a folder");
+    for (types, roles) in [
+        (["revolute", "spherical"], [Role::Free; 2]),
+        (["universal", "floating"], [Role::Free; 2]),
+        (["helical", "cylindrical"], [Role::Follows, Role::Free]),
+        (["planar", "prismatic"], [Role::Driven, Role::Free]),
+    ] {
+        let path = folder.path().join("chain.toml");
+        std::fs::write(&path, Chain::parallel(types, roles).text(1)).expect("a description");
+        let functions = ["frames", "inverse_dynamics", "forward_dynamics_derivatives", "linearize"];
+        let module = derive(&path, &functions, Form::Arrays, false);
+        compare(&module, Scalar::F64, false, &compilers, &[]);
+    }
 }
 
 /// Writes [`FLOATING`].

@@ -33,7 +33,7 @@ const DIGITS: f64 = 1e12;
 /// Coefficients below this are zero.
 const SMALLEST: f64 = 1e-10;
 
-/// States for the stacked regressor. A link on the base is seen by one row, so ten would just do.
+/// The fewest states for the stacked regressor. A link on the base is seen by one row, so ten would just do.
 const STATES: usize = 25;
 
 /// Values of the free parameters that the regressor is looked at with, where it depends on them.
@@ -189,7 +189,7 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
     let count = program.outputs[0].entries.len() / rows.max(1);
     let mut columns = vec![Vec::with_capacity(rows * STATES); count];
     let mut random = SplitMix64(0x6765_6c65_6e6b);
-    for _ in 0..STATES {
+    for _ in 0..state_count(&program.outputs[0].entries, rows) {
         let y: Vec<f64> = ranges.iter().map(|range| random.within(*range)).collect();
         let y = [model.positions_by(&y), y[rows..].to_vec()].concat();
         let v: Vec<f64> = ranges.iter().map(|_| random.within(2.0)).collect();
@@ -204,6 +204,23 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
         }
     }
     columns
+}
+
+/// States enough to tell all columns apart: twice the columns of a row, each counted at the row that sees the fewest. One row sees
+/// all links that follow its coordinate.
+fn state_count(entries: &[Operand], rows: usize) -> usize {
+    let count = entries.len() / rows.max(1);
+    let sees = |row: usize, column: usize| entries[row * count + column] != Operand::Constant(0.0);
+    let seen: Vec<usize> =
+        (0..rows).map(|row| (0..count).filter(|&column| sees(row, column)).count()).collect();
+    let mut own = vec![0; rows];
+    for column in 0..count {
+        let seeing = (0..rows).filter(|&row| sees(row, column));
+        if let Some(row) = seeing.min_by_key(|&row| seen[row]) {
+            own[row] += 1;
+        }
+    }
+    own.iter().fold(STATES, |most, own| most.max(2 * own))
 }
 
 /// How far from zero each coordinate may go: every angle, one metre.

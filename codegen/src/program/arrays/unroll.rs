@@ -7,7 +7,8 @@ use crate::program::{Operand, Operation, Output, Program};
 
 impl Arrays {
     /// Each operation of the array form as an instruction, in the same order. Padding at the end of rows, and
-    /// entries that loops compute and drop, are not part of it.
+    /// entries that loops compute and drop, are not part of it; nor are products with the zeros of a tree, so that a sum
+    /// that is −0 here may be 0 in the loops.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let mut unrolling = Unrolling {
