@@ -1,12 +1,15 @@
-//! Notes on what friction does to the functions that were generated.
+//! Notes on what friction and springs do to the functions that were generated.
 
 use crate::diagnostic::Diagnostic;
-use crate::functions::catalogue;
+use crate::function_names::FORWARD_DYNAMICS;
 use crate::functions::composition::Composition;
 use crate::functions::function::Function;
-use crate::model::{Joint, JointKind, Model};
+use crate::functions::size::MOST_OPERATIONS;
+use crate::functions::{catalogue, selection};
+use crate::model::Model;
+use crate::rates::{self, Mode};
 use crate::wording::{list, three_digits};
-use gelenk_formula::{Formula, Function as Call};
+use gelenk_formula::Function as Call;
 
 /// Longest usual period of a control loop [s].
 const LONGEST_PERIOD: f64 = 0.02;
@@ -23,7 +26,7 @@ pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]
     let has_derivatives = names.any(|name| catalogue::differentiates_friction(name));
     let steps = compositions.iter().any(|each| each.has_substeps());
     let jumps = has_derivatives.then(|| jumps(model)).flatten();
-    let stiff = steps.then(|| stiff(model)).flatten();
+    let stiff = steps.then(|| stiff(model, functions)).flatten();
     jumps.into_iter().chain(stiff).collect()
 }
 
@@ -47,74 +50,45 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
     ))
 }
 
-/// Where friction makes the robot so fast at standstill that Runge–Kutta steps of a usual period are not
+/// Where friction, dampers and springs make the robot so fast at standstill that Runge–Kutta steps of a usual period are not
 /// stable.
-///
-/// The fastest rate of M v̇ = −D v is at least `Dᵢ / pᵢ`, p the pivots of M, since `(M⁻¹)ᵢᵢ ≥ 1/pᵢ`.
-fn stiff(model: &Model) -> Option<Diagnostic> {
-    let described = model.parameters.iter().map(|parameter| parameter.default);
-    let described: Vec<f64> = described.collect();
-    let rates = model.joints().zip(model.least_pivots());
-    let rates = rates.filter_map(|(joint, pivot)| {
-        let slope = slope_at_standstill(joint, &described);
-        (pivot > 0.0).then_some((joint, slope, slope / pivot))
+fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
+    let joints = model.moving_joints();
+    let is_free = joints.iter().all(|moving| {
+        let joint = moving.joint;
+        joint.friction.is_empty() && joint.load_friction.is_empty() && joint.springs.is_empty()
     });
-    let (joint, slope, rate) = rates.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    let substeps = model.options.substeps.unwrap_or(1);
-    let longest = UNSTABLE * substeps as f64 / rate;
-    if rate <= 0.0 || longest >= LONGEST_PERIOD {
+    if is_free && model.rubbing_drives().next().is_none() && model.point_forces.is_empty() {
         return None;
     }
-    let unit = match joint.kind {
-        JointKind::Prismatic => "N s/m",
-        JointKind::Fixed | JointKind::Revolute | JointKind::Continuous | JointKind::Helical { .. } => {
-            "N m s/rad"
-        }
-    };
-    let is_damper = joint.friction.is_empty() && joint.load_friction.is_empty();
+    let forward = functions.iter().find(|function| function.name == FORWARD_DYNAMICS).cloned();
+    let derived =
+        || selection::derive_functions(model, &[FORWARD_DYNAMICS.to_owned()], MOST_OPERATIONS).ok()?.pop();
+    let forward = forward.or_else(derived)?;
+    let Mode { rate, coordinate } = rates::fastest(model, &forward)?;
+    let substeps = model.options.substeps.unwrap_or(1);
+    let longest = UNSTABLE * substeps as f64 / rate;
+    if longest >= LONGEST_PERIOD {
+        return None;
+    }
+    let joint = joints.get(coordinate)?.joint;
     let message = format!(
-        "{} of `{}`{} rises by {} {unit} at standstill and slows down at a rate of {} 1/s: with {substeps} substep{} \
-         `step` is unstable for periods beyond {} ms",
-        if is_damper { "damping" } else { "friction" },
+        "friction, dampers and springs change the velocity of `{}` at a rate of {} 1/s at standstill{}: with {substeps} \
+         substep{} `step` is unstable for periods beyond {} ms",
         joint.name,
-        if joint.load_friction.is_empty() { "" } else { ", under the load of its effort limit," },
-        three_digits(slope),
         three_digits(rate),
+        if joint.load_friction.is_empty() { "" } else { ", under the load of the effort limits" },
         if substeps == 1 { "" } else { "s" },
         three_digits(1000.0 * longest),
     );
     let needed = |period: f64| (rate * period / UNSTABLE).ceil();
     let note = Diagnostic::note("stiff-friction", message);
     Some(note.help(format!(
-        "`substeps` in [generate] have to be at least {} for {} ms, {} for {} ms; or choose a smaller {}; `discretize` has \
-         no such limit",
+        "`substeps` in [generate] have to be at least {} for {} ms, {} for {} ms; or choose smaller slopes of friction, damping or \
+         stiffness; `discretize` has no such limit",
         needed(SHORTEST_PERIOD),
         1000.0 * SHORTEST_PERIOD,
         needed(LONGEST_PERIOD),
         1000.0 * LONGEST_PERIOD,
-        if is_damper { "damping" } else { "slope" },
     )))
-}
-
-/// Largest dτ/dv at v = 0 for positions over the seeded range, under the load of the effort limit; exact signs
-/// have none.
-fn slope_at_standstill(joint: &Joint, described: &[f64]) -> f64 {
-    let [low, high] = joint.seeded_range();
-    let positions = (0..=10).map(|k| low + (high - low) * f64::from(k) / 10.0);
-    // The largest load that a description tells of.
-    let load = joint.limits.peak_effort.or(joint.limits.effort).unwrap_or(0.0);
-    let torque = |position: f64, velocity: f64| -> f64 {
-        let smooth = joint.friction.iter();
-        let smooth = smooth.filter(|term| !term.basis.calls(Call::Sign));
-        let value = |formula: &Formula| formula.evaluate(described, position, velocity);
-        let friction = smooth.map(|term| value(&term.coefficient) * value(&term.basis));
-        let under_load = joint.load_friction.iter().filter(|term| !term.basis.calls(Call::Sign));
-        let under_load = under_load.map(|term| value(&term.coefficient) * value(&term.basis));
-        let dampers = joint.springs.iter().filter(|law| !law.calls(Call::Sign));
-        friction.sum::<f64>() + load * under_load.sum::<f64>() - dampers.map(value).sum::<f64>()
-    };
-    // Steep laws have a width of 1e-3 and more.
-    const STEP: f64 = 1e-7;
-    let slopes = positions.map(|y| (torque(y, STEP) - torque(y, -STEP)) / (2.0 * STEP));
-    slopes.fold(0.0, f64::max)
 }

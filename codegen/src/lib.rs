@@ -38,6 +38,7 @@ pub mod output;
 pub mod pipeline;
 pub mod program;
 mod random;
+mod rates;
 mod remedies;
 #[cfg(feature = "cli")]
 pub mod report;

@@ -23,6 +23,7 @@ mod emitted_code;
 mod findings;
 #[path = "floating_identification/main.rs"]
 mod floating_identification;
+mod foreign;
 mod identified_friction;
 mod kernel_texts;
 mod manifold;

@@ -303,24 +303,99 @@ fn joints_that_follow_by_the_description_do_so_all_the_same() {
 #[test]
 fn the_rate_of_a_damped_ball_is_that_of_its_inertia() {
     let stiff = |damping: f64| {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("ball.toml");
-        let text = format!(
+        stiffness(&format!(
             "[[joints]]\nname = \"top\"\ntype = \"spherical\"\nspring = {{ rx = {{ damping = {damping} }} }}\n\
              [[bodies]]\nlink = \"top\"\nmass = 3\ninertia = 0.02\n"
-        );
-        std::fs::write(&path, text).unwrap();
-        let notes = generate(&path, &GenerateOptions::default()).unwrap().notes;
-        let found = notes.entries().iter().find(|entry| entry.code == "stiff-friction");
-        found.map(ToString::to_string)
+        ))
     };
     assert_eq!(stiff(0.3), None);
     let said = stiff(30.0).unwrap();
     assert!(
         said.contains(
-            "damping of `top_rx` rises by 30 N m s/rad at standstill and slows down at a rate of 1500 1/s"
+            "friction, dampers and springs change the velocity of `top_rx` at a rate of 1500 1/s at standstill"
         ),
         "{said}"
     );
-    assert!(said.contains("choose a smaller damping"), "{said}");
+    assert!(said.contains("choose smaller slopes of friction, damping"), "{said}");
+}
+
+/// What is said of stiff forces of a robot.
+fn stiffness(text: &str) -> Option<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("robot.toml");
+    std::fs::write(&path, text).unwrap();
+    let options = GenerateOptions { functions: vec!["step".to_owned()], ..GenerateOptions::default() };
+    let notes = generate(&path, &options).unwrap().notes;
+    notes.entries().iter().find(|entry| entry.code == "stiff-friction").map(ToString::to_string)
+}
+
+/// NumPy: of M = diag(0.2, 0.1) kg m² and F = 1e4 · 𝟙𝟙ᵀ N m s/rad the rate is 150 000 1/s; of a spring of k N/m, 0.5 m from the
+/// hinge and at a right angle to it, √(0.25 k / M).
+#[test]
+fn stiff_forces_are_noted_wherever_they_are_described() {
+    let two = "[[joints]]\nname = \"a\"\naxis = [0, 1, 0]\n[[joints]]\nname = \"b\"\n[[drives]]\nname = \"m\"\n\
+               on = { a = 1, b = 1 }\ngear_ratio = 100\nfriction = { viscous = 1 }\n\
+               [[bodies]]\nlink = \"a\"\nmass = 1\ninertia = 0.1\n[[bodies]]\nlink = \"b\"\nmass = 1\ninertia = 0.1\n";
+    let said = stiffness(two).unwrap();
+    assert!(said.contains("the velocity of `b` at a rate of 150000 1/s"), "{said}");
+    assert!(said.contains("unstable for periods beyond 0.0186 ms"), "{said}");
+    let spring = |law: &str| {
+        stiffness(&format!(
+            "[[joints]]\nname = \"a\"\nlimits = {{ position = [-1e-3, 1e-3] }}\n[[frames]]\nname = \"tip\"\nlink = \"a\"\n\
+             origin = {{ xyz = [0.5, 0, 0] }}\n[[frames]]\nname = \"foot\"\nlink = \"base\"\norigin = {{ xyz = [0.5, -1, 0] }}\n\
+             [[forces]]\nname = \"s\"\nbetween = [\"tip\", \"foot\"]\nlaw = \"{law}\"\n\
+             [[bodies]]\nlink = \"a\"\nmass = 1\ninertia = 0.25\n"
+        ))
+    };
+    let said = spring("4e6*(l - 1)").unwrap();
+    assert!(said.contains("at a rate of 2000 1/s"), "{said}");
+    let said = spring("2000*dl").unwrap();
+    assert!(said.contains("at a rate of 2000 1/s"), "{said}");
+    assert_eq!(spring("100*(l - 1) + 10*dl"), None);
+}
+
+/// Each is used as described, and probably a mistake.
+#[test]
+fn values_that_are_probably_mistakes_are_warnings() {
+    let body = "[[bodies]]\nlink = \"j\"\nmass = 1\ninertia = 1\n";
+    for (code, text) in [
+        ("limits-equal", format!("[[joints]]\nname = \"j\"\nlimits = {{ position = [1, 1] }}\n{body}")),
+        ("unused-parameter", format!("[parameters]\nm = 2\n[[joints]]\nname = \"j\"\n{body}")),
+        ("motor-constant", format!("[[joints]]\nname = \"j\"\ndrive = {{ motor_constant = -1 }}\n{body}")),
+        (
+            "inertia-without-mass",
+            format!("[[joints]]\nname = \"j\"\n{}", body.replace("mass = 1", "mass = 0")),
+        ),
+    ] {
+        let (severity, message) = only(&text);
+        assert_eq!(severity, Severity::Warning, "{message}");
+        assert!(message.starts_with(&format!("warning[{code}]")), "{message}");
+        assert!(message.contains("= help"), "{message}");
+    }
+    let accepted = body.replace("mass = 1", "mass = 0\naccept_unphysical = true");
+    assert_eq!(only(&format!("[[joints]]\nname = \"j\"\n{accepted}")).0, Severity::Note);
+}
+
+/// Two hinges about one axis with one body, a point mass on three parallel hinges, an arm with a point mass alone.
+#[test]
+fn free_motions_of_a_singular_mass_matrix_are_named() {
+    let singular = |text: &str| {
+        let told = told(text);
+        let found = told.iter().find(|(_, message)| message.starts_with("warning[joints-without-inertia]"));
+        found.unwrap_or_else(|| panic!("{told:?}")).1.clone()
+    };
+    let joint = |name: &str, more: &str| format!("[[joints]]\nname = \"{name}\"\n{more}\n");
+    let body = "[[bodies]]\nlink = \"b\"\nmass = 1\ninertia = 1\n";
+    let coaxial = singular(&format!("{}{}{body}", joint("a", ""), joint("b", "")));
+    assert!(coaxial.contains("nothing that has inertia moves with `a` − `b`"), "{coaxial}");
+    let point = "[[bodies]]\nlink = \"c\"\nmass = 1\ncenter_of_mass = [0.3, 0, 0]\n";
+    let along = "origin = { xyz = [0.4, 0, 0] }";
+    let planar = singular(&format!("{}{}{}{point}", joint("a", ""), joint("b", along), joint("c", along)));
+    assert!(planar.contains("`a` − ") && planar.contains("`b`") && planar.contains("`c`"), "{planar}");
+    let axes = ["axis = [0, 1, 0]", "axis = [1, 0, 0]", ""];
+    let chain: String =
+        (0..7).map(|k| joint(&format!("j{k}"), &format!("{along}\n{}", axes[k % 3]))).collect();
+    let arm = singular(&format!("{chain}{}", point.replace("\"c\"", "\"j6\"")));
+    assert_eq!(arm.matches("`j0`").count(), 1, "{arm}");
+    assert!(["`j1`", "`j2`", "`j3`"].iter().all(|free| arm.contains(free)), "{arm}");
 }

@@ -169,7 +169,7 @@ limits = { velocity = 4 }
 friction = { viscous = -3, coulomb = 5 }
 [[bodies]]
 link = "axis"
-mass = 0
+mass = 1
 inertia = 1
 "#;
     let (_, notes) = load(text);

@@ -176,7 +176,7 @@ fn bodies_that_never_move_are_not_checked() {
         <parent link=\"base\"/><child link=\"plate\"/></joint>",
     );
     assert!(codes(&notes(&arm(&dummy, real, ""))).is_empty());
-    let plate = fixed.replace("{}", &inertial(-1.0, "0 0 0", [-1.0; 6]));
+    let plate = fixed.replace("{}", &inertial(1.0, "0 0 0", [-1.0; 6]));
     assert!(codes(&notes(&arm("", real, &plate))).is_empty());
     let foot = plate.replace("parent link=\"base\"", "parent link=\"arm\"");
     assert!(codes(&notes(&arm("", real, &foot))).contains(&"unphysical-bodies"));

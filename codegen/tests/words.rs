@@ -25,7 +25,7 @@ fn attributes_of_a_urdf_that_nobody_reads_are_told() {
     for (joint, inertial, said) in [
         ("<origin xzy=\"0 0 1\"/>", inertial, "<origin xzy> (did you mean `xyz`?)"),
         ("<origin xyz=\"0 0 1\" rpv=\"0 0 1\"/>", inertial, "<origin rpv> (did you mean `rpy`?)"),
-        ("<origin quat_xyzw=\"0 0 0 1\"/>", inertial, "skipped: <origin quat_xyzw>\n"),
+        ("<origin quat_wxyz=\"1 0 0 0\"/>", inertial, "<origin quat_wxyz>"),
         ("<limit low=\"-1\" upper=\"1\"/>", inertial, "<limit low> (did you mean `lower`?)"),
         ("<dynamics dampng=\"3\"/>", inertial, "<dynamics dampng> (did you mean `damping`?)"),
         (

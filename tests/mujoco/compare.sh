@@ -4,7 +4,7 @@
 #     sh tests/mujoco/compare.sh
 #
 # PYTHON is a Python with the packages `mujoco`, `pin` and `numpy`; without `pin` the comparison with Pinocchio is skipped.
-# Published robots are those of the packages `dm-control`, `gymnasium` and `robosuite`; robots.txt lists them with their outcomes.
+# GELENK_EXPORTS is the number of random exports of each kind, 50 where it is absent; 3600 are the long run. Published robots are those of the packages `dm-control`, `gymnasium` and `robosuite`; robots.txt lists them with their outcomes.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 python=${PYTHON:-python3}

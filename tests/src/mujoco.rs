@@ -38,8 +38,9 @@ pub fn values(name: &str, file: &Path, model: &Model, compared: Compared) -> Val
     for drive in &mut model.drives {
         drive.friction.retain(|term| term.basis == Formula::Velocity);
     }
-    let mut functions = vec!["mass_matrix", "bias_forces", "gravity_forces"];
-    functions.extend(compared.passive.then_some("applied_forces"));
+    let mut functions = vec!["mass_matrix", "bias_forces"];
+    let of_passive: &[&str] = if compared.passive { &["gravity_forces", "applied_forces"] } else { &[] };
+    functions.extend(of_passive);
     functions.extend((compared.inputs && model.inputs().count() > 0).then_some("input_matrix"));
     let robot = Robot::of_model(model, &functions);
     let mut rng = Rng::with_seed(1606);

@@ -5,15 +5,22 @@
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use gelenk_codegen::diagnostic::Severity;
 use gelenk_codegen::export::{Exported, Format, export};
 use gelenk_codegen::formula::Formula;
-use gelenk_codegen::model::{JointPosition, Model, ReadOptions, RotorCoupling, from_urdf, read};
+use gelenk_codegen::model::{
+    JointPosition, Model, QuaternionJoint, ReadOptions, RotorCoupling, from_urdf, read,
+};
 use gelenk_tests::mujoco::{Compared, values};
 use gelenk_tests::python::python_with_mujoco;
+use gelenk_tests::quaternion_model::with_quaternions;
+use gelenk_tests::random_model::{
+    random_coupled_model, random_helical_model, random_model, random_model_with_frame_forces,
+};
 use gelenk_tests::{Robot, descriptions, relative_error, workspace};
 use serde_json::Value;
 
@@ -87,6 +94,61 @@ fn mujoco_computes_the_same_of_exported_robots() {
     }
     assert!(compared.len() >= 20);
     compare(&compared, folder.path());
+}
+
+/// The number of random robots of each kind; `GELENK_EXPORTS=3600` is the long run.
+fn exports() -> usize {
+    std::env::var("GELENK_EXPORTS").map_or(50, |count| count.parse().expect("a number"))
+}
+
+/// Exports robots for seeds, compares their M and k with MuJoCo, and takes those that differ for lost where a warning says so. The
+/// number that agree; nothing where MuJoCo cannot be had.
+fn agreeing(robot: impl Fn(u64) -> Model) -> Option<usize> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut robots, mut warned) = (Vec::new(), BTreeSet::new());
+    for seed in 0..exports() as u64 {
+        let (model, name) = (robot(seed), format!("robot_{seed}"));
+        let exported = export(&model, Format::Mjcf, &name);
+        if exported.notes.entries().iter().any(|note| note.severity == Severity::Warning) {
+            warned.insert(name.clone());
+        }
+        let file = folder.path().join(format!("{name}.xml"));
+        std::fs::write(&file, &exported.text).expect("a file");
+        let what = Compared { by_name: true, couples: true, ..Compared::default() };
+        robots.push(values(&name, &file, &model, what));
+    }
+    let (text, _) = compared(&robots, folder.path())?;
+    let differing = text.lines().filter(|line| line.ends_with("DIFFERS"));
+    let differing: Vec<&str> = differing.filter_map(|line| line.split(' ').next()).collect();
+    let silent: Vec<_> = differing.iter().filter(|name| !warned.contains(**name)).collect();
+    assert!(silent.is_empty(), "they differ without a warning: {silent:?}");
+    let agreeing = robots.len() - differing.len();
+    println!("{agreeing} of {} random exports agree; {} have warnings", robots.len(), warned.len());
+    Some(agreeing)
+}
+
+/// Trees, couplings, screws, forces at frames, spherical and floating joints; MuJoCo has floating ones on the base alone.
+fn random(seed: u64) -> Model {
+    let kinds: [fn(u64, usize) -> Model; 4] =
+        [random_model, random_coupled_model, random_helical_model, random_model_with_frame_forces];
+    let model = kinds[seed as usize % 4](seed, 6);
+    let free = with_quaternions(model.clone(), seed);
+    let parent = |joint: &QuaternionJoint| {
+        let first = &free.links[free.coordinates[joint.first]];
+        first.joint.as_ref().map_or(0, |joint| joint.parent)
+    };
+    let inner =
+        free.quaternion_joints.iter().find(|joint| joint.coordinates().len() == 6 && parent(joint) != 0);
+    if seed.is_multiple_of(3) && inner.is_none() { free } else { model }
+}
+
+/// At least 99 % of the robots whose rotors the format holds have the same M and k in MuJoCo; a warning names what others lose.
+#[test]
+fn mujoco_computes_the_same_of_random_exports() {
+    if let Some(agreeing) = agreeing(|seed| with_armatures(&random(seed))) {
+        assert!(100 * agreeing >= 99 * exports(), "{agreeing}");
+    }
+    agreeing(random);
 }
 
 /// Hinges, slides, balls and free bodies, classes, frames, includes, shapes, tendons and equalities, as MuJoCo reads them.

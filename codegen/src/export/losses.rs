@@ -1,4 +1,4 @@
-//! What a format does not hold: one note for each kind, with the names of all that it concerns.
+//! What a format does not hold: one note or warning for each kind, with the names of all that it concerns.
 
 use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -6,10 +6,21 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 /// Of motors whose torque falls with their speed.
 pub(super) const LINE: &str = "has no torque–speed lines of motors; left out at";
 
+/// What a loss does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Effect {
+    /// The robot is the same, or what it lacks is no part of M and of the bias forces.
+    None,
+    /// It may be another robot.
+    Robot,
+    /// Other programs refuse the file.
+    Refusal,
+}
+
 /// Losses in the order in which they were found.
 pub(super) struct Losses {
     format: Format,
-    entries: Vec<(&'static str, Vec<String>)>,
+    entries: Vec<(Effect, &'static str, Vec<String>)>,
 }
 
 impl Losses {
@@ -21,24 +32,57 @@ impl Losses {
     ///
     /// - `what`: what follows the format's name in the note
     pub(super) fn add(&mut self, what: &'static str, owner: &str) {
+        self.push(Effect::None, what, owner);
+    }
+
+    /// Remembers what may make it another robot.
+    pub(super) fn of_robot(&mut self, what: &'static str, owner: &str) {
+        self.push(Effect::Robot, what, owner);
+    }
+
+    /// Remembers what other programs refuse.
+    pub(super) fn refused(&mut self, what: &'static str, owner: &str) {
+        self.push(Effect::Refusal, what, owner);
+    }
+
+    fn push(&mut self, effect: Effect, what: &'static str, owner: &str) {
         let owner = format!("`{owner}`");
-        match self.entries.iter_mut().find(|(known, _)| *known == what) {
-            Some((_, owners)) if owners.contains(&owner) => {}
-            Some((_, owners)) => owners.push(owner),
-            None => self.entries.push((what, vec![owner])),
+        match self.entries.iter_mut().find(|(_, known, _)| *known == what) {
+            Some((.., owners)) if owners.contains(&owner) => {}
+            Some((.., owners)) => owners.push(owner),
+            None => self.entries.push((effect, what, vec![owner])),
         }
     }
 
     /// The notes: unlike others they name every owner, since whoever reads the file must know.
-    pub(super) fn notes(self) -> Diagnostics {
-        let code = match self.format {
-            Format::Mjcf => "not-in-mjcf",
-            Format::Urdf => "not-in-urdf",
+    ///
+    /// - `difference`: between the robot and what was written
+    pub(super) fn notes(self, difference: Option<String>) -> Diagnostics {
+        let (code, name) = match self.format {
+            Format::Mjcf => ("not-in-mjcf", self.format.name()),
+            Format::Urdf => ("not-in-urdf", self.format.name()),
         };
-        let name = self.format.name();
-        let note = |(what, owners): (&'static str, Vec<String>)| {
-            Diagnostic::note(code, format!("the {name} {what}: {}", owners.join(", ")))
+        let is_cause = |effect: Effect| difference.is_some() && effect == Effect::Robot;
+        let (causes, others): (Vec<_>, Vec<_>) =
+            self.entries.into_iter().partition(|entry| is_cause(entry.0));
+        let says = |(_, what, owners): &(Effect, &str, Vec<String>)| {
+            format!("the {name} {what}: {}", owners.join(", "))
         };
-        Diagnostics::new(self.entries.into_iter().map(note).collect())
+        let note = |entry: (Effect, &str, Vec<String>)| match entry {
+            (Effect::Refusal, ..) => Diagnostic::warning(code, says(&entry)),
+            _ => Diagnostic::note(code, says(&entry)),
+        };
+        let mut notes: Vec<Diagnostic> = others.into_iter().map(note).collect();
+        notes.extend(difference.map(|difference| {
+            let causes = match causes.is_empty() {
+                true => "this program knows no cause, please report it".to_owned(),
+                false => causes.iter().map(says).collect::<Vec<_>>().join("; "),
+            };
+            Diagnostic::warning(
+                "exported-robot-differs",
+                format!("the {name} is another robot, {difference}: {causes}"),
+            )
+        }));
+        Diagnostics::new(notes)
     }
 }

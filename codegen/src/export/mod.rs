@@ -1,10 +1,11 @@
-//! A model in the formats of other programs. What a format cannot hold is said in notes, each thing by its name.
+//! A model in the formats of other programs. What a format cannot hold is said in notes and warnings, each thing by its name.
 
 mod format;
 mod losses;
 mod mjcf;
 mod names;
 mod numbers;
+mod read_back;
 mod urdf;
 mod xml;
 
@@ -17,12 +18,14 @@ pub use xml::FIRST_LINE;
 ///
 /// - `source`: the description as the head of the file names it
 ///
-/// In MJCF the file has the robot's mass matrix and bias forces, but for rotors on bodies that move, which the notes name. A
-/// URDF has no rotors at all.
+/// The file is read back: where M or the bias forces differ from the model's at seeded states, a warning says by how much and
+/// what was lost. In MJCF that are rotors on bodies that move; a URDF has no rotors at all.
 #[must_use]
 pub fn export(model: &Model, format: Format, source: &str) -> Exported {
-    match format {
+    let (text, losses) = match format {
         Format::Mjcf => mjcf::export(model, source),
         Format::Urdf => urdf::export(model, source),
-    }
+    };
+    let difference = read_back::difference(model, format, &text);
+    Exported { notes: losses.notes(difference), text }
 }

@@ -14,7 +14,12 @@ pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
 
 /// The name of the joint of a screw's slide.
 pub(super) fn slide_name(model: &Model, joint: &str) -> String {
-    distinct(&format!("{joint}_slide"), |name| {
+    unlike_others(model, &format!("{joint}_slide"))
+}
+
+/// The name, with a number behind it where a link or joint has it.
+pub(super) fn unlike_others(model: &Model, name: &str) -> String {
+    distinct(name, |name| {
         let mut links = model.links.iter();
         links.any(|link| link.name == name || link.joint.as_ref().is_some_and(|joint| joint.name == name))
     })

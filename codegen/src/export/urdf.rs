@@ -2,7 +2,7 @@
 //!
 //! A frame becomes a link without mass on a fixed joint, as ROS has them; the slide of a screw a joint that mimics its turn.
 
-use super::format::{Exported, Format};
+use super::format::Format;
 use super::losses::{LINE, Losses};
 use super::names::{distinct, slide_name};
 use super::numbers::{Placed, Values};
@@ -33,7 +33,7 @@ struct Writer<'m> {
     links: Vec<String>,
 }
 
-pub(super) fn export(model: &Model, source: &str) -> Exported {
+pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
     let links = model.links.iter().map(|link| link.name.clone()).collect();
     let losses = Losses::new(Format::Urdf);
     let mut writer = Writer { model, values: Values::of(model), xml: Xml::new(source), losses, links };
@@ -49,7 +49,7 @@ pub(super) fn export(model: &Model, source: &str) -> Exported {
         writer.frame(frame);
     }
     writer.lost();
-    Exported { text: writer.xml.finish(), notes: writer.losses.notes() }
+    (writer.xml.finish(), writer.losses)
 }
 
 impl Writer<'_> {
@@ -94,7 +94,7 @@ impl Writer<'_> {
             if model.coordinates[chain.first] == link {
                 let child = model.coordinates[chain.coordinates().end - 1];
                 if chain.kind == QuaternionKind::Spherical {
-                    self.losses.add(SPHERICAL, &chain.name);
+                    self.losses.refused(SPHERICAL, &chain.name);
                 }
                 self.open(&chain.name, chain.kind.name(), &self.values.resting(joint), [joint.parent, child]);
                 self.xml.close();
@@ -181,6 +181,8 @@ impl Writer<'_> {
         }
         attributes.push(("effort", numbers(&[effort])));
         attributes.push(("velocity", numbers(&[limits.velocity.unwrap_or(UNLIMITED)])));
+        let further = [("acceleration", limits.acceleration), ("jerk", limits.jerk)];
+        attributes.extend(further.into_iter().filter_map(|(key, limit)| Some((key, numbers(&[limit?])))));
         self.xml.element("limit", attributes);
     }
 
@@ -220,7 +222,7 @@ impl Writer<'_> {
 
     fn mimic(&mut self, joint: &Joint, moving: &MovingJoint<'_>) {
         let [only] = &moving.follows[..] else {
-            return self.losses.add(SEVERAL, &joint.name);
+            return self.losses.of_robot(SEVERAL, &joint.name);
         };
         let leader = self.model.joints().nth(only.coordinate).map_or("", |leader| &leader.name);
         let ratio = self.values.number(&only.ratio);
@@ -261,7 +263,7 @@ impl Writer<'_> {
         for drive in &model.drives {
             let has_gear = self.values.number(&drive.gear_ratio) != 1.0;
             if has_gear || self.values.number(&drive.rotor_inertia) != 0.0 {
-                losses.add(ROTOR, &drive.name);
+                losses.of_robot(ROTOR, &drive.name);
             }
             if drive.acts_on.len() > 1 {
                 losses.add("has no drives that act on several joints; left out", &drive.name);

@@ -264,8 +264,8 @@ impl LeftOut {
         wanted: &Wanted<'_>,
         rows: Vec<Row<'m>>,
     ) -> Result<Vec<Row<'m>>, Diagnostics> {
-        let joints = model.joints_without_inertia();
-        if joints.is_empty() {
+        let motions = model.motions_without_inertia();
+        if motions.is_empty() {
             return Ok(rows);
         }
         let (impossible, possible): (Vec<_>, Vec<_>) = rows
@@ -274,7 +274,7 @@ impl LeftOut {
         let names = impossible.iter().map(Row::name);
         let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_asked_for(name));
         self.need_inverse = others;
-        let listed = crate::wording::list(joints.iter().map(|joint| joint.name.as_str()));
+        let listed = motions.join(", ");
         let problem = |name: &String| {
             let message = format!(
                 "{} needs the inverse of the mass matrix, which is singular: nothing that has inertia moves with {listed}",

@@ -44,6 +44,8 @@ pub(super) struct RobotDescription {
     pub links: Vec<Name>,
     /// Links with a shape and without a body.
     pub weightless_shapes: Vec<Name>,
+    /// Rotors whose place is not clear.
+    pub skipped_rotors: Vec<SkippedRotor>,
     pub bodies: Vec<BodyDescription>,
     pub joints: Vec<JointDescription>,
     pub frames: Vec<FrameDescription>,
@@ -285,6 +287,21 @@ pub(super) struct LimitsDescription {
     pub velocity: Option<At<f64>>,
     pub effort: Option<At<f64>>,
     pub peak_effort: Option<At<f64>>,
+    pub acceleration: Option<At<f64>>,
+    pub jerk: Option<At<f64>>,
+}
+
+impl LimitsDescription {
+    /// Limits of magnitudes, with their names.
+    pub fn amounts(&self) -> [(&'static str, &Option<At<f64>>); 5] {
+        [
+            ("speed", &self.velocity),
+            ("effort", &self.effort),
+            ("peak effort", &self.peak_effort),
+            ("acceleration", &self.acceleration),
+            ("jerk", &self.jerk),
+        ]
+    }
 }
 
 /// How a joint is driven.
@@ -318,6 +335,46 @@ pub(super) struct DriveDescription {
     pub line: Option<At<TorqueSpeedLine>>,
     /// Friction of the shaft, over the motor's angle and speed.
     pub friction: Option<At<Vec<FrictionTerm>>>,
+}
+
+impl DriveDescription {
+    /// The ideal drive of a joint, with what its rotor adds to the diagonal of M.
+    pub fn at_joint(rotor_inertia: At<Formula>) -> Self {
+        let span = rotor_inertia.span;
+        Self {
+            name: None,
+            gear_ratio: At::new(Formula::ONE, span),
+            rotor_inertia,
+            carrier: None,
+            axis: None,
+            coupling: RotorCoupling::Diagonal,
+            input: Input::Torque,
+            input_span: span,
+            torque: MotorTorque::default(),
+            speed: None,
+            line: None,
+            friction: None,
+        }
+    }
+}
+
+/// A rotor of a URDF with the joints and gear ratios that it may belong to.
+#[derive(Debug, Clone)]
+pub(super) struct SkippedRotor {
+    /// About its own axis, on its own side of the gear (kg m²).
+    pub inertia: At<f64>,
+    pub joints: Vec<String>,
+    pub ratios: Vec<f64>,
+}
+
+impl SkippedRotor {
+    /// Its joint, where it is clear, and what it adds to the diagonal of M there.
+    pub fn place(&self) -> Option<(&str, f64)> {
+        match (&self.joints[..], &self.ratios[..]) {
+            ([joint], [ratio]) => Some((joint, ratio * ratio * self.inertia.value)),
+            _ => None,
+        }
+    }
 }
 
 /// A force between the origins of two frames, positive where it pulls them together.

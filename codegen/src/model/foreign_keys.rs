@@ -39,7 +39,7 @@ fn in_joint(key: &str) -> Option<&'static str> {
         "mass" | "inertia" | "center_of_mass" => {
             Some("masses stand in `[[bodies]]`, which names the joint's link: `link = \"forearm\"`")
         }
-        "position" | "velocity" | "effort" | "peak_effort" => Some(
+        "position" | "velocity" | "effort" | "peak_effort" | "acceleration" | "jerk" => Some(
             "limits of a joint stand together: `limits = { position = [-1.5, 1.5], velocity = 2, effort = 40 }`",
         ),
         "damping" | "viscous" => Some("damping of a joint is friction: `friction = { viscous = 0.5 }`"),

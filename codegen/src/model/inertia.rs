@@ -1,7 +1,7 @@
 //! Is an inertia that of a real body?
 
 use crate::numeric::length;
-use crate::wording::{telling, three_digits};
+use crate::wording::telling;
 
 /// Published numbers have some six digits: relative to the largest principal moment.
 const DIGITS: f64 = 1e-6;
@@ -16,8 +16,8 @@ const SMALLEST_EXTENT: f64 = 1e-3;
 /// A fault of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Flaw {
-    /// The mass is negative.
-    Mass(f64),
+    /// There is an inertia and no mass.
+    Massless,
     /// A principal moment is negative: the three moments, ascending.
     NotPositive([f64; 3]),
     /// The largest principal moment exceeds the sum of the others.
@@ -28,7 +28,7 @@ impl std::fmt::Display for Flaw {
     /// `principal moments 0.1 + 0.2 < 0.4`
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Mass(mass) => write!(out, "mass {}", three_digits(*mass)),
+            Self::Massless => out.write_str("an inertia and no mass"),
             Self::NotPositive(moments) => {
                 let shown = telling(without_rounding(*moments), |[low, ..]| low < 0.0);
                 write!(out, "principal moments {}", shown.join(", "))
@@ -63,9 +63,6 @@ fn largest(moments: &[f64]) -> f64 {
 /// zero). What breaks these rules by less than `1e-6 max |Iᵢ| + 1e-12 m l²` is rounding, l the distance of
 /// the centre of mass from the link's origin and at least 1 mm.
 pub(super) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
-    if mass < 0.0 {
-        return Some(Flaw::Mass(mass));
-    }
     let moments = principal_moments(inertia);
     let [low, middle, high] = moments;
     let extent = center.iter().map(|x| x * x).sum::<f64>();
@@ -74,7 +71,10 @@ pub(super) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Fl
     if low < -room {
         return Some(Flaw::NotPositive(moments));
     }
-    (high > low + middle + room).then_some(Flaw::Triangle(moments))
+    if high > low + middle + room {
+        return Some(Flaw::Triangle(moments));
+    }
+    (mass == 0.0 && high > 0.0).then_some(Flaw::Massless)
 }
 
 /// Eigenvalues of a symmetric 3 × 3 matrix, ascending.
@@ -145,6 +145,12 @@ mod tests {
         assert_eq!(of_unit_mass([1.0, 0.0, 0.0, 1.0, 0.0, 2.0]), None);
         assert!(matches!(of_unit_mass([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), Some(Flaw::Triangle(_))));
         assert!(matches!(of_unit_mass([1.0, 2.0, 0.0, 1.0, 0.0, 1.0]), Some(Flaw::NotPositive(_))));
+    }
+
+    #[test]
+    fn an_inertia_needs_a_mass() {
+        assert_eq!(check(0.0, [0.0; 3], [0.1, 0.0, 0.0, 0.1, 0.0, 0.1]), Some(Flaw::Massless));
+        assert_eq!(check(0.0, [0.0; 3], [0.0; 6]), None);
     }
 
     /// The first two are the head and the first right ankle link of iCub.

@@ -192,4 +192,8 @@ pub struct Limits {
     pub effort: Option<f64>,
     /// Peak force at the joint (N m or N).
     pub peak_effort: Option<f64>,
+    /// Highest acceleration (rad/s² or m/s²).
+    pub acceleration: Option<f64>,
+    /// Highest jerk (rad/s³ or m/s³).
+    pub jerk: Option<f64>,
 }

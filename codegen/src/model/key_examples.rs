@@ -1,7 +1,7 @@
 //! How the values of keys are written, for messages about values that are not.
 
 /// A key with an example of its value, in the order of models/README.md.
-const EXAMPLES: [(&str, &str); 82] = [
+const EXAMPLES: [(&str, &str); 84] = [
     ("name", "`name = \"elbow\"`"),
     ("description", "`description = \"An arm with two joints\"`"),
     ("urdf", "`urdf = \"arm.urdf\"`: the file that this description extends"),
@@ -43,6 +43,8 @@ const EXAMPLES: [(&str, &str); 82] = [
     ("velocity", "`velocity = 2`, in rad/s or m/s"),
     ("effort", EFFORT),
     ("peak_effort", EFFORT),
+    ("acceleration", "`acceleration = 5`, in rad/s² or m/s²"),
+    ("jerk", "`jerk = 50`, in rad/s³ or m/s³"),
     ("stiffness", SPRING),
     ("rest", SPRING),
     ("damping", SPRING),

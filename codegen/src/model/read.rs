@@ -139,6 +139,7 @@ fn finish(
     robot: Option<RobotDescription>,
     options: &ReadOptions,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
+    let unused = unused(&reader);
     let mut model = robot.and_then(|mut robot| {
         robot.parameters = std::mem::take(&mut reader.parameters);
         robot.accept_unphysical |= options.accept_unphysical;
@@ -156,6 +157,13 @@ fn finish(
     });
     reader.angles.report(&mut reader.report);
     if let Some(model) = &mut model {
+        if let Some((span, names)) = unused {
+            let message = format!("parameters that no formula uses: {names}");
+            reader.report.warning(span, "unused-parameter", message);
+            reader
+                .report
+                .help("use them in formulas, as in `mass = \"2*m\"`, or remove them from [parameters]");
+        }
         apply(options, model);
     }
     let failed = reader.report.has_errors();
@@ -164,6 +172,13 @@ fn finish(
         Some(model) if !failed => Ok((model, diagnostics)),
         _ => Err(diagnostics),
     }
+}
+
+/// The first parameter that no formula uses, and the names of all.
+fn unused(reader: &Reader) -> Option<(Span, String)> {
+    let parameters: Vec<_> = reader.unused.iter().filter_map(|&index| reader.parameters.get(index)).collect();
+    let names = listed(parameters.iter().map(|parameter| format!("`{}`", parameter.value.name)));
+    Some((parameters.first()?.span, names))
 }
 
 /// Joints that follow although the caller frees those of a URDF or MJCF: a TOML file says so.
@@ -440,6 +455,8 @@ fn extend_joint(
     limits.velocity = new.velocity.or(limits.velocity.take());
     limits.effort = new.effort.or(limits.effort.take());
     limits.peak_effort = new.peak_effort.or(limits.peak_effort.take());
+    limits.acceleration = new.acceleration.or(limits.acceleration.take());
+    limits.jerk = new.jerk.or(limits.jerk.take());
 }
 
 fn add_joint(

@@ -8,6 +8,7 @@ mod coupled;
 
 use super::{Joint, Link, Model, Motion, Pose};
 use crate::random::Random;
+use crate::wording::three_digits;
 
 type Matrix = [[f64; 6]; 6];
 
@@ -28,8 +29,6 @@ pub(super) struct Pivots {
     pub negative: Vec<usize>,
     /// At so many states some pivot is negative.
     pub indefinite_states: usize,
-    /// For each link the smallest pivot at any state; infinite where the joint does not move.
-    pub least: Vec<f64>,
 }
 
 impl Pivots {
@@ -38,45 +37,51 @@ impl Pivots {
         self.zero.is_empty() && self.negative.is_empty()
     }
 
+    /// Motions x with M x = 0 in general position, as text: each is 1 at a coordinate whose pivot is zero, and 0 at the others of
+    /// these. Velocities of joints with quaternions are those of the body where their hinges are at 0.
+    pub fn free_motions(&self, model: &Model) -> Vec<String> {
+        if self.zero.is_empty() {
+            return Vec::new();
+        }
+        let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+        let parts = model.quaternion_joints.iter().flat_map(|joint| joint.coordinates());
+        let parts: Vec<usize> = parts.map(|part| model.coordinates[part]).collect();
+        let position = |link: usize| if parts.contains(&link) { 0.0 } else { general(link) };
+        let positions = positions(model, &described, |link, _| position(link));
+        let (mass, _) = coupled::mass_matrix(model, &described, &positions);
+        let pivots = coupled::pivots(model, &described, &positions);
+        let is_zero = |coordinate: &usize| pivots[model.coordinates[*coordinate]] == Some(Pivot::Zero);
+        let (zero, others): (Vec<usize>, Vec<usize>) = (0..model.coordinates.len()).partition(is_zero);
+        let names: Vec<&str> = model.joints().map(|joint| joint.name.as_str()).collect();
+        if zero.is_empty() {
+            // Hinges of a joint with a quaternion may be singular together away from 0.
+            return model.joints_of(&self.zero).iter().map(|joint| format!("`{}`", joint.name)).collect();
+        }
+        zero.iter().map(|&own| sum(&null_vector(&mass, &others, own), &names)).collect()
+    }
+
     /// At the described values of the free parameters.
     pub fn of(model: &Model) -> Self {
-        Self::at(model, |_| false)
-    }
-
-    /// The same with joints of quaternions at no rotation: there the velocities of their hinges are those of the body,
-    /// while elsewhere two hinges may turn about the same axis.
-    pub fn of_velocities(model: &Model) -> Self {
-        let parts = model.quaternion_joints.iter().flat_map(|joint| joint.coordinates());
-        let parts: Vec<usize> = parts.filter_map(|part| model.coordinates.get(part).copied()).collect();
-        Self::at(model, |link| parts.contains(&link))
-    }
-
-    /// - `is_at_zero`: tells whether the joint of a link stays at position 0
-    fn at(model: &Model, is_at_zero: impl Fn(usize) -> bool) -> Self {
         let described = model.parameters.iter().map(|parameter| parameter.default);
         let described: Vec<f64> = described.collect();
         let mut random = Random::new(SEED);
         let (mut zero, mut negative) = (vec![0; model.links.len()], vec![0; model.links.len()]);
-        let mut least = vec![f64::INFINITY; model.links.len()];
         let mut indefinite_states = 0;
         for state in 0..STATES {
             let positions = positions(model, &described, |index, [low, high]| match state {
-                _ if is_at_zero(index) => 0.0,
-                // An irrational stride keeps angles of different joints in general position.
-                0 => 0.4 + (index as f64 * 0.618_033_988_75).fract(),
+                0 => general(index),
                 _ => random.between(low, high),
             });
             let pivots = match model.is_coupled() {
                 true => coupled::pivots(model, &described, &positions),
                 false => pivots(model, &described, &positions),
             };
-            let is_negative = |pivot: &Option<Pivot>| matches!(pivot, Some(Pivot::Negative(_)));
+            let is_negative = |pivot: &Option<Pivot>| *pivot == Some(Pivot::Negative);
             indefinite_states += usize::from(pivots.iter().any(is_negative));
             for (link, pivot) in pivots.into_iter().enumerate() {
                 let Some(pivot) = pivot else { continue };
                 zero[link] += usize::from(pivot == Pivot::Zero);
-                negative[link] += usize::from(matches!(pivot, Pivot::Negative(_)));
-                least[link] = least[link].min(pivot.value());
+                negative[link] += usize::from(pivot == Pivot::Negative);
             }
         }
         let links = |counts: Vec<usize>, least: usize| {
@@ -84,7 +89,7 @@ impl Pivots {
             let found = found.filter(|&(_, count)| count >= least);
             found.map(|(link, _)| link).collect()
         };
-        Self { zero: links(zero, STATES), negative: links(negative, 1), indefinite_states, least }
+        Self { zero: links(zero, STATES), negative: links(negative, 1), indefinite_states }
     }
 }
 
@@ -111,21 +116,64 @@ pub(super) fn positions(
     positions
 }
 
+/// An irrational stride keeps angles of different joints in general position.
+fn general(link: usize) -> f64 {
+    0.4 + (link as f64 * 0.618_033_988_75).fract()
+}
+
+/// `x = −M_oo⁻¹ M_ok` at the other coordinates o, by Gauss's elimination.
+fn null_vector(mass: &[Vec<f64>], others: &[usize], own: usize) -> Vec<f64> {
+    let row = |&i: &usize| others.iter().map(|&j| mass[i][j]).chain([-mass[i][own]]).collect();
+    let mut rows: Vec<Vec<f64>> = others.iter().map(row).collect();
+    for k in 0..rows.len() {
+        let pivot = rows[k].clone();
+        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = row[k] / pivot[k];
+            row.iter_mut().zip(&pivot).for_each(|(entry, from)| *entry -= factor * from);
+        }
+    }
+    let mut direction = vec![0.0; mass.len()];
+    direction[own] = 1.0;
+    for (k, &coordinate) in others.iter().enumerate() {
+        direction[coordinate] = rows[k][others.len()] / rows[k][k];
+    }
+    direction
+}
+
+/// A smaller part of a motion is rounding.
+const VISIBLE: f64 = 1e-6;
+
+/// A velocity as a sum over joints: `a` − 0.5 `b`.
+fn sum(direction: &[f64], names: &[&str]) -> String {
+    let mut text = String::new();
+    for (share, name) in direction.iter().zip(names).filter(|(share, _)| share.abs() > VISIBLE) {
+        let size = three_digits(share.abs());
+        let factor = if size == "1" { String::new() } else { format!("{size} ") };
+        let sign = match (text.is_empty(), *share < 0.0) {
+            (true, false) => "",
+            (true, true) => "−",
+            (false, true) => " − ",
+            (false, false) => " + ",
+        };
+        text += &format!("{sign}{factor}`{name}`");
+    }
+    text
+}
+
+/// The diagonal of M where the coordinates are 0, without what rotors on moving links add to i² J.
+pub(super) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
+    let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let positions = positions(model, &described, |_, _| 0.0);
+    let (mass, _) = coupled::mass_matrix(model, &described, &positions);
+    mass.iter().enumerate().map(|(k, row)| row[k]).collect()
+}
+
 /// A pivot, zero where it is rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pivot {
-    Negative(f64),
+    Negative,
     Zero,
-    Positive(f64),
-}
-
-impl Pivot {
-    fn value(self) -> f64 {
-        match self {
-            Self::Negative(value) | Self::Positive(value) => value,
-            Self::Zero => 0.0,
-        }
-    }
+    Positive,
 }
 
 /// Each link's pivot; `None` where its joint does not move.
@@ -147,8 +195,8 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
             // A negative pivot is a fault of the description: what large terms may have left does not count.
             let large = ROUNDING * (magnitude(&whole, &axis) + armature[index]);
             pivots[index] = Some(match pivot {
-                pivot if pivot > rounding => Pivot::Positive(pivot),
-                pivot if pivot < -large => Pivot::Negative(pivot),
+                pivot if pivot > rounding => Pivot::Positive,
+                pivot if pivot < -large => Pivot::Negative,
                 _ => Pivot::Zero,
             });
             if pivots[index] != Some(Pivot::Zero) {

@@ -211,6 +211,7 @@ pub(super) fn description(
             .and_then(|item| item.boolean(&mut reader.report))
             .unwrap_or(false),
         sort_joints: false,
+        skipped_rotors: Vec::new(),
         links: Vec::new(),
         weightless_shapes: Vec::new(),
     }
@@ -263,9 +264,11 @@ fn read_parameters(reader: &mut Reader, item: Item<'_>) {
     let DeValue::Table(table) = item.value else {
         return item.expected("a table of parameters", &mut reader.report);
     };
+    let before = reader.parameters.len();
     for item in Table::open(table, item.span, "parameters").items() {
         read_parameter(reader, *item);
     }
+    reader.unused.extend(before..reader.parameters.len());
 }
 
 fn read_parameter(reader: &mut Reader, item: Item<'_>) {

@@ -31,7 +31,7 @@ pub(super) const JOINT: [&str; 17] = [
     "friction",
     "drive",
 ];
-const LIMITS: [&str; 4] = ["position", "velocity", "effort", "peak_effort"];
+const LIMITS: [&str; 6] = ["position", "velocity", "effort", "peak_effort", "acceleration", "jerk"];
 const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
 
 /// The type of a described joint.
@@ -275,11 +275,13 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
 }
 
 /// Keys that stand in the table of a part.
-const OF_ONE_PART: [&str; 12] = [
+const OF_ONE_PART: [&str; 14] = [
     "position",
     "velocity",
     "effort",
     "peak_effort",
+    "acceleration",
+    "jerk",
     "viscous",
     "coulomb",
     "stribeck",
@@ -367,6 +369,7 @@ fn read_limits(reader: &mut Reader, item: Item<'_>) -> Option<LimitsDescription>
     let table = item.table("limits", &LIMITS, &mut reader.report)?;
     let position = table.get("position").and_then(|item| reader.numbers::<2>(item));
     let mut positive = |key| table.get(key).and_then(|item| reader.positive(item));
-    let (velocity, effort, peak_effort) = (positive("velocity"), positive("effort"), positive("peak_effort"));
-    Some(LimitsDescription { position, velocity, effort, peak_effort })
+    let [velocity, effort, peak_effort, acceleration, jerk] =
+        ["velocity", "effort", "peak_effort", "acceleration", "jerk"].map(&mut positive);
+    Some(LimitsDescription { position, velocity, effort, peak_effort, acceleration, jerk })
 }

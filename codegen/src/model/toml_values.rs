@@ -13,7 +13,7 @@ use crate::diagnostic::{At, Report, Span};
 use crate::numeric;
 use crate::wording::{as_written, telling};
 use gelenk_formula::{Allowed, Formula, LARGEST_NUMBER, parse, too_large};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
 
 /// Values that reading a TOML description collects.
@@ -25,6 +25,8 @@ pub(super) struct Reader {
     pub parameters: Vec<At<Parameter>>,
     /// Their names in formulas, which may differ from those of the generated fields.
     pub parameter_names: BTreeMap<String, usize>,
+    /// Those of `[parameters]` that no formula has named so far.
+    pub unused: BTreeSet<usize>,
     /// Their indices by the names of the generated fields.
     fields: BTreeMap<String, usize>,
 }
@@ -123,7 +125,11 @@ impl Reader {
 
     fn text_formula(&mut self, text: &str, span: Span, allowed: Allowed) -> Option<Formula> {
         match parse(text, allowed, &self.parameter_names) {
-            Ok(formula) => Some(formula),
+            Ok(formula) => {
+                let names = |index: &usize| formula.any(&|part| *part == Formula::Parameter(*index));
+                self.unused.retain(|index| !names(index));
+                Some(formula)
+            }
             Err(wrong) => {
                 // A plain string literal has its text one byte behind the quote; other forms are marked as a
                 // whole.

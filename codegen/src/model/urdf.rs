@@ -7,15 +7,16 @@ use super::angles::Angles;
 use super::composite::{self, Composite, Place};
 use super::description::{
     BodyDescription, DriveChoice, FollowsDescription, FrameDescription, FrictionDescription,
-    JointDescription, Name, RobotDescription,
+    JointDescription, Name, RobotDescription, SkippedRotor,
 };
 use super::notes::Notes;
-use super::pose::{IDENTITY, Unsaid, norm};
+use super::pose::{IDENTITY, Rotation, Unsaid, norm};
 use super::toml_values::join;
 use super::urdf_notes::{HARMLESS, Remark};
 use super::urdf_text::UrdfText;
 use super::{FrictionTerm, JointKind, Pose, QuaternionKind, ReadOptions, xacro};
 use crate::diagnostic::{At, Report, Span};
+use crate::numeric::length;
 use crate::wording::{as_written, listed, three_digits};
 use gelenk_formula::{Formula, TermOf};
 use roxmltree::{Document, Node};
@@ -48,7 +49,8 @@ pub(super) fn description(
         report.error(Span::new(source, robot.range()), "not-a-robot", message);
         return None;
     }
-    let mut reader = Reader { report, angles, source, options: *options, notes: Notes::new() };
+    let mut reader =
+        Reader { report, angles, source, options: *options, notes: Notes::new(), rotors: Vec::new() };
     if let Some(macros) = xacro::first(robot) {
         let span = reader.span(macros);
         xacro::report(macros, span, file, reader.report);
@@ -90,28 +92,14 @@ pub(super) struct Reader<'r> {
     pub(super) source: usize,
     options: ReadOptions,
     pub(super) notes: Notes<Remark>,
+    /// Those of transmissions and attributes, before it is known whose they are.
+    pub(super) rotors: Vec<SkippedRotor>,
 }
 
 pub(super) type XmlNode<'a> = Node<'a, 'a>;
 
 /// Tags of what a link looks like.
 const SHAPES: [&str; 2] = ["visual", "collision"];
-
-/// Tags of a gear ratio in transmissions of ROS and ROS 2.
-const REDUCTIONS: [&str; 2] = ["mechanicalReduction", "mechanical_reduction"];
-
-/// Name of the joint that a transmission's reduction belongs to: it is itself that of a joint, or of an
-/// actuator beside it.
-fn joint_of<'a>(reduction: XmlNode<'a>) -> Option<&'a str> {
-    let mut around = reduction.ancestors().skip(1).take(2);
-    around.find_map(|node| match node.has_tag_name("joint") {
-        true => node.attribute("name"),
-        false => {
-            let joint = node.children().find(|inner| inner.has_tag_name("joint"));
-            joint.and_then(|joint| joint.attribute("name"))
-        }
-    })
-}
 
 impl Reader<'_> {
     fn robot(&mut self, robot: XmlNode<'_>, fallback: &str) -> RobotDescription {
@@ -133,26 +121,9 @@ impl Reader<'_> {
                 _ => self.skip(node, &["link", "joint"]),
             }
         }
+        self.place_rotors(&mut result);
         result.frames = massless_frames(&result);
         result
-    }
-
-    /// A reduction or rotor in a transmission would change the dynamics; the drive is ideal all the same.
-    fn transmission(&mut self, node: XmlNode<'_>) {
-        let span = self.span(node);
-        self.notes.skip(format!("<{}>", node.tag_name().name()), span);
-        let reductions = node.descendants().filter(|inner| REDUCTIONS.contains(&inner.tag_name().name()));
-        for reduction in reductions {
-            let text = reduction.text().unwrap_or("").trim();
-            if text.parse::<f64>().ok() != Some(1.0) {
-                let span = self.span(reduction);
-                let owner = match joint_of(reduction) {
-                    Some(joint) => format!("{text} of `{joint}`"),
-                    None => text.to_owned(),
-                };
-                self.notes.remark(Remark::ReductionIgnored, span, owner);
-            }
-        }
     }
 
     fn link(&mut self, node: XmlNode<'_>, result: &mut RobotDescription) {
@@ -221,9 +192,33 @@ impl Reader<'_> {
             return Pose::identity();
         };
         let xyz = self.vector(node, "xyz").map_or([0.0; 3], |xyz| xyz.value);
-        let rpy = self.vector(node, "rpy");
-        let rotation = rpy.map_or(IDENTITY, |rpy| self.angles.rpy(&rpy, owner));
+        let rpy = self.vector(node, "rpy").map(|rpy| self.angles.rpy(&rpy, owner));
+        let quaternion = self.numbers::<4>(node, "quat_xyzw");
+        if let Some(quaternion) = quaternion.as_ref().filter(|_| rpy.is_some()) {
+            let message = format!("the <origin> of {owner} has `rpy` and `quat_xyzw`");
+            self.report.error(quaternion.span, "several-orientations", message);
+            self.report.help("give one of them");
+        }
+        let rotation = quaternion.and_then(|quaternion| self.attitude(&quaternion, owner)).or(rpy);
+        let rotation = rotation.unwrap_or(IDENTITY);
         Pose { translation: xyz.map(Formula::Number), rotation }
+    }
+
+    /// The rotation of a quaternion of any length but 0.
+    fn attitude(&mut self, quaternion: &At<[f64; 4]>, owner: &str) -> Option<Rotation> {
+        let size = length(quaternion.value);
+        if size == 0.0 {
+            let message = format!("`quat_xyzw` of {owner} has length 0, and is no rotation");
+            self.report.error(quaternion.span, "quaternion-not-unit", message);
+            self.report.help("that of no rotation is \"0 0 0 1\"");
+            return None;
+        }
+        if (size - 1.0).abs() > WRITTEN_DIGITS {
+            let owner = format!("{owner}, quaternion of length {}", three_digits(size));
+            self.notes.remark(Remark::AxisNormalized, quaternion.span, owner);
+        }
+        let [x, y, z, w] = quaternion.value.map(|part| part / size);
+        Some(self.angles.quaternion([w, x, y, z]))
     }
 
     fn joint(&mut self, node: XmlNode<'_>) -> Option<JointDescription> {

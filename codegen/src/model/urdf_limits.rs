@@ -5,6 +5,7 @@ use super::JointKind;
 use super::description::{LimitsDescription, Name};
 use super::urdf::{Reader, XmlNode};
 use super::urdf_notes::Remark;
+use super::urdf_values::of_any_tool;
 use crate::diagnostic::At;
 use gelenk_formula::LARGEST_NUMBER;
 
@@ -55,24 +56,34 @@ impl Reader<'_> {
             return LimitsDescription::default();
         };
         let position = self.position_limits(node);
-        let (velocity, effort) = (self.amount(node, "velocity"), self.amount(node, "effort"));
+        let keys = ["velocity", "effort", "acceleration", "deceleration", "jerk"];
+        let amounts = keys.map(|key| self.amount(node, key));
         let of_position = match (&position, turns_freely) {
             (position, false) => position.remark(),
             (Limit::Unset | Limit::Broken, true) => None,
             (_, true) => Some(Remark::ContinuousLimits),
         };
-        let mut remarks = vec![of_position, velocity.remark(), effort.remark()];
+        // The last three are those of URDF 1.1: 0 or absent, they are not given.
+        let of_amounts = amounts.iter().enumerate().filter_map(|(index, amount)| match amount {
+            Limit::Unset if index > 1 => None,
+            amount => amount.remark(),
+        });
+        let mut remarks: Vec<Option<Remark>> = of_amounts.map(Some).chain([of_position]).collect();
         remarks.sort();
         remarks.dedup();
         let span = self.span(node);
         for remark in remarks.into_iter().flatten() {
             self.notes.remark(remark, span, owner.clone());
         }
+        let [velocity, effort, acceleration, deceleration, jerk] = amounts.map(Limit::given);
+        let smaller = |limit: &At<f64>, other: &At<f64>| limit.value.total_cmp(&other.value);
         LimitsDescription {
             position: position.given().filter(|_| !turns_freely),
-            velocity: velocity.given(),
-            effort: effort.given(),
+            velocity,
+            effort,
             peak_effort: None,
+            acceleration: acceleration.into_iter().chain(deceleration).min_by(smaller),
+            jerk,
         }
     }
 
@@ -88,7 +99,7 @@ impl Reader<'_> {
             Some(bound) if low < high && (high - low).is_finite() => {
                 Limit::Given(At::new([low, high], bound.span))
             }
-            Some(_) if low > high => Limit::Unusable,
+            Some(_) if low > high || (low == high && low != 0.0) => Limit::Unusable,
             _ => Limit::Unset,
         }
     }
@@ -105,7 +116,7 @@ impl Reader<'_> {
 
     /// A number, infinite where it is beyond what equations take.
     fn bound(&mut self, node: XmlNode<'_>, key: &str) -> Result<Option<At<f64>>, NotANumber> {
-        let Some(attribute) = node.attribute_node(key) else {
+        let Some(attribute) = of_any_tool(node, key) else {
             return Ok(None);
         };
         match attribute.value().trim().parse::<f64>() {

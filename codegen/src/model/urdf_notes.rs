@@ -1,9 +1,9 @@
-//! What was skipped or changed in a URDF: one note for each kind.
+//! What was skipped or changed in a URDF: one note or warning for each kind.
 
-use super::notes;
+use super::{notes, urdf_foreign};
 use crate::diagnostic::Severity;
 
-/// Elements that never enter the dynamics; they share one note.
+/// Elements that do not enter the dynamics but by what [`urdf_foreign`] knows; they share one note.
 pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",
@@ -29,12 +29,15 @@ pub(super) enum Remark {
     ContinuousLimits,
     DuplicateElement,
     EmptyInertial,
+    Foreign(usize),
     LimitMissing,
     LimitUnset,
     LimitUnusable,
     PlanarLimits,
     ReductionIgnored,
+    RotorRead,
     SphericalWithoutDrive,
+    Unknown,
 }
 
 impl notes::Remark for Remark {
@@ -45,20 +48,26 @@ impl notes::Remark for Remark {
             Self::ContinuousLimits => "continuous-limits",
             Self::DuplicateElement => "duplicate-element",
             Self::EmptyInertial => "empty-inertial",
+            Self::Foreign(_) => "dynamics-skipped",
             Self::LimitMissing => "limit-missing",
             Self::LimitUnset => "limit-unset",
             Self::LimitUnusable => "limit-unusable",
             Self::PlanarLimits => "planar-limits",
             Self::ReductionIgnored => "transmission-ignored",
+            Self::RotorRead => "rotor-read",
+            Self::Unknown => "unknown-tag",
             Self::SphericalWithoutDrive => "spherical-without-drive",
         }
     }
 
     fn severity(self) -> Severity {
         match self {
-            Self::AxisMissing | Self::DuplicateElement | Self::EmptyInertial | Self::LimitUnusable => {
-                Severity::Warning
-            }
+            Self::AxisMissing
+            | Self::DuplicateElement
+            | Self::EmptyInertial
+            | Self::Foreign(_)
+            | Self::LimitUnusable
+            | Self::Unknown => Severity::Warning,
             _ => Severity::Note,
         }
     }
@@ -66,22 +75,27 @@ impl notes::Remark for Remark {
     fn text(self) -> &'static str {
         match self {
             Self::AxisMissing => "an <axis> without `xyz` was taken as x",
-            Self::AxisNormalized => "axes were brought to length 1",
+            Self::AxisNormalized => "axes and quaternions were brought to length 1",
             Self::ContinuousLimits => {
                 "continuous joints turn without end; their position limits were not taken"
             }
             Self::DuplicateElement => "of several elements of one kind the first was taken",
+            Self::Foreign(row) => urdf_foreign::text(row),
             Self::EmptyInertial => "links whose <inertial> says nothing have no mass",
             Self::LimitMissing => {
                 "joints without a <limit> have none here; ROS refuses such revolute and prismatic joints"
             }
-            Self::LimitUnset => "limits that are 0, equal or infinite were taken as not given",
-            Self::LimitUnusable => "limits that are reversed or negative were taken as not given",
+            Self::LimitUnset => "limits that are 0 or infinite were taken as not given",
+            Self::LimitUnusable => "limits that are reversed, equal or negative were taken as not given",
             Self::PlanarLimits => {
                 "limits of joints with several degrees of freedom say not of which motion and were not taken; a TOML file gives them \
                  to the parts"
             }
-            Self::ReductionIgnored => "mechanical reductions were ignored, drives are ideal",
+            Self::ReductionIgnored => "mechanical reductions were ignored, inputs act at the joints",
+            Self::RotorRead => {
+                "rotors of transmissions were read as i² J at their joints, where the inputs act"
+            }
+            Self::Unknown => "not known and skipped where the dynamics are described",
             Self::SphericalWithoutDrive => {
                 "spherical joints of a URDF have no drive, and so no input; a TOML file gives them some (`drive = \"ideal\"`)"
             }

@@ -8,6 +8,13 @@ use crate::diagnostic::{At, Span};
 use gelenk_formula::{LARGEST_NUMBER, too_large};
 use roxmltree::{Attribute, Node};
 
+/// An attribute by its name, also under the prefix of a tool, as in `drake:acceleration`.
+pub(super) fn of_any_tool<'a>(node: XmlNode<'a>, key: &str) -> Option<Attribute<'a, 'a>> {
+    let mut attributes = node.attributes();
+    let prefixed = |name: &str| name.rsplit('.').next() == Some(key);
+    node.attribute_node(key).or_else(|| attributes.find(|attribute| prefixed(attribute.name())))
+}
+
 impl Reader<'_> {
     pub(super) fn span(&self, node: XmlNode<'_>) -> Span {
         opening_tag(node, self.source)
@@ -82,7 +89,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn numbers<const N: usize>(&mut self, node: XmlNode<'_>, key: &str) -> Option<At<[f64; N]>> {
-        let attribute = node.attribute_node(key)?;
+        let attribute = of_any_tool(node, key)?;
         let span = self.attribute_span(attribute);
         let numbers: Vec<Option<f64>> =
             attribute.value().split_whitespace().map(|word| word.parse().ok()).collect();

@@ -10,7 +10,7 @@ use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
 use gelenk_formula::Formula;
 
 /// Names of all constants that a module can have beside those of its functions.
-pub const NAMES: [&str; 45] = [
+pub const NAMES: [&str; 47] = [
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -33,6 +33,8 @@ pub const NAMES: [&str; 45] = [
     "VELOCITY_LIMITS",
     "EFFORT_LIMITS",
     "PEAK_EFFORT_LIMITS",
+    "ACCELERATION_LIMITS",
+    "JERK_LIMITS",
     "FOLLOWER_NAMES",
     "DEPENDENT_JOINT_NAMES",
     "DEPENDENT_JOINT_RATIOS",
@@ -237,7 +239,22 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
         let value = ConstantValue::Numbers(Dimension::Coordinates, limits);
         constant(name, summary, value)
     };
-    vec![
+    let further = [
+        of_joints(
+            "ACCELERATION_LIMITS",
+            "Highest acceleration of each joint (rad/s² or m/s²); infinite where not described.",
+            |joint| joint.limits.acceleration,
+        ),
+        of_joints(
+            "JERK_LIMITS",
+            "Highest jerk of each joint (rad/s³ or m/s³); infinite where not described.",
+            |joint| joint.limits.jerk,
+        ),
+    ];
+    // Few descriptions have them.
+    let is_described = |joint: &&&Joint| joint.limits.acceleration.or(joint.limits.jerk).is_some();
+    let further = joints.iter().find(is_described).map(|_| further);
+    let limits = [
         constant(
             "POSITION_LIMITS",
             "Lowest and highest position of each joint (rad or m); infinite where not described.",
@@ -258,7 +275,8 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
             "Peak force at each joint (N m or N); the nominal one where no peak is described.",
             |joint| joint.limits.peak_effort.or(joint.limits.effort),
         ),
-    ]
+    ];
+    limits.into_iter().chain(further.into_iter().flatten()).collect()
 }
 
 /// Limits of the inputs; those of currents take the described motor constant.

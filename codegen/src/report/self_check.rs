@@ -48,7 +48,7 @@ fn definiteness(robot: &Robot<'_>) -> Option<Claim> {
     let is_singular = robot.model.definiteness() == Definiteness::Semidefinite;
     let (statement, bound) = match is_singular {
         true => (
-            "The mass matrix has no negative eigenvalue; it is singular, since nothing that has inertia moves with some joints.",
+            "The mass matrix has no negative eigenvalue; it is singular, since some motions move nothing that has inertia.",
             -ROUNDING,
         ),
         false => ("The mass matrix is positive definite.", ROUNDING),

@@ -113,6 +113,15 @@ fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreemen
         .collect()
 }
 
+/// M, rows first, and the bias forces at a state, at the described values of free parameters.
+pub(crate) fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
+    let given = Given { model, names: &["y", "v"], arguments: &[y.to_vec(), v.to_vec()] };
+    let parameters = model.parameters.iter().map(|parameter| Measured::constant(parameter.default));
+    let case = given.case(parameters.collect());
+    let results = [case.mass_matrix(case.n()).concat(), case.bias_forces()];
+    results.map(|result| result.into_iter().map(|x| x.value).collect())
+}
+
 /// The end of the name of a function's derivative by the free parameters.
 const BY_PARAMETERS: &str = "_by_parameters";
 

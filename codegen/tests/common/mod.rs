@@ -101,6 +101,7 @@ pub fn powercube() -> Model {
                 velocity: Some(2.618),
                 effort: Some(44.8),
                 peak_effort: Some(80.5),
+                ..Limits::default()
             };
         }
     }

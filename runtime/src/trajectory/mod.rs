@@ -100,8 +100,8 @@ impl<const N: usize> Default for MotionLimits<N> {
 }
 
 impl<const N: usize> MotionLimits<N> {
-    /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations of your own: models
-    /// have none. Those of joints that follow one coordinate narrow its own, and those of joints that follow several are
+    /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations: few models have `ACCELERATION_LIMITS`.
+    /// Limits of joints that follow one coordinate narrow its own, and those of joints that follow several are
     /// taken over. Whether joints that follow driven ones keep theirs says [`violations`](crate::limits::violations).
     #[must_use]
     pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {

@@ -3,7 +3,7 @@
 use super::joints::SPEED;
 use super::writer::{Tendon, Writer};
 use crate::export::losses::LINE;
-use crate::export::names::distinct;
+use crate::export::names::{distinct, unlike_others};
 use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, numbers};
 use crate::model::{Attachment, Drive, ForceEffect, Input, Model, RotorCoupling};
@@ -54,7 +54,7 @@ impl Writer<'_> {
         let is_body = drive.coupling == RotorCoupling::Body && !drive.acts_on.is_empty();
         let spins = self.values.number(&drive.rotor_inertia) != 0.0;
         if is_body && spins && is_moving(self.model, drive.carrier) {
-            self.losses.add(ROTOR, &drive.name);
+            self.losses.of_robot(ROTOR, &drive.name);
         }
     }
 
@@ -93,8 +93,13 @@ impl Writer<'_> {
         if friction.has_others {
             self.losses.add(SHAFT, &drive.name);
         }
+        let rotor = ratio * ratio * self.values.number(&drive.rotor_inertia);
+        let is_chain = is_chain(self.model, drive);
+        if rotor != 0.0 && !is_chain {
+            self.rotor(drive, rotor);
+        }
         let further = [
-            ("armature", ratio * ratio * self.values.number(&drive.rotor_inertia)),
+            ("armature", if is_chain { rotor } else { 0.0 }),
             ("damping", ratio * ratio * friction.viscous),
             ("frictionloss", ratio.abs() * friction.dry),
         ];
@@ -105,6 +110,17 @@ impl Writer<'_> {
         let name = self.tendon_name(&drive.name);
         self.tendons.push(Tendon::fixed(name.clone(), joints, further));
         name
+    }
+
+    /// A body that turns with the sum that a drive acts on.
+    fn rotor(&mut self, drive: &Drive, inertia: f64) {
+        let name = unlike_others(self.model, &format!("{}_rotor", drive.name));
+        self.follow_several(&name, &drive.acts_on, 0.0);
+        if let Some((_, attributes)) = self.equalities.last_mut() {
+            // The stiffest that MuJoCo takes: with its default an acceleration was 9 % off, so it is 1e-4.
+            attributes.push(("solimp", numbers(&[0.9999, 0.9999, 0.001])));
+        }
+        self.rotors.push((name, inertia));
     }
 
     fn torque_range(&mut self, drive: &Drive) -> Option<(&'static str, String)> {
@@ -163,6 +179,20 @@ fn spring(values: &Values, law: &gelenk_formula::Formula) -> Option<Attributes> 
     }
     attributes.extend((law.velocity > 0.0).then(|| ("damping", numbers(&[law.velocity]))));
     Some(attributes)
+}
+
+/// Tells whether of any two joints that a drive acts on one carries the other: MuJoCo's M has no entries for others, and the
+/// armature of a tendon would lose them.
+fn is_chain(model: &Model, drive: &Drive) -> bool {
+    let carries = |link: usize, mut other: usize| loop {
+        match &model.links[other].joint {
+            _ if other == link => return true,
+            Some(joint) => other = joint.parent,
+            None => return false,
+        }
+    };
+    let links: Vec<usize> = drive.acts_on.iter().map(|term| model.coordinates[term.coordinate]).collect();
+    links.iter().all(|&a| links.iter().all(|&b| carries(a, b) || carries(b, a)))
 }
 
 /// Tells whether a link moves.

@@ -4,14 +4,14 @@ use super::writer::{Tendon, Writer};
 use crate::export::names::slide_name;
 use crate::export::numbers::{Affine, Friction};
 use crate::export::xml::{Attributes, numbers};
-use crate::model::{FollowedCoordinate, Follower, Joint, JointKind, Motion, QuaternionJoint};
+use crate::model::{FollowedCoordinate, Joint, JointKind, Motion, QuaternionJoint};
 
 /// Damping and springs are linear, dry friction is a bound.
 const OTHER_FRICTION: &str =
     "has viscous and dry friction, and no other laws (Stribeck, tanh, by position); left out in part at";
 const OTHER_SPRINGS: &str = "has linear springs and dampers, and no other laws; left out at";
 const LOAD: &str = "has no friction that grows with the load; left out at";
-pub(super) const SPEED: &str = "has no limits of speed; left out at";
+pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; left out at";
 const EFFORT: &str = "has one limit of force at a joint; the nominal one was left out beside the peak at";
 const RANGE: &str = "has no range of a single position; left out at";
 const QUATERNION_FRICTION: &str =
@@ -46,7 +46,7 @@ impl Writer<'_> {
     }
 
     fn range(&mut self, joint: &Joint) -> Option<(&'static str, String)> {
-        if joint.limits.velocity.is_some() {
+        if joint.limits.velocity.or(joint.limits.acceleration).or(joint.limits.jerk).is_some() {
             self.losses.add(SPEED, &joint.name);
         }
         let [low, high] = joint.limits.position?;
@@ -133,7 +133,7 @@ impl Writer<'_> {
         attributes.extend((is_alike && first.viscous > 0.0).then(|| ("damping", numbers(&[first.viscous]))));
         self.xml.element("joint", attributes);
         for part in parts {
-            if part.limits.velocity.is_some() {
+            if part.limits.velocity.or(part.limits.acceleration).or(part.limits.jerk).is_some() {
                 self.losses.add(SPEED, &part.name);
             }
             if part.limits.effort.or(part.limits.peak_effort).is_some() {
@@ -168,7 +168,7 @@ impl Writer<'_> {
                     let ratio = self.values.number(&only.ratio);
                     self.equal(joint.name.clone(), &leader, follower.offset, ratio);
                 }
-                _ => self.follow_several(&joint.name, follower),
+                several => self.follow_several(&joint.name, several, follower.offset),
             }
         }
     }
@@ -181,13 +181,13 @@ impl Writer<'_> {
     }
 
     /// An equality has two joints: a tendon stands for `joint − Σ ratio · leader`, whose length is the offset.
-    fn follow_several(&mut self, joint: &str, follower: &Follower) {
-        let terms = follower.follows.iter();
+    pub(super) fn follow_several(&mut self, joint: &str, follows: &[FollowedCoordinate], offset: f64) {
+        let terms = follows.iter();
         let terms = terms.map(|term| (self.joint_name(term), -self.values.number(&term.ratio)));
         let joints = [(joint.to_owned(), 1.0)].into_iter().chain(terms).collect();
         let name = self.tendon_name(joint);
         self.tendons.push(Tendon::fixed(name.clone(), joints, vec![]));
-        let polynomial = numbers(&[follower.offset, 0.0, 0.0, 0.0, 0.0]);
+        let polynomial = numbers(&[offset, 0.0, 0.0, 0.0, 0.0]);
         self.equalities.push(("tendon", vec![("tendon1", name), ("polycoef", polynomial)]));
     }
 

@@ -7,7 +7,7 @@ mod actuators;
 mod joints;
 mod writer;
 
-use super::format::{Exported, Format};
+use super::format::Format;
 use super::losses::Losses;
 use super::names::distinct;
 use super::numbers::{Lump, Placed, Values, quaternion};
@@ -21,10 +21,16 @@ const LEAST: f64 = 2e-15;
 const LEAST_INERTIA: &str =
     "has no moving bodies without mass or inertia; these got 2e-15 kg or kg m², the least that MuJoCo takes";
 
+/// Moments are published with some six digits.
+const ROUNDED: f64 = 1e-5;
+
+const RAISED: &str =
+    "has no bodies whose rounded moments break the triangle inequality; the smaller ones were raised at";
+
 const TRIANGLE: &str =
     "has no bodies whose largest principal moment exceeds the sum of the others; MuJoCo refuses";
 
-pub(super) fn export(model: &Model, source: &str) -> Exported {
+pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
     let mut writer = Writer {
         model,
         values: Values::of(model),
@@ -34,6 +40,7 @@ pub(super) fn export(model: &Model, source: &str) -> Exported {
         tendons: Vec::new(),
         equalities: Vec::new(),
         actuators: Vec::new(),
+        rotors: Vec::new(),
     };
     writer.frames();
     writer.actuators();
@@ -41,7 +48,7 @@ pub(super) fn export(model: &Model, source: &str) -> Exported {
     writer.followers();
     writer.lost();
     writer.file();
-    Exported { text: writer.xml.finish(), notes: writer.losses.notes() }
+    (writer.xml.finish(), writer.losses)
 }
 
 impl Writer<'_> {
@@ -79,6 +86,7 @@ impl Writer<'_> {
         self.xml.open("worldbody", vec![]);
         self.base(&model.links[0]);
         self.bodies();
+        self.rotors();
         self.xml.close();
         self.sections();
     }
@@ -90,7 +98,7 @@ impl Writer<'_> {
             let taken = |name: &str| name == "world" || self.model.links[1..].iter().any(|l| l.name == name);
             self.xml.open("body", vec![("name", distinct(&base.name, taken))]);
             let lump = self.values.lump(&base.bodies);
-            if lump.mass > 0.0 {
+            if lump != Lump::default() {
                 self.inertial(lump, &base.name, false);
             }
             self.xml.close();
@@ -132,7 +140,7 @@ impl Writer<'_> {
             None => self.joint(first),
         };
         let lump = self.values.lump(&model.links[last].bodies);
-        if moves || lump.mass > 0.0 {
+        if moves || lump != Lump::default() {
             self.inertial(lump, &model.links[last].name, moves);
         }
         self.link_sites(last);
@@ -147,21 +155,37 @@ impl Writer<'_> {
         }
     }
 
-    /// The inertia of a body, raised to what MuJoCo takes where the body moves.
-    ///
+    /// The bodies of rotors that no armature replaces.
+    fn rotors(&mut self) {
+        for (name, inertia) in std::mem::take(&mut self.rotors) {
+            self.xml.open("body", vec![("name", name.clone())]);
+            self.xml.element("joint", vec![("name", name)]);
+            let lump = Lump { mass: LEAST, ..Lump::default() };
+            self.xml.element("inertial", inertial(&lump, [inertia; 3], &Placed::IDENTITY.rotation));
+            self.xml.close();
+        }
+    }
+
+    /// The inertia of a body, raised to what MuJoCo takes where the body moves. Of rounded moments the smaller ones are raised
+    /// by what the triangle inequality lacks.
     fn inertial(&mut self, mut lump: Lump, name: &str, moves: bool) {
         if moves && lump.mass < LEAST {
             lump.mass = LEAST;
-            self.losses.add(LEAST_INERTIA, name);
+            self.losses.of_robot(LEAST_INERTIA, name);
         }
         let (mut moments, axes) = principal_axes(lump.inertia);
         if moves && moments.iter().any(|moment| *moment < LEAST) {
             moments = moments.map(|moment| moment.max(LEAST));
-            self.losses.add(LEAST_INERTIA, name);
+            self.losses.of_robot(LEAST_INERTIA, name);
         }
         let largest = moments.iter().fold(0.0, |most: f64, moment| most.max(*moment));
-        if largest > moments.iter().sum::<f64>() - largest {
-            self.losses.add(TRIANGLE, name);
+        let lacking = 2.0 * largest - moments.iter().sum::<f64>();
+        if lacking > ROUNDED * largest {
+            self.losses.refused(TRIANGLE, name);
+        } else if lacking > -8.0 * f64::EPSILON * largest {
+            let raised = |moment: f64| moment + lacking.max(0.0) + 4.0 * f64::EPSILON * largest;
+            moments = moments.map(|moment| if moment == largest { moment } else { raised(moment) });
+            self.losses.of_robot(RAISED, name);
         }
         self.xml.element("inertial", inertial(&lump, moments, &axes));
     }
@@ -203,9 +227,11 @@ impl Writer<'_> {
         let is_free = joint.coordinates().len() == 6;
         if let Some(carrier) = first.joint.as_ref().filter(|_| is_free) {
             if carrier.parent != 0 {
-                self.losses.add("has floating joints on the base alone; MuJoCo refuses others", &joint.name);
+                self.losses
+                    .refused("has floating joints on the base alone; MuJoCo refuses others", &joint.name);
             } else if self.values.placed(&carrier.origin) != Placed::IDENTITY {
-                self.losses.add("counts the positions of floating joints in the base frame", &joint.name);
+                self.losses
+                    .of_robot("counts the positions of floating joints in the base frame", &joint.name);
             }
         }
     }

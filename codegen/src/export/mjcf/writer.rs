@@ -22,6 +22,8 @@ pub(super) struct Writer<'m> {
     pub(super) tendons: Vec<Tendon>,
     pub(super) equalities: Vec<(&'static str, Attributes)>,
     pub(super) actuators: Vec<Attributes>,
+    /// Rotors with bodies of their own: the name of the joint, and its inertia.
+    pub(super) rotors: Vec<(String, f64)>,
 }
 
 /// A length: a weighted sum of positions, or the distance of two sites.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::super::description::{
     DriveChoice, DriveDescription, FollowsDescription, Name, SharedDriveDescription, WrenchInputDescription,
 };
-use super::super::{FrictionTerm, Input, MotorTorque, Pose, RotorCoupling};
+use super::super::{FrictionTerm, Input, MotorTorque, Pose};
 use super::files::{Element, Given};
 use super::schema::Place;
 use super::{Placed, Reader, Remark, or};
@@ -14,6 +14,9 @@ use gelenk_formula::Formula;
 
 /// The weighted sum of positions that a fixed tendon is as long as.
 type Sum = Vec<FollowsDescription>;
+
+/// Those of all fixed tendons, by their names.
+pub(super) type Sums = BTreeMap<String, Sum>;
 
 /// Attributes of a general actuator that makes more of its input than a force in proportion.
 const SERVO: [(&str, &[&str]); 3] =
@@ -35,37 +38,29 @@ impl Motor {
         DriveDescription {
             name,
             gear_ratio: At::new(Formula::Number(self.gear), self.span),
-            rotor_inertia: At::new(Formula::Number(self.rotor_inertia), self.span),
-            carrier: None,
-            axis: None,
-            coupling: RotorCoupling::Diagonal,
             input: self.input,
-            input_span: self.span,
             torque: self.torque,
-            speed: None,
-            line: None,
             friction,
+            ..DriveDescription::at_joint(At::new(Formula::Number(self.rotor_inertia), self.span))
         }
     }
 }
 
 impl<'a> Reader<'_, 'a> {
-    pub(super) fn actuators(&mut self, actuators: &[Element<'a>], tendons: &[Element<'a>]) {
-        let mut sums = BTreeMap::new();
-        for &section in tendons {
-            for element in self.known_children(Place::Tendons, section) {
-                self.tendon(element, &mut sums);
-            }
-        }
-        for &section in actuators {
-            for element in self.known_children(Place::Actuators, section) {
-                let class = self.class(element, "class", 0);
-                self.actuator(&Placed { element, pose: Pose::identity(), class }, &sums);
-            }
+    pub(super) fn tendons(&mut self, section: Element<'a>, sums: &mut Sums) {
+        for element in self.known_children(Place::Tendons, section) {
+            self.tendon(element, sums);
         }
     }
 
-    fn tendon(&mut self, element: Element<'a>, sums: &mut BTreeMap<String, Sum>) {
+    pub(super) fn actuators(&mut self, section: Element<'a>, sums: &Sums) {
+        for element in self.known_children(Place::Actuators, section) {
+            let class = self.class(element, "class", 0);
+            self.actuator(&Placed { element, pose: Pose::identity(), class }, sums);
+        }
+    }
+
+    fn tendon(&mut self, element: Element<'a>, sums: &mut Sums) {
         let name = self.name(element, "name");
         let owner = name.as_ref().map_or("a tendon".to_owned(), Name::quoted);
         let class = self.class(element, "class", 0);
@@ -111,7 +106,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    fn actuator(&mut self, placed: &Placed<'a>, sums: &BTreeMap<String, Sum>) {
+    fn actuator(&mut self, placed: &Placed<'a>, sums: &Sums) {
         let element = placed.element;
         let name = self.name(element, "name");
         let owner = name.as_ref().map_or_else(|| format!("<{}>", element.tag()), Name::quoted);

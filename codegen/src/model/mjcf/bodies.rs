@@ -94,6 +94,8 @@ impl<'a> Reader<'_, 'a> {
         let tag = placed.element.tag();
         if GENERATORS.contains(&tag) {
             self.refuse(placed.element);
+        } else if tag == "plugin" {
+            self.notes.remark(Remark::Elastic, placed.element.span(), "`plugin`".to_owned());
         } else if tags(Place::Body).contains(&tag) {
             self.notes.skip(format!("<{tag}>"), placed.element.span());
         }

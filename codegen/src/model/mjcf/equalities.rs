@@ -1,75 +1,116 @@
-//! Equalities of joints as couplings.
+//! Equalities of joints and fixed tendons as couplings.
+
+use std::collections::BTreeSet;
 
 use super::super::Pose;
 use super::super::description::FollowsDescription;
+use super::actuators::Sums;
 use super::files::Element;
 use super::schema::Place;
 use super::{Placed, Reader, Remark};
-use crate::diagnostic::{At, nearest};
+use crate::diagnostic::{At, Span, nearest};
 use gelenk_formula::Formula;
 
 impl<'a> Reader<'_, 'a> {
-    pub(super) fn equalities(&mut self, section: Element<'a>) {
+    pub(super) fn equalities(&mut self, section: Element<'a>, sums: &Sums) {
         for element in self.known_children(Place::Equalities, section) {
             let class = self.class(element, "class", 0);
             let placed = Placed { element, pose: Pose::identity(), class };
             let active = element.attribute("active");
             let active = active.or_else(|| self.classes.attribute(class, "equality", "active"));
-            if active.is_some_and(|given| given.text == "false") || self.options.ignore_mimic {
+            if active.is_some_and(|given| given.text == "false") {
                 self.notes.skip(format!("<{}>", element.tag()), element.span());
                 continue;
             }
             match element.tag() {
-                "joint" => self.equality(&placed),
-                tag => {
-                    let name =
-                        element.node.attribute("name").map_or(format!("<{tag}>"), |name| format!("`{name}`"));
-                    self.notes.remark(Remark::Loop, element.span(), name);
-                }
+                "joint" if self.options.ignore_mimic => {}
+                "joint" | "tendon" => self.equality(&placed, sums),
+                _ => self.opened(element),
             }
         }
     }
 
-    /// `joint1 − ref1 = a₀ + a₁ (joint2 − ref2)`
-    fn equality(&mut self, placed: &Placed<'a>) {
+    fn opened(&mut self, element: Element<'a>) {
+        let name = element.node.attribute("name");
+        let name = name.map_or(format!("<{}>", element.tag()), |name| format!("`{name}`"));
+        self.notes.remark(Remark::Loop, element.span(), name);
+    }
+
+    /// `length1 − length1₀ = a₀ + a₁ (length2 − length2₀)`; the length of a joint is its position.
+    fn equality(&mut self, placed: &Placed<'a>, sums: &Sums) {
         let element = placed.element;
-        let Some(follower) = self.joint_of(element, "joint1") else { return };
         let polynomial = self.numbers_of(placed);
-        let owner = format!("`{follower}`");
-        let is_linear = polynomial.iter().skip(2).all(|factor| *factor == 0.0);
         let at = |index: usize| polynomial.get(index).copied().unwrap_or(0.0);
-        let leader = match element.attribute("joint2") {
-            Some(_) => match self.joint_of(element, "joint2") {
-                Some(leader) => Some(leader),
-                None => return,
-            },
-            None => None,
+        let Some(first) = self.length(element, '1', 1.0, sums) else { return };
+        let second = match element.attribute(&format!("{}2", element.tag())) {
+            Some(_) => self.length(element, '2', -at(1), sums),
+            None => Some(Vec::new()),
         };
-        let has_quaternion = |name: &String| self.joints.get(name).is_some_and(|joint| joint.has_quaternion);
-        let reference = |name: &String| self.joints.get(name).map_or(0.0, |joint| joint.reference);
-        let is_coupled =
-            self.robot.joints.iter().any(|joint| {
-                joint.name.value == follower && (joint.follows.is_some() || joint.held.is_some())
-            });
-        let quaternion = has_quaternion(&follower) || leader.as_ref().is_some_and(has_quaternion);
-        if !is_linear || quaternion || is_coupled {
-            return self.notes.remark(Remark::Equality, element.span(), owner);
-        }
-        let span = element.span();
-        let leader = leader.filter(|_| at(1) != 0.0);
-        let offset =
-            reference(&follower) + at(0) - leader.as_ref().map_or(0.0, |leader| at(1) * reference(leader));
-        let Some(joint) = self.robot.joints.iter_mut().find(|joint| joint.name.value == follower) else {
-            return;
+        let Some(second) = second else { return };
+        let mut terms = [first, second].concat();
+        terms.retain(|(_, factor)| *factor != 0.0);
+        let names: BTreeSet<&String> = terms.iter().map(|(joint, _)| joint).collect();
+        let is_linear = polynomial.iter().skip(2).all(|factor| *factor == 0.0);
+        let has_quaternion =
+            |name: &&String| self.joints.get(*name).is_some_and(|joint| joint.has_quaternion);
+        let is_plain = is_linear && names.len() == terms.len() && !names.iter().any(has_quaternion);
+        let is_free = |name: &str| {
+            let mut joints = self.robot.joints.iter();
+            joints.any(|joint| joint.name.value == name && joint.follows.is_none() && joint.held.is_none())
         };
-        match leader {
-            None => joint.held = Some(offset),
-            Some(leader) => {
-                let ratio = At::new(Formula::Number(at(1)), span);
-                let follows = FollowsDescription { joint: At::new(leader, span), ratio };
-                joint.follows = Some(At::new(vec![follows], span));
-                joint.offset = (offset != 0.0).then(|| At::new(offset, span));
+        match terms.first() {
+            Some((follower, _)) if is_plain && is_free(follower) => {
+                self.couple(&terms, at(0), element.span())
             }
+            first => {
+                let owner = first.map_or(format!("<{}>", element.tag()), |(joint, _)| format!("`{joint}`"));
+                self.notes.remark(Remark::Equality, element.span(), owner);
+            }
+        }
+    }
+
+    /// The joints of a length with their factors; nothing where it is none of joints.
+    fn length(
+        &mut self,
+        element: Element<'a>,
+        number: char,
+        factor: f64,
+        sums: &Sums,
+    ) -> Option<Vec<(String, f64)>> {
+        let key = format!("{}{number}", element.tag());
+        if element.tag() == "joint" {
+            return self.joint_of(element, &key).map(|joint| vec![(joint, factor)]);
+        }
+        let sum = element.attribute(&key).and_then(|given| sums.get(given.text));
+        let Some(sum) = sum.filter(|sum| !sum.is_empty()) else {
+            self.opened(element);
+            return None;
+        };
+        let term = |term: &FollowsDescription| {
+            Some((term.joint.value.clone(), factor * term.ratio.value.as_number()?))
+        };
+        sum.iter().map(term).collect()
+    }
+
+    /// `Σ factor (position − reference) = constant`, solved for the first joint.
+    fn couple(&mut self, terms: &[(String, f64)], constant: f64, span: Span) {
+        let Some(((follower, factor), others)) = terms.split_first() else { return };
+        let reference = |name: &String| self.joints.get(name).map_or(0.0, |joint| joint.reference);
+        let ratios = others.iter().map(|(joint, other)| (joint, -other / factor));
+        let shift: f64 = ratios.clone().map(|(joint, ratio)| ratio * reference(joint)).sum();
+        let offset = reference(follower) + constant / factor - shift;
+        let follows = ratios.map(|(joint, ratio)| FollowsDescription {
+            joint: At::new(joint.clone(), span),
+            ratio: At::new(Formula::Number(ratio), span),
+        });
+        let follows: Vec<FollowsDescription> = follows.collect();
+        let mut joints = self.robot.joints.iter_mut();
+        let Some(joint) = joints.find(|joint| joint.name.value == *follower) else { return };
+        if follows.is_empty() {
+            joint.held = Some(offset);
+        } else {
+            joint.follows = Some(At::new(follows, span));
+            joint.offset = (offset != 0.0).then(|| At::new(offset, span));
         }
     }
 

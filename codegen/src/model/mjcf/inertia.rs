@@ -116,8 +116,13 @@ impl<'a> Reader<'_, 'a> {
         if group < low || group > high {
             return Share::Nothing;
         }
-        let mass = self.number(self.find(&geom, "mass"), "mass").map(|mass| mass.value);
-        let density = or(self.number(self.find(&geom, "density"), "density"), DENSITY);
+        let [mass, density] = ["mass", "density"].map(|key| self.number(self.find(&geom, key), key));
+        for given in [&mass, &density].into_iter().flatten().filter(|given| given.value < 0.0) {
+            let message = format!("a geom of body `{}` has the mass or density {}", body.value, given.value);
+            self.report.error(given.span, "mass-not-positive", message);
+            self.report.help("a mass and a density are finite and at least 0");
+        }
+        let (mass, density) = (mass.map(|mass| mass.value), or(density, DENSITY));
         let is_massless = mass.unwrap_or(density) == 0.0;
         let kind = self.find(&geom, "type");
         let kind = kind.map_or("sphere", |given| given.text);

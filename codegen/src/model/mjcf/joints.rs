@@ -121,6 +121,9 @@ impl<'a> Reader<'_, 'a> {
             self.report
                 .help("MuJoCo takes free joints there alone: give the body slides and a ball, or move it");
         }
+        if !between.frame.is_identity() {
+            self.notes.remark(Remark::StartPose, name.span, name.quoted());
+        }
         let place = Place {
             parent: Some(between.parent),
             child: Some(between.child),
@@ -172,13 +175,17 @@ impl<'a> Reader<'_, 'a> {
     fn limits(&mut self, joint: &Placed<'a>, name: &Name, unit: f64) -> LimitsDescription {
         let range = self.range(joint, "range", "limited");
         let position = range.map(|range| At::new(range.value.map(|x| unit * x), range.span));
+        let is_usable = |range: &At<[f64; 2]>| range.value[0] < range.value[1];
+        if let Some(range) = position.as_ref().filter(|range| !is_usable(range)) {
+            self.notes.remark(Remark::Range, range.span, name.quoted());
+        }
         let force = self.range(joint, "actuatorfrcrange", "actuatorfrclimited");
         if let Some(range) = force.as_ref().filter(|range| range.value[0] != -range.value[1]) {
             self.notes.remark(Remark::EffortRange, range.span, name.quoted());
         }
         let effort = force.map(|range| At::new(range.value[1].min(-range.value[0]), range.span));
         LimitsDescription {
-            position: position.filter(|range| range.value[0] < range.value[1]),
+            position: position.filter(is_usable),
             effort: effort.filter(|effort| effort.value > 0.0),
             ..LimitsDescription::default()
         }

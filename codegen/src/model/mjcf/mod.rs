@@ -34,18 +34,8 @@ use notes::Remark;
 const WORLD: &str = "world";
 
 /// Sections that say nothing of the equations.
-const HARMLESS: [&str; 10] = [
-    "size",
-    "visual",
-    "statistic",
-    "asset",
-    "contact",
-    "sensor",
-    "keyframe",
-    "custom",
-    "extension",
-    "deformable",
-];
+const HARMLESS: [&str; 9] =
+    ["size", "visual", "statistic", "asset", "contact", "sensor", "keyframe", "custom", "extension"];
 
 /// A joint as other sections speak of it.
 struct KnownJoint {
@@ -144,11 +134,15 @@ impl<'a> Reader<'_, 'a> {
         self.robot.gravity = Some(self.gravity.map(Formula::Number));
         self.vocabulary(sections);
         self.bodies(&with("worldbody").collect::<Vec<_>>());
-        let actuators: Vec<_> = with("actuator").collect();
-        let tendons: Vec<_> = with("tendon").collect();
-        with("equality").for_each(|section| self.equalities(section));
-        self.actuators(&actuators, &tendons);
+        let mut sums = BTreeMap::new();
+        with("tendon").for_each(|section| self.tendons(section, &mut sums));
+        with("equality").for_each(|section| self.equalities(section, &sums));
+        with("actuator").for_each(|section| self.actuators(section, &sums));
         self.armatures();
+        for elastic in with("deformable").flat_map(|section| self.files.children(section)) {
+            let name = elastic.node.attribute("name").unwrap_or(elastic.tag());
+            self.notes.remark(Remark::Elastic, elastic.span(), format!("`{name}`"));
+        }
         for section in sections.iter().filter(|section| HARMLESS.contains(&section.tag())) {
             self.notes.skip(format!("<{}>", section.tag()), section.span());
         }

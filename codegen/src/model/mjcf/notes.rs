@@ -9,6 +9,7 @@ pub(super) enum Remark {
     Actuator,
     ActuatorRange,
     EffortRange,
+    Elastic,
     Equality,
     Flag,
     GravityCompensation,
@@ -16,8 +17,10 @@ pub(super) enum Remark {
     Medium,
     MeshInertia,
     QuaternionForce,
+    Range,
     Servo,
     SpringDamper,
+    StartPose,
     TendonForce,
 }
 
@@ -27,6 +30,7 @@ impl notes::Remark for Remark {
             Self::Actuator => "actuator-skipped",
             Self::ActuatorRange => "actuator-range",
             Self::EffortRange => "effort-range",
+            Self::Elastic => "elastic-skipped",
             Self::Equality => "equality-skipped",
             Self::Flag => "flag-skipped",
             Self::GravityCompensation => "gravity-compensation",
@@ -34,17 +38,19 @@ impl notes::Remark for Remark {
             Self::Medium => "medium-skipped",
             Self::MeshInertia => "mesh-inertia",
             Self::QuaternionForce => "quaternion-joint",
+            Self::Range => "limit-unusable",
             Self::Servo => "servo-as-torque",
             Self::SpringDamper => "spring-damper",
+            Self::StartPose => "start-pose",
             Self::TendonForce => "tendon-skipped",
         }
     }
 
-    /// What changes M or k is a warning.
+    /// What changes the dynamics in MuJoCo is a warning: M, k, q, and what an input does.
     fn severity(self) -> Severity {
         match self {
-            Self::Loop | Self::MeshInertia | Self::QuaternionForce | Self::Equality => Severity::Warning,
-            _ => Severity::Note,
+            Self::ActuatorRange | Self::EffortRange | Self::StartPose => Severity::Note,
+            _ => Severity::Warning,
         }
     }
 
@@ -57,9 +63,10 @@ impl notes::Remark for Remark {
             Self::EffortRange => {
                 "ranges of forces at joints that are not alike to both sides of 0 became their smaller side; one without 0 inside was left out"
             }
+            Self::Elastic => "deformable bodies and forces of plugins were left out",
             Self::Flag => "flags of <option> that disable what is read here were left out",
             Self::Equality => {
-                "equalities of joints that are not linear, or of joints with quaternions, were left out"
+                "equalities of joints and tendons that are not linear, or of joints with quaternions or that follow already, were left out"
             }
             Self::GravityCompensation => "compensation of gravity (`gravcomp`) was left out",
             Self::Loop => {
@@ -72,9 +79,13 @@ impl notes::Remark for Remark {
             Self::QuaternionForce => {
                 "armature, springs, limits and dry friction of ball and free joints were left out"
             }
+            Self::Range => "ranges whose ends are equal or reversed were left out",
             Self::Servo => "servos were read as forces: their gains were left out",
             Self::SpringDamper => {
                 "springs given by time constants (`springdamper`), and others that are not linear, were left out"
+            }
+            Self::StartPose => {
+                "the place and attitude where free bodies begin were left out: their positions count in the world"
             }
             Self::TendonForce => "springs, limits and spatial paths of tendons were left out",
         }

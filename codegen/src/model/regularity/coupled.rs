@@ -6,20 +6,25 @@ use super::{
     motion_axis,
 };
 
-/// Pivots by link, of the links whose joints are coordinates.
-pub(super) fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
-    let (n, all) = (model.coordinates.len(), model.motion_count());
-    let mut mass = vec![vec![0.0; all]; all];
-    // Sums of magnitudes: what may be left of them is rounding.
-    let mut sizes = vec![0.0; all];
+/// M, and for each coordinate the sum of the magnitudes in its entry: what may be left of them is rounding.
+pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let all = model.motion_count();
+    let (mut mass, mut sizes) = (vec![vec![0.0; all]; all], vec![0.0; all]);
     add_bodies(model, described, positions, &mut mass, &mut sizes);
     add_rotors(model, described, &mut mass, &mut sizes);
+    (mass, sizes)
+}
+
+/// Pivots by link, of the links whose joints are coordinates.
+pub(super) fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
+    let n = model.coordinates.len();
+    let (mut mass, sizes) = mass_matrix(model, described, positions);
     let mut pivots = vec![None; model.links.len()];
     for k in (0..n).rev() {
         let (pivot, rounding) = (mass[k][k], ROUNDING * sizes[k]);
         let found = match pivot {
-            pivot if pivot > rounding => Pivot::Positive(pivot),
-            pivot if pivot < -rounding => Pivot::Negative(pivot),
+            pivot if pivot > rounding => Pivot::Positive,
+            pivot if pivot < -rounding => Pivot::Negative,
             _ => Pivot::Zero,
         };
         if found != Pivot::Zero {

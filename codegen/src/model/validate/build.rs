@@ -187,6 +187,8 @@ impl Builder<'_, '_> {
                 velocity: value(&limits.velocity),
                 effort: value(&limits.effort),
                 peak_effort: value(&limits.peak_effort),
+                acceleration: value(&limits.acceleration),
+                jerk: value(&limits.jerk),
             },
             springs: laws(&described.springs),
             friction: friction.map_or(Vec::new(), |friction| friction.terms.clone()),

@@ -15,6 +15,14 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
             report.error(position.span, "conflicting-keys", message);
             report.help("a joint with position limits is \"revolute\"");
         }
+        if low == high && joint.part_of.is_none() {
+            let only = as_written(low);
+            let message = format!("position limits of joint `{}` leave it one position, {only}", name.value);
+            report.warning(position.span, "limits-equal", message);
+            report.help(format!(
+                "`held = {only}` keeps the joint there; for a joint that moves, correct a limit"
+            ));
+        }
         if low > high {
             let message = format!(
                 "position limits of joint `{}` are reversed: {} > {}",
@@ -54,9 +62,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
 }
 
 fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
-    let amounts =
-        [("speed", &limits.velocity), ("effort", &limits.effort), ("peak effort", &limits.peak_effort)];
-    for (what, limit) in amounts {
+    for (what, limit) in limits.amounts() {
         if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
             let message = format!(
                 "the {what} limit of joint `{}` is {}, not positive",
@@ -104,7 +110,7 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
 /// A joint may have been fixed on top of a description that limits it.
 fn note_limits_of_fixed(joint: &JointDescription, report: &mut Report) {
     let limits = &joint.limits;
-    let amounts = [&limits.velocity, &limits.effort, &limits.peak_effort].into_iter().flatten();
+    let amounts = limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());
     let mut spans = limits.position.iter().map(|limit| limit.span).chain(amounts.map(|limit| limit.span));
     if let Some(span) = spans.next() {
         let message = format!("joint `{}` is fixed: its limits have no effect", joint.name.value);
@@ -122,7 +128,7 @@ pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report
         return;
     };
     let kilograms = value(&mass.value);
-    if !kilograms.is_finite() || (kilograms < 0.0 && !body.is_published) {
+    if !kilograms.is_finite() || kilograms < 0.0 {
         let message = format!("body `{}` has mass {}", body.name.value, as_written(kilograms));
         report.error(mass.span, "mass-not-positive", message);
         report.help("a mass is finite and at least 0");

@@ -71,12 +71,12 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
              `driving_forces`, and a rotor is a body that follows the joint",
         );
     }
-    let limits = [&joint.limits.velocity, &joint.limits.effort, &joint.limits.peak_effort];
-    if let Some(limit) = limits.into_iter().flatten().next() {
+    let mut limits = joint.limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());
+    if let Some(limit) = limits.next() {
         report.note(
             Some(limit.span),
             CODE,
-            format!("nothing limits speed and effort of joint `{name}`, which is driven"),
+            format!("nothing limits the motion and effort of joint `{name}`, which is driven"),
         );
         report.help(
             "only limits of its position count: seeded states, which checks and self-tests take, keep them",

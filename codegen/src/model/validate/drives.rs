@@ -229,12 +229,17 @@ impl Builder<'_, '_> {
             self.report.error(motor.rotor_inertia.span, "rotor-inertia", message);
             self.report.help("kg m², finite and at least 0");
         }
-        if let Input::Current(constant) = &motor.input
-            && !(value(constant).is_finite() && value(constant) != 0.0)
-        {
-            let message = format!("the motor constant is {}", as_written(value(constant)));
+        let Input::Current(constant) = &motor.input else { return };
+        let constant = value(constant);
+        let message = format!("the motor constant is {}", as_written(constant));
+        if !constant.is_finite() || constant == 0.0 {
             self.report.error(motor.input_span, "motor-constant", message);
             self.report.help("newton metres at the motor for each ampere: finite and not 0");
+        } else if constant < 0.0 {
+            let message = format!("{message}: a positive current turns the motor backwards");
+            self.report.warning(motor.input_span, "motor-constant", message);
+            self.report
+                .help("write it positive; a negative `gear_ratio` is a joint that turns against its motor");
         }
     }
 

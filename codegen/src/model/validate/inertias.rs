@@ -8,7 +8,7 @@ use super::super::description::{BodyDescription, RobotDescription};
 use super::super::inertia::{self, Flaw};
 use super::super::regularity::{Pivots, STATES};
 use super::super::tree::Tree;
-use crate::diagnostic::{Report, Span};
+use crate::diagnostic::{Diagnostic, Report, Severity, Span};
 use crate::wording::listed;
 use gelenk_formula::Formula;
 
@@ -62,16 +62,15 @@ fn flaw(body: &BodyDescription, defaults: &[f64]) -> Option<Flaw> {
     let inertia = body.inertia.as_ref();
     let inertia = inertia.map_or([0.0; 6], |inertia| inertia.value.each_ref().map(value));
     let numbers = [mass].into_iter().chain(center).chain(inertia);
-    // What is not finite has its error already.
-    let is_finite = numbers.into_iter().all(f64::is_finite);
-    is_finite.then(|| inertia::check(mass, center, inertia)).flatten()
+    // What is not finite, and a negative mass, has its error already.
+    let is_checked = mass >= 0.0 && numbers.into_iter().all(f64::is_finite);
+    is_checked.then(|| inertia::check(mass, center, inertia)).flatten()
 }
 
 fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
     let name = &body.name.value;
     let (code, message) = match flaw {
-        // A negative mass has its error already.
-        Flaw::Mass(_) => return,
+        Flaw::Massless => ("inertia-without-mass", format!("body `{name}` has {flaw}, as no real body has")),
         Flaw::Triangle(_) => (
             "inertia-triangle-inequality",
             format!("inertia of body `{name}` belongs to no real body: {flaw}"),
@@ -82,15 +81,18 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
         ),
     };
     let span = span_of(body);
-    if body.accept_unphysical {
-        report.note(Some(span), code, message);
-        return;
+    let severity = match flaw {
+        _ if body.accept_unphysical => Severity::Note,
+        Flaw::Massless => Severity::Warning,
+        Flaw::Triangle(_) | Flaw::NotPositive(_) => Severity::Error,
+    };
+    report.push(Some(span), Diagnostic { severity, ..Diagnostic::note(code, message) });
+    if severity != Severity::Note {
+        report.help(
+            "inertia counts about the centre of mass of a body with a mass; `accept_unphysical = true` in a TOML body \
+             takes it as published",
+        );
     }
-    report.error(span, code, message);
-    report.help(
-        "inertia counts about the centre of mass; `accept_unphysical = true` in a TOML body takes \
-         it as published",
-    );
 }
 
 impl Published<'_> {
@@ -115,8 +117,8 @@ impl Published<'_> {
         );
         report.warning(span_of(first.body), "unphysical-bodies", message);
         report.help(
-            "of a real body's principal moments about the centre of mass none is negative, and none exceeds the sum of \
-             the other two",
+            "a real body has a mass; of its principal moments about the centre of mass none is negative, and none exceeds the \
+             sum of the other two",
         );
     }
 }

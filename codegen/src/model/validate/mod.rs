@@ -68,6 +68,7 @@ pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Mod
     published.report(pivots.as_ref(), report);
     if let (Some(model), Some(pivots)) = (&model, &pivots) {
         mass_matrix::check(robot, model, pivots, report);
+        mass_matrix::warn_of_skipped_rotors(robot, model, report);
     }
     model.filter(|_| !report.has_errors())
 }
