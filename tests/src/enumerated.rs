@@ -190,7 +190,7 @@ impl Chain {
             Role::Follows => text += "follows = { lead = -1 }\noffset = 0.2\n",
             Role::Driven => text += "motion = \"driven\"\n",
         }
-        text + &friction(of)
+        text + friction(of).as_str()
     }
 
     /// The direction is said by the axis of the joint before, or here where it has none.
