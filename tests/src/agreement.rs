@@ -64,7 +64,7 @@ pub fn is_of_frame(name: &str) -> bool {
 /// functions of their parameters among them.
 ///
 /// # Panics
-/// A function differs by more than [`TOLERANCE`].
+/// A function differs by more than the tolerance.
 pub fn assert_agreement(what: &str, model: &Model, state: &State, functions: &[String]) -> Vec<Compared> {
     let truth = Truth::new(model, state);
     let in_form = |names: &[&str], form: Form| {
