@@ -81,7 +81,7 @@ pub enum Push<const N: usize> {
         duration: f64,
         /// Its number among them, 0 to 254.
         frame: u8,
-        /// Force [N] and moment [N m] at its origin, in the axes of the world.
+        /// Force (N) and moment (N m) at its origin, in the axes of the world.
         wrench: [f64; 6],
     },
 }
