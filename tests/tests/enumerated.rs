@@ -10,10 +10,10 @@
 
 use fastrand::Rng;
 use gelenk_codegen::model::Model;
+use gelenk_tests::agreement::truth::State;
 use gelenk_tests::agreement::{a_third, assert_agreement, functions, is_of_frame};
 use gelenk_tests::enumerated::{Chain, DIRECTIONS, Origin, Role, TYPES};
 use gelenk_tests::in_parallel;
-use gelenk_tests::oracle::truth::State;
 
 /// Chains of two joints in one direction and place.
 fn pairs(direction: usize, origin: Origin, roles: [Role; 2]) -> impl Iterator<Item = Chain> {

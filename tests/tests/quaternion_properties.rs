@@ -3,8 +3,8 @@
 
 use fastrand::Rng;
 use gelenk_codegen::model::Model;
+use gelenk_tests::agreement::truth::State;
 use gelenk_tests::agreement::{LOOPS, a_third, assert_agreement};
-use gelenk_tests::oracle::truth::State;
 use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
     random_coupled_model, random_helical_model, random_model, random_model_with_frame_forces,

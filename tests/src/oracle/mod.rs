@@ -9,7 +9,6 @@
 
 mod forces;
 mod momentum;
-pub mod truth;
 mod vectors;
 
 use gelenk_codegen::formula::Formula;
@@ -218,7 +217,7 @@ impl Oracle<'_> {
     }
 
     /// The small motion along velocity `j`.
-    fn unit(&self, j: usize) -> Vec<f64> {
+    pub fn unit(&self, j: usize) -> Vec<f64> {
         (0..self.model.motion_count()).map(|k| unit(k, j)).collect()
     }
 }

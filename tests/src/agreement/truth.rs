@@ -6,9 +6,8 @@ use gelenk_codegen::model::Model;
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual, HyperDual, HyperDual64};
 
-use super::Oracle;
-use super::vectors::unit;
 use crate::dual::Number;
+use crate::oracle::Oracle;
 use crate::positions::{bracket, moved, positions};
 use crate::random_model::{Sample, condition_of, random_sample};
 
@@ -254,6 +253,26 @@ impl<'a> Truth<'a> {
         [0, 1, 2].map(|by| (0..self.n()).map(|j| entry(by, j)).collect()).into()
     }
 
+    /// The results of a function of the masses and their momentum.
+    fn of_masses(&self, name: &str) -> Option<Vec<Vec<f64>>> {
+        let oracle = &self.oracle;
+        let by_unit = |j: usize| oracle.centroidal_momentum(&self.y, &oracle.unit(j));
+        Some(match name {
+            names::JOINT_WRENCHES => vec![oracle.joint_wrenches([&self.y, &self.v, &self.a])],
+            names::CENTER_OF_MASS => vec![oracle.center_of_mass(&self.y).to_vec()],
+            names::CENTER_OF_MASS_JACOBIAN => {
+                let column =
+                    |j: usize| oracle.center_of_mass(&oracle.along(&self.y, &oracle.unit(j))).map(|x| x.eps);
+                vec![from_columns((0..self.v.len()).map(column).collect())]
+            }
+            names::CENTROIDAL_MOMENTUM => vec![oracle.centroidal_momentum(&self.y, &self.v).to_vec()],
+            names::CENTROIDAL_MOMENTUM_MATRIX => {
+                vec![from_columns((0..self.v.len()).map(by_unit).collect())]
+            }
+            _ => return None,
+        })
+    }
+
     /// The results of a function of a named frame.
     fn frame(&self, name: &str) -> Option<Vec<Vec<f64>>> {
         let is_called = |frame: &str, kind: FrameKind| kind.function(frame) == name;
@@ -285,7 +304,6 @@ impl<'a> Truth<'a> {
     /// The function is not known here: a new one needs its equation.
     pub fn results(&self, name: &str) -> Option<Vec<Vec<f64>>> {
         let (oracle, n) = (&self.oracle, self.n());
-        let by_unit = |j: usize| oracle.centroidal_momentum(&self.y, &self.oracle.unit(j));
         let results = match name {
             names::MASS_MATRIX => vec![self.mass_matrix()],
             names::CORIOLIS_FORCES => vec![self.coriolis()],
@@ -324,18 +342,6 @@ impl<'a> Truth<'a> {
             names::WRENCH_FORCES => vec![self.wrench_forces()],
             names::WRENCH_FORCES_DERIVATIVES => vec![self.wrench_forces(), self.wrench_slopes()],
             names::DRIVING_FORCES => vec![oracle.inverse_dynamics(&self.y, &self.v, &self.a)[n..].to_vec()],
-            names::JOINT_WRENCHES => vec![oracle.joint_wrenches([&self.y, &self.v, &self.a])],
-            names::CENTER_OF_MASS => vec![oracle.center_of_mass(&self.y).to_vec()],
-            names::CENTER_OF_MASS_JACOBIAN => {
-                let column = |j: usize| {
-                    oracle.center_of_mass(&oracle.along(&self.y, &self.oracle.unit(j))).map(|x| x.eps)
-                };
-                vec![from_columns((0..self.v.len()).map(column).collect())]
-            }
-            names::CENTROIDAL_MOMENTUM => vec![oracle.centroidal_momentum(&self.y, &self.v).to_vec()],
-            names::CENTROIDAL_MOMENTUM_MATRIX => {
-                vec![from_columns((0..self.v.len()).map(by_unit).collect())]
-            }
             names::INERTIAL_PARAMETERS
             | names::INERTIAL_REGRESSOR
             | names::BASE_REGRESSOR
@@ -343,10 +349,17 @@ impl<'a> Truth<'a> {
             | names::FRICTION_REGRESSOR
             | names::INVERSE_DYNAMICS_HESSIAN
             | names::POTENTIAL_ENERGY => return None,
-            other => self.frame(other).unwrap_or_else(|| panic!("{other} has no equation here")),
+            other => {
+                let found = self.of_masses(other).or_else(|| self.frame(other));
+                found.unwrap_or_else(|| panic!("{other} has no equation here"))
+            }
         };
         Some(results)
     }
+}
+
+fn unit(i: usize, j: usize) -> f64 {
+    f64::from(u8::from(i == j))
 }
 
 /// A matrix by its columns, flattened rows first.

@@ -1,5 +1,7 @@
 //! Functions of a robot against the equations of the oracle.
 
+pub mod truth;
+
 use gelenk_codegen::function_names as names;
 use gelenk_codegen::functions::catalogue;
 use gelenk_codegen::functions::composition::Composition;
@@ -10,8 +12,8 @@ use num_dual::Dual64;
 
 use crate::Robot;
 use crate::dual::evaluate;
-use crate::oracle::truth::{State, Truth};
 use crate::random_model::Sample;
+use truth::{State, Truth};
 
 /// The functions that may be loops over joints.
 pub const LOOPS: [&str; 4] = [
