@@ -21,7 +21,7 @@ pub struct Expected<T> {
 /// The results of a function; `None` where it has none by this name.
 pub fn expected<T: Number>(case: &Case<'_, T>, function: &Function) -> Option<Expected<T>> {
     if let Some(results) =
-        of_frame(case, function).or_else(|| plain(case, &function.name, &function.constants))
+        of_frame(case, &function.name).or_else(|| plain(case, &function.name, &function.constants))
     {
         return Some(Expected { results, condition: 1.0 });
     }
@@ -199,12 +199,13 @@ fn inverse<T: Number>(rows: &Rows<T>) -> (Rows<T>, f64) {
     (step(step(start)), condition)
 }
 
-fn of_frame<T: Number>(case: &Case<'_, T>, function: &Function) -> Option<Vec<Vec<T>>> {
-    let of = function.frame.as_ref()?;
-    let frame = case.model().frames.iter().find(|frame| frame.identifier == of.frame)?;
+fn of_frame<T: Number>(case: &Case<'_, T>, name: &str) -> Option<Vec<Vec<T>>> {
+    let frames = case.model().frames.iter();
+    let mut functions = frames.flat_map(|frame| FrameKind::ALL.map(|kind| (frame, kind)));
+    let (frame, kind) = functions.find(|(frame, kind)| kind.function(&frame.identifier) == name)?;
     let at = Attachment { name: frame.name.clone(), link: frame.link, pose: frame.pose.clone() };
     let n = case.v.len();
-    Some(match of.kind {
+    Some(match kind {
         FrameKind::Pose => {
             let links = case.links();
             let (arm, rotation) = case.robot.attached(&at, &links);
