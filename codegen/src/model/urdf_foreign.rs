@@ -1,11 +1,5 @@
 //! Words by which other tools change the dynamics in a URDF, and what says the same in TOML.
 
-use super::urdf::{Reader, XmlNode};
-use super::urdf_notes::Remark;
-use crate::diagnostic::Span;
-use crate::wording::as_written;
-use roxmltree::Node;
-
 /// An effect on the dynamics that is not read.
 #[derive(Debug)]
 struct Effect {
@@ -82,7 +76,7 @@ const EFFECTS: [Effect; 9] = [
 pub(super) const ROTORS: [&str; 4] = ["rotorinertia", "motorinertia", "armature", "reflectedinertia"];
 
 /// Inside of these, stiffness and damping are those of contacts.
-const CONTACTS: [&str; 3] = ["contact", "surface", "collision"];
+pub(super) const CONTACTS: [&str; 3] = ["contact", "surface", "collision"];
 
 /// The text about an effect, by its row.
 pub(super) fn text(row: usize) -> &'static str {
@@ -95,57 +89,9 @@ pub(super) fn plain(word: &str) -> String {
     word.chars().filter(|c| *c != '_').flat_map(char::to_lowercase).collect()
 }
 
-fn row(word: &str, value: &str) -> Option<usize> {
+/// The effect of a word with this value.
+pub(super) fn row(word: &str, value: &str) -> Option<usize> {
     let word = plain(word);
     let found = EFFECTS.iter().position(|effect| effect.words.contains(&word.as_str()))?;
     (!EFFECTS[found].idle.contains(&value.trim())).then_some(found)
-}
-
-/// The value of an element, as its attribute or its text.
-pub(super) fn value_of<'a>(node: XmlNode<'a>) -> &'a str {
-    node.attribute("value").or_else(|| node.text()).unwrap_or("").trim()
-}
-
-/// The name of what an element belongs to.
-fn owner(node: XmlNode<'_>) -> Option<&str> {
-    node.ancestors().find_map(|node| node.attribute("reference").or_else(|| node.attribute("name")))
-}
-
-/// Tells whether <mimic> of some joint names the same leader as a plugin.
-fn is_coupled(node: XmlNode<'_>, leader: &str) -> bool {
-    let mut mimics = node.document().descendants().filter(|node| node.has_tag_name("mimic"));
-    mimics.any(|mimic| mimic.attribute("joint") == Some(leader))
-}
-
-impl Reader<'_> {
-    /// Warns of an element that changes the dynamics elsewhere, and of all such elements and attributes inside it; tells whether
-    /// there are some.
-    pub(super) fn foreign(&mut self, node: XmlNode<'_>) -> bool {
-        let mut is_known = false;
-        for inner in node.descendants().filter(Node::is_element) {
-            let tag = inner.tag_name().name();
-            let is_joint = tag == "joint" && inner.children().any(|end| end.has_tag_name("child"));
-            let word = if is_joint { "loop_joint" } else { tag };
-            is_known |= self.foreign_word(inner, word, value_of(inner), self.span(inner));
-            for attribute in inner.attributes() {
-                let span = Span::new(self.source, attribute.range());
-                is_known |= self.foreign_word(inner, attribute.name(), attribute.value(), span);
-            }
-        }
-        is_known
-    }
-
-    /// Tells whether the word is one of an effect.
-    pub(super) fn foreign_word(&mut self, node: XmlNode<'_>, word: &str, value: &str, span: Span) -> bool {
-        let Some(row) = row(word, value) else { return false };
-        let is_contact = |node: XmlNode<'_>| CONTACTS.contains(&node.tag_name().name());
-        let is_of_contact = ["stiffness", "damping"].contains(&word) && node.ancestors().any(is_contact);
-        if is_of_contact || (plain(word) == "mimicjoint" && is_coupled(node, value)) {
-            return false;
-        }
-        let of = owner(node).map_or(String::new(), |owner| format!(" of `{owner}`"));
-        let value = value.parse().map_or(String::new(), |number| format!(" {}", as_written(number)));
-        self.notes.remark(Remark::Foreign(row), span, format!("`{}`{value}{of}", word.replace('.', ":")));
-        true
-    }
 }

@@ -2,8 +2,9 @@
 
 use super::description::{DriveChoice, DriveDescription, RobotDescription, SkippedRotor};
 use super::urdf::{Reader, XmlNode};
-use super::urdf_foreign::{ROTORS, plain, value_of};
+use super::urdf_foreign::{ROTORS, plain};
 use super::urdf_notes::Remark;
+use super::urdf_words::value_of;
 use crate::diagnostic::At;
 use crate::wording::three_digits;
 use gelenk_formula::Formula;

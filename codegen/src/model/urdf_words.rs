@@ -1,8 +1,11 @@
 //! Words of a URDF that are not known, with the words that were probably meant.
 
 use super::urdf::{Reader, XmlNode};
+use super::urdf_foreign::{CONTACTS, plain, row};
 use super::urdf_notes::{HARMLESS, Remark};
 use crate::diagnostic::{Span, nearest};
+use crate::wording::as_written;
+use roxmltree::Node;
 
 /// Attributes of the elements that are read.
 const ATTRIBUTES: [(&str, &[&str]); 10] = [
@@ -33,6 +36,37 @@ impl Reader<'_> {
         }
     }
 
+    /// Warns of an element that changes the dynamics elsewhere, and of all such elements and attributes inside it; tells whether
+    /// there are some.
+    pub(super) fn foreign(&mut self, node: XmlNode<'_>) -> bool {
+        let mut is_known = false;
+        for inner in node.descendants().filter(Node::is_element) {
+            let tag = inner.tag_name().name();
+            let is_joint = tag == "joint" && inner.children().any(|end| end.has_tag_name("child"));
+            let word = if is_joint { "loop_joint" } else { tag };
+            is_known |= self.foreign_word(inner, word, value_of(inner), self.span(inner));
+            for attribute in inner.attributes() {
+                let span = Span::new(self.source, attribute.range());
+                is_known |= self.foreign_word(inner, attribute.name(), attribute.value(), span);
+            }
+        }
+        is_known
+    }
+
+    /// Tells whether the word is one of an effect.
+    pub(super) fn foreign_word(&mut self, node: XmlNode<'_>, word: &str, value: &str, span: Span) -> bool {
+        let Some(row) = row(word, value) else { return false };
+        let is_contact = |node: XmlNode<'_>| CONTACTS.contains(&node.tag_name().name());
+        let is_of_contact = ["stiffness", "damping"].contains(&word) && node.ancestors().any(is_contact);
+        if is_of_contact || (plain(word) == "mimicjoint" && is_coupled(node, value)) {
+            return false;
+        }
+        let of = owner(node).map_or(String::new(), |owner| format!(" of `{owner}`"));
+        let value = value.parse().map_or(String::new(), |number| format!(" {}", as_written(number)));
+        self.notes.remark(Remark::Foreign(row), span, format!("`{}`{value}{of}", word.replace('.', ":")));
+        true
+    }
+
     /// Notes an element that is not read.
     ///
     /// - `known`: those that are read in its place
@@ -54,4 +88,20 @@ impl Reader<'_> {
 fn meant<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> String {
     let help = nearest(word, known).filter(|help| help.starts_with("did you mean"));
     help.map_or(String::new(), |help| format!(" ({help})"))
+}
+
+/// The value of an element, as its attribute or its text.
+pub(super) fn value_of<'a>(node: XmlNode<'a>) -> &'a str {
+    node.attribute("value").or_else(|| node.text()).unwrap_or("").trim()
+}
+
+/// The name of what an element belongs to.
+fn owner(node: XmlNode<'_>) -> Option<&str> {
+    node.ancestors().find_map(|node| node.attribute("reference").or_else(|| node.attribute("name")))
+}
+
+/// Tells whether <mimic> of some joint names the same leader as a plugin.
+fn is_coupled(node: XmlNode<'_>, leader: &str) -> bool {
+    let mut mimics = node.document().descendants().filter(|node| node.has_tag_name("mimic"));
+    mimics.any(|mimic| mimic.attribute("joint") == Some(leader))
 }
