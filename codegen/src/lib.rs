@@ -19,6 +19,7 @@ pub mod cli;
 #[cfg(feature = "symbolica")]
 pub mod closed_form;
 pub mod diagnostic;
+mod distinct;
 pub mod dynamics;
 pub mod emit;
 pub mod export;

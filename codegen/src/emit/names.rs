@@ -3,8 +3,7 @@
 //! The model has checked its names already; this is the last guard, so that no string becomes code.
 //! Identifiers are ASCII: other letters would trip lints on confusable names, and are no identifiers of C99.
 
-use std::collections::BTreeSet;
-
+use crate::distinct::Distinct;
 use crate::program::{Program, letters};
 
 /// What a language takes for an identifier.
@@ -55,8 +54,9 @@ impl Spelling {
         names: impl IntoIterator<Item = &'a str>,
         taken: &[String],
     ) -> Vec<String> {
-        let mut used: BTreeSet<String> = taken.iter().cloned().collect();
-        names.into_iter().map(|name| unused(self.identifier(name), &mut used)).collect()
+        let mut used: Distinct = taken.iter().cloned().collect();
+        let spellings = names.into_iter().map(|name| self.identifier(name));
+        spellings.map(|spelling| used.take(&spelling, spelling.trim_end_matches('_'))).collect()
     }
 
     /// The names in a function's body.
@@ -102,14 +102,4 @@ pub(super) fn spelled(symbol: &str) -> String {
     let name = symbol.replace("⁻¹", "_inverse").replace('ẏ', "v");
     let name = name.replace('⁺', "_next").replace('ÿ', "a").replace('∂', "d");
     name.replace(['/', ' '], "_").to_lowercase()
-}
-
-fn unused(spelling: String, used: &mut BTreeSet<String>) -> String {
-    let mut candidate = spelling.clone();
-    let mut number = 1;
-    while !used.insert(candidate.clone()) {
-        number += 1;
-        candidate = format!("{}_{number}", spelling.trim_end_matches('_'));
-    }
-    candidate
 }

@@ -49,7 +49,7 @@ impl<'a> Reader<'_, 'a> {
         let element = body.element;
         let named = self.name(element, "name");
         let wanted = named.as_ref().map_or_else(|| "body".to_owned(), |name| name.value.clone());
-        let own = Self::distinct(&mut self.link_names, wanted.clone());
+        let own = self.link_names.take(&wanted, &wanted);
         let name = At::new(own, named.as_ref().map_or(element.span(), |name| name.span));
         if named.is_some() && name.value != wanted {
             let message = format!("there are two bodies `{wanted}`");
@@ -80,7 +80,8 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn fix(&mut self, name: &Name, parent: Name, pose: Pose) {
-        let own = Self::distinct(&mut self.joint_names, format!("{}_fixed", name.value));
+        let fixed = format!("{}_fixed", name.value);
+        let own = self.joint_names.take(&fixed, &fixed);
         self.robot.joints.push(JointDescription {
             kind: Some(JointKind::Fixed),
             parent: Some(parent),

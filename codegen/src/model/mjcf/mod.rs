@@ -24,6 +24,7 @@ use super::load::Load;
 use super::notes::Notes;
 use super::{Pose, ReadOptions};
 use crate::diagnostic::{At, Report, Span, nearest};
+use crate::distinct::Distinct;
 use classes::Classes;
 use compiler::Compiler;
 use files::{Element, Files, Given};
@@ -60,9 +61,9 @@ pub(super) struct Reader<'r, 'a> {
     /// By their names in the file.
     joints: BTreeMap<String, KnownJoint>,
     sites: BTreeSet<String>,
-    link_names: BTreeSet<String>,
-    joint_names: BTreeSet<String>,
-    drive_names: BTreeSet<String>,
+    link_names: Distinct,
+    joint_names: Distinct,
+    drive_names: Distinct,
 }
 
 /// An element in its body: with the pose of the frames around it, and the class that it has without a word.
@@ -114,9 +115,9 @@ pub(super) fn description(
         },
         joints: BTreeMap::new(),
         sites: BTreeSet::new(),
-        link_names: BTreeSet::from([WORLD.to_owned()]),
-        joint_names: BTreeSet::new(),
-        drive_names: BTreeSet::new(),
+        link_names: Distinct::from_iter([WORLD.to_owned()]),
+        joint_names: Distinct::default(),
+        drive_names: Distinct::default(),
     };
     reader.model(root, &sections);
     reader.notes.report(|_| true, reader.report);
@@ -155,17 +156,6 @@ impl<'a> Reader<'_, 'a> {
         self.report.help(
             "`mujoco.mj_saveLastXML` writes a loaded model as plain bodies, joints and geoms: give that file",
         );
-    }
-
-    /// A name that is free, with a number behind it where another one has it.
-    fn distinct(names: &mut BTreeSet<String>, wanted: String) -> String {
-        let mut name = wanted.clone();
-        let mut count = 1;
-        while !names.insert(name.clone()) {
-            count += 1;
-            name = format!("{wanted}_{count}");
-        }
-        name
     }
 
     /// What an element says, or its class.

@@ -6,8 +6,9 @@ use super::super::description::{
 };
 use super::super::name::identifier;
 use crate::diagnostic::Report;
+use crate::distinct::Distinct;
 use crate::wording::listed;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Identifiers of the module, its joints, frames and drives, in the order of their description.
 #[derive(Debug)]
@@ -102,22 +103,15 @@ fn drive_name<'d>(robot: &'d RobotDescription, joint: &'d JointDescription) -> O
 
 /// Identifiers of names of one kind, numbered where those of different names would be the same.
 fn distinct(names: &[&Name]) -> Vec<String> {
-    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut taken = Distinct::default();
     let mut known: BTreeMap<&str, String> = BTreeMap::new();
     for name in names {
-        known.entry(&name.value).or_insert_with(|| unused(identifier(&name.value), &mut taken));
+        known.entry(&name.value).or_insert_with(|| {
+            let stem = identifier(&name.value);
+            taken.take(&stem, &stem)
+        });
     }
     names.iter().map(|name| known.get(name.value.as_str()).cloned().unwrap_or_default()).collect()
-}
-
-fn unused(stem: String, taken: &mut BTreeSet<String>) -> String {
-    let mut candidate = stem.clone();
-    let mut copies = 1;
-    while !taken.insert(candidate.clone()) {
-        copies += 1;
-        candidate = format!("{stem}_{copies}");
-    }
-    candidate
 }
 
 pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what: &str, report: &mut Report) {

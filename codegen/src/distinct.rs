@@ -1,0 +1,44 @@
+//! Names that differ from each other.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Names that are taken, and the last number behind each: thousands of values and bodies may be called alike, and looking
+/// for a free number from the first one would take the square of their count.
+#[derive(Debug, Default)]
+pub(crate) struct Distinct {
+    taken: BTreeSet<String>,
+    last: BTreeMap<String, usize>,
+}
+
+impl Distinct {
+    /// A name that is free: the wanted one, with `_` and a number behind its `stem` where it is taken.
+    pub(crate) fn take(&mut self, wanted: &str, stem: &str) -> String {
+        let mut name = wanted.to_owned();
+        while self.taken.contains(&name) {
+            let last = self.last.entry(stem.to_owned()).or_insert(1);
+            *last += 1;
+            name = format!("{stem}_{last}");
+        }
+        self.taken.insert(name.clone());
+        name
+    }
+}
+
+impl FromIterator<String> for Distinct {
+    fn from_iter<I: IntoIterator<Item = String>>(taken: I) -> Self {
+        Self { taken: taken.into_iter().collect(), ..Self::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_names_are_told_apart_in_no_time() {
+        let mut names = Distinct::from_iter(["a".to_owned(), "a_3".to_owned()]);
+        let found: Vec<String> = (0..100_000).map(|_| names.take("a", "a")).collect();
+        assert_eq!(found[..3], ["a_2", "a_4", "a_5"]);
+        assert_eq!(found.last().map(String::as_str), Some("a_100002"));
+    }
+}
