@@ -5,6 +5,7 @@ use std::path::Path;
 use fastrand::Rng;
 use gelenk_codegen::formula::Formula;
 use gelenk_codegen::model::{JointKind, JointPosition, Model};
+use gelenk_codegen::verify::mass_and_bias;
 use serde_json::{Value, json};
 
 use crate::Robot;
@@ -45,18 +46,40 @@ pub fn values(name: &str, file: &Path, model: &Model, compared: Compared) -> Val
     let robot = Robot::of_model(model, &functions);
     let mut rng = Rng::with_seed(1606);
     let states: Vec<Value> = (0..STATES).map(|_| state(&robot, &functions, &mut rng)).collect();
-    let parameters: Vec<f64> = robot.model.parameters.iter().map(|parameter| parameter.default).collect();
+    entry((name, file), &robot.model, compared, &states)
+}
+
+/// As [`values`], with M and the bias forces of the independent evaluation alone: thousands of robots take no derivation.
+pub fn independent_values(name: &str, file: &Path, model: &Model) -> Value {
+    let mut rng = Rng::with_seed(1606);
+    let states = (0..STATES).map(|_| {
+        let [y, v] = motion(model, &mut rng);
+        let [mass, bias] = mass_and_bias(model, &y, &v);
+        json!({ "y": y, "v": v, "mass_matrix": mass, "bias_forces": bias })
+    });
+    let compared = Compared { by_name: true, couples: true, ..Compared::default() };
+    entry((name, file), model, compared, &states.collect::<Vec<_>>())
+}
+
+fn entry((name, file): (&str, &Path), model: &Model, compared: Compared, states: &[Value]) -> Value {
+    let parameters: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     json!({
         "name": name,
         "file": file,
-        "velocities": robot.model.coordinates.len(),
-        "gravity": robot.model.gravity.each_ref().map(|g| g.evaluate(&parameters, 0.0, 0.0)),
-        "joints": joints(&robot.model),
-        "inputs": robot.model.inputs().map(|input| input.name().to_owned()).collect::<Vec<_>>(),
+        "velocities": model.coordinates.len(),
+        "gravity": model.gravity.each_ref().map(|g| g.evaluate(&parameters, 0.0, 0.0)),
+        "joints": joints(model),
+        "inputs": model.inputs().map(|input| input.name().to_owned()).collect::<Vec<_>>(),
         "by_name": compared.by_name,
         "couples": compared.couples,
         "states": states,
     })
+}
+
+/// Positions and velocities.
+fn motion(model: &Model, rng: &mut Rng) -> [Vec<f64>; 2] {
+    let y = positions(model, rng);
+    [y, model.coordinates.iter().map(|_| 4.0 * rng.f64() - 2.0).collect()]
 }
 
 fn joints(model: &Model) -> Vec<Value> {
@@ -77,8 +100,7 @@ fn joints(model: &Model) -> Vec<Value> {
 }
 
 fn state(robot: &Robot, functions: &[&str], rng: &mut Rng) -> Value {
-    let y = positions(&robot.model, rng);
-    let v: Vec<f64> = robot.model.coordinates.iter().map(|_| 4.0 * rng.f64() - 2.0).collect();
+    let [y, v] = motion(&robot.model, rng);
     let mut state = json!({ "y": y, "v": v });
     for function in functions {
         let inputs = robot.function(function).program.inputs.iter();

@@ -114,7 +114,8 @@ fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreemen
 }
 
 /// M, rows first, and the bias forces at a state, at the described values of free parameters.
-pub(crate) fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
+#[must_use]
+pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     let given = Given { model, names: &["y", "v"], arguments: &[y.to_vec(), v.to_vec()] };
     let parameters = model.parameters.iter().map(|parameter| Measured::constant(parameter.default));
     let case = given.case(parameters.collect());
