@@ -639,13 +639,13 @@ pub fn inertial_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 11
 /// Base parameters β, the columns of `base_regressor`, each named after the inertial parameter that leads its
 /// group. 10 of 11 parameters enter the motion only in these sums:
 ///
-/// - `Izz_alpha + 25921.000000000004 J_alpha`
+/// - `Izz_alpha + 25921 J_alpha`
 pub const BASE_PARAMETER_NAMES: [&str; 1] = ["Izz_alpha"];
 
 /// Map from the inertial parameters to the base parameters: β(i) = Σ c π(j) over all (i, j, c).
 pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 2] = [
     (0, 9, 1.0),
-    (0, 10, 25921.000000000004),
+    (0, 10, 25921.0),
 ];
 
 /// Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.

@@ -2219,7 +2219,7 @@ pub fn inertial_regressor_into(
 ///
 /// - `mcx_beta`
 /// - `mcz_beta + 0.18 m_gamma`
-/// - `Iyy_beta + 0.0324 m_gamma + 25921.000000000004 J_beta`
+/// - `Iyy_beta + 0.0324 m_gamma + 25921 J_beta`
 /// - `mcx_gamma`
 /// - `mcz_gamma`
 /// - `Iyy_gamma`
@@ -2242,7 +2242,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
     (1, 10, 0.18),
     (2, 6, 1.0),
     (2, 10, 0.0324),
-    (2, 20, 25921.000000000004),
+    (2, 20, 25921.0),
     (3, 11, 1.0),
     (4, 13, 1.0),
     (5, 16, 1.0),

@@ -15412,7 +15412,7 @@ pub fn inertial_regressor_into(
 /// - `Ixy_joint_2`
 /// - `Ixz_joint_2`
 /// - `Iyz_joint_2 − 0.35 mcz_joint_3 − 0.035455 m_joint_4 − 0.035455 m_joint_5 − 0.035455 m_joint_6`
-/// - `Izz_joint_2 + 0.1225 m_joint_3 + 0.1225 m_joint_4 + 0.1225 m_joint_5 + 0.1225 m_joint_6 + 25599.999999999996 J_joint_2`
+/// - `Izz_joint_2 + 0.1225 m_joint_3 + 0.1225 m_joint_4 + 0.1225 m_joint_5 + 0.1225 m_joint_6 + 25600 J_joint_2`
 /// - `mcx_joint_3`
 /// - `mcy_joint_3 + 0.1013 m_joint_4 + mcz_joint_4 + 0.3012 m_joint_5 + 0.3012 m_joint_6`
 /// - `Ixx_joint_3 − Iyy_joint_3 + 0.01026169 m_joint_4 + 0.2026 mcz_joint_4 + Iyy_joint_4 + 0.09072144 m_joint_5 + 0.09072144 m_joint_6`
@@ -15523,7 +15523,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 107] = [
     (7, 30, 0.1225),
     (7, 40, 0.1225),
     (7, 50, 0.1225),
-    (7, 61, 25599.999999999996),
+    (7, 61, 25600.0),
     (8, 21, 1.0),
     (9, 22, 1.0),
     (9, 30, 0.1013),

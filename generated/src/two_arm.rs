@@ -10609,7 +10609,7 @@ pub fn inertial_regressor_into(
 /// - `mcz_left_shoulder − 0.3 m_left_elbow − 0.3 m_left_wrist`
 /// - `Ixx_left_shoulder − Izz_left_shoulder + 0.09 m_left_elbow + 0.09 m_left_wrist`
 /// - `Ixy_left_shoulder`
-/// - `Iyy_left_shoulder + 0.09 m_left_elbow + 0.09 m_left_wrist + 10000.000000000002 J_left_shoulder`
+/// - `Iyy_left_shoulder + 0.09 m_left_elbow + 0.09 m_left_wrist + 10000 J_left_shoulder`
 /// - `Ixz_left_shoulder`
 /// - `Iyz_left_shoulder + 0.3 mcy_left_elbow`
 /// - `mcx_left_elbow`
@@ -10630,7 +10630,7 @@ pub fn inertial_regressor_into(
 /// - `mcz_right_shoulder − 0.3 m_right_elbow − 0.3 m_right_wrist`
 /// - `Ixx_right_shoulder − Izz_right_shoulder + 0.09 m_right_elbow + 0.09 m_right_wrist`
 /// - `Ixy_right_shoulder`
-/// - `Iyy_right_shoulder + 0.09 m_right_elbow + 0.09 m_right_wrist + 10000.000000000002 J_right_shoulder`
+/// - `Iyy_right_shoulder + 0.09 m_right_elbow + 0.09 m_right_wrist + 10000 J_right_shoulder`
 /// - `Ixz_right_shoulder`
 /// - `Iyz_right_shoulder + 0.3 mcy_right_elbow`
 /// - `mcx_right_elbow`
@@ -10730,7 +10730,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 99] = [
     (5, 16, 1.0),
     (5, 20, 0.09),
     (5, 30, 0.09),
-    (5, 70, 10000.000000000002),
+    (5, 70, 10000.0),
     (6, 17, 1.0),
     (7, 18, 1.0),
     (7, 22, 0.3),
@@ -10770,7 +10770,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 99] = [
     (26, 46, 1.0),
     (26, 50, 0.09),
     (26, 60, 0.09),
-    (26, 73, 10000.000000000002),
+    (26, 73, 10000.0),
     (27, 47, 1.0),
     (28, 48, 1.0),
     (28, 52, 0.3),

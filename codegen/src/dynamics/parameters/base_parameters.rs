@@ -27,8 +27,8 @@ const DEPENDENT: f64 = 1e-7;
 /// A column shorter than this share of the longest is rounding itself.
 const ROUNDING: f64 = 1e-13;
 
-/// Coefficients are rounded to this: what lies below is the rounding of the factorization.
-const DIGITS: f64 = 1e12;
+/// Decimals of a coefficient below 10, and fewer of larger ones: digits beyond are the rounding of the factorization.
+const DECIMALS: i32 = 12;
 
 /// Coefficients below this are zero.
 const SMALLEST: f64 = 1e-10;
@@ -125,7 +125,7 @@ impl BaseParameters {
                 }
                 Projection::Dependent(coefficients) => {
                     let kept = coefficients.iter().enumerate().filter_map(|(group, &c)| {
-                        let rounded = (c * DIGITS).round() / DIGITS;
+                        let rounded = without_rounding(c);
                         (rounded.abs() >= SMALLEST).then_some(Term {
                             group,
                             parameter: index,
@@ -221,6 +221,12 @@ fn state_count(entries: &[Operand], rows: usize) -> usize {
         }
     }
     own.iter().fold(STATES, |most, own| most.max(2 * own))
+}
+
+fn without_rounding(coefficient: f64) -> f64 {
+    let decimals = DECIMALS - coefficient.abs().max(1.0).log10().floor() as i32;
+    let scale = 10_f64.powi(decimals);
+    (coefficient * scale).round() / scale
 }
 
 /// How far from zero each coordinate may go: every angle, one metre.
