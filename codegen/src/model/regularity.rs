@@ -19,6 +19,9 @@ const ROUNDING: f64 = 1e-12;
 pub(super) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
+/// Robots with more coordinates get messages without entries of M: memory grows with their square, and time with their cube.
+const LARGEST: usize = 500;
+
 /// The pivots of M at seeded states.
 #[derive(Debug, Default)]
 pub(super) struct Pivots {
@@ -40,8 +43,10 @@ impl Pivots {
     /// Motions x with M x = 0 in general position, as text: each is 1 at a coordinate whose pivot is zero, and 0 at the others of
     /// these. Velocities of joints with quaternions are those of the body where their hinges are at 0.
     pub fn free_motions(&self, model: &Model) -> Vec<String> {
-        if self.zero.is_empty() {
-            return Vec::new();
+        let of_joints =
+            || model.joints_of(&self.zero).iter().map(|joint| format!("`{}`", joint.name)).collect();
+        if self.zero.is_empty() || model.coordinates.len() > LARGEST {
+            return of_joints();
         }
         let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
         let parts = model.quaternion_joints.iter().flat_map(|joint| joint.coordinates());
@@ -55,7 +60,7 @@ impl Pivots {
         let names: Vec<&str> = model.joints().map(|joint| joint.name.as_str()).collect();
         if zero.is_empty() {
             // Hinges of a joint with a quaternion may be singular together away from 0.
-            return model.joints_of(&self.zero).iter().map(|joint| format!("`{}`", joint.name)).collect();
+            return of_joints();
         }
         zero.iter().map(|&own| sum(&null_vector(&mass, &others, own), &names)).collect()
     }
@@ -160,8 +165,12 @@ fn sum(direction: &[f64], names: &[&str]) -> String {
     text
 }
 
-/// The diagonal of M where the coordinates are 0, without what rotors on moving links add to i² J.
+/// The diagonal of M where the coordinates are 0, without what rotors on moving links add to i² J; empty for robots with too many
+/// coordinates.
 pub(super) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
+    if model.coordinates.len() > LARGEST {
+        return Vec::new();
+    }
     let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     let positions = positions(model, &described, |_, _| 0.0);
     let (mass, _) = coupled::mass_matrix(model, &described, &positions);

@@ -129,6 +129,14 @@ fn ten_megabytes_of_joints() {
     let text = chain_urdf(45_000);
     assert!(text.len() > 10_000_000);
     assert_eq!(timed(|| urdf(&text)).unwrap().0.coordinates.len(), 45_000);
+    let singular = format!(
+        "<link name=\"tip\"/><joint name=\"tip\" type=\"continuous\"><parent link=\"l45000\"/><child link=\"tip\"/></joint>\n\
+         <transmission name=\"t\"><joint name=\"j1\"/><joint name=\"j2\"/><actuator name=\"a\"><motorInertia>1</motorInertia>\
+         </actuator></transmission></robot>"
+    );
+    let (_, said) = timed(|| urdf(&text.replace("</robot>", &singular))).unwrap();
+    let codes: Vec<&str> = said.entries().iter().map(|each| each.code).collect();
+    assert!(codes.contains(&"joints-without-inertia") && codes.contains(&"rotor-skipped"), "{codes:?}");
     let text = chain_toml(70_000);
     assert!(text.len() > 10_000_000);
     assert_eq!(timed(|| toml(&text)).unwrap().0.coordinates.len(), 70_000);
