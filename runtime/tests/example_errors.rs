@@ -2,11 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::example;
 use std::path::Path;
 use std::process::{Command, Output};
-use support::example;
 
 fn run(name: &str, arguments: &[&Path]) -> Output {
     let mut command = Command::new(example::program(name));

@@ -1,14 +1,9 @@
 //! Logs: the measured Schunk runs, and a log of a million rows.
 
-#[path = "support/data.rs"]
-mod data;
-#[path = "support/named_robot.rs"]
-mod named_robot;
-
-use data::shared;
+use crate::support::data::shared;
+use crate::support::named_robot::NamedRobot;
 use gelenk_identification::log::{ColumnOptions, FindingKind, Log, LogSchema, Quantity, Recording, runs};
 use gelenk_identification::run::Effort;
-use named_robot::NamedRobot;
 use std::fmt::Write;
 
 #[test]

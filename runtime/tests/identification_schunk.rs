@@ -6,10 +6,7 @@
 //! fitting, and once more whole groups are left out.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
-#[path = "support/data.rs"]
-mod data;
-
-use data::shared;
+use crate::support::data::shared;
 use gelenk_identification::Result;
 use gelenk_identification::differentiation::SavitzkyGolay;
 use gelenk_identification::friction::{FrictionData, FrictionIdentification, FrictionMethod};

@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::random_qp::Random;
 use gelenk_runtime::lqr::{Lqr, LqrError, TimeVaryingLqr};
 use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
 use nalgebra::{DMatrix, SymmetricEigen};
-use support::random_qp::Random;
 
 fn m<const R: usize, const C: usize>(rows: &[[f64; C]; R]) -> DMatrix<f64> {
     DMatrix::from_fn(R, C, |i, j| rows[i][j])

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/tracking.rs"]
-mod tracking;
-
+use crate::support::tracking::{PERIOD, PowerCube, options};
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
 use gelenk_runtime::dynamics::{
     Differentiable, Discretizable, Dynamics, ForceDerivatives, LimitRows, Limits, Linearization, PhaseSpace,
@@ -14,7 +12,6 @@ use gelenk_runtime::mpc::{
     DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcNote, MpcOptions, Nmpc, ObserverOptions,
 };
 use gelenk_runtime::trajectory::RestToRest;
-use tracking::{PERIOD, PowerCube, options};
 
 type Ltv = LtvMpc<PowerCube, RestToRest<2>, 2, 2, 4>;
 

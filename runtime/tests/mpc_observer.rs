@@ -2,14 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/rubbing.rs"]
-mod rubbing;
-
+use crate::support::rubbing::{Rubbing, Sign};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
-use rubbing::{Rubbing, Sign};
 
 const START: [f64; 7] = [0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.4];
 const END: [f64; 7] = [0.6, 0.1, -0.4, -1.4, 0.3, 2.0, 0.0];
@@ -62,7 +59,7 @@ fn friction_that_the_model_does_not_know_is_estimated() {
 
 /// Stiction, right models and coarse encoders leave the arm calm.
 #[test]
-#[ignore = "minutes in a debug build: cargo test --release -p gelenk-runtime --test mpc_observer -- --ignored"]
+#[ignore = "minutes in a debug build: cargo test --release -p gelenk-runtime --test all mpc_observer:: -- --ignored"]
 fn the_estimate_is_calm() {
     for (plant, encoders, [error, rest]) in [
         (rubbing(Sign::Exact), 3.5e-5, [0.4, 0.4]),

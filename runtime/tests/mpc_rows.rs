@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/tracking.rs"]
-mod tracking;
-
+use crate::support::tracking::{self, PEAK, PERIOD, PowerCube, exact};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{
@@ -13,7 +11,6 @@ use gelenk_runtime::mpc::{
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::qp::Penalty;
 use gelenk_runtime::trajectory::{RestToRest, Trajectory};
-use tracking::{PEAK, PERIOD, PowerCube, exact};
 
 const HORIZON: usize = 12;
 const START: [f64; 2] = [0.1, -0.3];

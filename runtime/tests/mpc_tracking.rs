@@ -2,14 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/tracking.rs"]
-mod tracking;
-
+use crate::support::tracking::{
+    self, FreePowerCube, PEAK, PERIOD, PowerCube, Run, exact, feed_forward, options,
+};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, Nmpc};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{RestToRest, Sampled, Trajectory};
-use tracking::{FreePowerCube, PEAK, PERIOD, PowerCube, Run, exact, feed_forward, options};
 
 type Ltv<D, T> = LtvMpc<D, T, 2, 2, 4>;
 type Nonlinear<D, T> = Nmpc<D, T, 2, 2, 4>;

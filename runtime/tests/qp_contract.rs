@@ -3,11 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::kkt::kkt;
+use crate::support::{oracle, random_qp};
 use gelenk_runtime::qp::{Penalty, QpError, QpProblem, QpSettings, QpSolver, QpStatus};
-use support::kkt::kkt;
-use support::{oracle, random_qp};
 
 const SETTINGS: QpSettings = QpSettings { tolerance: 1e-10, feasibility: 1e-10, max_iterations: 50 };
 

@@ -1,13 +1,11 @@
 //! The QP solver against Clarabel on 1000 random problems, and on 400 with rows. Thousands with rows:
-//! `cargo test --release -p gelenk-runtime --test qp_oracle -- --ignored --nocapture`.
+//! `cargo test --release -p gelenk-runtime --test all qp_oracle:: -- --ignored --nocapture`.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::{oracle, random_qp, random_rows};
 use clarabel::solver::SolverStatus;
 use gelenk_runtime::qp::{QpSettings, QpSolver, QpStatus};
-use support::{oracle, random_qp, random_rows};
 
 /// Largest difference of inputs and states, relative to their size where that exceeds 1.
 fn difference<const NX: usize, const NU: usize, const NR: usize>(

@@ -3,16 +3,14 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::kkt::kkt;
+use crate::support::random_qp::Random;
+use crate::support::wide_qp::row_value;
+use crate::support::{oracle, random_qp, random_rows};
 use clarabel::solver::SolverStatus;
 use gelenk_runtime::qp::{
     Penalty, QpError, QpProblem, QpReport, QpRows, QpSettings, QpSolver, QpStage, QpStatus,
 };
-use support::kkt::kkt;
-use support::random_qp::Random;
-use support::wide_qp::row_value;
-use support::{oracle, random_qp, random_rows};
 
 const SETTINGS: QpSettings = QpSettings { tolerance: 1e-10, feasibility: 1e-10, max_iterations: 50 };
 const HORIZON: usize = 10;

@@ -1,6 +1,6 @@
 //! The loop with a quadrotor: guard, limits, fallback, log.
 
-use crate::{Quadrotor, quadrotor};
+use super::{Quadrotor, quadrotor};
 use gelenk_runtime::control_loop::{
     ControlLoop, Controller, Cycle, EncoderFault, End, FeedForwardPd, JointGains, JointLaw, JointPd,
     LoopReport, LoopSettings, Refusal, StopReason, VirtualClock, log_to,

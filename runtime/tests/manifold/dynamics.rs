@@ -1,6 +1,6 @@
 //! The traits of a module with quaternions.
 
-use crate::{Quadrotor, quadrotor};
+use super::{Quadrotor, quadrotor};
 use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics, QuaternionJoint};
 
 const Y: [f64; 7] = [0.3, -0.2, 1.0, 0.1, 0.5, -0.1, 0.8544003745317531];

@@ -1,6 +1,6 @@
 //! Motions through poses.
 
-use crate::Quadrotor;
+use super::Quadrotor;
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::trajectory::{Columns, GeodesicMotion, Recording, Sample, Smoothing, Trajectory};
 

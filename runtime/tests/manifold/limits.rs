@@ -1,6 +1,6 @@
 //! Limits along motions with attitudes: positions of plain joints, velocities and forces of all.
 
-use crate::Mixed;
+use super::Mixed;
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::limits::{Quantity, Rating, violations};
 use gelenk_runtime::trajectory::GeodesicMotion;

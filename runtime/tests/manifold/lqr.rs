@@ -1,6 +1,6 @@
 //! A regulator on the error state: the deviation `(y ⊖ y_ref, v − v_ref)` of a quadrotor that hovers.
 
-use crate::{Quadrotor, quadrotor};
+use super::{Quadrotor, quadrotor};
 use gelenk_runtime::dynamics::{Discretizable, Dynamics};
 use gelenk_runtime::lqr::Lqr;
 use std::array::from_fn;

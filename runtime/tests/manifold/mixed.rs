@@ -1,6 +1,6 @@
 //! A quaternion between other entries: limits, rows, encoders and errors find the right ones.
 
-use crate::Mixed;
+use super::Mixed;
 use gelenk_runtime::control_loop::{
     AccelerationGains, ComputedTorque, ControlLoop, End, JointGains, JointLaw, JointPd, LoopSettings,
     VirtualClock,

@@ -1,6 +1,6 @@
 //! Predictive control on the error state.
 
-use crate::Quadrotor;
+use super::Quadrotor;
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{

@@ -1,6 +1,6 @@
 //! The simulated robot on the manifold.
 
-use crate::{Quadrotor, quadrotor};
+use super::{Quadrotor, quadrotor};
 use gelenk_runtime::dynamics::{Discretizable, Dynamics};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 

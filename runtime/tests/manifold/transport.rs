@@ -1,7 +1,7 @@
 //! A quadrotor over UDP and on a CAN bus: NY positions, N velocities, quaternions that are checked.
 
-use crate::Quadrotor;
-use crate::control_loop::{START, law, motion, options, settings};
+use super::Quadrotor;
+use super::control_loop::{START, law, motion, options, settings};
 use gelenk_runtime::control_loop::{
     ControlLoop, EncoderFault, End, FeedForwardPd, LoopReport, Refusal, StopReason, VirtualClock,
 };

@@ -5,15 +5,14 @@
 //! thousand logs, takes one or two minutes and also fails where a single one takes more than ten seconds:
 //!
 //! ```text
-//! GELENK_MUTATIONS=long cargo test --release -p gelenk-runtime --test mutations -- --nocapture
+//! GELENK_MUTATIONS=long cargo test --release -p gelenk-runtime --test all mutations:: -- --nocapture
 //! ```
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 mod logs;
-#[path = "../support/named_robot.rs"]
-mod named_robot;
 
+use crate::support::named_robot::NamedRobot;
 use gelenk_identification::differentiation::{KalmanSmoother, SavitzkyGolay, TotalVariation};
 use gelenk_identification::log::{ColumnOptions, Differentiation, Log, LogSchema, check, runs_of};
 use gelenk_runtime::control_loop::{Source, log_to};
@@ -22,7 +21,6 @@ use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};
 use gelenk_runtime::transport::can_frame::{CanCodec, Frame};
 use gelenk_runtime::transport::datagram::{Datagram, MAX_DATAGRAM, Message, Push, TrueState};
 use gelenk_runtime::transport::{Brakes, Pace, PlantServer, ServerOptions, Transport, UdpTransport};
-use named_robot::NamedRobot;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::net::{SocketAddr, UdpSocket};

@@ -1,6 +1,6 @@
 //! Pushes from outside, against closed forms and the work that they do.
 
-use crate::{SLIDER, Slider};
+use super::{SLIDER, Slider};
 use gelenk_generated::ur5::{frame_tool_jacobian, frame_tool_pose, potential_energy};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::{Plant, PlantOptions, wrench_forces};

@@ -1,0 +1,39 @@
+//! Tests of this package that may share the processors, as one program: it is linked once. Tests that count allocations, raise
+//! signals or keep real time are programs of their own.
+
+mod support;
+
+mod computed_torque;
+mod dependent_limits;
+mod driven;
+mod effort_limits;
+mod example_errors;
+mod extreme_numbers;
+mod feed_forward;
+mod frame_forces;
+mod identification_bad_input;
+mod identification_logs;
+mod identification_powercube;
+mod identification_schunk;
+mod kinematics;
+mod lqr;
+mod manifold;
+mod mechanisms;
+mod mpc_contract;
+mod mpc_observer;
+mod mpc_rows;
+mod mpc_terminal;
+mod mpc_tracking;
+#[path = "mutations/main.rs"]
+mod mutations;
+#[path = "plant/main.rs"]
+mod plant;
+mod power_balance;
+mod qp_contract;
+mod qp_oracle;
+mod qp_random;
+mod qp_rows;
+mod recording;
+mod torque_speed;
+mod trajectory;
+mod via_points;
