@@ -126,16 +126,15 @@ fn five_hundred_joints() {
 
 #[test]
 fn ten_megabytes_of_joints() {
-    let text = chain_urdf(45_000);
+    // Its M is singular, and has no clear place for a rotor: messages about M do not form all of it.
+    let singular = "<link name=\"tip\"/><joint name=\"tip\" type=\"continuous\"><parent link=\"l45000\"/><child link=\"tip\"/>\
+                    </joint>\n<transmission name=\"t\"><joint name=\"j1\"/><joint name=\"j2\"/><actuator name=\"a\">\
+                    <motorInertia>1</motorInertia></actuator></transmission></robot>";
+    let text = chain_urdf(45_000).replace("</robot>", singular);
     assert!(text.len() > 10_000_000);
-    assert_eq!(timed(|| urdf(&text)).unwrap().0.coordinates.len(), 45_000);
-    let singular = format!(
-        "<link name=\"tip\"/><joint name=\"tip\" type=\"continuous\"><parent link=\"l45000\"/><child link=\"tip\"/></joint>\n\
-         <transmission name=\"t\"><joint name=\"j1\"/><joint name=\"j2\"/><actuator name=\"a\"><motorInertia>1</motorInertia>\
-         </actuator></transmission></robot>"
-    );
-    let (_, said) = timed(|| urdf(&text.replace("</robot>", &singular))).unwrap();
+    let (model, said) = timed(|| urdf(&text)).unwrap();
     let codes: Vec<&str> = said.entries().iter().map(|each| each.code).collect();
+    assert_eq!(model.coordinates.len(), 45_001);
     assert!(codes.contains(&"joints-without-inertia") && codes.contains(&"rotor-skipped"), "{codes:?}");
     let text = chain_toml(70_000);
     assert!(text.len() > 10_000_000);
