@@ -1,8 +1,9 @@
-//! Tests of this package that may share the processors, as one program: it is linked once. Tests that count allocations, raise
-//! signals or keep real time are programs of their own.
+//! Tests of this package that may share the processors, as one program: it is linked once. Tests that keep real time
+//! are in `loops.rs`.
 
 mod support;
 
+mod allocation;
 mod computed_torque;
 mod dependent_limits;
 mod driven;
@@ -16,9 +17,11 @@ mod identification_logs;
 mod identification_powercube;
 mod identification_schunk;
 mod kinematics;
+mod loop_allocation;
 mod lqr;
 mod manifold;
 mod mechanisms;
+mod mpc_allocation;
 mod mpc_contract;
 mod mpc_observer;
 mod mpc_rows;
@@ -26,9 +29,12 @@ mod mpc_terminal;
 mod mpc_tracking;
 #[path = "mutations/main.rs"]
 mod mutations;
+mod online_target;
 #[path = "plant/main.rs"]
 mod plant;
+mod plant_allocation;
 mod power_balance;
+mod qp_allocation;
 mod qp_contract;
 mod qp_oracle;
 mod qp_random;

@@ -1,8 +1,6 @@
 //! What runs in the control loop does not allocate.
 
-#[path = "support/allocations.rs"]
-mod allocations;
-
+use crate::support::allocations;
 use gelenk_identification::library::Library;
 use gelenk_identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
 

@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::robot::{PowerCube, START, plant_at};
 use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::transport::datagram::{Datagram, Message, Push};
 use gelenk_runtime::transport::{
@@ -12,7 +11,6 @@ use gelenk_runtime::transport::{
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use support::robot::{PowerCube, START, plant_at};
 
 type Server = PlantServer<PowerCube, 2, 2>;
 

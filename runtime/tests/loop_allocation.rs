@@ -2,17 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/allocations.rs"]
-mod allocations;
-mod support;
-
+use crate::support::allocations;
+use crate::support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
 use gelenk_runtime::control_loop::{
     Clock, ControlLoop, Controller, FeedForwardPd, LoopSettings, MonotonicClock, VirtualClock, log_to,
 };
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{InProcess, Pace, PlantServer, ServerOptions, Transport, UdpTransport};
 use std::time::Duration;
-use support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
 
 const RATE: f64 = 1000.0;
 

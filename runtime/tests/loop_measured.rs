@@ -3,8 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::robot::{
+    DURATION, PowerCube, START, Watched, loop_with, motion, pd, plant_at, plant_options, settings,
+};
 use gelenk_identification::log::{Log, LogSchema, Quantity};
 use gelenk_runtime::control_loop::{
     AccelerationGains, Command, ComputedTorque, ControlLoop, Controller, ControllerFault, Cycle,
@@ -12,9 +13,6 @@ use gelenk_runtime::control_loop::{
 };
 use gelenk_runtime::plant::PlantOptions;
 use std::sync::{Arc, Mutex};
-use support::robot::{
-    DURATION, PowerCube, START, Watched, loop_with, motion, pd, plant_at, plant_options, settings,
-};
 
 const RATE: f64 = 50.0;
 

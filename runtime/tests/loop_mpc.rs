@@ -3,8 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::robot::{
+    LIMITS, PowerCube, START, Watched, loop_with, lossy, motion, plant_at, plant_options, run_oversleeping,
+};
 use gelenk_runtime::control_loop::{
     Command, Controller, ControllerFault, Cycle, EncoderFault, End, Estimate, LimitFault, LoopReport,
     LoopSettings, SPEED_MARGIN, StopReason,
@@ -13,15 +14,12 @@ use gelenk_runtime::mpc::{LtvMpc, MpcOptions, Nmpc};
 use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::transport::Reading;
 use std::time::Duration;
-use support::robot::{
-    LIMITS, PowerCube, START, Watched, loop_with, lossy, motion, plant_at, plant_options, run_oversleeping,
-};
 
 const RATE: f64 = 50.0;
 
 /// On a virtual clock nothing is gained by warm caches, but time is lost.
 fn settings(rate: f64) -> LoopSettings<2, 2> {
-    LoopSettings { warm_up: 0.0, ..support::robot::settings(rate) }
+    LoopSettings { warm_up: 0.0, ..crate::support::robot::settings(rate) }
 }
 
 /// Which of the two.

@@ -2,8 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::robot::{
+    END, LIMITS, Law, START, Watched, WatchedLoop, law, loop_with, lossy, motion, pd, plant_at,
+    plant_options, run_oversleeping, settings,
+};
 use gelenk_identification::log::{Log, LogSchema};
 use gelenk_runtime::control_loop::{
     Clock, Command, ControlLoop, Controller, ControllerFault, Counts, Cycle, EncoderFault, End, Estimate,
@@ -12,10 +14,6 @@ use gelenk_runtime::control_loop::{
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{Brakes, Reading};
 use std::time::Duration;
-use support::robot::{
-    END, LIMITS, Law, START, Watched, WatchedLoop, law, loop_with, lossy, motion, pd, plant_at,
-    plant_options, run_oversleeping, settings,
-};
 
 const RATE: f64 = 50.0;
 
@@ -26,7 +24,7 @@ fn run(settings: LoopSettings<2, 2>, robot: &mut Watched) -> LoopReport {
 
 /// A controller that misbehaves: what `act` returns is used, or else the feed-forward with PD beneath.
 struct Troubled<F> {
-    sound: support::robot::Pd,
+    sound: crate::support::robot::Pd,
     last: [f64; 2],
     step: u64,
     act: F,
@@ -68,7 +66,7 @@ impl<F: FnMut(u64) -> Option<Result<Command<2>, ControllerFault>>> Controller<2,
 
 /// Motion and settling, in periods; the one in which the brakes are engaged writes nothing.
 fn periods(rate: f64) -> u64 {
-    ((support::robot::DURATION + 0.1) * rate).round() as u64
+    ((crate::support::robot::DURATION + 0.1) * rate).round() as u64
 }
 
 #[test]
@@ -438,7 +436,7 @@ fn brakes_that_take_time_to_release_are_waited_for() {
 #[test]
 fn the_log_has_every_period_and_identification_reads_it() {
     let path = std::env::temp_dir().join(format!("gelenk_loop_{}.csv", std::process::id()));
-    let (sink, writer) = log_to_file(&path, &support::robot::PowerCube, 10_000).unwrap();
+    let (sink, writer) = log_to_file(&path, &crate::support::robot::PowerCube, 10_000).unwrap();
     let mut robot = Watched::at_start(RATE);
     let report = loop_with(settings(RATE), pd(RATE), &mut robot).with_log(sink).run();
     let summary = writer.finish().unwrap();

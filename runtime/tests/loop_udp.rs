@@ -4,8 +4,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::example::program;
+use crate::support::plant_process::PlantProcess;
+use crate::support::robot::{END, LIMITS, PowerCube, START, Watched, law, motion, pd, settings};
 use gelenk_runtime::control_loop::{
     ControlLoop, End, FeedForwardPd, LoopReport, LoopSettings, MonotonicClock, StopReason, VirtualClock,
 };
@@ -16,9 +17,6 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
-use support::example::program;
-use support::plant_process::PlantProcess;
-use support::robot::{END, LIMITS, PowerCube, START, Watched, law, motion, pd, settings};
 
 /// Nothing moves while a controller waits, so this may be long.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -26,9 +24,9 @@ const RATE: f64 = 50.0;
 
 type Link = UdpTransport<2, 2>;
 type Loop<'a> = ControlLoop<
-    support::robot::Law,
+    crate::support::robot::Law,
     gelenk_runtime::trajectory::RestToRest<2>,
-    support::robot::Pd,
+    crate::support::robot::Pd,
     &'a mut Link,
     VirtualClock,
     2,
@@ -315,7 +313,7 @@ fn inputs_that_are_not_finite_are_not_sent() {
 type Server = gelenk_runtime::transport::PlantServer<PowerCube, 2, 2>;
 
 fn server(options: gelenk_runtime::transport::ServerOptions) -> Server {
-    let plant = support::robot::plant_at(START, gelenk_runtime::plant::PlantOptions::default());
+    let plant = crate::support::robot::plant_at(START, gelenk_runtime::plant::PlantOptions::default());
     Server::bind(plant, "127.0.0.1:0", options).unwrap()
 }
 
@@ -357,7 +355,7 @@ fn inputs_that_no_simulation_bears_do_not_end_the_server() {
 fn a_robot_that_breaks_down_stops_the_loop() {
     use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
     use gelenk_runtime::transport::{Pace, ServerOptions};
-    struct Wild(support::robot::Pd);
+    struct Wild(crate::support::robot::Pd);
     impl Controller<2, 2> for Wild {
         fn reset(&mut self, positions: &[f64; 2], inputs: &[f64; 2]) {
             self.0.reset(positions, inputs);
@@ -401,7 +399,7 @@ fn waits_without_an_end_are_refused() {
 fn options_of_a_server_are_checked() {
     use gelenk_runtime::transport::{PlantServer, ServerOptions};
     let refused = |options: ServerOptions| {
-        let plant = support::robot::plant_at(START, gelenk_runtime::plant::PlantOptions::default());
+        let plant = crate::support::robot::plant_at(START, gelenk_runtime::plant::PlantOptions::default());
         let refused: Result<PlantServer<_, 2, 2>, _> = PlantServer::bind(plant, "127.0.0.1:0", options);
         refused.err().unwrap().to_string()
     };
@@ -442,9 +440,9 @@ fn velocities_and_torques_come_over_udp() {
     let measuring = gelenk_runtime::plant::PlantOptions {
         velocity_noise: Some([0.0; 2]),
         torque_noise: Some([0.0; 2]),
-        ..support::robot::plant_options()
+        ..crate::support::robot::plant_options()
     };
-    let plant = support::robot::plant_at(START, measuring);
+    let plant = crate::support::robot::plant_at(START, measuring);
     let options = ServerOptions { pace: Pace::LockStep, ..ServerOptions::default() };
     let mut server: PlantServer<PowerCube, 2, 2> = PlantServer::bind(plant, "127.0.0.1:0", options).unwrap();
     let address = server.local_address().unwrap();

@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-mod support;
-
+use crate::support::robot::{Pd, Watched, loop_with, pd, settings};
 use gelenk_runtime::control_loop::{
     Clock, Command, Controller, ControllerFault, Cycle, End, LoopReport, LoopSettings, VirtualClock,
 };
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use support::robot::{Pd, Watched, loop_with, pd, settings};
 
 const RATE: f64 = 50.0;
 const LEAD: f64 = 2e-3;
@@ -147,8 +145,8 @@ fn its_time_is_at_most_half_a_period() {
         let settings = LoopSettings { warm_up, ..settings(RATE) };
         let refused = gelenk_runtime::control_loop::ControlLoop::<_, _, _, _, _, 2, 2>::new(
             settings,
-            support::robot::law(),
-            support::robot::motion(),
+            crate::support::robot::law(),
+            crate::support::robot::motion(),
             pd(RATE),
             &mut robot,
             clock,

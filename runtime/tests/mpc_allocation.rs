@@ -2,16 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/allocations.rs"]
-mod allocations;
-#[path = "support/tracking.rs"]
-mod tracking;
-
+use crate::support::allocations;
+use crate::support::tracking::{PERIOD, PowerCube, options};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::lqr::{Lqr, TimeVaryingLqr};
 use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcRow, Nmpc};
 use gelenk_runtime::trajectory::RestToRest;
-use tracking::{PERIOD, PowerCube, options};
 
 const STEPS: u32 = 10_000;
 

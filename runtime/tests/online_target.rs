@@ -3,16 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 #![cfg(feature = "online-targets")]
 
-#[path = "support/allocations.rs"]
-mod allocations;
-mod support;
-
+use crate::support::allocations;
+use crate::support::robot::{LIMITS, PowerCube, START, Watched, law, settings};
 use gelenk_runtime::control_loop::{ControlLoop, Controller, End, FeedForwardPd, StopReason, StopRequest};
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
 use gelenk_runtime::trajectory::{MotionLimits, OnlineTarget, TargetStatus, Trajectory, TrajectoryError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use support::robot::{LIMITS, PowerCube, START, Watched, law, settings};
 
 const RATE: f64 = 50.0;
 

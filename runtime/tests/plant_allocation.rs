@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/allocations.rs"]
-mod allocations;
-
+use crate::support::allocations;
 use gelenk_runtime::plant::{Plant, PlantOptions};
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);

@@ -2,12 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-#[path = "support/allocations.rs"]
-mod allocations;
-mod support;
-
+use crate::support::allocations;
+use crate::support::{random_qp, random_rows};
 use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
-use support::{random_qp, random_rows};
 
 /// Solves `kinds` in turn, `solves` problems. Returns how many were solved, relaxed and refused.
 fn solve_in_turn<const NR: usize>(kinds: &[QpProblem<4, 2, NR>], solves: usize) -> [u32; 3] {
