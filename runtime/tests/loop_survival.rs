@@ -178,6 +178,10 @@ fn a_fifth_of_the_frames_may_be_lost() {
             End::Finished => {
                 finished += 1;
                 assert!(report.counts.missing > 15, "{report}");
+                assert_eq!(
+                    report.counts.controller_faults, 0,
+                    "a lost frame is no fault of the controller: {report}"
+                );
                 robot.assert_at_end(5e-3);
             }
             End::Stopped(StopReason::NoMeasurement) => {}
@@ -196,6 +200,7 @@ fn three_periods_of_silence_are_bridged_four_stop() {
         let report = run(settings(RATE), &mut robot);
         assert_eq!(report.counts.missing, silence);
         assert_eq!(report.counts.held, 3);
+        assert_eq!(report.counts.controller_faults, 0);
         if silence == 3 {
             assert_eq!(report.end, End::Finished, "{report}");
             robot.assert_at_end(5e-3);
