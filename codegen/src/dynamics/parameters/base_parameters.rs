@@ -27,8 +27,8 @@ const DEPENDENT: f64 = 1e-7;
 /// A column shorter than this share of the longest is rounding itself.
 const ROUNDING: f64 = 1e-13;
 
-/// Decimals of a coefficient below 10, and fewer of larger ones: digits beyond are the rounding of the factorization.
-const DECIMALS: i32 = 12;
+/// Coefficients keep 12 decimals below 1 and 13 digits above: what lies below is the rounding of the factorization.
+const DIGITS: f64 = 1e12;
 
 /// Coefficients below this are zero.
 const SMALLEST: f64 = 1e-10;
@@ -224,9 +224,10 @@ fn state_count(entries: &[Operand], rows: usize) -> usize {
 }
 
 fn without_rounding(coefficient: f64) -> f64 {
-    let decimals = DECIMALS - coefficient.abs().max(1.0).log10().floor() as i32;
-    let scale = 10_f64.powi(decimals);
-    (coefficient * scale).round() / scale
+    match coefficient.abs() < 1.0 {
+        true => (coefficient * DIGITS).round() / DIGITS,
+        false => format!("{coefficient:.12e}").parse().unwrap_or(coefficient),
+    }
 }
 
 /// How far from zero each coordinate may go: every angle, one metre.
