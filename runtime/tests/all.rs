@@ -1,6 +1,8 @@
 //! Tests of this package that may share the processors, as one program: it is linked once. Tests that keep real time
 //! are in `loops.rs`.
 
+#[path = "support/allocations.rs"]
+mod allocations;
 mod support;
 
 mod allocation;

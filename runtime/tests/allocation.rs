@@ -1,6 +1,6 @@
 //! What runs in the control loop does not allocate.
 
-use crate::support::allocations;
+use crate::allocations;
 use gelenk_identification::library::Library;
 use gelenk_identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
 

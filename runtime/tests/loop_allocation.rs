@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use crate::support::allocations;
+use crate::allocations;
 use crate::support::robot::{END, PowerCube, START, law, plant_at, plant_options, settings};
 use gelenk_runtime::control_loop::{
     Clock, ControlLoop, Controller, FeedForwardPd, LoopSettings, MonotonicClock, VirtualClock, log_to,

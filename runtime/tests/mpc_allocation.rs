@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use crate::support::allocations;
+use crate::allocations;
 use crate::support::tracking::{PERIOD, PowerCube, options};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::lqr::{Lqr, TimeVaryingLqr};

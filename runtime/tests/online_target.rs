@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code")]
 #![cfg(feature = "online-targets")]
 
-use crate::support::allocations;
+use crate::allocations;
 use crate::support::robot::{LIMITS, PowerCube, START, Watched, law, settings};
 use gelenk_runtime::control_loop::{ControlLoop, Controller, End, FeedForwardPd, StopReason, StopRequest};
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};

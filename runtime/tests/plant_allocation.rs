@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use crate::support::allocations;
+use crate::allocations;
 use gelenk_runtime::plant::{Plant, PlantOptions};
 
 gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);

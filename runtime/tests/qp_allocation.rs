@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
-use crate::support::allocations;
+use crate::allocations;
 use crate::support::{random_qp, random_rows};
 use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
 

@@ -1,6 +1,7 @@
 //! A quaternion between other entries: limits, rows, encoders and errors find the right ones.
 
-use super::Mixed;
+use super::{Mixed, mixed};
+use gelenk_kernels::manifold;
 use gelenk_runtime::control_loop::{
     AccelerationGains, ComputedTorque, ControlLoop, End, JointGains, JointLaw, JointPd, LoopSettings,
     VirtualClock,
@@ -157,4 +158,17 @@ fn attitudes_decay_under_computed_torque_as_the_gains_say() {
     let (coarse, fine) = (deviation_under_computed_torque(2e-4), deviation_under_computed_torque(1e-4));
     let ratio = coarse / fine;
     assert!(fine < 2e-3 && (1.8..2.2).contains(&ratio), "{coarse} {fine}");
+}
+
+/// Its own sign of the bracket is that of the kernels.
+#[test]
+fn the_drift_by_hand_is_that_of_the_bracket() {
+    let v = [0.1, 0.2, -0.3, 0.4, 0.5];
+    let (.., drift) = mixed::linearize(&[0.0, 0.0, 0.0, 0.0, 1.0, 0.0], &v, &[0.0; mixed::M]);
+    for j in 0..mixed::N {
+        let mut unit = [0.0; mixed::N];
+        unit[j] = 1.0;
+        let column = manifold::bracket(&mixed::JOINT_POSITIONS, &v, &unit);
+        assert!((0..mixed::N).all(|i| drift[i][j] == -column[i]));
+    }
 }

@@ -1,7 +1,7 @@
 //! A robot by hand, with the face of a generated module, whose quaternion stands between other entries: a slide, a free
 //! body on a ball joint with three torques, a pendulum. They do not touch each other; what counts is their order.
 
-use gelenk_kernels::{discrete_time, manifold};
+use gelenk_kernels::discrete_time;
 
 pub const N: usize = 5;
 pub const M: usize = 5;
@@ -113,17 +113,4 @@ pub fn step_derivatives(
         let (by_y, by_v, by_u, remainder, _) = linearize(y, v, u);
         (by_y, by_v, by_u, remainder)
     })
-}
-
-/// Its own sign of the bracket is that of the kernels.
-#[test]
-fn the_drift_by_hand_is_that_of_the_bracket() {
-    let v = [0.1, 0.2, -0.3, 0.4, 0.5];
-    let (.., drift) = linearize(&[0.0, 0.0, 0.0, 0.0, 1.0, 0.0], &v, &[0.0; M]);
-    for j in 0..N {
-        let mut unit = [0.0; N];
-        unit[j] = 1.0;
-        let column = manifold::bracket(&JOINT_POSITIONS, &v, &unit);
-        assert!((0..N).all(|i| drift[i][j] == -column[i]));
-    }
 }

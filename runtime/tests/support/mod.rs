@@ -3,7 +3,6 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
 
-pub mod allocations;
 pub mod data;
 pub mod example;
 pub mod kkt;
