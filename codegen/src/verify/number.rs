@@ -61,7 +61,8 @@ impl Sub for Measured {
 impl Mul for Measured {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let error = self.value.abs() * other.error + other.value.abs() * self.error;
+        let of_errors = f64::EPSILON * self.error * other.error;
+        let error = self.value.abs() * other.error + other.value.abs() * self.error + of_errors;
         Self::rounded(self.value * other.value, error)
     }
 }

@@ -22,6 +22,8 @@ pub struct Robot<'m, T> {
     pub model: &'m Model,
     pub parameters: Vec<T>,
     pub moving: Rc<Vec<MovingJoint<'m>>>,
+    /// The largest described coordinate of a point: the derivation chooses frames, where every point has its rounding.
+    length: T,
 }
 
 /// Positions of all coordinates, the driven ones last; those of quaternion joints are poses.
@@ -61,13 +63,22 @@ pub type Inertia<T> = [T; 10];
 
 impl<'m, T: Number> Robot<'m, T> {
     pub fn new(model: &'m Model, parameters: Vec<T>) -> Self {
-        Self { model, parameters, moving: Rc::new(model.moving_joints()) }
+        let moving = Rc::new(model.moving_joints());
+        let mut robot = Self { model, parameters, moving, length: T::zero() };
+        let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
+        let centers = model.links.iter().flat_map(|link| &link.bodies).map(|body| &body.center_of_mass);
+        let points = joints.map(|joint| &joint.origin.translation).chain(centers);
+        let coordinates = points.flat_map(|point| robot.vector(point));
+        let length = coordinates.fold(T::zero(), |length, x| length.larger(x));
+        robot.length = T::constant(length.value());
+        robot
     }
 
     /// The robot over numbers with one more derivative.
     pub fn lifted(&self) -> Robot<'m, Dual<T>> {
         let parameters = self.parameters.iter().map(|&p| Dual::fixed(p)).collect();
-        Robot { model: self.model, parameters, moving: Rc::clone(&self.moving) }
+        let length = Dual::fixed(self.length);
+        Robot { model: self.model, parameters, moving: Rc::clone(&self.moving), length }
     }
 
     pub fn number(&self, formula: &Formula) -> T {
@@ -76,6 +87,11 @@ impl<'m, T: Number> Robot<'m, T> {
 
     pub fn vector(&self, formulas: &[Formula; 3]) -> Vector<T> {
         formulas.each_ref().map(|formula| self.number(formula))
+    }
+
+    /// A point in a described frame, with the error of one in any other.
+    fn point(&self, formulas: &[Formula; 3]) -> Vector<T> {
+        self.vector(formulas).map(|x| x.with_error_of(x.larger(self.length)))
     }
 
     /// Value of a formula of position and velocity.
@@ -176,23 +192,25 @@ impl<'m, T: Number> Robot<'m, T> {
         let frame = rotation_product(&parent.rotation, &rotation(joint.origin.rotation));
         let rotation = rotation_product(&frame, &relative.rotation);
         let lever = add(
-            times(&parent.rotation, self.vector(&joint.origin.translation)),
+            times(&parent.rotation, self.point(&joint.origin.translation)),
             times(&frame, relative.slide),
         );
         let [velocity, spin] = relative.velocity.map(|part| times(&rotation, part));
         let [acceleration, spin_rate] = relative.acceleration.map(|part| times(&rotation, part));
+        let whole_spin = add(parent.spin, spin);
         LinkMotion {
             origin: add(parent.origin, lever),
             rotation,
             velocity: sum([parent.velocity, cross(parent.spin, lever), velocity]),
-            spin: add(parent.spin, spin),
+            spin: whole_spin,
             acceleration: sum([
                 parent.point_acceleration(lever),
                 scale(cross(parent.spin, velocity), T::constant(2.0)),
                 cross(spin, velocity),
                 acceleration,
             ]),
-            spin_rate: sum([parent.spin_rate, spin_rate, cross(parent.spin, spin)]),
+            // The joint's own spin changes nothing here but the error: the derivation has this product.
+            spin_rate: sum([parent.spin_rate, spin_rate, cross(whole_spin, spin)]),
             moves: parent.moves || matches!(joint.motion, Motion::Coordinate(_) | Motion::Follower(_)),
         }
     }
@@ -303,7 +321,9 @@ impl<'m, T: Number> Robot<'m, T> {
         let axis = times(&carrier.rotation, constant(drive.axis));
         match drive.coupling {
             RotorCoupling::Body => {
-                scale(add(scale(axis, acceleration), scale(cross(carrier.spin, axis), speed)), inertia)
+                // As in `carried`, the part along the axis has an error alone.
+                let spin = add(carrier.spin, scale(axis, speed));
+                scale(add(scale(axis, acceleration), scale(cross(spin, axis), speed)), inertia)
             }
             RotorCoupling::Diagonal => constant([0.0; 3]),
         }
@@ -312,7 +332,7 @@ impl<'m, T: Number> Robot<'m, T> {
     /// A body's inertia about the origin of its link.
     pub fn inertia(&self, body: &Body) -> Inertia<T> {
         let m = self.number(&body.mass);
-        let c = self.vector(&body.center_of_mass);
+        let c = self.point(&body.center_of_mass);
         let h = scale(c, m);
         let [xx, xy, xz, yy, yz, zz] = body.inertia.each_ref().map(|entry| self.number(entry));
         let square = dot(h, c);
@@ -335,7 +355,7 @@ impl<'m, T: Number> Robot<'m, T> {
     /// Origin of an attachment relative to its link's, in the axes of the base, and its rotation.
     pub fn attached(&self, at: &Attachment, links: &[LinkMotion<T>]) -> (Vector<T>, Matrix<T>) {
         let link = &links[at.link];
-        let arm = times(&link.rotation, self.vector(&at.pose.translation));
+        let arm = times(&link.rotation, self.point(&at.pose.translation));
         (arm, rotation_product(&link.rotation, &rotation(at.pose.rotation)))
     }
 
