@@ -56,7 +56,7 @@ impl Spelling {
     ) -> Vec<String> {
         let mut used: Distinct = taken.iter().cloned().collect();
         let spellings = names.into_iter().map(|name| self.identifier(name));
-        spellings.map(|spelling| used.take(&spelling, spelling.trim_end_matches('_'))).collect()
+        spellings.map(|spelling| used.take_by_stem(&spelling, spelling.trim_end_matches('_'))).collect()
     }
 
     /// The names in a function's body.

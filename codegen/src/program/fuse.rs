@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use super::flow::operands;
 use super::{Instruction, Operand, Operation, Output, Program};
+use crate::distinct::Distinct;
 
 /// Replaces each product all of whose readers are sums and differences by `a · b + c` in these, rounded once.
 ///
@@ -121,7 +122,7 @@ struct Rewriting {
     negatives: Vec<Option<Operand>>,
     /// Negatives of inputs and parameters.
     negative_inputs: Vec<(Operand, Operand)>,
-    names: BTreeSet<String>,
+    names: Distinct,
 }
 
 impl Rewriting {
@@ -177,12 +178,7 @@ impl Rewriting {
         if let Some(negative) = self.known_negative(operand) {
             return negative;
         }
-        let mut name = stem.clone();
-        let mut copies = 1;
-        while !self.names.insert(name.clone()) {
-            copies += 1;
-            name = format!("{stem}_{copies}");
-        }
+        let name = self.names.take(&stem);
         let negative = self.push(name, Operation::Negate(operand));
         match operand {
             Operand::Value(value) => self.negatives[value] = Some(negative),

@@ -5,11 +5,12 @@
 //! take them; sines and cosines are made together.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::angles::angles_first;
 use super::doubling::add_instead_of_doubling;
 use super::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
+use crate::distinct::Distinct;
 use crate::graph::{Edge, Graph, Node, balanced};
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
@@ -105,19 +106,12 @@ fn last_velocity(shape: Shape, entry: usize) -> usize {
 /// Makes names unique; values without a label are numbered.
 pub(super) fn give_names(program: &mut Program) {
     let inputs = program.inputs.iter().map(|input| input.name.clone());
-    let mut taken: BTreeSet<String> = inputs.chain(["p".to_owned()]).collect();
+    let mut taken: Distinct = inputs.chain(["p".to_owned()]).collect();
     for (index, instruction) in program.instructions.iter_mut().enumerate() {
-        let stem = match instruction.name.as_str() {
-            "" => format!("t{index}"),
-            label => label.to_owned(),
+        instruction.name = match instruction.name.as_str() {
+            "" => taken.take(&format!("t{index}")),
+            label => taken.take(label),
         };
-        let mut name = stem.clone();
-        let mut copies = 1;
-        while !taken.insert(name.clone()) {
-            copies += 1;
-            name = format!("{stem}_{copies}");
-        }
-        instruction.name = name;
     }
 }
 

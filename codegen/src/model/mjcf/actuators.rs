@@ -199,13 +199,13 @@ impl<'a> Reader<'_, 'a> {
             motor.rotor_inertia += std::mem::take(&mut known.armature) / (motor.gear * motor.gear);
         }
         let span = name.as_ref().map_or(motor.span, |name| name.span);
-        let name = At::new(self.drive_names.take(&wanted, &wanted), span);
+        let name = At::new(self.drive_names.take(&wanted), span);
         let drive = DriveChoice::Motor(Box::new(motor.description(Some(name))));
         self.robot.joints[index].drive = Some(At::new(drive, span));
     }
 
     fn shared(&mut self, wanted: String, on: Sum, motor: Motor) {
-        let name = At::new(self.drive_names.take(&wanted, &wanted), motor.span);
+        let name = At::new(self.drive_names.take(&wanted), motor.span);
         let motor = motor.description(None);
         self.robot.drives.push(SharedDriveDescription { name, on, motor });
     }
@@ -247,7 +247,7 @@ impl<'a> Reader<'_, 'a> {
         let limits = range.filter(|range| range.value[0] <= 0.0 && range.value[1] >= 0.0);
         let wanted = name.map_or_else(|| site.text.to_owned(), |name| name.value);
         self.robot.wrench_inputs.push(WrenchInputDescription {
-            name: At::new(self.drive_names.take(&wanted, &wanted), element.span()),
+            name: At::new(self.drive_names.take(&wanted), element.span()),
             frame: At::new(site.text.to_owned(), site.span),
             wrench: At::new(wrench.map(Formula::Number), element.span()),
             limits,

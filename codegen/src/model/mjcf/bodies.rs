@@ -49,7 +49,7 @@ impl<'a> Reader<'_, 'a> {
         let element = body.element;
         let named = self.name(element, "name");
         let wanted = named.as_ref().map_or_else(|| "body".to_owned(), |name| name.value.clone());
-        let own = self.link_names.take(&wanted, &wanted);
+        let own = self.link_names.take(&wanted);
         let name = At::new(own, named.as_ref().map_or(element.span(), |name| name.span));
         if named.is_some() && name.value != wanted {
             let message = format!("there are two bodies `{wanted}`");
@@ -80,8 +80,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn fix(&mut self, name: &Name, parent: Name, pose: Pose) {
-        let fixed = format!("{}_fixed", name.value);
-        let own = self.joint_names.take(&fixed, &fixed);
+        let own = self.joint_names.take(&format!("{}_fixed", name.value));
         self.robot.joints.push(JointDescription {
             kind: Some(JointKind::Fixed),
             parent: Some(parent),

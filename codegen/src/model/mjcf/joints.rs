@@ -30,7 +30,7 @@ impl<'a> Reader<'_, 'a> {
                 true => body.clone(),
                 false => {
                     let wanted = format!("{}_{}", body.value, name.value);
-                    let link = At::new(self.link_names.take(&wanted, &wanted), name.span);
+                    let link = At::new(self.link_names.take(&wanted), name.span);
                     self.robot.links.push(link.clone());
                     link
                 }
@@ -64,7 +64,7 @@ impl<'a> Reader<'_, 'a> {
             None if is_only => format!("{}_joint", body.value),
             None => format!("{}_joint_1", body.value),
         };
-        let name = self.joint_names.take(&wanted, &wanted);
+        let name = self.joint_names.take(&wanted);
         let span = named.as_ref().map_or(joint.element.span(), |name| name.span);
         if named.is_some() && name != wanted {
             self.report.error(span, "duplicate-name", format!("there are two joints `{wanted}`"));

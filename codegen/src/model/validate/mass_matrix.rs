@@ -20,7 +20,10 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, re
 
 /// Warns of the rotors of a URDF whose place is not clear, with what they would add to M.
 pub(super) fn warn_of_skipped_rotors(robot: &RobotDescription, model: &Model, report: &mut Report) {
-    let diagonal = if robot.skipped_rotors.is_empty() { Vec::new() } else { diagonal_at_zero(model) };
+    if robot.skipped_rotors.is_empty() {
+        return;
+    }
+    let diagonal = diagonal_at_zero(model);
     for rotor in &robot.skipped_rotors {
         let inertia = rotor.inertia.value;
         let ratio = rotor.ratios.first().copied().unwrap_or(1.0);

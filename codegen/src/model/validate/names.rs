@@ -106,10 +106,7 @@ fn distinct(names: &[&Name]) -> Vec<String> {
     let mut taken = Distinct::default();
     let mut known: BTreeMap<&str, String> = BTreeMap::new();
     for name in names {
-        known.entry(&name.value).or_insert_with(|| {
-            let stem = identifier(&name.value);
-            taken.take(&stem, &stem)
-        });
+        known.entry(&name.value).or_insert_with(|| taken.take(&identifier(&name.value)));
     }
     names.iter().map(|name| known.get(name.value.as_str()).cloned().unwrap_or_default()).collect()
 }
