@@ -61,7 +61,7 @@ fn every_file_is_listed() {
             let path = entry.path();
             let is_test = path.extension().is_some_and(|end| end == "rs") || path.join("main.rs").exists();
             let name = path.file_stem().unwrap_or_default().to_string_lossy();
-            if is_test && name != "support" {
+            if is_test {
                 count += 1;
                 let is_program = programs.contains(&format!("[[test]]\nname = \"{name}\"\n"));
                 let is_listed = is_program || list.contains(&format!("\nmod {name};\n"));

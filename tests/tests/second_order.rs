@@ -42,14 +42,14 @@ fn hessian_of_robots_with_quaternions_is_along_their_small_motions() {
     let kinds: [fn(u64, usize) -> Model; 4] =
         [random_model, random_coupled_model, random_helical_model, random_model_with_frame_forces];
     let (mut floating, mut spherical) = (0, 0);
-    for (seed, kind) in (0..12).zip(kinds.into_iter().cycle()) {
+    for (seed, kind) in (0..16).zip(kinds.into_iter().cycle()) {
         let model = with_quaternions(kind(seed, 3), seed);
         for joint in &model.quaternion_joints {
             *(if joint.kind == QuaternionKind::Floating { &mut floating } else { &mut spherical }) += 1;
         }
         check(seed, model);
     }
-    assert!(floating >= 8 && spherical >= 3, "{floating} floating, {spherical} spherical");
+    assert!(floating >= 8 && spherical >= 4, "{floating} floating, {spherical} spherical");
 }
 
 fn check(seed: u64, model: Model) {

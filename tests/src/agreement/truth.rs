@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual, HyperDual, HyperDual64};
 
 use crate::dual::Number;
-use crate::oracle::Oracle;
+use crate::oracle::{Oracle, vectors::unit};
 use crate::positions::{bracket, moved, positions};
 use crate::random_model::{Sample, condition_of, random_sample};
 
@@ -356,10 +356,6 @@ impl<'a> Truth<'a> {
         };
         Some(results)
     }
-}
-
-fn unit(i: usize, j: usize) -> f64 {
-    f64::from(u8::from(i == j))
 }
 
 /// A matrix by its columns, flattened rows first.

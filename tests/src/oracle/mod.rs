@@ -9,7 +9,7 @@
 
 mod forces;
 mod momentum;
-mod vectors;
+pub(crate) mod vectors;
 
 use gelenk_codegen::formula::Formula;
 use gelenk_codegen::model::{

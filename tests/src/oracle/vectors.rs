@@ -11,7 +11,7 @@ pub type Matrix<T> = [[T; 3]; 3];
 pub(super) const IDENTITY: Matrix<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// The entry of the identity matrix.
-pub(super) fn unit(i: usize, j: usize) -> f64 {
+pub(crate) fn unit(i: usize, j: usize) -> f64 {
     f64::from(u8::from(i == j))
 }
 
