@@ -14,7 +14,7 @@ use crate::model::Attachment;
 /// The results of a function, each flat and rows first.
 pub struct Expected<T> {
     pub results: Vec<Vec<T>>,
-    /// What a division does to rounding: of the mass matrix its condition, 1 where nothing is divided by, infinite where it is 0.
+    /// The factor by which divisions enlarge errors: the growth of `inverse` for the mass matrix, infinite for a mass of 0, else 1.
     pub condition: f64,
 }
 
@@ -182,9 +182,9 @@ fn drift<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     rows
 }
 
-/// The inverse of a matrix with derivatives, and how errors grow where it is multiplied with: the condition with rows and columns
-/// scaled to a diagonal of ones, times that of the scaling, for a large component leaves its error in a small one (Higham 2002,
-/// section 10.1). NaN where it is singular.
+/// The inverse of a matrix with derivatives, and the growth of errors in a product with it. The growth is the condition of the matrix
+/// that is scaled to a diagonal of ones (Higham 2002, section 10.1), times the condition of the scaling: the error of a large component
+/// reaches small ones. A singular matrix has NaN and an infinite growth.
 fn inverse<T: Number>(rows: &Rows<T>) -> (Rows<T>, f64) {
     let n = rows.len();
     let values = DMatrix::from_fn(n, n, |i, j| rows[i][j].value());

@@ -22,7 +22,8 @@ pub struct Robot<'m, T> {
     pub model: &'m Model,
     pub parameters: Vec<T>,
     pub moving: Rc<Vec<MovingJoint<'m>>>,
-    /// The largest described coordinate of a point: the derivation chooses frames, where every point has its rounding.
+    /// The largest described coordinate of a joint or of a centre of mass. The derivation moves points to frames of its own, and each
+    /// gets a rounding of this size.
     length: T,
 }
 
@@ -89,7 +90,7 @@ impl<'m, T: Number> Robot<'m, T> {
         formulas.each_ref().map(|formula| self.number(formula))
     }
 
-    /// A point in a described frame, with the error of one in any other.
+    /// A described point, with the error that it has in a frame of the derivation.
     fn point(&self, formulas: &[Formula; 3]) -> Vector<T> {
         self.vector(formulas).map(|x| x.with_error_of(x.larger(self.length)))
     }
@@ -209,7 +210,7 @@ impl<'m, T: Number> Robot<'m, T> {
                 cross(spin, velocity),
                 acceleration,
             ]),
-            // The joint's own spin changes nothing here but the error: the derivation has this product.
+            // The spin times itself is zero. The derivation forms this zero, with its rounding.
             spin_rate: sum([parent.spin_rate, spin_rate, cross(whole_spin, spin)]),
             moves: parent.moves || matches!(joint.motion, Motion::Coordinate(_) | Motion::Follower(_)),
         }
@@ -321,7 +322,7 @@ impl<'m, T: Number> Robot<'m, T> {
         let axis = times(&carrier.rotation, constant(drive.axis));
         match drive.coupling {
             RotorCoupling::Body => {
-                // As in `carried`, the part along the axis has an error alone.
+                // The axis times itself is zero, with a rounding as in `carried`.
                 let spin = add(carrier.spin, scale(axis, speed));
                 scale(add(scale(axis, acceleration), scale(cross(spin, axis), speed)), inertia)
             }
