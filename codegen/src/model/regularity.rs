@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-12;
 pub(super) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
-/// Robots with more coordinates get messages without entries of M: memory grows with their square, and time with their cube.
+/// Messages quote M for robots of at most this many coordinates: its memory grows with their square, its factorization with their cube.
 const LARGEST: usize = 500;
 
 /// The pivots of M at seeded states.

@@ -223,6 +223,7 @@ fn state_count(entries: &[Operand], rows: usize) -> usize {
     own.iter().fold(STATES, |most, own| most.max(2 * own))
 }
 
+/// See [`DIGITS`].
 fn without_rounding(coefficient: f64) -> f64 {
     match coefficient.abs() < 1.0 {
         true => (coefficient * DIGITS).round() / DIGITS,
