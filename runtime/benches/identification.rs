@@ -4,18 +4,25 @@
 //! kHz of `v = 1.2 sin 2π 0.31 t + 0.7 sin(2π 0.83 t + 0.4) + 0.15 sin 2π 3.7 t`, Stribeck torque, noise 0.05
 //! N·m from SplitMix64 seeded with 20240229. Times are medians.
 
+#[path = "../examples/powercube/methods/mod.rs"]
+#[allow(unused_imports, reason = "its tests do not run here")]
+mod methods;
+#[path = "../tests/support/named_robot.rs"]
+mod named_robot;
+
 use gelenk_identification::cross_validation::CrossValidation;
-use gelenk_identification::differentiation::{
-    KalmanSmoother, SavitzkyGolay, TotalVariation, quantization_noise,
-};
+use gelenk_identification::differentiation::{TotalVariation, quantization_noise};
 use gelenk_identification::lasso::Lasso;
 use gelenk_identification::least_squares::Reduced;
 use gelenk_identification::library::Library;
-use gelenk_identification::log::{Log, LogSchema};
+use gelenk_identification::log::{ColumnOptions, runs_of};
 use gelenk_identification::moments::{Moments, Samples};
 use gelenk_identification::random::SplitMix64;
+use gelenk_identification::run::Run;
 use gelenk_identification::stribeck::{StribeckRegression, stribeck_torque};
 use gelenk_identification::thresholding::Thresholding;
+use methods::kalman::KalmanSmoother;
+use named_robot::NamedRobot;
 use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -197,8 +204,6 @@ fn differentiation(m: usize) -> Outcome {
     row("TVDiff", m, "gelenk, gamma by discrepancy", time, &format!("rms err {:.4}", rms(&d?.first)));
     let (time, d) = timed(|| KalmanSmoother::from_noise(0.01).differentiate(&t, &x));
     row("TVDiff", m, "gelenk, Kalman smoother", time, &format!("rms err {:.4}", rms(&d?.first)));
-    let (time, d) = timed(|| SavitzkyGolay::from_noise(0.01).differentiate(&t, &x));
-    row("TVDiff", m, "gelenk, Savitzky-Golay", time, &format!("rms err {:.4}", rms(&d?.first)));
     Ok(())
 }
 
@@ -235,24 +240,26 @@ fn whole(m: usize) -> Outcome {
         }
     }
     let start = Instant::now();
-    let (log, findings) = Log::read(text.as_bytes(), "bench", &LogSchema::default())?;
+    let names = (1..=6).map(|joint| format!("joint_{joint}")).collect();
+    let robot = NamedRobot { names, ..NamedRobot::default() };
+    let recording = runs_of(text.as_bytes(), "bench", &robot, &ColumnOptions::default())?;
     let read = start.elapsed().as_secs_f64();
     row(
         "whole log",
         m,
         "gelenk, read and check",
         [read; 2],
-        &format!("{} MB, {} findings", text.len() / 1_000_000, findings.len()),
+        &format!("{} MB, {} findings", text.len() / 1_000_000, recording.findings.len()),
     );
-    let next = AtomicUsize::new(1);
+    let next = AtomicUsize::new(0);
     let one = || -> gelenk_identification::Result<Vec<String>> {
         let mut lines = Vec::new();
         loop {
             let joint = next.fetch_add(1, Ordering::Relaxed);
-            if joint > 6 {
+            if joint == 6 {
                 return Ok(lines);
             }
-            lines.push(joint_model(&log, joint)?);
+            lines.push(joint_model(&recording.runs[0], joint)?);
         }
     };
     let lines = std::thread::scope(|scope| {
@@ -266,10 +273,10 @@ fn whole(m: usize) -> Outcome {
     Ok(())
 }
 
-fn joint_model(log: &Log, joint: usize) -> gelenk_identification::Result<String> {
-    let position = log.channel(&format!("q{joint}"))?;
-    let torque = log.channel(&format!("u{joint}"))?;
-    let motion = KalmanSmoother::from_noise(quantization_noise(1e-4)).differentiate(log.time()?, position)?;
+fn joint_model(run: &Run, joint: usize) -> gelenk_identification::Result<String> {
+    let (position, torque) = (&run.positions[joint], &run.efforts[joint]);
+    let smoother = KalmanSmoother::from_noise(quantization_noise(1e-4));
+    let motion = smoother.differentiate(&run.times, position)?;
     let library = Library::friction()?;
     let samples = Samples::from_library(&library, vec![&motion.first], vec![torque])?;
     let reduced = Reduced::new(&samples)?;
@@ -280,7 +287,7 @@ fn joint_model(log: &Log, joint: usize) -> gelenk_identification::Result<String>
     let validation = CrossValidation::new(&lasso, &folds, 0, &grid)?;
     let fit = StribeckRegression::default().fit(&motion.first, torque, None)?;
     Ok(format!(
-        "q{joint}: STLS terms {:?}, LASSO one-standard-error λ {:.3e}, Stribeck {}",
+        "joint {joint}: STLS terms {:?}, LASSO one-standard-error λ {:.3e}, Stribeck {}",
         sparse.active,
         validation.path.lambdas[validation.one_standard_error],
         list(fit.parameters)

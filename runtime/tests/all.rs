@@ -3,6 +3,8 @@
 
 #[path = "support/allocations.rs"]
 mod allocations;
+#[path = "../examples/powercube/methods/mod.rs"]
+mod methods;
 mod support;
 
 mod allocation;

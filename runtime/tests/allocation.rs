@@ -1,8 +1,8 @@
 //! What runs in the control loop does not allocate.
 
 use crate::allocations;
+use crate::methods::recursive::{RecursiveLeastSquares, RecursiveSettings};
 use gelenk_identification::library::Library;
-use gelenk_identification::recursive::{RecursiveLeastSquares, RecursiveSettings};
 
 #[test]
 fn recursive_updates_do_not_allocate() {

@@ -2,32 +2,32 @@
 //! NaN.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
+use crate::methods::kalman::KalmanSmoother;
+use crate::support::named_robot::NamedRobot;
 use gelenk_identification::cross_validation::{CrossValidation, refit};
-use gelenk_identification::differentiation::KalmanSmoother;
 use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice, Offsets,
 };
 use gelenk_identification::lasso::Lasso;
 use gelenk_identification::library::Library;
-use gelenk_identification::log::{Differentiation, FindingKind, Log, LogSchema};
+use gelenk_identification::log::{ColumnOptions, FindingKind, Recording, runs_of};
 use gelenk_identification::moments::{Moments, Samples};
 use gelenk_identification::stribeck::StribeckRegression;
 use gelenk_identification::thresholding::Thresholding;
 use gelenk_identification::{IdentificationError, Result};
 
-fn read(text: &str) -> Result<(Log, Vec<FindingKind>)> {
-    let (log, findings) = Log::read(text.as_bytes(), "bad.csv", &LogSchema::default())?;
-    Ok((log, findings.iter().map(|f| f.kind).collect()))
+fn read(text: &str) -> Result<Recording> {
+    let robot = NamedRobot { names: vec!["joint_1".into()], ..NamedRobot::default() };
+    runs_of(text.as_bytes(), "bad.csv", &robot, &ColumnOptions::default())
 }
 
-fn smoothed(text: &str) -> Result<Vec<f64>> {
-    let method = Differentiation::KalmanSmoother(KalmanSmoother::from_noise(1e-4));
-    read(text)?.0.differentiate("q1", &method)
+fn smoothed(times: &[f64], positions: &[f64]) -> Result<Vec<f64>> {
+    KalmanSmoother::from_noise(1e-4).differentiate(times, positions).map(|found| found.first)
 }
 
-fn rows(values: impl Iterator<Item = (f64, f64)>) -> String {
-    let lines: String = values.map(|(t, q)| format!("{t},{q}\n")).collect();
-    format!("t,q1\n{lines}")
+fn rows(values: impl Iterator<Item = (f64, f64, f64)>) -> String {
+    let lines: String = values.map(|(t, q, u)| format!("{t},{q},{u}\n")).collect();
+    format!("t,q1,u1\n{lines}")
 }
 
 /// Methods on terms, and the nonlinear one.
@@ -74,8 +74,8 @@ fn wave(samples: u32) -> Vec<f64> {
 
 #[test]
 fn empty_logs() {
-    assert_eq!(message(read("t,q1\n")), "the log bad.csv is empty: there is nothing to identify from");
-    assert!(message(read("")).starts_with("the log bad.csv is empty"));
+    assert!(message(read("t,q1,u1\n")).starts_with("bad.csv: no rows of numbers are found"));
+    assert!(message(read("")).starts_with("bad.csv: the file is empty"));
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[], &[]));
@@ -85,7 +85,7 @@ fn empty_logs() {
 
 #[test]
 fn one_sample() {
-    let text = message(smoothed("t,q1\n0,1\n"));
+    let text = message(smoothed(&[0.0], &[1.0]));
     assert_eq!(text, "differentiation needs at least 8 samples, there are 1");
     let friction = Library::friction().expect("a library");
     for method in methods() {
@@ -96,9 +96,9 @@ fn one_sample() {
 
 #[test]
 fn constant_logs() {
-    let log = rows((0..100).map(|i| (0.01 * f64::from(i), 0.25)));
-    let (_, findings) = read(&log).expect("a log");
-    assert!(findings.contains(&FindingKind::Constant));
+    let log = rows((0..100).map(|i| (0.01 * f64::from(i), 0.25, 1.0)));
+    let kinds: Vec<FindingKind> = read(&log).expect("a log").findings.iter().map(|f| f.kind).collect();
+    assert_eq!(kinds, [FindingKind::StoodStill, FindingKind::Constant, FindingKind::Stuck]);
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[0.5; 40], &[2.0; 40]));
@@ -108,10 +108,10 @@ fn constant_logs() {
 
 #[test]
 fn channels_of_nan() {
-    let log = rows((0..100).map(|i| (0.01 * f64::from(i), f64::NAN)));
-    let (_, findings) = read(&log).expect("a log");
-    assert!(findings.contains(&FindingKind::NoValues));
-    let text = message(smoothed(&log));
+    let log = rows((0..100).map(|i| (0.01 * f64::from(i), f64::NAN, 1.0)));
+    assert!(message(read(&log)).contains("column `q1` has no finite number"));
+    let times: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
+    let text = message(smoothed(&times, &[f64::NAN; 100]));
     assert!(text.contains("is not finite (NaN) at row 0 (counted from 0), 100 such values of 100"), "{text}");
     let friction = Library::friction().expect("a library");
     for method in methods() {

@@ -4,16 +4,17 @@
 //! that nearly coincide at these speeds, so the curve is judged, not the coefficients.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
+use crate::methods::kalman::KalmanSmoother;
+use crate::methods::torque::{Motion, friction_torques};
 use gelenk_generated::powercube;
 use gelenk_identification::Result;
-use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_identification::differentiation::quantization_noise;
 use gelenk_identification::excitation::{Excitation, ExcitationLimits};
 use gelenk_identification::least_squares::Reduced;
 use gelenk_identification::library::Library;
 use gelenk_identification::moments::Samples;
 use gelenk_identification::random::SplitMix64;
 use gelenk_identification::thresholding::Thresholding;
-use gelenk_identification::torque::{Motion, friction_torques};
 use gelenk_runtime::dynamics::Dynamics;
 
 const I: f64 = 161.0;

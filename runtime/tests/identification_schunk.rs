@@ -6,13 +6,15 @@
 //! fitting, and once more whole groups are left out.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
+use crate::methods::torque::{Motion, friction_torques};
 use crate::support::data::shared;
+use crate::support::named_robot::NamedRobot;
 use gelenk_identification::Result;
-use gelenk_identification::differentiation::SavitzkyGolay;
 use gelenk_identification::friction::{FrictionData, FrictionIdentification, FrictionMethod};
-use gelenk_identification::log::{Differentiation, Log, LogSchema};
+use gelenk_identification::log::{ColumnOptions, runs};
+use gelenk_identification::preparation::{PreparationSettings, prepare_all};
 use gelenk_identification::result::FrictionLaw;
-use gelenk_identification::torque::friction_torques;
+use gelenk_identification::run::{Effort, PreparedRun};
 use gelenk_runtime::dynamics::{Dynamics, Limits};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -25,10 +27,7 @@ const GROUPS: [&[u32]; 6] = [
     &[80, 81, 82, 83, 84],
     &[94, 95, 96],
 ];
-const POSITIONS: [&str; 6] = ["q1", "q2", "q3", "q4", "q5", "q6"];
-const TORQUES: [&str; 6] = ["u1", "u2", "u3", "u4", "u5", "u6"];
-/// Samples dropped at both ends of a run; the torque of a run's last row is not recorded.
-const MARGIN: usize = 10;
+const JOINTS: [&str; 6] = ["joint_1", "joint_2", "joint_3", "joint_4", "joint_5", "joint_6"];
 
 gelenk_runtime::dynamics!(struct Arm = gelenk_generated::schunk_lwa4p);
 
@@ -64,23 +63,52 @@ impl Dynamics<6, 6> for Recorded<'_> {
     }
 }
 
-/// The log with differentiated positions.
-fn runs() -> Option<&'static Log> {
-    static LOG: OnceLock<Option<Log>> = OnceLock::new();
-    LOG.get_or_init(read).as_ref()
+/// A recorded run, its motion smoothed: positions, velocities and accelerations, and the torques as they were recorded.
+struct Recorder {
+    number: u32,
+    columns: [[Vec<f64>; 6]; 4],
 }
 
-fn read() -> Option<Log> {
+fn recorded() -> Option<&'static [Recorder]> {
+    static RUNS: OnceLock<Option<Vec<Recorder>>> = OnceLock::new();
+    RUNS.get_or_init(read).as_deref()
+}
+
+fn read() -> Option<Vec<Recorder>> {
     let path = shared("data/schunk_lwa4p/runs.csv")?;
-    let (mut log, _) = Log::open(&path, &LogSchema::default()).unwrap();
-    // By hand: 0.2 s. What the encoders show faster than that is vibration of the gears, not motion of a
-    // rigid arm; at the smoothing that the encoders' resolution alone asks for, R² of joints 3 and 5 falls to
-    // 0.90 and 0.95.
-    let method = SavitzkyGolay::with_window(51, 3);
-    for position in POSITIONS {
-        log.differentiate(position, &Differentiation::SavitzkyGolay(method)).unwrap();
-    }
-    Some(log)
+    let robot = NamedRobot { names: JOINTS.map(str::to_owned).to_vec(), ..NamedRobot::default() };
+    let columns = ColumnOptions { effort: Some(Effort::Joint), ..ColumnOptions::default() };
+    let recording = runs(&[path], &robot, &columns).unwrap();
+    // By hand: what the encoders show faster than that is vibration of the gears, not motion of a rigid arm.
+    let settings = PreparationSettings {
+        bandwidth: Some(7.0),
+        rate: Some(250.0),
+        cut: Some(0.04),
+        delay: Some(0.0),
+        ..PreparationSettings::default()
+    };
+    let (prepared, _) = prepare_all(&recording.runs, None, &settings).unwrap();
+    let of_run = |run: PreparedRun| {
+        let recorded = recording.runs.iter().find(|recorded| recorded.name == run.name).unwrap();
+        let rows = run.rows.iter().map(|row| recorded.rows.binary_search(row).unwrap());
+        let rows: Vec<usize> = rows.collect();
+        let column = |column: &Vec<f64>| rows.iter().map(|i| column[*i]).collect();
+        let raw = |columns: &[Vec<f64>]| six(columns.iter().map(column).collect());
+        Recorder {
+            number: run.name.rsplit(' ').next().unwrap().parse().unwrap(),
+            columns: [
+                raw(&recorded.positions),
+                six(run.velocities),
+                six(run.accelerations),
+                raw(&recorded.efforts),
+            ],
+        }
+    };
+    Some(prepared.into_iter().map(of_run).collect())
+}
+
+fn six(columns: Vec<Vec<f64>>) -> [Vec<f64>; 6] {
+    columns.try_into().unwrap()
 }
 
 /// Velocities and friction torques of all joints.
@@ -91,30 +119,31 @@ struct Friction {
     groups: Vec<Vec<Range<usize>>>,
 }
 
-fn friction_of(log: &Log, groups: &[Vec<u32>]) -> Friction {
-    let (mut rows, mut ranges) = (Vec::new(), Vec::new());
+fn friction_of(runs: &[Recorder], groups: &[Vec<u32>]) -> Friction {
+    let mut all: [[Vec<f64>; 6]; 4] = Default::default();
+    let mut ranges = Vec::new();
     for group in groups {
-        let chosen: Vec<String> = group.iter().map(|r| format!("run == {r}")).collect();
-        let all = log.select(&chosen.join(" || ")).unwrap();
-        let start = rows.len();
-        rows.extend(log.inner_rows(&all, MARGIN).unwrap());
-        ranges.push(start..rows.len());
+        let start = all[0][0].len();
+        for run in runs.iter().filter(|run| group.contains(&run.number)) {
+            for (all, of_run) in all.iter_mut().flatten().zip(run.columns.iter().flatten()) {
+                all.extend(of_run);
+            }
+        }
+        ranges.push(start..all[0][0].len());
     }
-    let columns = log.motion(&POSITIONS, &TORQUES, &rows).unwrap();
     let arm = Recorded { friction: &|_, _| 0.0 };
-    let torques = friction_torques(&arm, &columns.motion()).unwrap();
-    Friction {
-        velocities: columns.velocities,
-        torques,
-        groups: ranges.into_iter().map(|rows| vec![rows]).collect(),
-    }
+    let [positions, velocities, accelerations, inputs] =
+        all.each_ref().map(|columns| columns.each_ref().map(Vec::as_slice));
+    let torques = friction_torques(&arm, &Motion { positions, velocities, accelerations, inputs }).unwrap();
+    let [_, velocities, ..] = all;
+    Friction { velocities, torques, groups: ranges.into_iter().map(|rows| vec![rows]).collect() }
 }
 
 /// The fewest terms that explain groups left out as well as any, within one standard error.
 ///
 /// Not forced to dissipate: what remains of a compensated Coulomb friction may drive the joint.
-fn identify(log: &Log, groups: &[Vec<u32>]) -> Result<[FrictionLaw; 6]> {
-    let friction = friction_of(log, groups);
+fn identify(runs: &[Recorder], groups: &[Vec<u32>]) -> Result<[FrictionLaw; 6]> {
+    let friction = friction_of(runs, groups);
     let settings = FrictionIdentification {
         method: FrictionMethod::BestSubset,
         draws: 0,
@@ -124,13 +153,12 @@ fn identify(log: &Log, groups: &[Vec<u32>]) -> Result<[FrictionLaw; 6]> {
     let mut laws = Vec::new();
     for joint in 0..6 {
         let report = settings.identify(&FrictionData {
-            joint: POSITIONS[joint],
+            joint: JOINTS[joint],
             unit: "N·m",
             velocity_unit: "rad/s",
             velocities: &friction.velocities[joint],
             torques: &friction.torques[joint],
             folds: Some(&friction.groups),
-            data: log.hash(),
             ..FrictionData::default()
         })?;
         println!("joint {}: {}", joint + 1, report.result.law.formula());
@@ -153,7 +181,7 @@ fn split() -> (Vec<Vec<u32>>, Vec<Vec<u32>>) {
 
 #[test]
 fn two_joints_are_viscous_alone_and_unseen_runs_are_explained() {
-    let Some(log) = runs() else { return };
+    let Some(log) = recorded() else { return };
     let (fitted, unseen) = split();
     let laws = identify(log, &fitted).unwrap();
     for (joint, expected) in [(4, 3.60), (5, 4.05)] {
@@ -172,7 +200,7 @@ fn two_joints_are_viscous_alone_and_unseen_runs_are_explained() {
 
 #[test]
 fn whole_groups_left_out() {
-    let Some(log) = runs() else { return };
+    let Some(log) = recorded() else { return };
     let (mut rss, mut energy) = ([0.0; 6], [0.0; 6]);
     for left_out in GROUPS {
         let others: Vec<Vec<u32>> =
@@ -191,23 +219,18 @@ fn whole_groups_left_out() {
 }
 
 /// Rms position errors of an open-loop simulation of some runs with the recorded torques.
-fn simulate(log: &Log, runs: &[Vec<u32>], friction: &dyn Fn(usize, f64) -> f64) -> [f64; 6] {
+fn simulate(all: &[Recorder], runs: &[Vec<u32>], friction: &dyn Fn(usize, f64) -> f64) -> [f64; 6] {
     const STEP: f64 = 0.004;
     let arm = Recorded { friction };
-    let column = |name: String| log.channel(&name).unwrap();
-    let positions: [&[f64]; 6] = std::array::from_fn(|j| column(format!("q{}", j + 1)));
-    let speeds: [&[f64]; 6] = std::array::from_fn(|j| column(format!("q{}_velocity", j + 1)));
-    let inputs: [&[f64]; 6] = std::array::from_fn(|j| column(format!("u{}", j + 1)));
     let (mut squares, mut count) = ([0.0; 6], 0.0);
-    for run in runs.concat() {
-        let rows = log.select(&format!("run == {run}")).unwrap();
-        let mut y = positions.map(|c| c[rows[0]]);
-        let mut v = speeds.map(|c| c[rows[0]]);
-        for pair in rows.windows(2) {
-            let u = inputs.map(|c| c[pair[0]]);
-            (y, v) = runge_kutta(&arm, &y, &v, &u, STEP);
+    for run in all.iter().filter(|run| runs.iter().flatten().any(|number| *number == run.number)) {
+        let at = |of: usize, i: usize| run.columns[of].each_ref().map(|column| column[i]);
+        let (mut y, mut v) = (at(0, 0), at(1, 0));
+        for i in 1..run.columns[0][0].len() {
+            (y, v) = runge_kutta(&arm, &y, &v, &at(3, i - 1), STEP);
+            let measured = at(0, i);
             for j in 0..6 {
-                squares[j] += (y[j] - positions[j][pair[1]]).powi(2);
+                squares[j] += (y[j] - measured[j]).powi(2);
             }
             count += 1.0;
         }
@@ -232,7 +255,7 @@ fn runge_kutta(arm: &Recorded, y: &[f64; 6], v: &[f64; 6], u: &[f64; 6], h: f64)
 
 #[test]
 fn simulated_positions_of_unseen_runs_are_twice_as_good_as_with_the_published_friction() {
-    let Some(log) = runs() else { return };
+    let Some(log) = recorded() else { return };
     let (fitted, unseen) = split();
     let laws = identify(log, &fitted).unwrap();
     // The laws as tables: a simulation asks for them often.

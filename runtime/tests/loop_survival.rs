@@ -2,11 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use crate::support::named_robot::NamedRobot;
 use crate::support::robot::{
     END, LIMITS, Law, START, Watched, WatchedLoop, law, loop_with, lossy, motion, pd, plant_at,
     plant_options, run_oversleeping, settings,
 };
-use gelenk_identification::log::{Log, LogSchema};
+use gelenk_identification::log::{ColumnOptions, runs};
 use gelenk_runtime::control_loop::{
     Clock, Command, ControlLoop, Controller, ControllerFault, Counts, Cycle, EncoderFault, End, Estimate,
     LimitFault, LoopReport, LoopSettings, Refusal, StopReason, StopRequest, VirtualClock, log_to_file,
@@ -447,21 +448,20 @@ fn the_log_has_every_period_and_identification_reads_it() {
     let summary = writer.finish().unwrap();
     assert_eq!(summary.written, report.counts.periods);
     assert_eq!(summary.dropped, 0);
-    let channels = ["time", "q_beta", "q_gamma", "dq_beta", "u_beta"];
-    let schema: String = channels.map(|name| format!("[[channel]]\nname = \"{name}\"\n")).concat();
-    let (log, _) = Log::open(&path, &LogSchema::from_toml(&schema).unwrap()).unwrap();
+    let robot = NamedRobot { names: vec!["beta".into(), "gamma".into()], ..NamedRobot::default() };
+    let recording = runs(std::slice::from_ref(&path), &robot, &ColumnOptions::default()).unwrap();
     std::fs::remove_file(&path).unwrap();
-    assert_eq!(log.rows() as u64, report.counts.periods);
-    let time = log.time().unwrap();
-    for k in 0..time.len() {
-        assert!((time[k] - 0.02 * k as f64).abs() < 1e-9);
+    let [run] = recording.runs.try_into().unwrap();
+    assert_eq!(run.times.len() as u64, report.counts.periods);
+    for (k, time) in run.times.iter().enumerate() {
+        assert!((time - 0.02 * k as f64).abs() < 1e-9);
     }
-    let q = log.channel("q_beta").unwrap();
-    assert!((q[0] - START[0]).abs() < 1e-3 && (q[time.len() - 1] - END[0]).abs() < 5e-3);
+    let q = &run.positions[0];
+    assert!((q[0] - START[0]).abs() < 1e-3 && (q[q.len() - 1] - END[0]).abs() < 5e-3);
     // Half-way it is fastest, at 15/8 of the mean speed.
-    let speed = log.channel("dq_beta").unwrap()[125];
+    let speed = run.velocities[0].as_ref().unwrap()[125];
     assert!((speed - 1.875 * 1.4 / 5.0).abs() < 0.02, "{speed}");
-    assert!(log.channel("u_beta").unwrap().iter().all(|u| u.abs() <= 0.5));
+    assert!(run.efforts[0].iter().all(|u| u.abs() <= 0.5));
 }
 
 #[test]

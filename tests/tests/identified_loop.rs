@@ -4,30 +4,35 @@
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
-use std::fmt::Write as _;
+#[path = "../../runtime/examples/powercube/methods/mod.rs"]
+mod methods;
+
 use std::fs;
 use std::path::Path;
 
 use gelenk_generated::powercube;
 use gelenk_identification::description::description_toml;
-use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_identification::differentiation::quantization_noise;
 use gelenk_identification::friction::{FrictionData, FrictionIdentification, FrictionMethod};
-use gelenk_identification::log::{Differentiation, Log, LogSchema};
 use gelenk_identification::result::{FrictionLaw, FrictionResult};
 use gelenk_identification::stribeck::StribeckRegression;
-use gelenk_identification::torque::friction_torques;
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_tests::cargo::{cargo, lock_like_here, success};
 use gelenk_tests::packages::use_published;
 use gelenk_tests::workspace;
+use methods::kalman::KalmanSmoother;
+use methods::torque::{Motion, friction_torques};
 
 gelenk_runtime::dynamics!(struct Arm = powercube);
 
 const RESOLUTION: f64 = 1e-4;
 
+/// Times, positions and motor torques.
+type Columns = (Vec<f64>, [Vec<f64>; 2], [Vec<f64>; 2]);
+
 /// 40 s at 50 Hz of the published arm, as encoders and torque sensors see it.
-fn log() -> Log {
-    let mut text = String::from("t,q1,q2,u1,u2\n");
+fn recorded() -> Columns {
+    let (mut times, mut positions, mut inputs) = Columns::default();
     for i in 0..2000 {
         let t = 0.02 * f64::from(i);
         let wave = |a: f64, w: f64, b: f64, x: f64| {
@@ -40,25 +45,34 @@ fn log() -> Log {
         let (first, second) = (wave(0.4, 1.1, 0.1, 2.3), wave(0.5, 0.9, 0.15, 1.9));
         let at = |k: usize| [first[k], second[k]];
         let torques = Arm.inverse_dynamics(&at(0), &at(1), &at(2));
-        let [q1, q2] = at(0).map(|y| (y / RESOLUTION).round() * RESOLUTION);
-        let [u1, u2] = torques.map(|torque| torque / powercube::input_matrix()[0][0]);
-        let _ = writeln!(text, "{t:.2},{q1:.4},{q2:.4},{u1:.9},{u2:.9}");
+        times.push(t);
+        for joint in 0..2 {
+            positions[joint].push((at(0)[joint] / RESOLUTION).round() * RESOLUTION);
+            inputs[joint].push(torques[joint] / powercube::input_matrix()[0][0]);
+        }
     }
-    let schema = LogSchema::default();
-    Log::read(text.as_bytes(), "simulated", &schema).expect("a log").0
+    (times, positions, inputs)
 }
 
 /// Friction of both joints: terms of the library for the first, a Stribeck law for the second.
 fn identified() -> [FrictionResult; 2] {
-    let mut log = log();
+    let (times, positions, inputs) = recorded();
     let smoother = KalmanSmoother::from_noise(quantization_noise(RESOLUTION));
-    for position in ["q1", "q2"] {
-        let method = Differentiation::KalmanSmoother(smoother);
-        log.differentiate(position, &method).expect("derivatives");
-    }
-    let rows = log.select("t > 1 && t < 39").expect("rows");
-    let columns = log.motion(&["q1", "q2"], &["u1", "u2"], &rows).expect("a motion");
-    let torques = friction_torques(&Arm, &columns.motion()).expect("friction torques");
+    let smooth = positions.map(|y| smoother.differentiate(&times, &y).expect("derivatives"));
+    // The smoother knows one side at the ends.
+    let inner = 50..times.len() - 50;
+    let columns = |of: [&'_ Vec<f64>; 2]| of.map(|column| column[inner.clone()].to_vec());
+    let velocities = columns(smooth.each_ref().map(|d| &d.first));
+    let [y, a] =
+        [columns(smooth.each_ref().map(|d| &d.value)), columns(smooth.each_ref().map(|d| &d.second))];
+    let u = columns(inputs.each_ref());
+    let motion = Motion {
+        positions: y.each_ref().map(Vec::as_slice),
+        velocities: velocities.each_ref().map(Vec::as_slice),
+        accelerations: a.each_ref().map(Vec::as_slice),
+        inputs: u.each_ref().map(Vec::as_slice),
+    };
+    let torques = friction_torques(&Arm, &motion).expect("friction torques");
     let methods = [FrictionMethod::BestSubset, FrictionMethod::Stribeck(StribeckRegression::default())];
     let mut joint = 0;
     methods.map(|method| {
@@ -68,9 +82,9 @@ fn identified() -> [FrictionResult; 2] {
             joint: powercube::JOINT_NAMES[joint],
             unit: "N·m",
             velocity_unit: "rad/s",
-            velocities: &columns.velocities[joint],
+            velocities: &velocities[joint],
             torques: &torques[joint],
-            data: log.hash(),
+            data: "simulated",
             ..FrictionData::default()
         };
         joint += 1;

@@ -16,6 +16,7 @@ mod arm;
 mod control;
 mod equations;
 mod friction;
+mod methods;
 #[path = "../support/outcome.rs"]
 mod outcome;
 mod page;

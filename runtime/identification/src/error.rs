@@ -149,14 +149,6 @@ pub enum IdentificationError {
         /// Names of the channels.
         known: Vec<String>,
     },
-    /// A selection that keeps nothing.
-    #[error("the selection `{selection}` keeps none of {samples} rows")]
-    NothingSelected {
-        /// The expression.
-        selection: String,
-        /// Rows looked at.
-        samples: usize,
-    },
     /// A file that cannot be read, understood or written.
     #[error("{place}: {message}")]
     File {
@@ -231,7 +223,10 @@ pub fn require_finite(what: &str, values: &[f64]) -> Result<()> {
 }
 
 /// Fails unless `value` is finite and satisfies `holds`; `requirement` says so in words.
-pub(crate) fn require_setting(name: &str, value: f64, holds: bool, requirement: &str) -> Result<()> {
+///
+/// # Errors
+/// [`IdentificationError::Setting`]
+pub fn require_setting(name: &str, value: f64, holds: bool, requirement: &str) -> Result<()> {
     if value.is_finite() && holds {
         return Ok(());
     }
@@ -239,7 +234,10 @@ pub(crate) fn require_setting(name: &str, value: f64, holds: bool, requirement: 
 }
 
 /// Fails unless `got == expected`.
-pub(crate) fn require_length(what: &str, expected: usize, got: usize) -> Result<()> {
+///
+/// # Errors
+/// [`IdentificationError::Shape`]
+pub fn require_length(what: &str, expected: usize, got: usize) -> Result<()> {
     if expected == got {
         return Ok(());
     }
@@ -247,7 +245,10 @@ pub(crate) fn require_length(what: &str, expected: usize, got: usize) -> Result<
 }
 
 /// Fails if there are fewer than `needed` samples.
-pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<()> {
+///
+/// # Errors
+/// [`IdentificationError::Empty`] and [`IdentificationError::TooFewSamples`]
+pub fn require_samples(what: &str, needed: usize, got: usize) -> Result<()> {
     if got == 0 {
         return Err(IdentificationError::Empty { what: what.into() });
     }

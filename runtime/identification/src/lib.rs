@@ -1,11 +1,9 @@
 //! Identification: from logs to friction models that the generator reads.
 //!
-//! Order of work: a log is read and checked ([`log`]), velocities and accelerations are differentiated
-//! ([`differentiation`]), rows are selected by expressions ([`expression`]), a library of terms is evaluated
-//! and reduced to moments in one pass ([`library`], [`moments`]), and sparse or nonlinear models are fitted
-//! to them. Whole recorded runs ([`run`]) become equidistant and smoothed by one filter, without the delay of the
-//! efforts, in [`preparation`]. Logs that are too many for one machine become sums of products that add up
-//! ([`fleet`]).
+//! Order of work ([`identify`]): logs are read as runs of a robot ([`log`], [`run`]). Runs become equidistant and smoothed by one
+//! filter, without the delay of the efforts ([`preparation`]). One weighted fit explains the efforts ([`estimation`]). A library
+//! of terms is evaluated and reduced to moments ([`library`], [`moments`]), and sparse or nonlinear friction laws are fitted to
+//! them ([`friction`]). Logs that are too many for one machine become sums of products that add up ([`fleet`]).
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -38,7 +36,6 @@ pub mod pose;
 pub mod preparation;
 pub mod random;
 mod range;
-pub mod recursive;
 pub mod result;
 pub mod robot;
 pub mod run;
@@ -49,7 +46,6 @@ mod statistics;
 pub mod stribeck;
 pub mod subset;
 pub mod thresholding;
-pub mod torque;
 pub mod validation;
 mod written;
 

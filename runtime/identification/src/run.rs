@@ -27,6 +27,9 @@ pub struct Run {
     pub desired: Option<Vec<Vec<f64>>>,
 }
 
+/// Fewest samples of a run that is prepared.
+pub(crate) const FEWEST_SAMPLES: usize = 16;
+
 /// What a log's efforts are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {

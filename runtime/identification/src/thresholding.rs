@@ -86,7 +86,7 @@ impl Thresholding {
 
 #[cfg(test)]
 mod tests {
-    use super::super::differentiation::KalmanSmoother;
+    use super::super::differentiation::TotalVariation;
     use super::super::library::Library;
     use super::super::moments::Samples;
     use super::super::random::SplitMix64;
@@ -130,7 +130,7 @@ mod tests {
             x = plus(x, rate(plus(x, rate(x), step / 2.0)), step);
         }
         let times: Vec<f64> = (0..20_000).map(|i| f64::from(i) * step).collect();
-        let smooth = noisy.map(|x| KalmanSmoother::from_noise(0.01).differentiate(&times, &x).unwrap());
+        let smooth = noisy.map(|x| TotalVariation::from_noise(0.01).differentiate(&times, &x).unwrap());
         let inner = 100..19_900;
         let states = smooth.iter().map(|s| &s.value[inner.clone()]).collect();
         let rates = smooth.iter().map(|s| &s.first[inner.clone()]).collect();

@@ -111,75 +111,27 @@ fn spoil_log(bytes: &mut Vec<u8>, generator: &mut ChaCha8Rng) {
     }
 }
 
-/// Everything that can be done to a log, with what is left of one.
-fn work_through(bytes: &[u8], schema: &LogSchema) -> bool {
-    let Ok((mut log, findings)) = Log::read(bytes, "spoilt", schema) else {
-        return false;
-    };
-    let shown: usize = findings.iter().map(|finding| finding.to_string().len()).sum();
-    assert!(shown < 1_000_000, "{shown} characters of findings");
-    check(&log);
-    for name in log.names() {
-        assert_eq!(log.channel(&name).unwrap().len(), log.rows());
-        let _ = log.select(&format!("abs({name}) > 0.1"));
-    }
-    let position = log.names().into_iter().find(|name| name.starts_with('q'));
-    let methods = [
-        Differentiation::KalmanSmoother(KalmanSmoother::from_noise(1e-4)),
-        Differentiation::SavitzkyGolay(SavitzkyGolay::with_window(7, 3)),
-        Differentiation::TotalVariation(TotalVariation::with_gamma(1e-3)),
-    ];
-    for method in methods {
-        if let Some(position) = &position {
-            let mut log = log.clone();
-            if log.differentiate(position, &method).is_ok() {
-                let velocity = log.channel(&format!("{position}_velocity")).unwrap();
-                assert_eq!(velocity.len(), log.rows());
-            }
-        }
-    }
-    let rows: Vec<usize> = (0..log.rows()).collect();
-    let _ = log.inner_rows(&rows, 3);
-    let _ = log.motion(&["q_beta"], &["u_beta"], &rows);
-    let again = log.channels()[0].clone();
-    assert!(log.add(again).is_err());
-    true
-}
-
 #[test]
 fn logs() {
     let mut generator = ChaCha8Rng::seed_from_u64(9);
-    let mapped = LogSchema::from_toml(
-        "[[channel]]\nname = \"time\"\n\n[[channel]]\nname = \"q_beta\"\n\n[[channel]]\nname = \"u_beta\"\n",
-    )
-    .unwrap();
     let count = rounds(400, 100_000);
-    let (mut slowest, mut read, mut as_runs) = (Slowest::default(), 0_u64, 0_u64);
-    let mut strange = false;
+    let (mut slowest, mut read) = (Slowest::default(), 0_u64);
     let sound = [loop_log(), measured_log()];
-    assert!(work_as_runs(&sound[0], None));
-    for bytes in &sound {
-        assert!(work_through(bytes, &LogSchema::default()));
-    }
+    assert!(sound.iter().all(|bytes| work_as_runs(bytes, None)));
     for k in 0..count {
-        let which = (k % 2) as usize;
-        let mut bytes = sound[which].clone();
+        let mut bytes = sound[(k % 2) as usize].clone();
         for _ in 0..generator.random_range(1..6) {
             spoil_log(&mut bytes, &mut generator);
         }
-        let schema = if k % 5 == 0 { &mapped } else { &LogSchema::default() };
-        read += u64::from(slowest.time(|| work_through(&bytes, schema)));
-        let columns = strange.then(|| "time=1,position=q{}|2[deg],effort=u_{name}".into());
-        strange = !strange;
-        as_runs += u64::from(slowest.time(|| work_as_runs(&bytes, columns)));
+        let columns = (k / 2 % 2 == 1).then(|| "time=1,position=q{}|2[deg],effort=u_{name}".into());
+        read += u64::from(slowest.time(|| work_as_runs(&bytes, columns)));
         slowest.time(|| record(&bytes));
     }
-    assert!(read > count / 4, "{read} of {count} could be read");
-    assert!(as_runs > count / 10, "{as_runs} of {count} could be read as runs");
+    assert!(read > count / 10, "{read} of {count} could be read");
     slowest.report("logs", count);
 }
 
-/// The same file as runs of a robot: refused, or runs that are whole.
+/// A file as runs of a robot: refused, or runs that are whole.
 fn work_as_runs(bytes: &[u8], columns: Option<String>) -> bool {
     let robot = NamedRobot { names: vec!["beta".into(), "gamma".into()], ..NamedRobot::default() };
     let options = ColumnOptions { columns, ..ColumnOptions::default() };
@@ -224,22 +176,11 @@ fn record(bytes: &[u8]) {
 
 #[test]
 fn mappings() {
-    let sound = b"separator = \";\"\n[[channel]]\nname = \"u1\"\ncolumn = \"i1\"\nquantity = \"current\"\nunit = \"mA\"\n\
-                  joint = 1\nscale = 2.0\noffset = 1.0\nmotor_constant = 0.12\n";
     let mut generator = ChaCha8Rng::seed_from_u64(10);
     let loop_log = loop_log();
     let count = rounds(1000, 50_000);
     let mut slowest = Slowest::default();
     for _ in 0..count {
-        let mut bytes = sound.to_vec();
-        for _ in 0..generator.random_range(1..4) {
-            spoil_log(&mut bytes, &mut generator);
-        }
-        let text = String::from_utf8_lossy(&bytes).into_owned();
-        let schema = slowest.time(|| LogSchema::from_toml(&text));
-        if let Ok(schema) = schema {
-            let _ = Log::read(&b"i1;t\n1;0\n2;0.1\n3;0.2\n"[..], "sound", &schema);
-        }
         let mut line = b"position=q{}[deg],time=t[ms],input=u{name}|5..6,run=run".to_vec();
         spoil_log(&mut line, &mut generator);
         slowest.time(|| work_as_runs(&loop_log, Some(String::from_utf8_lossy(&line).into_owned())));

@@ -13,8 +13,7 @@
 mod logs;
 
 use crate::support::named_robot::NamedRobot;
-use gelenk_identification::differentiation::{KalmanSmoother, SavitzkyGolay, TotalVariation};
-use gelenk_identification::log::{ColumnOptions, Differentiation, Log, LogSchema, check, runs_of};
+use gelenk_identification::log::{ColumnOptions, runs_of};
 use gelenk_runtime::control_loop::{Source, log_to};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};

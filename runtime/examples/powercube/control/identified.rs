@@ -2,12 +2,13 @@
 
 use super::run::{self, Setup};
 use crate::arm::{Arm, Friction, PERIOD, Regime, arm};
+use crate::methods::kalman::KalmanSmoother;
+use crate::methods::torque::{Motion, friction_torques};
 use crate::study::Outcome;
-use gelenk_identification::differentiation::{KalmanSmoother, quantization_noise};
+use gelenk_identification::differentiation::quantization_noise;
 use gelenk_identification::least_squares::Reduced;
 use gelenk_identification::moments::Samples;
 use gelenk_identification::thresholding::Thresholding;
-use gelenk_identification::torque::{Motion, friction_torques};
 use gelenk_runtime::trajectory::{IdentificationSine, Sampled};
 
 /// Encoders while the motion is recorded [rad].

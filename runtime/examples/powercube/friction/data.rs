@@ -2,11 +2,11 @@
 //! recorded, and a rigid-body model turns the record into friction torques.
 
 use crate::arm::{Arm, Friction, PEAK, PERIOD, Regime, arm};
+use crate::methods::torque::{Motion, friction_torques};
 use crate::study::Outcome;
 use gelenk_generated::powercube_alpha_parameters::Parameters;
 use gelenk_identification::differentiation::{TotalVariation, quantization_noise};
 use gelenk_identification::excitation::FourierMotion;
-use gelenk_identification::torque::{Motion, friction_torques};
 use gelenk_runtime::dynamics::{Differentiable, Dynamics, Linearization};
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::plant::{Plant, PlantOptions};

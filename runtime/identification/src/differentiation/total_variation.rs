@@ -7,7 +7,7 @@
 
 use super::super::error::{IdentificationError, Result, require_setting};
 use super::banded::{Band, solve};
-use super::{Derivatives, by_discrepancy, check, require_noise, residual_bound, rms_difference};
+use super::{Derivatives, by_discrepancy, require_noise, require_signal, residual_bound, rms_difference};
 
 /// Settings of the method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,7 +120,7 @@ impl TotalVariation {
             });
         }
         require_setting("iterations", self.iterations as f64, self.iterations > 0, "at least one is needed")?;
-        check(times, signal, self.order + 3)?;
+        require_signal(times, signal, self.order + 3)?;
         match self.order {
             1 => Problem::<3>::new(self, times, signal).solve(),
             _ => Problem::<4>::new(self, times, signal).solve(),

@@ -1,5 +1,4 @@
-//! Expressions over named channels: library terms (`v*abs(v)`, `tanh(5*v)`) and selections
-//! (`abs(beta) < 0.1 && abs(v) > 0.05`).
+//! Expressions over named channels: library terms such as `v*abs(v)` and `tanh(5*v)`.
 //!
 //! The language is that of robot descriptions, [`gelenk_formula`], so that the same text means the same there.
 //! Several expressions compile into one [`Program`] that shares common parts and works on
@@ -147,31 +146,6 @@ impl Program {
     }
 }
 
-/// Rows for which `text` is true.
-///
-/// - `names`, `channels`: the channels and their samples
-/// - returns the row numbers in ascending order; a row where a used channel is NaN is not selected by a
-///   comparison
-///
-/// # Errors
-/// Faulty text, a number where a truth value is needed, or no row at all
-/// ([`IdentificationError::NothingSelected`]).
-pub fn select(text: &str, names: &[String], channels: &[&[f64]]) -> Result<Vec<usize>> {
-    let program = Program::new(&[text], names)?;
-    if program.kind(0) != Some(Kind::Truth) {
-        return Err(fault(
-            text,
-            "a selection must be true or false; compare the number with something".into(),
-        ));
-    }
-    let flags = program.evaluate_columns(channels)?.remove(0);
-    let rows: Vec<usize> = (0..flags.len()).filter(|&i| flags[i] == 1.0).collect();
-    if rows.is_empty() {
-        return Err(IdentificationError::NothingSelected { selection: text.into(), samples: flags.len() });
-    }
-    Ok(rows)
-}
-
 pub(crate) fn fault(text: &str, message: String) -> IdentificationError {
     IdentificationError::Expression { text: text.into(), message }
 }
@@ -208,20 +182,21 @@ mod tests {
     }
 
     #[test]
-    fn selections_follow_rust_precedence() {
+    fn truth_values_follow_rust_precedence() {
         let beta: Vec<f64> = (0..1000).map(|i| f64::from(i) * 1e-3 - 0.5).collect();
         let v: Vec<f64> = beta.iter().map(|b| (20.0 * b).sin()).collect();
-        let rows =
-            select("abs(beta) < 0.1 && abs(v) > 0.05 || !(v <= 0.99)", &names(), &[&beta, &v]).unwrap();
-        let expected: Vec<usize> =
-            (0..1000).filter(|&i| beta[i].abs() < 0.1 && v[i].abs() > 0.05 || v[i] > 0.99).collect();
-        assert_eq!(rows, expected);
+        let program = Program::new(&["abs(beta) < 0.1 && abs(v) > 0.05 || !(v <= 0.99)"], &names()).unwrap();
+        assert_eq!(program.kind(0), Some(Kind::Truth));
+        let found = program.evaluate_columns(&[&beta, &v]).unwrap().remove(0);
+        for (i, found) in found.into_iter().enumerate() {
+            let expected = beta[i].abs() < 0.1 && v[i].abs() > 0.05 || v[i] > 0.99;
+            assert_eq!(found, f64::from(expected));
+        }
     }
 
     #[test]
-    fn unknown_numbers_are_not_selected_and_not_hidden() {
-        let (nan, one) = ([f64::NAN, 1.0], [1.0, 1.0]);
-        assert_eq!(select("v < 2", &names(), &[&one, &nan]).unwrap(), vec![1]);
+    fn unknown_numbers_compare_false_and_are_not_hidden() {
+        assert_eq!(value("v < 2", 1.0, f64::NAN), 0.0);
         assert!(
             value("max(v, beta)", 1.0, f64::NAN).is_nan() && value("min(v, beta)", f64::NAN, 0.0).is_nan()
         );
@@ -236,8 +211,5 @@ mod tests {
         assert!(message("v + (v < 1)").contains("a truth value stands where a number is needed"));
         assert!(message("v + ").starts_with("expression `v + `"));
         assert!(message("abs(v, v)").contains("takes one argument, 2 given"));
-        assert!(select("v", &names(), &[&[1.0], &[1.0]]).unwrap_err().to_string().contains("true or false"));
-        let nothing = select("v > 3", &names(), &[&[1.0], &[1.0]]).unwrap_err().to_string();
-        assert_eq!(nothing, "the selection `v > 3` keeps none of 1 rows");
     }
 }

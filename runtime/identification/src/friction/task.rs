@@ -26,7 +26,7 @@ pub struct FrictionData<'a> {
     pub velocity_unit: &'a str,
     /// ẏ.
     pub velocities: &'a [f64],
-    /// τ, from [`crate::torque::friction_torques`].
+    /// τ_f (N·m or N), the effort minus the rigid-body part at the joint.
     pub torques: &'a [f64],
     /// Weights of the samples, 1 where absent.
     pub weights: Option<&'a [f64]>,

@@ -25,7 +25,10 @@ impl Finder<'_> {
     /// A line for each quantity.
     pub(super) fn brief(&self, taken: &Taken, effort: Effort) -> Vec<String> {
         let joints = &self.robot.joints;
-        let time: Vec<String> = taken.time.columns().iter().map(|column| self.label(*column)).collect();
+        let time: Vec<String> = match taken.time.columns().as_slice() {
+            [] => vec!["the numbers of the rows".to_owned()],
+            columns => columns.iter().map(|column| self.label(*column)).collect(),
+        };
         let columns = |sources: &[Source]| sources.iter().map(|source| source.column).collect::<Vec<_>>();
         let (efforts, kind, targets) = taken.efforts;
         let forces = match effort {

@@ -1,7 +1,47 @@
 //! What is suspicious in a log.
 
-use super::check::FindingKind;
 use std::fmt;
+
+/// Kind of a [`RunFinding`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FindingKind {
+    /// A field is absent.
+    Missing,
+    /// A field is no number.
+    NotANumber,
+    /// A channel never changes.
+    Constant,
+    /// A time stands twice.
+    Repeated,
+    /// A jump like that of an overflowing counter.
+    Wrap,
+    /// Rows or runs that are not used.
+    LeftOut,
+    /// Time goes back, a new run begins.
+    NewRun,
+    /// A unit that nobody names was taken for granted.
+    UnitAssumed,
+    /// A joint does not move.
+    StoodStill,
+    /// A single sample far from its neighbours.
+    Outlier,
+    /// Positions beyond the joint's limits.
+    BeyondPosition,
+    /// Speeds beyond the joint's limit.
+    BeyondSpeed,
+    /// Efforts beyond the joint's limit.
+    BeyondEffort,
+    /// Efforts that look as if they were on the other side of the gears.
+    GearDoubtful,
+    /// A column of velocities that is not the slope of the positions.
+    VelocityDisagrees,
+    /// Samples that repeat the values of the ones before.
+    Stuck,
+    /// Efforts that stand at their largest or smallest value.
+    CutOff,
+    /// Quaternions that are not quite of unit length.
+    NotUnit,
+}
 
 /// Something suspicious in a log, or something that was done to it.
 #[derive(Debug, Clone, PartialEq)]

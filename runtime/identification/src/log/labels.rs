@@ -16,7 +16,7 @@ pub struct ColumnLabels {
 /// What a log calls its columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Labels {
-    /// The column of times.
+    /// The column of times; `row` where rows are counted.
     pub time: String,
     /// Positions of the joints.
     pub positions: ColumnLabels,
@@ -28,7 +28,7 @@ impl Labels {
     /// - `position`, `effort`: the columns with whom they belong to
     pub(super) fn new(
         finder: &Finder,
-        time: usize,
+        time: Option<usize>,
         position: (&Found, &Targets),
         effort: (&Found, &Targets),
     ) -> Self {
@@ -36,8 +36,11 @@ impl Labels {
             columns: found.columns.iter().map(|column| finder.label(*column)).collect(),
             pattern: finder.pattern_of(&found.columns, targets),
         };
-        let header = finder.headers.get(time);
-        let time = header.map_or_else(|| (time + 1).to_string(), |header| finder.unique(header));
+        let label = |time: usize| {
+            let header = finder.headers.get(time);
+            header.map_or_else(|| (time + 1).to_string(), |header| finder.unique(header))
+        };
+        let time = time.map_or_else(|| "row".to_owned(), label);
         Self { time, positions: of(position), efforts: of(effort) }
     }
 }

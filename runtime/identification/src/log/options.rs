@@ -17,7 +17,8 @@ pub struct ColumnOptions {
     ///   in this order);
     /// - columns: a header with `{}` where the joint's number stands or `{name}` where its name does; headers with
     ///   `|` between them, in the robot's order; or numbers, counted from 1: `2..7`;
-    /// - a unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`.
+    /// - a unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`;
+    /// - rows at equal times have no need of a column: `time=row[4 ms]`.
     pub columns: Option<String>,
     /// Field separator, where it is not found.
     pub separator: Option<char>,
@@ -141,6 +142,13 @@ impl Pattern {
     /// Commanded positions in the log of the runtime's control loop.
     pub(super) fn of_control_loop() -> Self {
         Self { named: Named::Desired, text: "desired_{name}".into() }
+    }
+
+    /// The period \[s\] of rows that are counted as the time, `row[4 ms]`, where no column has this name.
+    pub(super) fn counts_rows(&self, headers: &[Header]) -> Option<f64> {
+        let unit = self.text.strip_prefix("row[")?.strip_suffix(']')?;
+        let is_free = headers.iter().all(|header| bare(&header.text) != "row");
+        units::find(unit).filter(|unit| is_free && unit.si == "s").map(|unit| unit.factor)
     }
 
     /// The columns for each of `targets`.

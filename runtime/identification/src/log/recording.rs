@@ -2,18 +2,20 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
-use super::super::run::{Effort, Run};
+use super::super::run::{Effort, FEWEST_SAMPLES, Run};
 use super::finder::RobotColumns;
-use super::finding::RunFinding;
+use super::finding::{FindingKind, RunFinding};
 use super::health;
 use super::labels::Labels;
 use super::mapping::{Mapping, resolve};
 use super::options::ColumnOptions;
-use super::read::sha256;
 use super::runs::{Samples, split};
 use super::saturation::cut_off;
 use super::sheet::Sheet;
+use flate2::read::MultiGzDecoder;
 use sha2::{Digest, Sha256};
+use std::borrow::Cow;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::slice;
 
@@ -103,6 +105,7 @@ pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOp
 impl Recording {
     /// Adds what the runs say about their logs.
     fn look(&mut self, robot: &dyn Robot) {
+        self.leave_out_short();
         let columns = &self.labels.efforts.columns;
         // Efforts of inputs at frames have become forces at joints, which no column holds.
         let names = match self.effort {
@@ -114,6 +117,24 @@ impl Recording {
         let cut_off = cut_off(&self.runs, &names, columns);
         self.findings.extend(health::findings(&self.runs, robot));
         self.findings.extend(cut_off);
+    }
+
+    /// Leaves out runs that no filter can be applied to, if there are longer ones.
+    fn leave_out_short(&mut self) {
+        let is_long = |run: &Run| run.times.len() >= FEWEST_SAMPLES;
+        let short = self.runs.iter().filter(|run| !is_long(run)).count();
+        if short == 0 || short == self.runs.len() {
+            return;
+        }
+        self.runs.retain(is_long);
+        let message = format!("{short} runs of fewer than {FEWEST_SAMPLES} samples are left out");
+        self.findings.push(RunFinding {
+            file: None,
+            rows: None,
+            joint: None,
+            kind: FindingKind::LeftOut,
+            message,
+        });
     }
 
     /// What the columns were taken for: one line for each quantity, and one for the columns that nothing uses.
@@ -175,7 +196,8 @@ fn read_bytes(
     (robot, options): (&dyn Robot, &ColumnOptions),
     findings: &mut Vec<RunFinding>,
 ) -> Result<Recording> {
-    let sheet = Sheet::new(bytes, options.separator, source)?;
+    let text = unpacked(bytes, source)?;
+    let sheet = Sheet::new(&text, options.separator, source)?;
     let names = RobotColumns::new(robot);
     let mapping = resolve(&sheet, &names, options, source)?;
     let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
@@ -193,6 +215,31 @@ fn read_bytes(
         unused,
         hashes: vec![(source.into(), sha256(bytes))],
     })
+}
+
+/// The text of a file that may be packed by gzip.
+fn unpacked<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
+    if !bytes.starts_with(b"\x1f\x8b") {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    let fault = |message: String| IdentificationError::File { place: source.into(), message };
+    let mut text = Vec::new();
+    let read = MultiGzDecoder::new(bytes).take(LARGEST + 1).read_to_end(&mut text);
+    read.map_err(|error| {
+        fault(format!("it begins as a gzip file and cannot be unpacked ({error}): pack it again"))
+    })?;
+    if text.len() as u64 > LARGEST {
+        return Err(fault(format!("it holds more than a log may have ({LARGEST} bytes): split it")));
+    }
+    Ok(Cow::Owned(text))
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 fn join(mut before: Recording, one: Recording) -> Result<Recording> {

@@ -2,6 +2,9 @@
 
 use super::testing::{Fake, message};
 use super::{ColumnOptions, runs_of};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use std::io::Write;
 
 const ROWS: &str = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
 
@@ -93,7 +96,7 @@ fn open_quotation_marks_are_named() {
 #[test]
 fn files_of_other_kinds_are_named() {
     let cases: [(&[u8], &str); 4] = [
-        (b"\x1f\x8b\x08\0", "gunzip"),
+        (b"\x1f\x8b\x08\0", "it begins as a gzip file and cannot be unpacked"),
         (b"PK\x03\x04", "zip"),
         (b"\xff\xfet\0", "UTF-16"),
         (b" \n", "the file is empty"),
@@ -103,6 +106,16 @@ fn files_of_other_kinds_are_named() {
         let said = said.unwrap_err().to_string();
         assert!(said.contains(part), "{said}");
     }
+}
+
+#[test]
+fn packed_logs_are_read() {
+    let text = format!("t,q1,q2,u1,u2\n{ROWS}");
+    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+    packed.write_all(text.as_bytes()).unwrap();
+    let [plain, packed] = [text.into_bytes(), packed.finish().unwrap()]
+        .map(|bytes| runs_of(&bytes, "log", &Fake::numbered(2), &ColumnOptions::default()).unwrap().runs);
+    assert_eq!(plain, packed);
 }
 
 /// What was noticed in one log is not lost with the fault of the next.

@@ -4,6 +4,7 @@ use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 use super::FindingKind;
+use super::bursts::require_steady;
 use super::finder::RobotColumns;
 use super::finding::{RunFinding, file_finding};
 use super::joint_forces::move_to_joints;
@@ -12,8 +13,9 @@ use super::number::{Decimals, number};
 use super::search::Source;
 use super::sheet::{Sheet, shortened};
 use super::spikes::leave_out_spikes;
-use super::time::{assumed_unit, counter_finding};
+use super::time::{Clock, assumed_unit, counter_finding};
 use super::unroll::unrolled;
+use super::zeros::zero_rows;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -110,8 +112,12 @@ impl Samples {
                 row[i] = value(record, source, sheet, line, &mut gaps[i]);
                 complete &= row[i].is_finite() || !needed(i);
             }
-            let Some(time) = mapping.time.read(record, sheet.decimals) else {
-                gaps[sources.len()].add(line, record.get(mapping.time.column), sheet.decimals);
+            let Some(time) = mapping.time.read(record, line, sheet.decimals) else {
+                gaps[sources.len()].add(
+                    line,
+                    mapping.time.column.and_then(|time| record.get(time)),
+                    sheet.decimals,
+                );
                 return Ok(());
             };
             if complete {
@@ -127,12 +133,17 @@ impl Samples {
             )
         }));
         require_alive(sheet, &sources, &gaps, &efforts, source)?;
+        let zeros = samples.leave_out_zeros(mapping.positions.len());
+        let zero_rows = zeros.count;
+        findings.extend(zeros.finding(source, FindingKind::LeftOut, |n| {
+            format!("{n} rows of zeros, to which positions jump, are left out: nothing was recorded there")
+        }));
         for i in efforts.clone() {
             let named = (sources[i].map(|column| label(sheet, column.column)), source);
             findings.extend(leave_out_spikes(&mut samples.values[i], &samples.lines, named));
         }
         samples.leave_out_gaps(efforts);
-        let left_out = total - samples.lines.len() - long_rows;
+        let left_out = total - samples.lines.len() - long_rows - zero_rows;
         findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, left_out));
         samples.require_some(robot, &gaps, total, source)?;
         require_most_readable(
@@ -171,10 +182,28 @@ impl Samples {
         let kept: Vec<bool> = (0..self.lines.len())
             .map(|row| needed.iter().all(|i| self.values[*i][row].is_finite()))
             .collect();
-        retain(&mut self.times, &kept);
-        retain(&mut self.lines, &kept);
-        retain(&mut self.labels, &kept);
-        self.values.iter_mut().for_each(|column| retain(column, &kept));
+        self.retain(&kept);
+    }
+
+    /// Leaves out rows in which nothing was recorded.
+    fn leave_out_zeros(&mut self, positions: usize) -> Tally {
+        let is_same_run = |row: usize| self.labels[row] == self.labels[row - 1];
+        let zeros = zero_rows(&self.values, positions, is_same_run);
+        let mut kept = vec![true; self.lines.len()];
+        let mut tally = Tally::default();
+        for row in zeros {
+            kept[row] = false;
+            tally.add(self.lines[row]);
+        }
+        self.retain(&kept);
+        tally
+    }
+
+    fn retain(&mut self, kept: &[bool]) {
+        retain(&mut self.times, kept);
+        retain(&mut self.lines, kept);
+        retain(&mut self.labels, kept);
+        self.values.iter_mut().for_each(|column| retain(column, kept));
     }
 
     fn require_some(&self, robot: &RobotColumns, gaps: &[Gaps], total: usize, source: &str) -> Result<()> {
@@ -263,7 +292,7 @@ fn require_alive(
 
 /// Columns of the file by the order of their gaps: those of the samples, then that of the time.
 fn labels(mapping: &Mapping, sources: &[Option<&Source>]) -> Vec<Option<usize>> {
-    sources.iter().map(|s| s.map(|s| s.column)).chain([Some(mapping.time.column)]).collect()
+    sources.iter().map(|s| s.map(|s| s.column)).chain([mapping.time.column]).collect()
 }
 
 /// Refuses a log most of whose rows cannot be read: what is left is not what was recorded. Fields that are empty are
@@ -342,6 +371,7 @@ pub(super) fn split(
     findings.extend(said.map(|message| file_finding(source, None, FindingKind::UnitAssumed, message)));
     let clock = Clock::new(&samples.times, unit);
     findings.extend(counter_finding(&samples.times, unit, source));
+    require_steady(&parts, &samples.times, unit, source)?;
     let short = parts.iter().filter(|p| p.len() < 2).count();
     if short > 0 {
         let message = format!("{short} runs of a single sample are left out");
@@ -434,30 +464,6 @@ impl Tally {
 
     fn finding(self, source: &str, kind: FindingKind, say: impl Fn(usize) -> String) -> Option<RunFinding> {
         (self.count > 0).then(|| file_finding(source, self.rows, kind, say(self.count)))
-    }
-}
-
-/// From counts to seconds since the log's beginning, or since 0 where times are no epoch.
-struct Clock {
-    zero: i128,
-    per_second: f64,
-}
-
-/// Beyond, times are taken as counted from an epoch or from when a machine was started [s].
-const EPOCH: f64 = 1e6;
-
-impl Clock {
-    fn new(times: &[i128], unit: f64) -> Self {
-        // Powers of ten that are doubles: a quotient by them is the double that is nearest to the decimal.
-        let exact = [1e12, 1e15, 1e18, 1e21].into_iter().find(|p| (p * unit / 1e12 - 1.0).abs() < 1e-9);
-        let per_second = exact.unwrap_or(1e12 / unit);
-        let first = times.first().copied().unwrap_or(0);
-        let is_epoch = first as f64 / per_second > EPOCH;
-        Self { zero: if is_epoch { first } else { 0 }, per_second }
-    }
-
-    fn seconds(&self, time: i128) -> f64 {
-        time.saturating_sub(self.zero) as f64 / self.per_second
     }
 }
 

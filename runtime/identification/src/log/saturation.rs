@@ -1,7 +1,7 @@
 //! Efforts that stand at their extremes: a sensor, a drive or a program had its limit there.
 
 use super::super::run::Run;
-use super::check::FindingKind;
+use super::FindingKind;
 use super::finding::RunFinding;
 
 /// Share of the samples at an extreme from which on it is said.

@@ -3,9 +3,9 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::number::{Decimals, number};
-use super::read::records;
 use super::units;
 use std::borrow::Cow;
+use std::io::Read;
 
 /// Text that has been understood as a table; its rows are read by [`Self::rows`].
 #[derive(Debug)]
@@ -48,6 +48,30 @@ impl Lines<'_> {
         }
         self.line
     }
+}
+
+/// Calls `each` with the fields of every row that is not empty, and the byte behind the row before it.
+///
+/// # Errors
+/// What `each` returns, and what the reader does.
+fn records(
+    reader: impl Read,
+    separator: u8,
+    source: &str,
+    mut each: impl FnMut(u64, &csv::ByteRecord) -> Result<()>,
+) -> Result<()> {
+    let mut csv = csv::ReaderBuilder::new()
+        .flexible(true)
+        .has_headers(false)
+        .delimiter(separator)
+        .buffer_capacity(1 << 16)
+        .from_reader(reader);
+    let mut record = csv::ByteRecord::new();
+    let fault = |e: csv::Error| IdentificationError::File { place: source.into(), message: e.to_string() };
+    while csv.read_byte_record(&mut record).map_err(fault)? {
+        each(record.position().map_or(0, csv::Position::byte), &record)?;
+    }
+    Ok(())
 }
 
 /// A row of more lines has swallowed the ones behind it.
@@ -156,8 +180,7 @@ pub(super) fn shortened(names: &[String]) -> String {
 }
 
 /// Formats that people have logs in, by their first bytes, and what to do.
-const BINARY: [(&[u8], &str); 10] = [
-    (b"\x1f\x8b", "a gzip file: unpack it (`gunzip FILE`)"),
+const BINARY: [(&[u8], &str); 9] = [
     (b"\x28\xb5\x2f\xfd", "a zstd file: unpack it (`zstd -d FILE`)"),
     (b"PK\x03\x04", "a zip archive or an Excel or NumPy file: export its table as CSV"),
     (

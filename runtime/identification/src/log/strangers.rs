@@ -125,6 +125,22 @@ fn strangers_logs_are_read() {
     }
 }
 
+/// What is printed about the columns of each style.
+#[test]
+fn columns_of_strangers_are_named() {
+    let said = styles().into_iter().map(|(style, header, row, columns, ..)| {
+        let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
+        let text = written(header, 20, row);
+        let options = ColumnOptions { columns, ..ColumnOptions::default() };
+        let recording = read(text.trim_start_matches('\n'), &options);
+        let findings = recording.findings.iter().map(ToString::to_string);
+        let lines = recording.columns_said().into_iter().chain(recording.mapping.clone());
+        let lines: Vec<String> = lines.chain(recording.doubts()).chain(findings).collect();
+        format!("== {style}\n{}\n", lines.join("\n"))
+    });
+    insta::assert_snapshot!("styles", said.collect::<String>());
+}
+
 /// As a table of Excel in western Europe, whose letters are no UTF-8.
 #[test]
 fn letters_of_windows_are_read() {

@@ -1,4 +1,4 @@
-//! Times of strangers' logs: the column, its unit, and values without a lost digit.
+//! Times of strangers' logs: the column, its unit, values without a lost digit, and seconds.
 
 use super::super::error::Result;
 use super::FindingKind;
@@ -13,8 +13,8 @@ use super::vocabulary::{Header, Kind};
 /// Where times stand.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TimeColumn {
-    /// Times, or whole seconds.
-    pub column: usize,
+    /// Times, or whole seconds; `None` where rows are counted.
+    pub column: Option<usize>,
     /// Nanoseconds beside whole seconds.
     pub nanoseconds: Option<usize>,
     /// Seconds of its unit, where it is named.
@@ -27,12 +27,15 @@ pub(super) struct TimeColumn {
 
 impl TimeColumn {
     pub(super) fn columns(&self) -> Vec<usize> {
-        [Some(self.column), self.nanoseconds].into_iter().flatten().collect()
+        [self.column, self.nanoseconds].into_iter().flatten().collect()
     }
 
     /// Time of a row in 10⁻¹² of its unit.
-    pub(super) fn read(&self, record: &csv::ByteRecord, decimals: Decimals) -> Option<i128> {
-        let whole = exact(record.get(self.column)?, decimals)?;
+    ///
+    /// - `line`: of the row in the file
+    pub(super) fn read(&self, record: &csv::ByteRecord, line: usize, decimals: Decimals) -> Option<i128> {
+        let Some(column) = self.column else { return Some(line as i128 * 1_000_000_000_000) };
+        let whole = exact(record.get(column)?, decimals)?;
         match self.nanoseconds {
             None => Some(whole),
             Some(column) => whole.checked_add(exact(record.get(column)?, decimals)? / 1_000_000_000),
@@ -47,6 +50,10 @@ impl TimeColumn {
 /// No column or several equally good ones.
 pub(super) fn find_time(finder: &Finder) -> Result<TimeColumn> {
     if let Some(pattern) = finder.pattern(|n| n == Named::Time) {
+        if let Some(period) = pattern.counts_rows(finder.headers) {
+            let said = format!("Rows are counted as the time, every {period} s.");
+            return Ok(TimeColumn { column: None, nanoseconds: None, unit: Some(period), said, doubt: None });
+        }
         let one = Targets::new(&["time".into()], &[]);
         let chosen = pattern.resolve(finder.headers, finder.sheet.width, &one)?;
         let column = chosen.columns[0];
@@ -105,7 +112,13 @@ fn time_column(finder: &Finder, column: usize, pair: Option<usize>, told: Option
             finder.unique(header)
         )
     });
-    TimeColumn { column, nanoseconds: pair, unit: if pair.is_some() { Some(1.0) } else { unit }, said, doubt }
+    TimeColumn {
+        column: Some(column),
+        nanoseconds: pair,
+        unit: if pair.is_some() { Some(1.0) } else { unit },
+        said,
+        doubt,
+    }
 }
 
 /// All sampled rows have the same time: a stamp that nobody set.
@@ -188,4 +201,29 @@ pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<
                        'time=…[4 ms]'";
         file_finding(place, None, FindingKind::UnitAssumed, message.into())
     })
+}
+
+/// From counts to seconds since the log's beginning, or since 0 where times are no epoch.
+pub(super) struct Clock {
+    zero: i128,
+    per_second: f64,
+}
+
+/// Beyond, times are taken as counted from an epoch or from when a machine was started [s].
+const EPOCH: f64 = 1e6;
+
+impl Clock {
+    /// The clock of times that count `unit` seconds in 10⁻¹² of it.
+    pub(super) fn new(times: &[i128], unit: f64) -> Self {
+        // Powers of ten that are doubles: a quotient by them is the double that is nearest to the decimal.
+        let exact = [1e12, 1e15, 1e18, 1e21].into_iter().find(|p| (p * unit / 1e12 - 1.0).abs() < 1e-9);
+        let per_second = exact.unwrap_or(1e12 / unit);
+        let first = times.first().copied().unwrap_or(0);
+        let is_epoch = first as f64 / per_second > EPOCH;
+        Self { zero: if is_epoch { first } else { 0 }, per_second }
+    }
+
+    pub(super) fn seconds(&self, time: i128) -> f64 {
+        time.saturating_sub(self.zero) as f64 / self.per_second
+    }
 }

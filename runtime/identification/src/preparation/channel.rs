@@ -1,6 +1,6 @@
 //! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are told apart.
 
-use super::super::statistics::quantile;
+use super::super::statistics::{median, quantile};
 use std::f64::consts::PI;
 
 /// The samples of a signal that carry information, at their own times.
@@ -136,20 +136,21 @@ fn smallest_change(values: &[f64]) -> f64 {
 /// several steps of the resolution, a repeat only says that the driver had nothing new.
 fn hold(values: &[f64]) -> f64 {
     let resolutions = resolutions(values);
-    let (mut samples, mut changes) = (0_usize, 0_usize);
-    for window in values.windows(2 * WINDOW + 1).step_by(WINDOW) {
-        let mut steps: Vec<f64> =
-            window.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
-        steps.sort_by(f64::total_cmp);
-        let resolution = window.iter().map(|y| resolutions[decade(*y)]).fold(0.0, f64::max);
-        if steps.len() >= 2 && quantile(&steps, 0.5) >= 4.0 * resolution {
-            samples += 2 * WINDOW;
-            changes += steps.len();
-        }
-    }
-    // A few windows may hold no more than the end of a motion.
-    let enough = changes > 0 && samples >= values.len() / 10;
-    if enough { samples as f64 / changes as f64 } else { 1.0 }
+    let changes: Vec<usize> = (1..values.len()).filter(|i| values[*i] != values[i - 1]).collect();
+    let is_large = |i: usize| {
+        let [before, after] = [values[i - 1], values[i]];
+        let resolution = resolutions[decade(before)].max(resolutions[decade(after)]);
+        (after - before).abs() >= 4.0 * resolution
+    };
+    let large = changes.windows(2).filter(|pair| pair.iter().all(|i| is_large(*i)));
+    let mut lengths: Vec<f64> = large.map(|pair| (pair[1] - pair[0]) as f64).collect();
+    // A rest between two motions is no hold.
+    let most = 3.0 * median(lengths.iter().copied()).unwrap_or(0.0);
+    lengths.retain(|length| *length <= most);
+    let samples: f64 = lengths.iter().sum();
+    // A few changes may be no more than the end of a motion.
+    let enough = !lengths.is_empty() && 10.0 * samples >= values.len() as f64;
+    if enough { samples / lengths.len() as f64 } else { 1.0 }
 }
 
 /// The smallest change in each decade of magnitudes: a log with a fixed number of digits is coarser where its
@@ -201,6 +202,15 @@ mod tests {
         let channel = Channel::new(&times, &coarse, true);
         assert_eq!((channel.hold, channel.times.len()), (1.0, 4000));
         assert!((channel.resolution - 6e-3).abs() < 1e-9);
+    }
+
+    /// Efforts that a slower bus hands on: each of them stands in 25 rows.
+    #[test]
+    fn long_holds_are_dropped() {
+        let (times, fine) = wave(5000, 4e-3);
+        let held: Vec<f64> = (0..5000).map(|i| fine[i - i % 25]).collect();
+        let channel = Channel::new(&times, &held, false);
+        assert!((channel.hold - 25.0).abs() < 0.2 && (channel.step() - 0.1).abs() < 1e-9, "{}", channel.hold);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
 };
 use super::super::robot::Robot;
-use super::super::run::{Effort, Run};
+use super::super::run::{Effort, FEWEST_SAMPLES, Run};
 use super::settings::PreparationSettings;
 
 /// Why an effort cannot be used.
@@ -55,7 +55,7 @@ pub(super) fn check(runs: &[Run], robot: Option<&dyn Robot>, settings: &Preparat
 
 fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
     let m = run.times.len();
-    require_samples(&format!("run {}", run.name), 16, m)?;
+    require_samples(&format!("run {}", run.name), FEWEST_SAMPLES, m)?;
     require_length(&format!("joints of run {}", run.name), joints, run.positions.len())?;
     require_length(&format!("velocities of run {}", run.name), joints, run.velocities.len())?;
     require_length(&format!("efforts of run {}", run.name), efforts, run.efforts.len())?;
@@ -73,7 +73,7 @@ fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
         let finite = column.iter().filter(|y| y.is_finite()).count();
         require_samples(
             &format!("the measured position of joint {} in run {}", j + 1, run.name),
-            16,
+            FEWEST_SAMPLES,
             finite,
         )?;
     }

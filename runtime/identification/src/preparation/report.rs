@@ -2,7 +2,9 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
+use super::super::run::Effort;
 use super::bandwidth::{from_positions, noise_share};
+use super::channel::Channel;
 use super::choice::{Recorded, USUAL};
 use super::filter::Filter;
 use super::grid::Piece;
@@ -34,6 +36,7 @@ impl Recorded<'_> {
             (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
         let mut notes = self.notes(how);
         notes.extend(joints.iter().flat_map(remarks));
+        notes.extend(self.held());
         notes.extend(late(&joints, |_| true));
         notes.extend(self.of_rests(smoothed));
         if how.step > 1.5 * self.step {
@@ -50,13 +53,13 @@ impl Recorded<'_> {
 
     fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay], smoothed: &[Smoothed]) -> JointPreparation {
         let quality = &self.quality[j];
-        let channels = self.signals.iter().map(|s| &s.positions[j]);
+        let resolutions = self.signals.iter().map(|s| s.positions[j].resolution);
         let own = from_positions(&[quality], self.lowest(USUAL).min(self.highest()), self.highest());
         JointPreparation {
             name: self.name(j),
             noise: quality.noise,
-            resolution: channels.clone().map(|c| c.resolution).fold(0.0, f64::max),
-            hold: channels.map(|c| c.hold).fold(1.0, f64::max),
+            resolution: resolutions.fold(0.0, f64::max),
+            hold: self.hold(|s| &s.positions[j]),
             moves: quality.moves,
             bandwidth: how.bandwidth,
             own_bandwidth: own,
@@ -93,6 +96,30 @@ impl Recorded<'_> {
             format!("{name}: rows {first} to {last} are left out; they last {:.3} s, less than the two ends of {:.3} s that are cut (a larger --bandwidth cuts off less)", p.duration(), how.cut)
         });
         pieces.windows(2).map(gap).chain(short).collect()
+    }
+
+    /// Signals that are new in a part of the rows only.
+    fn held(&self) -> Vec<String> {
+        let positions =
+            (0..self.joints()).map(|j| (self.name(j), "position", self.hold(|s| &s.positions[j])));
+        let robot = self.robot.filter(|_| self.signals[0].effort != Effort::Joint);
+        let inputs = robot.map(Robot::input_names).unwrap_or_default();
+        let name = |m: usize| inputs.get(m).cloned().unwrap_or_else(|| self.name(m));
+        let efforts =
+            (0..self.signals[0].efforts.len()).map(|m| (name(m), "effort", self.hold(|s| &s.efforts[m])));
+        let held = positions.chain(efforts).filter(|(.., hold)| *hold > 1.2);
+        let said = |(name, what, hold): (String, &str, f64)| {
+            format!(
+                "{name}: its {what} is new in one of {} rows only; the repeats are left out",
+                (10.0 * hold).round() / 10.0
+            )
+        };
+        held.map(said).collect()
+    }
+
+    /// Rows of the log for each new value of a channel, the most of all runs.
+    fn hold(&self, channel: impl Fn(&Signals) -> &Channel) -> f64 {
+        self.signals.iter().map(|signals| channel(signals).hold).fold(1.0, f64::max)
     }
 
     /// Which joints that move rest for a part of the time.
@@ -145,12 +172,6 @@ fn remarks(joint: &JointPreparation) -> Vec<String> {
         remarks.push(format!(
             "{name}: {:.0} % of the power of its acceleration is noise; inertia comes out too small unless it moves faster (the filter is --bandwidth {:.3})",
             100.0 * joint.acceleration_noise, joint.bandwidth
-        ));
-    }
-    if joint.hold > 1.2 {
-        remarks.push(format!(
-            "{name}: its position is new in one of {:.1} rows only; the repeats are left out",
-            joint.hold
         ));
     }
     if let Some(check) =

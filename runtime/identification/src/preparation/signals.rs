@@ -119,6 +119,9 @@ pub(super) struct Smoothed {
     pub velocities: Vec<Option<Vec<f64>>>,
 }
 
+/// Fewest results of a piece: rates of change take the neighbours on both sides.
+const FEWEST: usize = 3;
+
 /// Results at every `ratio`-th sample of an even grid.
 struct Sampler {
     grid: Vec<f64>,
@@ -128,7 +131,7 @@ struct Sampler {
     count: usize,
 }
 
-/// A piece of a run, smoothed; `None` if nothing is left between its cut ends.
+/// A piece of a run, smoothed; `None` if too little is left between its cut ends.
 pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Result<Option<Smoothed>> {
     let Some(sampler) = Sampler::new(signals.step, piece, how) else { return Ok(None) };
     let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c]).collect();
@@ -173,7 +176,7 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     Ok(Some(Smoothed { run, measured, velocities }))
 }
 
-/// Whether nothing is left of a piece between its cut ends.
+/// Whether too little is left of a piece between its cut ends.
 pub(super) fn is_too_short(signals: &Signals, piece: &Piece, how: &Smoothing) -> bool {
     Sampler::new(signals.step, piece, how).is_none()
 }
@@ -193,7 +196,7 @@ impl Sampler {
         let first = ((how.cut - early) / step).ceil() as usize;
         let last = grid.len().checked_sub(1 + ((how.cut + late) / step).ceil() as usize)?;
         let count = last.checked_sub(first)? / ratio + 1;
-        Some(Self { grid, step, ratio, first, count })
+        (count >= FEWEST).then_some(Self { grid, step, ratio, first, count })
     }
 
     fn centres(&self) -> impl Iterator<Item = usize> + '_ {

@@ -1,7 +1,7 @@
-//! Runs prepared by a plain filter: the same Savitzky–Golay window over positions and torques.
+//! Runs prepared by a plain filter: cubic polynomials in the same window over positions and torques (Savitzky and Golay 1964).
 
-use super::super::super::differentiation::SavitzkyGolay;
 use super::super::super::run::{DesiredMotion, Effort, PreparedRun};
+use nalgebra::DMatrix;
 use std::path::PathBuf;
 
 /// A file of the data folder beside the checkout, or `None` with a printed note.
@@ -44,10 +44,16 @@ pub(super) fn prepare(
     efforts: &[Vec<f64>],
     window: usize,
 ) -> PreparedRun {
-    let filter = SavitzkyGolay::with_window(window, 3);
-    let inner = window / 2..times.len() - window / 2;
-    let smooth = |column: &Vec<f64>| filter.differentiate(times, column).unwrap();
-    let moved: Vec<_> = positions.iter().map(smooth).collect();
+    let half = window / 2;
+    let inner = half..times.len() - half;
+    let step = (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64;
+    let powers = DMatrix::from_fn(window, 4, |i, k| ((i as f64 - half as f64) * step).powi(k as i32));
+    let weights = powers.pseudo_inverse(1e-12).unwrap();
+    let smooth = |column: &Vec<f64>, order: usize| -> Vec<f64> {
+        let at = |window: &[f64]| weights.row(order).iter().zip(window).map(|(w, x)| w * x).sum::<f64>();
+        column.windows(window).map(|window| [1.0, 1.0, 2.0][order] * at(window)).collect()
+    };
+    let moved = |order: usize| positions.iter().map(|column| smooth(column, order)).collect::<Vec<_>>();
     let cut = |column: &[f64]| column[inner.clone()].to_vec();
     PreparedRun {
         poses: Vec::new(),
@@ -55,10 +61,10 @@ pub(super) fn prepare(
         name: name.into(),
         times: cut(times),
         rows: inner.clone().map(|i| i + 2).collect(),
-        positions: moved.iter().map(|d| cut(&d.value)).collect(),
-        velocities: moved.iter().map(|d| cut(&d.first)).collect(),
-        accelerations: moved.iter().map(|d| cut(&d.second)).collect(),
-        efforts: efforts.iter().map(|e| cut(&smooth(e).value)).collect(),
+        positions: moved(0),
+        velocities: moved(1),
+        accelerations: moved(2),
+        efforts: efforts.iter().map(|column| smooth(column, 0)).collect(),
         effort: Effort::Joint,
         desired: None,
     }

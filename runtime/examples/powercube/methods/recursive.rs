@@ -4,7 +4,7 @@
 //! 1999, ch. 11). Fixed sizes: an update neither allocates nor fails; samples that are not finite are skipped
 //! and counted.
 
-use super::error::{Result, require_setting};
+use gelenk_identification::error::{Result, require_setting};
 use nalgebra::{SMatrix, SVector};
 
 /// Settings of [`RecursiveLeastSquares`].
@@ -168,8 +168,8 @@ fn eliminate<const N: usize>(w: &mut SVector<f64, N>, p: &mut SMatrix<f64, N, N>
 
 #[cfg(test)]
 mod tests {
-    use super::super::random::SplitMix64;
     use super::*;
+    use gelenk_identification::random::SplitMix64;
     use nalgebra::{DMatrix, DVector};
 
     #[test]

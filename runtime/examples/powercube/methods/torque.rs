@@ -1,10 +1,12 @@
 //! Friction torque from a motion and the generated model, and the motor constant from a known load.
 
-use super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
-use super::least_squares::{Reduced, Solution};
-use super::library::Library;
-use super::moments::Samples;
-use gelenk_dynamics::dynamics::{Dynamics, Named, load};
+use gelenk_identification::error::{
+    IdentificationError, Result, require_finite, require_length, require_samples,
+};
+use gelenk_identification::least_squares::{Reduced, Solution};
+use gelenk_identification::library::Library;
+use gelenk_identification::moments::Samples;
+use gelenk_runtime::dynamics::{Dynamics, Named, load};
 
 /// A recorded motion: one column of samples per joint and input.
 #[derive(Debug, Clone)]
@@ -118,10 +120,10 @@ pub fn motor_constant(
 
 #[cfg(test)]
 mod tests {
-    use super::super::random::SplitMix64;
     use super::*;
+    use gelenk_identification::random::SplitMix64;
 
-    gelenk_dynamics::dynamics!(struct PowerCube = gelenk_generated::powercube);
+    gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 
     const I: f64 = 161.0;
 

@@ -4,11 +4,12 @@
 //! filters, the backward pass smooths. Inside, time counts in mean sampling steps, which keeps the
 //! covariances well scaled.
 
-use super::super::error::{IdentificationError, Result, require_setting};
-use super::{
-    Derivatives, by_discrepancy, check, judged_residual, require_noise, residual_bound, rms_difference,
+use gelenk_identification::differentiation::{
+    Derivatives, by_discrepancy, require_noise, require_signal, residual_bound, rms_difference,
 };
+use gelenk_identification::error::{IdentificationError, Result, require_setting};
 use nalgebra::{Matrix4, Vector4};
+use std::ops::Range;
 
 /// Settings of the method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +34,7 @@ impl KalmanSmoother {
     /// range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
         require_noise(self.sigma)?;
-        check(times, signal, 8)?;
+        require_signal(times, signal, 8)?;
         let m = times.len();
         let step = (times[m - 1] - times[0]) / (m - 1) as f64;
         // Density per σ² and step: unit² s⁻⁷ · step⁷ / σ².
@@ -76,6 +77,33 @@ fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) ->
     let (least, largest) = (-20.0, 8.0);
     let exponent = if explains(least)? { least } else { by_discrepancy(largest, least, 0.05, explains)? };
     Ok(10f64.powf(exponent))
+}
+
+/// Rms of the residuals over the rows on which a regularization is judged, and how many these are.
+///
+/// - `squares`: sum of the squared residuals of a signal at its times
+fn judged_residual(
+    times: &[f64],
+    signal: &[f64],
+    squares: impl Fn(&[f64], &[f64]) -> Result<f64>,
+) -> Result<(f64, usize)> {
+    let (mut sum, mut count) = (0.0, 0);
+    for rows in judged_windows(times.len()) {
+        count += rows.len();
+        sum += squares(&times[rows.clone()], &signal[rows])?;
+    }
+    Ok(((sum / count as f64).sqrt(), count))
+}
+
+/// Rows on which a regularization is judged: all, or four windows of 5000 evenly spread over a longer signal.
+fn judged_windows(samples: usize) -> Vec<Range<usize>> {
+    const WINDOWS: usize = 4;
+    const SIZE: usize = 5_000;
+    if samples <= WINDOWS * SIZE {
+        return std::iter::once(0..samples).collect();
+    }
+    let spacing = (samples - SIZE) / (WINDOWS - 1);
+    (0..WINDOWS).map(|k| k * spacing..k * spacing + SIZE).collect()
 }
 
 /// Signal in units of σ, time in units of the mean step.
@@ -217,8 +245,9 @@ fn smoother_gain(
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
     use super::*;
+    use gelenk_identification::differentiation::central_differences;
+    use gelenk_identification::random::SplitMix64;
     use nalgebra::{DMatrix, DVector};
 
     /// The smoother's optimality, as one dense weighted least-squares problem over all states.
@@ -263,6 +292,21 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Ten times less error than central differences on a chirp up to 2.1 Hz with noise of 1 %, over the inner nine tenths.
+    #[test]
+    fn a_noisy_chirp_is_differentiated() {
+        let mut random = SplitMix64::new(1);
+        let times: Vec<f64> = (0..2000).map(|i| 0.01 * f64::from(i)).collect();
+        let phase = |t: f64| std::f64::consts::TAU * (0.1 * t + 0.05 * t * t);
+        let signal: Vec<f64> = times.iter().map(|t| phase(*t).sin() + 0.01 * random.normal()).collect();
+        let truth: Vec<f64> =
+            times.iter().map(|t| std::f64::consts::TAU * (0.1 + 0.1 * t) * phase(*t).cos()).collect();
+        let error = |found: &[f64]| rms_difference(&found[100..1900], &truth[100..1900]);
+        let central = error(&central_differences(&times, &signal).unwrap());
+        let found = error(&KalmanSmoother::from_noise(0.01).differentiate(&times, &signal).unwrap().first);
+        assert!(central > 10.0 * found, "{central} {found}");
     }
 
     #[test]

@@ -1,0 +1,38 @@
+//! Rows that come in bursts: their times are those of arrival.
+
+use super::super::digits::plain;
+use super::super::error::{IdentificationError, Result};
+use super::super::statistics::median;
+
+/// Share of steps that are pauses between bursts, and how many times longer than the usual step these are.
+const PAUSES: f64 = 0.02;
+const BURST: f64 = 10.0;
+
+/// Refuses times of arrival: rows that a network or a buffer hands on in bursts were recorded at other times. Pauses of a
+/// recording are few, those between bursts come with each of them.
+///
+/// # Errors
+/// [`IdentificationError::File`], with the period that counts the rows.
+pub(super) fn require_steady(parts: &[Vec<usize>], times: &[i128], unit: f64, source: &str) -> Result<()> {
+    let pairs = parts.iter().flat_map(|part| part.windows(2));
+    let steps: Vec<f64> = pairs.map(|pair| (times[pair[1]] - times[pair[0]]) as f64 * unit / 1e12).collect();
+    let usual = median(steps.iter().copied()).unwrap_or(0.0);
+    let pauses: Vec<usize> = (0..steps.len()).filter(|i| steps[*i] > BURST * usual).collect();
+    let paused: f64 = pauses.iter().map(|i| steps[*i]).sum();
+    let is_rare = (pauses.len() as f64) < PAUSES * steps.len() as f64;
+    // Whole bursts lie between the first pause and the last.
+    let [first, .., last] = pauses[..] else { return Ok(()) };
+    if is_rare || 2.0 * paused < steps.iter().sum::<f64>() {
+        return Ok(());
+    }
+    let rows = (last - first) as f64;
+    let size = rows / (pauses.len() - 1) as f64;
+    let message = format!(
+        "rows come in bursts, {size:.0} within {} s and then none for {} s: these are times of arrival. If rows were recorded at equal \
+         times, give the period: --columns 'time=row[{} ms]'",
+        plain(usual * (size - 1.0), 2),
+        plain(paused / pauses.len() as f64, 2),
+        plain(1e3 * steps[first + 1..=last].iter().sum::<f64>() / rows, 3)
+    );
+    Err(IdentificationError::File { place: source.into(), message })
+}
