@@ -5,111 +5,12 @@
 //! build log, JSON.
 
 use crate::remedies::remedy;
+pub use gelenk_findings::{Finding as Diagnostic, Location, Severity};
 pub(crate) use gelenk_formula::nearest;
 use std::fmt;
 
-/// How bad it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// The description cannot be used.
-    Error,
-    /// The description is used, and probably has a fault.
-    Warning,
-    /// The description is used; something in it was skipped, changed or is worth knowing.
-    Note,
-}
-
-impl Severity {
-    /// `error`, `warning` or `note`.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Error => "error",
-            Self::Warning => "warning",
-            Self::Note => "note",
-        }
-    }
-}
-
-/// One problem or remark.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Diagnostic {
-    /// Error, warning or note.
-    pub severity: Severity,
-    /// Kind of the problem in kebab case; stable, for scripts.
-    pub code: &'static str,
-    /// The problem, with the offending numbers.
-    pub message: String,
-    /// Where; `None` for what has no place in a file.
-    pub location: Option<Location>,
-    /// Advice to the user.
-    pub help: Option<String>,
-}
-
-/// A place in a source file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Location {
-    /// The file as the user named it.
-    pub file: String,
-    /// Line, from 1.
-    pub line: usize,
-    /// Column in characters, from 1.
-    pub column: usize,
-    /// Marked characters on this line, at least 1.
-    pub length: usize,
-    /// The source line, without control characters; a window of it where the line is very long.
-    pub excerpt: String,
-    /// Marked column within `excerpt`, in characters from 0.
-    pub excerpt_column: usize,
-}
-
-impl Diagnostic {
-    /// An error without a place.
-    pub fn error(code: &'static str, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Error, code, message: message.into(), location: None, help: None }
-    }
-
-    /// A warning without a place.
-    pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Warning, ..Self::error(code, message) }
-    }
-
-    /// A note without a place.
-    pub fn note(code: &'static str, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Note, ..Self::error(code, message) }
-    }
-
-    /// The same with a place.
-    pub fn at(mut self, location: Location) -> Self {
-        self.location = Some(location);
-        self
-    }
-
-    /// The same with advice.
-    pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
-        self
-    }
-}
-
-impl fmt::Display for Diagnostic {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{}[{}]: {}", self.severity.as_str(), self.code, self.message)?;
-        if let Some(at) = &self.location {
-            let number = at.line.to_string();
-            let margin = " ".repeat(number.len());
-            write!(out, "\n{margin}--> {}:{}:{}", at.file, at.line, at.column)?;
-            write!(out, "\n{margin} |\n{number} | {}", at.excerpt)?;
-            write!(out, "\n{margin} | {}{}", " ".repeat(at.excerpt_column), "^".repeat(at.length))?;
-        }
-        match &self.help {
-            Some(help) => write!(out, "\n  = help: {help}"),
-            None => Ok(()),
-        }
-    }
-}
-
 /// Diagnostics in the order of their places: file, line, column, code.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
 /// So many are printed; a hostile file may have a million.
@@ -156,7 +57,7 @@ impl From<Diagnostic> for Diagnostics {
 }
 
 fn key(entry: &Diagnostic) -> (Option<(&str, usize, usize)>, Severity, &str, &str) {
-    let place = entry.location.as_ref().map(|at| (at.file.as_str(), at.line, at.column));
+    let place = entry.location().map(|at| (at.file.as_str(), at.line, at.column));
     (place, entry.severity, entry.code, &entry.message)
 }
 
@@ -266,7 +167,7 @@ impl Report {
             self.dropped += 1;
             return self;
         }
-        entry.location = span.and_then(|span| self.location(span)).or(entry.location);
+        entry.about.place = span.and_then(|span| self.location(span)).or(entry.about.place);
         self.entries.push(entry);
         self
     }
@@ -274,7 +175,7 @@ impl Report {
     /// Adds advice to the diagnostic added last.
     pub fn help(&mut self, help: impl Into<String>) {
         if let Some(last) = self.entries.last_mut().filter(|_| self.dropped == 0) {
-            last.help = Some(help.into());
+            last.remedy = Some(help.into());
         }
     }
 
@@ -301,7 +202,7 @@ impl Report {
             self.entries.push(Diagnostic::error("too-many-problems", message));
         }
         for entry in self.entries.iter_mut().filter(|entry| entry.severity == Severity::Error) {
-            entry.help = entry.help.take().or_else(|| remedy(entry.code).map(str::to_owned));
+            entry.remedy = entry.remedy.take().or_else(|| remedy(entry.code).map(str::to_owned));
         }
         Diagnostics::new(self.entries)
     }

@@ -22,7 +22,7 @@ fn bad_descriptions_are_explained() {
         assert!(diagnostics.has_errors(), "{name}");
         let errors = diagnostics.entries().iter().filter(|entry| entry.severity == Severity::Error);
         for error in errors {
-            assert!(error.help.is_some(), "{name}: nothing says what to do about: {error}");
+            assert!(error.remedy.is_some(), "{name}: nothing says what to do about: {error}");
         }
         // Paths are shown as given; here they begin with this machine's checkout.
         let text = diagnostics.to_string().replace(&format!("{}/", folder.display()), "");

@@ -154,7 +154,7 @@ fn unreadable_files() {
     let file = folder.join("latin1.toml");
     std::fs::write(&file, b"name = \"x\"\n# caf\xe9\n").unwrap();
     let latin = read(&file, &ReadOptions::default()).unwrap_err();
-    let at = latin.entries()[0].location.clone().unwrap();
+    let at = latin.entries()[0].location().cloned().unwrap();
     assert_eq!((latin.entries()[0].code, at.line, at.column), ("not-utf-8", 2, 6));
     assert!(read(&folder, &ReadOptions::default()).is_err());
     std::fs::remove_dir_all(&folder).unwrap();

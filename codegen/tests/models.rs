@@ -57,7 +57,7 @@ fn every_example_of_the_readme_loads() {
         let outcome = from_toml(example, &name, &ReadOptions::default(), &mut load);
         let (_, notes) = outcome.unwrap_or_else(|wrong| panic!("{wrong}"));
         assert!(
-            notes.entries().iter().all(|note| note.location.as_ref().unwrap().file.ends_with("urdf")),
+            notes.entries().iter().all(|note| note.location().unwrap().file.ends_with("urdf")),
             "{notes}"
         );
     }

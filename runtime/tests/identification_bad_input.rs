@@ -10,7 +10,7 @@ use gelenk_identification::friction::{
 };
 use gelenk_identification::lasso::Lasso;
 use gelenk_identification::library::Library;
-use gelenk_identification::log::{ColumnOptions, FindingKind, Recording, runs_of};
+use gelenk_identification::log::{ColumnOptions, Recording, runs_of};
 use gelenk_identification::moments::{Moments, Samples};
 use gelenk_identification::stribeck::StribeckRegression;
 use gelenk_identification::thresholding::Thresholding;
@@ -97,8 +97,8 @@ fn one_sample() {
 #[test]
 fn constant_logs() {
     let log = rows((0..100).map(|i| (0.01 * f64::from(i), 0.25, 1.0)));
-    let kinds: Vec<FindingKind> = read(&log).expect("a log").findings.iter().map(|f| f.kind).collect();
-    assert_eq!(kinds, [FindingKind::StoodStill, FindingKind::Constant, FindingKind::Stuck]);
+    let codes: Vec<&str> = read(&log).expect("a log").findings.iter().map(|f| f.code).collect();
+    assert_eq!(codes, ["stood-still", "constant-effort", "samples-repeat"]);
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[0.5; 40], &[2.0; 40]));
@@ -180,12 +180,12 @@ fn parameters_that_the_data_do_not_show() {
     let friction = Library::friction().expect("a library");
     let method = FrictionMethod::Stribeck(StribeckRegression::default());
     let report = identify(&friction, method, &v, &torque).expect("a law");
-    let warnings = report.result.warnings.join("\n");
+    let warnings = report.result.table();
     assert!(warnings.contains("identifiable"), "{warnings}");
     assert!(report.residuals.iter().all(|r| r.is_finite()));
     // Steps of the same library are part of the offset, and a warning says so.
     let report = identify(&friction, FrictionMethod::LeastSquares, &v, &torque).expect("a law");
-    let warnings = report.result.warnings.join("\n");
+    let warnings = report.result.table();
     assert!(
         warnings.contains("sign(v), tanh(5*v), tanh(10*v), tanh(20*v), tanh(100*v) left out"),
         "{warnings}"

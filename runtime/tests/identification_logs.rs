@@ -2,7 +2,7 @@
 
 use crate::support::data::shared;
 use crate::support::named_robot::NamedRobot;
-use gelenk_identification::log::{ColumnOptions, FindingKind, Recording, runs, runs_of};
+use gelenk_identification::log::{ColumnOptions, Recording, runs, runs_of};
 use gelenk_identification::run::Effort;
 use std::fmt::Write;
 
@@ -49,7 +49,7 @@ fn the_schunk_runs_are_runs_of_a_robot() {
     );
     let guessed = runs(&[path], &robot, &ColumnOptions::default()).unwrap();
     assert_eq!(guessed.effort, Effort::Input);
-    let doubts = guessed.findings.iter().filter(|f| f.kind == FindingKind::GearDoubtful).count();
+    let doubts = guessed.findings.iter().filter(|f| f.code == "gear-doubtful").count();
     assert_eq!(doubts, 1, "{:?}", sentences(&guessed));
 }
 

@@ -17,6 +17,7 @@ const OF_ROBOTS: [&str; 6] = [
     "gelenk-codegen",
     "gelenk-dynamics",
     "gelenk-files",
+    "gelenk-findings",
     "gelenk-formula",
     "gelenk-kernels",
     "gelenk-runtime",

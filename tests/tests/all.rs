@@ -19,6 +19,7 @@ mod emitted;
 mod emitted_options;
 mod enumerated;
 mod freshness;
+mod findings;
 mod friction;
 mod identified_loop;
 mod imports;

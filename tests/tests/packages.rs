@@ -38,6 +38,7 @@ fn the_crates_that_are_published() {
         "gelenk-codegen",
         "gelenk-dynamics",
         "gelenk-files",
+        "gelenk-findings",
         "gelenk-formula",
         "gelenk-identification",
         "gelenk-kernels",

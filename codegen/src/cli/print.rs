@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use gelenk_identification::IdentificationError;
 use serde_json::{Value, json};
 
 use super::arguments::Format;
@@ -56,17 +57,55 @@ pub(super) fn diagnostics(diagnostics: &Diagnostics) -> Value {
     diagnostics.entries().iter().map(diagnostic).collect()
 }
 
+/// Findings as JSON.
+pub(super) fn findings(all: &[Diagnostic]) -> Value {
+    all.iter().map(diagnostic).collect()
+}
+
+/// Most findings that are printed.
+const SHOWN: usize = 100;
+
+/// Findings as text, a line or two each.
+pub(super) fn lines(all: &[Diagnostic]) -> String {
+    let shown = all.iter().take(SHOWN).map(|finding| format!("{finding}\n"));
+    let more = all.len().checked_sub(SHOWN).filter(|more| *more > 0);
+    shown.chain(more.map(|more| format!("… and {more} more findings\n"))).collect()
+}
+
+/// The result, or the findings before it on standard error: an error may have its reason in them.
+pub(super) fn after<T, E: Into<Failure>>(result: Result<T, E>, findings: &[Diagnostic]) -> Result<T, Failure> {
+    if result.is_err() {
+        err(&lines(findings));
+    }
+    result.map_err(E::into)
+}
+
+/// The result of an identification, or what was found before its error.
+pub(super) fn identified<T>(result: Result<T, IdentificationError>) -> Result<T, Failure> {
+    let noted = result.as_ref().err().map_or_else(Vec::new, |error| error.noted().to_vec());
+    after(result, &noted)
+}
+
 fn diagnostic(entry: &Diagnostic) -> Value {
-    json!({
+    let values = entry.values.iter().map(|value| json!({"name": value.name, "value": value.value, "unit": value.unit}));
+    let mut shown = json!({
         "severity": entry.severity.as_str(),
         "code": entry.code,
         "message": entry.message,
-        "file": entry.location.as_ref().map(|at| &at.file),
-        "line": entry.location.as_ref().map(|at| at.line),
-        "column": entry.location.as_ref().map(|at| at.column),
-        "help": entry.help,
+        "file": entry.location().map(|at| &at.file),
+        "line": entry.location().map(|at| at.line),
+        "column": entry.location().map(|at| at.column),
+        "help": entry.remedy,
         "text": entry.to_string(),
-    })
+    });
+    // Findings of logs have these in place of a file.
+    if entry.location().is_none() {
+        shown["log"] = json!(entry.about.log);
+        shown["rows"] = json!(entry.about.rows);
+        shown["part"] = json!(entry.about.subject.name());
+        shown["values"] = values.collect();
+    }
+    shown
 }
 
 /// Operation counts of functions by name as a table, with their bytes of machine code where these are given.

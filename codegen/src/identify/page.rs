@@ -1,5 +1,6 @@
 //! The page of an identification.
 
+use gelenk_findings::{Severity, texts};
 use gelenk_identification::digits;
 use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
 use gelenk_identification::identify::{Identification, JointFriction};
@@ -25,6 +26,7 @@ const CURVE: usize = 200;
 /// - `command`: that made the page
 #[must_use]
 pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str) -> Report {
+    let findings = found.findings(robot);
     let rows = found.rows(robot);
     let robot: &dyn Robot = &rows;
     let estimate = &found.estimate;
@@ -45,7 +47,7 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
     report.made_by = command.to_owned();
     let units = robot.position_units();
     report = report.section(summary(found));
-    let warnings = warnings(found);
+    let warnings = texts(&findings, Severity::Warning);
     if !warnings.is_empty() {
         let blocks = warnings.into_iter().map(plain);
         report = report.section(Section::new("warnings", "Doubts").blocks(blocks));
@@ -57,29 +59,6 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
         report = report.section(efforts(found)).section(residuals(found, &units));
     }
     report.section(parameters(robot, found)).section(data(found))
-}
-
-/// Warnings of the estimate, and joints without a friction law.
-#[must_use]
-pub fn warnings(found: &Identification) -> Vec<String> {
-    let laws = found.friction.iter().filter_map(|joint| {
-        let reason = joint.report.as_ref().err()?;
-        Some(format!(
-            "joint {}: no friction law is written: {reason}. The described friction stays; R² and residual of this joint are those of \
-             the estimate with friction of its own",
-            joint.name
-        ))
-    });
-    let doubts = found.friction.iter().filter_map(|joint| joint.report.as_ref().ok()).flat_map(|report| {
-        let result = &report.result;
-        result.warnings.iter().map(|doubt| format!("joint {}: {doubt}", result.joint))
-    });
-    let resting = found.estimate.joints.iter().filter(|joint| !joint.moves && joint.measured && !joint.exact);
-    let resting =
-        resting.map(|joint| format!("joint {} does not move: nothing of it is estimated", joint.name));
-    let others = resting.chain(laws).chain(doubts);
-    let worded = |text: String| found.shafts.as_ref().map_or_else(|| text.clone(), |rows| rows.worded(&text));
-    found.estimate.warnings.iter().cloned().chain(others.map(worded)).collect()
 }
 
 /// What a row of the tables is.
@@ -126,7 +105,7 @@ fn summary(found: &Identification) -> Section {
             Cell::Code(law(found, index)),
         ]);
     }
-    let choices = found.estimate.choices.iter().cloned().map(plain);
+    let choices = texts(&found.estimate.findings, Severity::Note).into_iter().map(plain);
     Section::new("summary", "How well it fits").block(Block::Table(table)).blocks(choices)
 }
 
@@ -328,8 +307,8 @@ fn data(found: &Identification) -> Section {
     let mapping = recording.mapping.iter().cloned().map(plain);
     let unused = (!recording.unused.is_empty())
         .then(|| plain(format!("Columns that nothing uses: {}.", recording.unused.join(", "))));
-    let findings = recording.findings.iter().map(|finding| plain(finding.to_string()));
-    let notes = found.preparation.notes.iter().cloned().map(plain);
+    let findings = texts(&recording.findings, Severity::Note).into_iter().map(plain);
+    let notes = texts(&found.preparation.findings, Severity::Note).into_iter().map(plain);
     Section::new("data", "Data")
         .blocks(hashes)
         .blocks(columns)
@@ -356,7 +335,7 @@ fn preparation(found: &Identification) -> Table {
             Cell::Rounded(joint.resolution, 3),
             Cell::Rounded(joint.bandwidth, 3),
             Cell::Rounded(1e3 * joint.delay, 3),
-            Cell::text(joint.fault.clone().unwrap_or_default()),
+            Cell::text(joint.fault.as_ref().map_or_else(String::new, |fault| fault.message.clone())),
         ]);
     }
     table

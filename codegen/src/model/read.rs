@@ -320,7 +320,7 @@ fn read_base(
         Ok((name, text)) => read_toml(reader, &text, &name, options, chain),
         Err(wrong) => {
             for entry in wrong.into_entries() {
-                let here = entry.location.is_none().then_some(file.span);
+                let here = entry.location().is_none().then_some(file.span);
                 reader.report.push(here, entry);
             }
             None

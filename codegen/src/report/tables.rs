@@ -444,11 +444,11 @@ pub(super) fn notes(notes: &Diagnostics) -> Table {
         .column("note", "note", "")
         .column("what to do", "help", "");
     table.rows(notes.entries().iter().map(|note| {
-        let place = note.location.as_ref().map(|at| format!("{}:{}", at.file, at.line));
+        let place = note.location().map(|at| format!("{}:{}", at.file, at.line));
         vec![
             Cell::text(place.unwrap_or_default()),
             Cell::text(note.message.clone()),
-            Cell::text(note.help.clone().unwrap_or_default()),
+            Cell::text(note.remedy.clone().unwrap_or_default()),
         ]
     }))
 }

@@ -264,8 +264,8 @@ fn moments_hold_the_rows_of_the_base_alone() {
     assert!(before > 0.1 && after < 0.01, "{before} {after}");
     assert!(found.joints[6..].iter().all(|joint| !joint.measured && joint.terms.is_empty()));
     assert!(
-        found.warnings.iter().any(|warning| warning.contains("_calf has no measured effort")),
+        found.findings.iter().any(|finding| finding.sentence().contains("_calf: it has no measured effort")),
         "{:?}",
-        found.warnings
+        found.findings
     );
 }

@@ -80,7 +80,7 @@ fn a_log_that_was_fitted_validates_nothing() {
         ["arm.toml", "log.csv", "--effort", "joint", "--validate", "copy.csv", "--output", "found.toml"];
     let done = arm.run(&arguments);
     let said = String::from_utf8(done.stderr).unwrap();
-    assert!(said.contains("copy.csv is one of the fitted logs"), "{said}");
+    assert!(said.contains("copy.csv: it is one of the fitted logs"), "{said}");
 }
 
 #[test]

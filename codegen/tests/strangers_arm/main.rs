@@ -301,5 +301,5 @@ fn efforts_that_come_early_are_moved() {
     );
     // Where it is told wrong, the remedy is named.
     let said = arm.identify(&["log.csv", "--delay", "0", "--output", "found.toml"]);
-    assert!(said["warnings"].to_string().contains("Say the whole delay with --delay SECONDS"), "{said:#}");
+    assert!(said["warnings"].to_string().contains("give the whole delay with --delay SECONDS"), "{said:#}");
 }

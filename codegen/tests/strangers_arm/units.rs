@@ -27,11 +27,11 @@ const RPM: f64 = 30.0 / PI;
 fn values_far_beyond_the_limits_are_refused_with_their_unit() {
     let arm = with_limits();
     let cases = [
-        ([1.0, DEGREES, 1.0], "They look like deg: --columns 'position=q_{name}[deg]'"),
-        ([1.0, 1e3, 1.0], "They look like mrad: --columns 'position=q_{name}[mrad]'"),
+        ([1.0, DEGREES, 1.0], "they look like deg: --columns 'position=q_{name}[deg]'"),
+        ([1.0, 1e3, 1.0], "they look like mrad: --columns 'position=q_{name}[mrad]'"),
         ([1e-3, 1.0, 1.0], "times are in another unit (--columns 'time=t[UNIT]')"),
         ([1.0 / 60.0, 1.0, 1.0], "times are in min (--columns 'time=t[min]')"),
-        ([1.0, 1.0, 1e3], "They may be in mNm: --columns 'torque=effort_{name}[mNm]'"),
+        ([1.0, 1.0, 1e3], "they may be in mNm: --columns 'torque=effort_{name}[mNm]'"),
         (
             [1.0, 1.0, 20.0],
             "Counts and percents have a factor, as in --columns 'torque=effort_{name}[0.05 Nm]'",
@@ -57,7 +57,7 @@ fn values_far_beyond_the_limits_are_refused_with_their_unit() {
 fn efforts_that_carry_another_robot_are_refused() {
     let arm = Arm::new();
     let refused = [
-        ([1.0, 1.0, 1e3], "They may be in mNm: --columns 'torque=…[mNm]'"),
+        ([1.0, 1.0, 1e3], "they may be in mNm (--columns 'torque=…[mNm]')"),
         ([1.0, 1.0, DEGREES], "as in --columns 'torque=…[0.05 Nm]'"),
         ([1.0, 1.0, 20.0], "as in --columns 'torque=…[0.05 Nm]'"),
         ([1.0, 1.0, 0.05], "--gravity-compensated"),
@@ -75,7 +75,7 @@ fn efforts_that_carry_another_robot_are_refused() {
     let arguments = ["arm.toml", "log.csv", "--effort", "joint", "--accept-poor", "--output", "found.toml"];
     let done = arm.run(&arguments);
     assert!(
-        String::from_utf8(done.stdout).unwrap().contains("The efforts look wrong: the rigid bodies need")
+        String::from_utf8(done.stdout).unwrap().contains("warning[other-unit-of-efforts]: the rigid bodies need")
     );
     // Moments say the same, where they are made and where they are merged.
     assert!(
@@ -104,9 +104,9 @@ fn loads_from_logs_in_other_units_are_refused() {
     };
     record([1.0; 3], "without.csv");
     record([1.0, DEGREES, 1.0], "with.csv");
-    assert!(load("limited.toml").contains("They look like deg: --columns 'position=q_{name}[deg]'"));
+    assert!(load("limited.toml").contains("they look like deg: --columns 'position=q_{name}[deg]'"));
     record([1.0, 1.0, 1e3], "with.csv");
-    assert!(load("limited.toml").contains("They may be in mNm: --columns 'torque=effort_{name}[mNm]'"));
+    assert!(load("limited.toml").contains("they may be in mNm: --columns 'torque=effort_{name}[mNm]'"));
     // Without limits the weight of the robot tells.
     let said = load("arm.toml");
     assert!(said.contains("the rigid bodies need") && said.contains("--columns 'torque=…[mNm]'"), "{said}");
@@ -122,12 +122,12 @@ fn loads_from_logs_in_other_units_are_refused() {
     assert!(
         String::from_utf8(done.stdout)
             .unwrap()
-            .contains("warning: The efforts look wrong: the rigid bodies need")
+            .contains("warning[other-unit-of-efforts]: the rigid bodies need")
     );
     record([1.0; 3], "without.csv");
     record([1.0; 3], "with.csv");
     let done = arm.run(&arguments);
     let text = String::from_utf8(done.stdout).unwrap();
-    assert!(done.status.success() && !text.contains("The efforts look wrong"), "{text}");
-    assert!(text.starts_with("columns: time: `t`\ncolumns: positions: `q_{name}`, in rad"), "{text}");
+    assert!(done.status.success() && !text.contains("other-unit-of-efforts"), "{text}");
+    assert!(text.starts_with("note[columns]: time: `t`\nnote[columns]: positions: `q_{name}`, in rad"), "{text}");
 }

@@ -2,12 +2,13 @@
 
 use super::error::Result;
 use super::estimation::described_ratio;
-use super::identify::{IdentificationSettings, beyond_range, faults, read_and_prepare};
+use super::identify::{IdentificationSettings, beyond_range, read_and_prepare};
 use super::inertial::payload::{Payload, PayloadSettings, estimate};
 use super::log::Recording;
 use super::preparation::PreparationSettings;
 use super::robot::Robot;
 use super::run::PreparedRun;
+use gelenk_findings::Finding;
 use std::path::PathBuf;
 
 /// A load, and the logs that it was found from.
@@ -17,8 +18,8 @@ pub struct CarriedLoad {
     pub payload: Payload,
     /// The logs without and with it.
     pub recordings: [Recording; 2],
-    /// What was noticed in the signals, as sentences.
-    pub notes: Vec<String>,
+    /// What was found in the logs without and with it.
+    pub findings: Vec<Finding>,
 }
 
 /// Reads logs without and with a load, prepares them alike, and estimates the load.
@@ -38,7 +39,26 @@ pub fn identify_load(
     (settings, load): (&IdentificationSettings, &PayloadSettings),
     progress: &mut dyn FnMut(&str),
 ) -> Result<CarriedLoad> {
-    let (empty, runs_without, report) = read_and_prepare(robot, without, settings, progress)?;
+    let mut noted = Vec::new();
+    let load = carried(robot, (without, with), (settings, load), (&mut noted, progress));
+    let (payload, recordings) = match load {
+        Ok(found) => found,
+        Err(error) => return Err(error.after(noted)),
+    };
+    // What is the same without and with the load is one finding.
+    let mut findings: Vec<Finding> = Vec::new();
+    noted.into_iter().for_each(|finding| if !findings.contains(&finding) { findings.push(finding) });
+    Ok(CarriedLoad { payload, recordings, findings })
+}
+
+/// As [`identify_load`]; `noted` holds what was found.
+fn carried(
+    robot: &dyn Robot,
+    (without, with): (&[PathBuf], &[PathBuf]),
+    (settings, load): (&IdentificationSettings, &PayloadSettings),
+    (noted, progress): (&mut Vec<Finding>, &mut dyn FnMut(&str)),
+) -> Result<(Payload, [Recording; 2])> {
+    let (empty, runs_without, report) = read_and_prepare(robot, without, settings, (noted, progress))?;
     let joint = report.joints.first();
     let preparation = PreparationSettings {
         bandwidth: joint.map(|joint| joint.bandwidth),
@@ -47,18 +67,14 @@ pub fn identify_load(
         ..settings.preparation.clone()
     };
     let alike = IdentificationSettings { preparation, ..settings.clone() };
-    let (loaded, runs_with, other) = read_and_prepare(robot, with, &alike, progress)?;
-    let mut doubts: Vec<String> = empty.doubts().chain(loaded.doubts()).collect();
-    for logs in [(&empty, &*runs_without, &report), (&loaded, &*runs_with, &other)] {
-        doubts.extend(beyond_range(robot, logs, settings.accept_poor, progress)?);
-        doubts.extend(faults(logs.2));
-    }
-    doubts.extend(unit_doubts(robot, [&runs_without, &runs_with], load, settings.accept_poor)?);
-    doubts.dedup();
+    let (loaded, runs_with, _) = read_and_prepare(robot, with, &alike, (noted, progress))?;
+    noted.extend(beyond_range(robot, &empty, &runs_without, settings.accept_poor)?);
+    noted.extend(beyond_range(robot, &loaded, &runs_with, settings.accept_poor)?);
+    noted.extend(unit_doubts(robot, [&runs_without, &runs_with], load, settings.accept_poor)?);
     progress("comparing the logs without and with the load");
-    let mut payload = estimate(robot, &runs_without, &runs_with, load)?;
-    payload.warnings.splice(0..0, doubts);
-    Ok(CarriedLoad { payload, recordings: [empty, loaded], notes: report.notes })
+    let payload = estimate(robot, &runs_without, &runs_with, load)?;
+    noted.extend(payload.findings.iter().cloned());
+    Ok((payload, [empty, loaded]))
 }
 
 /// A load changes what the bodies need, but not by as much as another unit: the logs with it are refused alone.
@@ -67,7 +83,7 @@ fn unit_doubts(
     [without, with]: [&[PreparedRun]; 2],
     load: &PayloadSettings,
     accept_poor: bool,
-) -> Result<Option<String>> {
+) -> Result<Option<Finding>> {
     let judged = |runs: &[PreparedRun]| {
         let ratio = described_ratio(robot, runs, load.gains.as_deref());
         ratio.map(|ratio| ratio.judged(accept_poor)).transpose().map(Option::flatten)

@@ -23,6 +23,7 @@ use std::fmt::Write;
 use std::fs;
 use std::io;
 use std::path::Path;
+use gelenk_findings::Finding;
 
 /// First line of every description of identified values.
 const FIRST_LINE: &str = "# Identified by gelenk.\n";
@@ -148,8 +149,9 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
 /// # Errors
 /// Those of [`identified_toml`] about a law.
 pub fn friction_value(result: &FrictionResult) -> Result<String> {
-    if let Some(reason) = &result.refusal {
-        return Err(IdentificationError::Refused { joint: result.joint.clone(), reason: reason.clone() });
+    let findings: Vec<Finding> = result.refusals().cloned().map(|reason| reason.joint(&result.joint)).collect();
+    if !findings.is_empty() {
+        return Err(IdentificationError::Found { findings });
     }
     let part = match &result.law {
         FrictionLaw::Terms(terms) => FrictionPart::Terms(written(&result.joint, terms)?),
@@ -219,7 +221,7 @@ fn comments(result: &FrictionResult, text: &mut String) {
     result.coefficient_lines().into_iter().for_each(&mut line);
     result.summary_lines().into_iter().for_each(&mut line);
     result.settings.iter().for_each(|s| line(s.clone()));
-    result.warnings.iter().for_each(|w| line(format!("warning: {w}")));
+    result.findings.iter().for_each(|finding| line(finding.to_string()));
 }
 
 /// A newline in a name or setting must not end the comment.
@@ -294,14 +296,14 @@ mod tests {
     #[test]
     fn refused_laws_and_vanished_terms_are_not_written() {
         let text = |result: FrictionResult| description_toml("a", "arm.toml", &[result]);
-        let mut refused = FrictionResult { refusal: Some("the law explains nothing".into()), ..example() };
+        let mut refused = FrictionResult { findings: vec![Finding::error("poor-law", "the law explains nothing")], ..example() };
         let message = text(refused.clone()).unwrap_err().to_string();
         assert!(
-            message.starts_with("the friction of beta is not written: the law explains nothing."),
+            message.starts_with("error[poor-law]: joint beta: the law explains nothing"),
             "{message}"
         );
         refused.accept();
-        assert!(text(refused).unwrap().contains("# warning: accepted although the law explains nothing\n"));
+        assert!(text(refused).unwrap().contains("# warning[poor-law]: the law explains nothing\n"));
         let FrictionLaw::Terms(mut terms) = example().law else { panic!("a law of terms") };
         terms[1].coefficient = 4e-5;
         let written = text(FrictionResult { law: FrictionLaw::Terms(terms.clone()), ..example() }).unwrap();

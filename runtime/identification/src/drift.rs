@@ -1,6 +1,8 @@
 //! How friction and offsets change over a log: plain data.
 
 use super::digits::with_error;
+use super::estimation::{FRICTION_DRIFTS, OFFSET_DRIFTS};
+use gelenk_findings::Finding;
 use std::ops::Range;
 
 /// Change, as a share of the friction, that is named.
@@ -29,24 +31,25 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// Sentences on trends that matter.
+    /// Trends that matter.
     ///
     /// - `scale`: rms of the friction torque
-    pub(crate) fn warnings(&self, unit: &str, scale: f64) -> Vec<String> {
-        let mut sentences = Vec::new();
+    pub(crate) fn findings(&self, unit: &str, scale: f64) -> Vec<Finding> {
         let friction = self.friction;
-        if friction.significant && friction.change.abs() > NAMED_CHANGE {
+        let is_named = friction.significant && friction.change.abs() > NAMED_CHANGE;
+        let of_friction = is_named.then(|| {
             let change = with_error(100.0 * friction.change, Some(100.0 * friction.standard_error));
-            sentences.push(format!(
-                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the \
-                 motions differ in what the model lacks): the law is that of the middle; record after warming up, or \
-                 identify the runs apart"
-            ));
-        }
-        if self.offset.significant && self.offset.change.abs() > NAMED_CHANGE * scale {
+            let message = format!(
+                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the motions \
+                 differ in what the model lacks): the law is that of the middle"
+            );
+            FRICTION_DRIFTS.found(message).help("record after warming up, or identify the runs apart")
+        });
+        let is_named = self.offset.significant && self.offset.change.abs() > NAMED_CHANGE * scale;
+        let of_offset = is_named.then(|| {
             let change = with_error(self.offset.change, Some(self.offset.standard_error));
-            sentences.push(format!("the constant torque drifts by {change} {unit} over the log"));
-        }
-        sentences
+            OFFSET_DRIFTS.found(format!("the constant torque drifts by {change} {unit} over the log"))
+        });
+        of_friction.into_iter().chain(of_offset).collect()
     }
 }

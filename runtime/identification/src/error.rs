@@ -1,6 +1,7 @@
 //! Errors of data and settings, each with the numbers that show it.
 
 use super::digits::plain;
+use gelenk_findings::{Finding, Subject};
 use thiserror::Error;
 
 /// Why an identification step has no result. Every message names the quantity, its value and what to do.
@@ -168,38 +169,56 @@ pub enum IdentificationError {
         detail: String,
     },
     /// A fit that explains too little of a joint's force on data that it has not seen.
-    #[error("{}", unexplained(joint, [*r_squared, *least], reasons))]
+    #[error("{}", unexplained(subject, [*r_squared, *least], reasons))]
     Unexplained {
-        /// Name of the joint.
-        joint: String,
+        /// The joint, or the shaft that takes its row.
+        subject: Subject,
         /// Centred R² on held-out data.
         r_squared: f64,
         /// The level that was asked for.
         least: f64,
-        /// Likely reasons and what to do.
-        reasons: String,
+        /// Likely reasons.
+        reasons: Vec<Finding>,
     },
-    /// A friction law that is not to be written.
-    #[error(
-        "the friction of {joint} is not written: {reason}. `FrictionResult::accept` takes it nevertheless"
-    )]
-    Refused {
-        /// Name of the joint.
-        joint: String,
-        /// Why.
-        reason: String,
+    /// Findings that refuse a result.
+    #[error("{}", findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Found {
+        /// At least one.
+        findings: Vec<Finding>,
+    },
+    /// An error after some findings, which may have its reason.
+    #[error("{error}")]
+    After {
+        /// In the order in which they were found.
+        noted: Vec<Finding>,
+        /// The error.
+        error: Box<Self>,
     },
 }
 
-fn unexplained(joint: &str, [r_squared, least]: [f64; 2], reasons: &str) -> String {
+fn unexplained(subject: &Subject, [r_squared, least]: [f64; 2], reasons: &[Finding]) -> String {
+    let reasons: String = reasons.iter().map(|reason| format!("\n{reason}")).collect();
     if r_squared >= least {
-        return format!(
-            "the fit of joint {joint} is doubted, though R² is {r_squared:.3} on held-out data: {reasons}"
-        );
+        return format!("the fit of {subject} is doubted, though R² is {r_squared:.3} on held-out data{reasons}");
     }
     format!(
-        "the fit does not explain joint {joint}: R² {r_squared:.3} on held-out data, at least {least} is asked for; {reasons}"
+        "the fit does not explain {subject}: R² {r_squared:.3} on held-out data, at least {least} is asked for{reasons}"
     )
+}
+
+impl IdentificationError {
+    /// The error with what was found before it.
+    pub(crate) fn after(self, noted: Vec<Finding>) -> Self {
+        if noted.is_empty() { self } else { Self::After { noted, error: Box::new(self) } }
+    }
+
+    /// What was found before the error.
+    pub fn noted(&self) -> &[Finding] {
+        match self {
+            Self::After { noted, .. } => noted,
+            _ => &[],
+        }
+    }
 }
 
 /// Result of an identification step.

@@ -4,16 +4,35 @@ use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, repeated_motions};
 use super::friction::{CommonTerms, FrictionIdentification, FrictionMethod, FrictionReport};
 use super::joint_samples::JointSamples;
-use super::log::{ColumnOptions, FindingKind, Recording, runs_noting};
+use super::log::{ColumnOptions, GEAR_DOUBTFUL, Recording, runs_noting};
 use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
-use super::range::{far_beyond, require_in_range};
+use super::range::far_beyond;
 use super::result::FrictionTerm;
 use super::robot::{Robot, require_no_quaternions};
 use super::run::PreparedRun;
-use super::shafts::{RobotRows, ShaftRows, in_words};
+use super::shafts::{RobotRows, ShaftRows};
 use super::written;
+use gelenk_findings::{Finding, Rule, Severity, distinct};
 use nalgebra::DVector;
 use std::path::PathBuf;
+
+/// Sees: a friction law that is refused or cannot be fitted.
+/// Matters: the described friction stays.
+/// Example: a joint that moved too slowly.
+/// Fixture: `codegen/tests/identified_friction.rs`.
+const NO_LAW: Rule = Rule::warning("no-friction-law");
+
+/// Sees: a law of which no term differs from 0 by more than its error.
+/// Matters: it is no law.
+/// Example: a direct drive without friction.
+/// Fixture: `friction/tests.rs`.
+const NOTHING_LEFT: Rule = Rule::error("no-friction");
+
+/// Sees: data to which no law can be fitted.
+/// Matters: the described friction stays.
+/// Example: a constant velocity.
+/// Fixture: `constant_logs` in `runtime/tests/identification_bad_input.rs`.
+pub(crate) const NO_FIT: Rule = Rule::error("no-friction-fit");
 
 /// What may be decided about an identification; the defaults suit a log about which nothing is known.
 #[derive(Debug, Clone)]
@@ -95,7 +114,7 @@ pub struct JointFriction {
     /// Measured forces without those of the rigid body and without friction under load: friction, offset and error.
     pub torques: Vec<f64>,
     /// The law, or why there is none.
-    pub report: std::result::Result<FrictionReport, String>,
+    pub report: std::result::Result<FrictionReport, Vec<Finding>>,
 }
 
 /// Reads logs of a robot, prepares their signals, estimates, and chooses the terms of each joint's friction.
@@ -111,18 +130,28 @@ pub fn identify(
     settings: &IdentificationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
-    let (recording, prepared, mut preparation) = read_and_prepare(robot, logs, settings, progress)?;
-    let beyond = beyond_range(robot, (&recording, &prepared, &preparation), settings.accept_poor, progress)?;
+    let mut noted = Vec::new();
+    identified(robot, logs, settings, (&mut noted, progress)).map_err(|error| error.after(noted))
+}
+
+/// As [`identify`]; `noted` holds what was found before an error.
+fn identified(
+    robot: &dyn Robot,
+    logs: &[PathBuf],
+    settings: &IdentificationSettings,
+    (noted, progress): (&mut Vec<Finding>, &mut dyn FnMut(&str)),
+) -> Result<Identification> {
+    let (recording, prepared, mut preparation) =
+        read_and_prepare(robot, logs, settings, (noted, progress))?;
+    let beyond = beyond_range(robot, &recording, &prepared, settings.accept_poor)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let prepared = rows.along(prepared);
     let estimation = of_signals(settings, &preparation, shafts.is_some());
-    let found = estimate(robot, &prepared, &estimation, progress);
-    let found = found.map_err(|error| in_words(error, shafts.as_ref()));
-    let mut estimate = or_noted(found, || notes(&recording, Some(&preparation)), progress)?;
-    let of_logs = recording.doubts().chain(beyond).chain(faults(&preparation));
-    estimate.warnings.splice(0..0, of_logs);
+    let mut estimate = estimate(robot, &prepared, &estimation, progress)?;
+    let of_logs = beyond.into_iter().chain(faults(&preparation).cloned());
+    estimate.findings.splice(0..0, of_logs);
     preparation.refine(&left_of_delays(&estimate));
     progress("choosing the terms of friction");
     let data = source(&recording);
@@ -132,7 +161,7 @@ pub fn identify(
         let runs = (&prepared[..], motions.as_deref());
         let mut samples = JointSamples::new(joint, runs, &estimate, common(&estimate, joint));
         let law = samples.law(robot, &settings.friction, &data, &preparation);
-        let law = law.map_err(|error| error.to_string());
+        let law = law.map_err(|error| vec![NO_FIT.found(error.to_string())]);
         let mut report = law.and_then(|report| unless_refused(report, settings.accept_poor));
         if let Ok(report) = &mut report {
             report.result.load = under_load(&estimate.joints[joint]).into_iter().collect();
@@ -146,11 +175,44 @@ pub fn identify(
         written::judge(&mut estimate.joints[*joint], &mut report.result);
         written::predict(&mut estimate, *joint, &prepared, &report.residuals);
     }
-    estimate.warnings.retain(|warning| !is_said(warning, &friction));
     if let Some(shafts) = &shafts {
-        shafts.word(joints, &mut estimate, faults_of(&mut friction));
+        estimate.findings.splice(0..0, shafts.found(joints, &estimate));
     }
     Ok(Identification { recording, preparation, runs: prepared, estimate, friction, shafts })
+}
+
+impl Identification {
+    /// All findings in the order of the work. If a friction law finds what the estimate finds of the same joint, it is the law's.
+    ///
+    /// - `robot`: the one that was identified
+    pub fn findings(&self, robot: &dyn Robot) -> Vec<Finding> {
+        let rows = self.rows(robot);
+        let of_law = |friction: &JointFriction| -> Vec<Finding> {
+            let subject = rows.subject(friction.joint);
+            let found = match &friction.report {
+                Ok(report) => report.result.findings.clone(),
+                Err(reasons) => vec![no_law(reasons)],
+            };
+            found.into_iter().map(|finding| finding.of(subject.clone())).collect()
+        };
+        let of_laws = self.friction.iter().flat_map(of_law);
+        let before = [&self.recording.findings, &self.preparation.findings, &self.estimate.findings];
+        let before = self.recording.columns_found().into_iter().chain(before.into_iter().flatten().cloned());
+        distinct(before.chain(of_laws))
+    }
+}
+
+/// One finding of the reasons for which a law is not written.
+fn no_law(reasons: &[Finding]) -> Finding {
+    let messages: Vec<&str> = reasons.iter().map(|reason| reason.message.as_str()).collect();
+    let remedies: Vec<&str> = reasons.iter().filter_map(|reason| reason.remedy.as_deref()).collect();
+    let message = format!(
+        "no friction law is written: {}. The described friction stays; R² and residual of this joint are those of the estimate with \
+         friction of its own",
+        messages.join("; ")
+    );
+    let found = NO_LAW.found(message);
+    if remedies.is_empty() { found } else { found.help(remedies.join("; ")) }
 }
 
 /// The settings of the estimate with what is known of the signals: their filter, and which efforts share a delay.
@@ -190,101 +252,63 @@ fn under_load(joint: &JointEstimate) -> Option<FrictionTerm> {
 }
 
 /// The logs, and their signals on one grid through one filter.
+///
+/// - `noted`: takes what was found, also before an error
 pub(crate) fn read_and_prepare(
     robot: &dyn Robot,
     logs: &[PathBuf],
     settings: &IdentificationSettings,
-    progress: &mut dyn FnMut(&str),
+    (noted, progress): (&mut Vec<Finding>, &mut dyn FnMut(&str)),
 ) -> Result<(Recording, Vec<PreparedRun>, PreparationReport)> {
     if settings.estimation.gravity_compensated {
         let help = "nothing holds the weight of such a robot; leave --gravity-compensated out";
         require_no_quaternions(robot, "gravity is not compensated", help)?;
     }
     progress("reading the logs");
-    let mut findings = Vec::new();
-    let recording = runs_noting(logs, robot, &settings.columns, &mut findings);
-    let recording = or_noted(recording, || findings.iter().map(ToString::to_string).collect(), progress)?;
-    or_noted(require_sides(&recording, &settings.columns), || notes(&recording, None), progress)?;
+    let mut before = Vec::new();
+    let recording = runs_noting(logs, robot, &settings.columns, &mut before);
+    noted.append(&mut before);
+    let recording = recording?;
+    noted.extend(recording.columns_found());
+    noted.extend(recording.findings.iter().cloned());
+    require_sides(&recording, &settings.columns)?;
     progress("smoothing");
     let preparation = PreparationSettings {
         gravity_compensated: settings.estimation.gravity_compensated,
         ..settings.preparation.clone()
     };
-    let prepared = prepare_all(&recording.runs, Some(robot), &preparation);
-    let (prepared, preparation) = or_noted(prepared, || notes(&recording, None), progress)?;
-    or_noted(require_efforts(&preparation), || notes(&recording, Some(&preparation)), progress)?;
+    let (prepared, preparation) = prepare_all(&recording.runs, Some(robot), &preparation)?;
+    noted.extend(preparation.findings.iter().chain(faults(&preparation)).cloned());
+    require_efforts(&preparation)?;
     Ok((recording, prepared, preparation))
 }
 
-/// What is far beyond the described limits, where it is accepted.
+/// Values far beyond the described limits that are accepted.
 ///
 /// # Errors
-/// Values far beyond the limits that are not accepted.
+/// Those that are not.
 pub(crate) fn beyond_range(
     robot: &dyn Robot,
-    (recording, prepared, preparation): (&Recording, &[PreparedRun], &PreparationReport),
+    recording: &Recording,
+    prepared: &[PreparedRun],
     accept_poor: bool,
-    progress: &mut dyn FnMut(&str),
-) -> Result<Vec<String>> {
+) -> Result<Vec<Finding>> {
     let beyond = far_beyond(robot, recording, prepared);
-    if !accept_poor {
-        or_noted(require_in_range(&beyond), || notes(recording, Some(preparation)), progress)?;
+    if beyond.is_empty() || accept_poor {
+        return Ok(beyond.into_iter().map(Finding::accepted).collect());
     }
-    Ok(beyond.into_iter().map(|sentence| format!("in the logs, {sentence}")).collect())
-}
-
-/// What was noticed on the way to an error is said before it: it may be the reason.
-pub(crate) fn or_noted<T>(
-    result: Result<T>,
-    notes: impl FnOnce() -> Vec<String>,
-    progress: &mut dyn FnMut(&str),
-) -> Result<T> {
-    if result.is_err() {
-        notes().iter().for_each(|note| progress(&format!("note: {note}")));
-    }
-    result
-}
-
-/// What was noticed in the logs, and while their signals were prepared.
-fn notes(recording: &Recording, preparation: Option<&PreparationReport>) -> Vec<String> {
-    let columns = recording.columns_said().into_iter().chain(recording.doubts());
-    let findings = columns.chain(recording.findings.iter().map(ToString::to_string));
-    let of_signals =
-        preparation.map(|preparation| preparation.notes.iter().cloned().chain(faults(preparation)));
-    findings.chain(of_signals.into_iter().flatten()).collect()
-}
-
-/// What the estimate and a friction law say of the same residuals, each by its words.
-const SAID_TWICE: [[&str; 2]; 4] = [
-    ["follows the joint's position", "depends on the position"],
-    ["follows the acceleration", "depends on the acceleration"],
-    ["its offset drifts", "the constant torque drifts"],
-    ["its friction changes by", "friction changes by"],
-];
-
-/// Whether the friction law of a joint says what a warning of the estimate says.
-fn is_said(warning: &str, friction: &[JointFriction]) -> bool {
-    let of_joint = friction.iter().find(|joint| warning.starts_with(&format!("Joint {}:", joint.name)));
-    let Some(report) = of_joint.and_then(|joint| joint.report.as_ref().ok()) else { return false };
-    let said = |words: &str| report.result.warnings.iter().any(|other| other.contains(words));
-    SAID_TWICE.iter().any(|[own, other]| warning.contains(own) && said(other))
+    Err(IdentificationError::Found { findings: beyond })
 }
 
 /// Efforts on the other side of the gears than their names say would make every result wrong by the gear's ratio:
 /// somebody has to say what they are.
 fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
     let is_said = columns.effort.is_some() || columns.columns.is_some();
-    let doubt = recording.findings.iter().find(|finding| finding.kind == FindingKind::GearDoubtful);
-    match doubt {
-        Some(doubt) if !is_said => Err(IdentificationError::File {
-            place: doubt.joint.as_ref().map_or_else(|| "the logs".into(), |joint| format!("joint {joint}")),
-            message: format!(
-                "{}. Say what they are: --effort joint, --effort input or --effort current",
-                doubt.message
-            ),
-        }),
-        _ => Ok(()),
-    }
+    let doubt = recording.findings.iter().find(|finding| finding.code == GEAR_DOUBTFUL.code);
+    let Some(doubt) = doubt.filter(|_| !is_said) else { return Ok(()) };
+    let doubt = Finding { severity: Severity::Error, ..doubt.clone() };
+    let remedy = "say what they are: --effort joint, --effort input or --effort current";
+    Err(IdentificationError::Found { findings: vec![doubt.help(remedy)] })
 }
 
 /// A joint whose efforts cannot be used keeps what is described; where no joint has others, nothing is left to do.
@@ -292,21 +316,14 @@ fn require_efforts(preparation: &PreparationReport) -> Result<()> {
     if preparation.joints.iter().any(|joint| joint.fault.is_none()) {
         return Ok(());
     }
-    let faults: Vec<String> = faults(preparation).collect();
-    Err(IdentificationError::File { place: "the logs".into(), message: faults.join("; ") })
+    let faults = faults(preparation).cloned();
+    let findings = faults.map(|fault| Finding { severity: Severity::Error, ..fault }).collect();
+    Err(IdentificationError::Found { findings })
 }
 
-/// What is wrong with efforts that cannot be used, with the knob that names others.
-pub(crate) fn faults(preparation: &PreparationReport) -> impl Iterator<Item = String> + '_ {
-    preparation.joints.iter().filter_map(|joint| {
-        let fault = joint.fault.as_ref()?;
-        Some(format!("joint {}: {fault}; name other columns with --columns 'torque=…'", joint.name))
-    })
-}
-
-/// The reasons for which joints have no law.
-pub(crate) fn faults_of(friction: &mut [JointFriction]) -> impl Iterator<Item = &mut String> {
-    friction.iter_mut().filter_map(|friction| friction.report.as_mut().err())
+/// Faults of efforts that cannot be used.
+pub(crate) fn faults(preparation: &PreparationReport) -> impl Iterator<Item = &Finding> {
+    preparation.joints.iter().filter_map(|joint| joint.fault.as_ref())
 }
 
 /// Logs with the first digits of their hashes.
@@ -341,23 +358,21 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     })
 }
 
-/// What is said about a law of which no term is left.
-const NOTHING_LEFT: &str =
-    "no term differs from 0 by more than its error: the described friction stays as it is";
-
-/// The law, or the reason for which it is refused.
+/// The law, or the reasons for which it is refused.
 ///
-/// - `accept_poor`: the reason becomes a warning of the law, where there is a law to be accepted
+/// - `accept_poor`: the reasons become warnings, if there is a law to be accepted
 pub(crate) fn unless_refused(
     mut report: FrictionReport,
     accept_poor: bool,
-) -> std::result::Result<FrictionReport, String> {
+) -> std::result::Result<FrictionReport, Vec<Finding>> {
+    let refusals: Vec<Finding> = report.result.refusals().cloned().collect();
     if report.result.vanishes() {
-        let reason = report.result.refusal.take();
-        return Err(reason.unwrap_or_else(|| NOTHING_LEFT.to_owned()));
+        let nothing = || vec![NOTHING_LEFT.found("no term differs from 0 by more than its error")];
+        return Err(if refusals.is_empty() { nothing() } else { refusals });
     }
     if accept_poor {
         report.result.accept();
+        return Ok(report);
     }
-    report.result.refusal.clone().map_or(Ok(report), Err)
+    if refusals.is_empty() { Ok(report) } else { Err(refusals) }
 }

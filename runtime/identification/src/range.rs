@@ -1,11 +1,17 @@
 //! Whether runs go so far beyond the described limits that a unit must be another one.
 
 use super::digits::plain;
-use super::error::{IdentificationError, Result};
 use super::log::{Recording, SEEN, are_minutes, unit_value};
 use super::pose::rows_of;
 use super::robot::{JointLimits, Robot};
 use super::run::{Effort, PreparedRun};
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: positions, speeds or efforts of a joint that are several times their described limit.
+/// Matters: they are in another unit; nothing is estimated.
+/// Example: degrees without a unit in the header.
+/// Fixture: `degrees` in `codegen/tests/findings/arm.rs`.
+const FAR_BEYOND_LIMITS: Rule = Rule::error("far-beyond-limits");
 
 /// Factor beyond a limit of speed or effort that no right log reaches: the least confusion of units is rpm or a gear.
 const FAR_BEYOND: f64 = 3.0;
@@ -19,30 +25,14 @@ const ANGLES: &[&str] = &["deg", "mrad"];
 const LENGTHS: &[&str] = &["cm", "mm", "um"];
 const TORQUES: &[&str] = &["Ncm", "mNm"];
 
-/// What is far beyond the limits, as sentences with the column, the factor, and the switch that states the likely unit.
+/// Values far beyond the limits, with the column, the factor, and the switch that states the likely unit.
 ///
 /// - `prepared`: rows are joints
-pub(crate) fn far_beyond(robot: &dyn Robot, recording: &Recording, prepared: &[PreparedRun]) -> Vec<String> {
+pub(crate) fn far_beyond(robot: &dyn Robot, recording: &Recording, prepared: &[PreparedRun]) -> Vec<Finding> {
     let runs = Runs { robot, recording, prepared };
     // Positions in another unit have speeds in another unit.
     let motion = runs.positions().or_else(|| runs.speeds());
     motion.into_iter().chain(runs.efforts()).collect()
-}
-
-/// Refuses them.
-///
-/// # Errors
-/// [`IdentificationError::File`] with all of them.
-pub(crate) fn require_in_range(beyond: &[String]) -> Result<()> {
-    if beyond.is_empty() {
-        return Ok(());
-    }
-    let message = format!(
-        "{}. Nothing is estimated from such values: state the units, or correct the description's limits. \
-         --accept-poor takes the values as they are",
-        beyond.join(". And ")
-    );
-    Err(IdentificationError::File { place: "the logs".into(), message })
 }
 
 /// The joint that goes farthest.
@@ -110,7 +100,7 @@ impl Runs<'_> {
         if others.is_empty() { Vec::new() } else { far }
     }
 
-    fn positions(&self) -> Option<String> {
+    fn positions(&self) -> Option<Finding> {
         let limits = self.limits();
         let limit = |joint: usize| {
             let [least, most] = limits(joint).position;
@@ -123,13 +113,13 @@ impl Runs<'_> {
         let known = likely(&worst, if unit == "m" { LENGTHS } else { ANGLES });
         let pattern = &labels.pattern;
         let remedy = known.map_or_else(
-            || format!("Counts have a factor: --columns 'position={pattern}[0.001 {unit}]'"),
-            |name| format!("They look like {name}: --columns 'position={pattern}[{name}]'"),
+            || format!("counts have a factor: --columns 'position={pattern}[0.001 {unit}]'"),
+            |name| format!("they look like {name}: --columns 'position={pattern}[{name}]'"),
         );
-        Some(format!("{said}. {remedy}"))
+        Some(self.finding(&worst, said, remedy))
     }
 
-    fn speeds(&self) -> Option<String> {
+    fn speeds(&self) -> Option<Finding> {
         let limits = self.limits();
         let worst =
             self.worst(FAR_BEYOND, |j| limits(j).velocity, |run, joint| run.velocities[joint].clone())?;
@@ -148,10 +138,10 @@ impl Runs<'_> {
             true => format!("times are in min (--columns 'time={}[min]')", labels.time),
             false => format!("times are in another unit (--columns 'time={}[UNIT]')", labels.time),
         };
-        Some(format!("{said}. It may be that {}{times}", positions.unwrap_or_default()))
+        Some(self.finding(&worst, said, format!("it may be that {}{times}", positions.unwrap_or_default())))
     }
 
-    fn efforts(&self) -> Option<String> {
+    fn efforts(&self) -> Option<Finding> {
         let limits = self.limits();
         let matrix = self.robot.input_matrix();
         let inputs = self.robot.input_names().len();
@@ -175,13 +165,20 @@ impl Runs<'_> {
         let said = self.said(&worst, ("efforts", unit), ("column", column));
         let (key, pattern) = (if is_input { "input" } else { "torque" }, &labels.pattern);
         let known = likely(&worst, if is_force { &[] } else { TORQUES });
-        let known = known.map(|name| format!("They may be in {name}: --columns '{key}={pattern}[{name}]'. "));
+        let known = known.map(|name| format!("they may be in {name}: --columns '{key}={pattern}[{name}]'; "));
         let plain = unit.replace('·', "");
-        Some(format!(
-            "{said}. {}Counts and percents have a factor, as in --columns '{key}={pattern}[0.05 {plain}]'; currents are --effort \
-             current, efforts of the motors --effort input",
+        let remedy = format!(
+            "{}counts and percents have a factor, as in --columns '{key}={pattern}[0.05 {plain}]'; currents are --effort current, \
+             efforts of the motors --effort input",
             known.unwrap_or_default()
-        ))
+        );
+        Some(self.finding(&worst, said, remedy))
+    }
+
+    fn finding(&self, worst: &Worst, message: String, remedy: String) -> Finding {
+        let found = FAR_BEYOND_LIMITS.found(message).joint(&self.robot.joint_names()[worst.joint]);
+        let all = "or correct the description's limits; --accept-poor takes the values as they are";
+        found.with("times the limit", worst.largest / worst.limit, "").help(format!("{remedy}; {all}"))
     }
 
     fn said(
@@ -190,8 +187,7 @@ impl Runs<'_> {
         (what, unit): (&str, &str),
         (of, column): (&str, Option<&String>),
     ) -> String {
-        let Worst { joint, largest, limit, joints, ref runs } = *worst;
-        let name = &self.robot.joint_names()[joint];
+        let Worst { largest, limit, joints, ref runs, .. } = *worst;
         let times = largest / limit;
         let [largest, limit] = [largest, limit].map(|x| plain(x, 4));
         let column = column.map_or_else(String::new, |column| format!(" ({of} {column})"));
@@ -204,14 +200,14 @@ impl Runs<'_> {
         let alone = match (names.join(", "), runs.len() - names.len()) {
             (names, _) if names.is_empty() => String::new(),
             (names, 0) => format!(
-                ". It does so in {names} alone, and --columns holds for all logs: bring these to the others' units"
+                ", in {names} alone: --columns holds for all logs, bring these to the others' units"
             ),
             (names, more) => format!(
-                ". It does so in {names} and {more} more runs, not in the others, and --columns holds for all logs: bring these to the others' units"
+                ", in {names} and {more} more runs and not in the others: --columns holds for all logs, bring these to the others' units"
             ),
         };
         format!(
-            "the {what} of joint {name}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}{alone}"
+            "its {what}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}{alone}"
         )
     }
 }

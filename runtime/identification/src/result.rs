@@ -7,6 +7,7 @@ use super::error::Result;
 use super::library::Library;
 pub use super::offset::Offset;
 use super::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
+use gelenk_findings::{Finding, Severity};
 use nalgebra::DMatrix;
 use std::fmt::Write;
 
@@ -219,18 +220,19 @@ pub struct FrictionResult {
     pub data: String,
     /// Settings in words: method, λ with its convention, selection, differentiation.
     pub settings: Vec<String>,
-    /// Doubts.
-    pub warnings: Vec<String>,
-    /// Why the law must not be written into a description; see [`Self::accept`].
-    pub refusal: Option<String>,
+    /// Doubts, and as errors reasons for which the law must not be written; see [`Self::accept`].
+    pub findings: Vec<Finding>,
 }
 
 impl FrictionResult {
-    /// Takes a refused law nevertheless: the reason becomes a warning.
+    /// Takes a refused law nevertheless: the reasons become warnings.
     pub fn accept(&mut self) {
-        if let Some(reason) = self.refusal.take() {
-            self.warnings.push(format!("accepted although {reason}"));
-        }
+        self.findings.iter_mut().for_each(|finding| *finding = finding.clone().accepted());
+    }
+
+    /// Reasons for which the law must not be written into a description.
+    pub fn refusals(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| finding.severity == Severity::Error)
     }
 
     /// Tells whether nothing is left of the law with the digits that its errors leave.
@@ -347,11 +349,8 @@ impl FrictionResult {
         for line in self.summary_lines() {
             let _ = writeln!(text, "{line}");
         }
-        for warning in &self.warnings {
-            let _ = writeln!(text, "warning: {warning}");
-        }
-        if let Some(reason) = &self.refusal {
-            let _ = writeln!(text, "refused: {reason}");
+        for finding in &self.findings {
+            let _ = writeln!(text, "{finding}");
         }
         text
     }
@@ -405,11 +404,12 @@ pub(super) mod tests {
 
     #[test]
     fn a_refused_law_says_so_until_it_is_accepted() {
-        let mut result = FrictionResult { refusal: Some("the law explains nothing".into()), ..example() };
-        assert!(result.table().ends_with("refused: the law explains nothing\n"));
+        let findings = vec![Finding::error("poor-law", "the law explains nothing")];
+        let mut result = FrictionResult { findings, ..example() };
+        assert!(result.table().ends_with("error[poor-law]: the law explains nothing\n"));
         result.accept();
-        assert_eq!(result.refusal, None);
-        assert!(result.table().ends_with("warning: accepted although the law explains nothing\n"));
+        assert_eq!(result.refusals().count(), 0);
+        assert!(result.table().ends_with("warning[poor-law]: the law explains nothing\n"));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::error::{IdentificationError, Result};
 use super::pose::QuaternionJoint;
 use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
+use gelenk_findings::Subject;
 
 /// A robot whose equations of motion are linear in its inertial parameters, `W(y, ẏ, ÿ) π = M ÿ + k − q_g`.
 ///
@@ -14,6 +15,11 @@ use gelenk_dynamics::dynamics::{Dynamics, Limits, load};
 pub trait Robot {
     /// Names of the N joints, as described; of joints with a quaternion those of the velocities.
     fn joint_names(&self) -> Vec<String>;
+
+    /// The part of the robot that a row is about: a joint, or the shaft that takes its row.
+    fn subject(&self, row: usize) -> Subject {
+        Subject::Joint(self.joint_names().swap_remove(row))
+    }
 
     /// Names of the M inputs, as described.
     fn input_names(&self) -> Vec<String>;

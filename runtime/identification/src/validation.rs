@@ -3,13 +3,20 @@
 use super::error::Result;
 use super::estimation::Gravity;
 use super::friction::FrictionReport;
-use super::identify::{Identification, IdentificationSettings, or_noted};
+use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
 use super::preparation::{Filter, PreparationSettings, prepare_all};
 use super::range::far_beyond;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
+use gelenk_findings::{Finding, Rule};
 use std::path::PathBuf;
+
+/// Sees: a log to validate that was fitted, too.
+/// Matters: R² of it says nothing of other data.
+/// Example: the same file twice on the command line.
+/// Fixture: `codegen/tests/strangers_arm/said.rs`.
+const FITTED: Rule = Rule::warning("fitted-log");
 
 /// Prediction of a joint's efforts in logs that nothing was fitted to.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,14 +47,14 @@ pub fn validate(
     settings: &IdentificationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Vec<JointValidation>> {
-    let mut findings = Vec::new();
-    let recording = runs_noting(logs, robot, &settings.columns, &mut findings);
-    let recording = or_noted(recording, || findings.iter().map(ToString::to_string).collect(), progress)?;
-    let notes = recording.warnings.iter().cloned().chain(recording.findings.iter().map(ToString::to_string));
-    notes.for_each(|note| progress(&format!("note: in the logs to validate, {note}")));
+    let mut noted = Vec::new();
+    let recording = runs_noting(logs, robot, &settings.columns, &mut noted);
+    let recording = recording.map_err(|error| error.after(noted))?;
+    let mut say = |finding: &Finding| progress(&format!("in the logs to validate, {finding}"));
+    recording.findings.iter().for_each(&mut say);
     let fitted = |hash: &str| found.recording.hashes.iter().any(|(_, other)| other == hash);
     for (path, _) in recording.hashes.iter().filter(|(_, hash)| fitted(hash)) {
-        progress(&format!("warning: {path} is one of the fitted logs: R² there says nothing of other data"));
+        say(&FITTED.found("it is one of the fitted logs: R² there says nothing of other data").log(path, None));
     }
     let joint = found.preparation.joints.first();
     let preparation = PreparationSettings {
@@ -57,9 +64,7 @@ pub fn validate(
         ..settings.preparation.clone()
     };
     let (prepared, report) = prepare_all(&recording.runs, Some(robot), &preparation)?;
-    for doubt in far_beyond(robot, &recording, &prepared) {
-        progress(&format!("warning: in the logs to validate, {doubt}"));
-    }
+    far_beyond(robot, &recording, &prepared).into_iter().for_each(|found| say(&found.accepted()));
     let rows = found.rows(robot);
     let prepared = rows.along(prepared);
     let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;

@@ -6,6 +6,13 @@ use super::estimation::{Estimate, JointEstimate};
 use super::joint_samples::kept;
 use super::result::FrictionResult;
 use super::run::PreparedRun;
+use gelenk_findings::Rule;
+
+/// Sees: a law that explains less than viscous and Coulomb friction would.
+/// Matters: the terms that were asked for are too few.
+/// Example: `--friction viscous` of a joint with Coulomb friction.
+/// Fixture: `codegen/tests/strangers_arm/doubts.rs`.
+const TOO_FEW_TERMS: Rule = Rule::warning("too-few-terms");
 
 /// Loss of held-out R² from which it is said.
 const NOTICEABLE: f64 = 0.01;
@@ -28,12 +35,13 @@ pub(crate) fn judge(joint: &mut JointEstimate, law: &mut FrictionResult) {
     joint.r_squared = 1.0 - law.residual.powi(2) / total;
     joint.sigma = law.residual;
     if loss > NOTICEABLE {
-        law.warnings.push(format!(
-            "the terms of the law explain less than friction with viscous and Coulomb terms of its own would: R² on held-out data is {} \
-             in the place of {}. Let more terms be chosen (--friction)",
+        let message = format!(
+            "the terms of the law explain less than friction with viscous and Coulomb terms of its own would: R² on held-out data is \
+             {} instead of {}",
             plain(joint.held_out_r_squared, 3),
             plain(before, 3)
-        ));
+        );
+        law.findings.push(TOO_FEW_TERMS.found(message).help("let more terms be chosen (--friction)"));
     }
 }
 

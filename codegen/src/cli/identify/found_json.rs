@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use gelenk_findings::{Finding, Severity, texts};
 use gelenk_identification::estimation::{Gravity, InstrumentalEstimate, Uncertain};
 use gelenk_identification::identify::Identification;
 use gelenk_identification::validation::JointValidation;
 use serde_json::{Value, json};
 
+use super::super::print;
 use super::motor_constants;
 use crate::identify::{page, terms_as_json};
 use crate::model::Model;
@@ -50,7 +52,7 @@ fn terms(found: &Identification, row: usize) -> Value {
 /// What was found, and where it was written.
 pub(super) fn as_json(
     model: &Model,
-    found: &Identification,
+    (found, findings): (&Identification, &[Finding]),
     validation: &[JointValidation],
     output: &Path,
     files: &[PathBuf],
@@ -94,9 +96,9 @@ pub(super) fn as_json(
         })).collect::<Value>(),
         "mapping": found.recording.mapping,
         "unused_columns": found.recording.unused,
-        "findings": found.recording.findings.iter().map(ToString::to_string).collect::<Value>(),
+        "findings": print::findings(findings),
         "instrumental_variables": found.estimate.instrumental.as_ref().map(instrumental),
-        "choices": found.estimate.choices,
-        "warnings": page::warnings(found),
+        "choices": texts(&found.estimate.findings, Severity::Note),
+        "warnings": texts(findings, Severity::Warning),
     })
 }

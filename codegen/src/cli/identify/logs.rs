@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use gelenk_findings::{Finding, Rule};
 use gelenk_identification::description::{Identified, write_identified};
 use gelenk_identification::digits::plain;
 use gelenk_identification::estimation::JointEstimate;
@@ -31,16 +32,43 @@ use crate::identify::{
 use crate::model::{Drive, Input, Joint, Loaded, Model, Motion};
 use crate::wording::{list, quoted};
 
+/// Sees: wrenches of the description that no log has.
+/// Matters: they are taken as zero.
+/// Example: a wrench at the tool.
+/// Fixture: `codegen/tests/drawn_forces.rs`.
+const WRENCHES: Rule = Rule::note("wrenches-zero");
+
+/// Sees: described friction that is not looked for.
+/// Matters: it stays as described.
+/// Example: friction of a joint that follows another one.
+/// Fixture: `codegen/tests/coupled_identification/described.rs`.
+const KEPT: Rule = Rule::note("friction-kept");
+
+/// Sees: rotors without an input.
+/// Matters: no key of the written description has their inertia.
+/// Example: `armature` of a joint without an actuator in MJCF.
+/// Fixture: `codegen/tests/coupled_identification/described.rs`.
+const ROTORS: Rule = Rule::note("rotors-kept");
+
+/// Sees: friction under load that is described and was not identified.
+/// Matters: laws of the velocity alone replace it.
+/// Example: `load` of a described friction, without `--load-friction`.
+/// Fixture: `codegen/tests/identified_friction.rs`.
+const LOAD_LOST: Rule = Rule::note("load-friction-replaced");
+
 /// Estimates, writes the description and the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let output = output(arguments, &loaded)?;
     let settings = settings(arguments)?;
-    let mut found = identify(&robot, &arguments.logs, &settings, &mut say)?;
+    let mut found = print::identified(identify(&robot, &arguments.logs, &settings, &mut say))?;
     motor_constants::add_doubts(&loaded.model, &mut found);
     let validation = match arguments.validate.as_slice() {
         [] => Vec::new(),
-        logs => or_noted(validate(&robot, &found, logs, &settings, &mut say), &found)?,
+        logs => {
+            let validation = print::identified(validate(&robot, &found, logs, &settings, &mut say));
+            print::after(validation, &found.findings(&robot))?
+        }
     };
     finish(arguments, format, (&loaded, &robot), &found, &validation, &command(arguments), &output)
 }
@@ -62,21 +90,23 @@ pub(super) fn finish(
         friction_of_followers(&loaded.model),
         rotors_without_input(&loaded.model),
     ];
-    let remarks: Vec<String> = remarks.into_iter().flatten().collect();
-    remarks.iter().for_each(|words| say(words));
-    or_noted(describe(arguments, (&loaded.model, robot), found, (command, remarks), output), found)?;
+    let constants = motor_constants::findings(&loaded.model, found);
+    let findings: Vec<Finding> =
+        found.findings(robot).into_iter().chain(remarks.into_iter().flatten()).chain(constants).collect();
+    let described = describe(arguments, (&loaded.model, robot), (found, &findings), command, output);
+    print::after(described, &findings)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
         Some(folder) => {
-            or_noted(report::written(&page::page(name, robot, found, command), folder, "--report"), found)?
+            let page = page::page(name, robot, found, command);
+            print::after(report::written(&page, folder, "--report"), &findings)?
         }
         None => Vec::new(),
     };
+    let found = (found, findings.as_slice());
     match format {
         Format::Json => print::json(&found_json::as_json(&loaded.model, found, validation, output, &files)),
-        Format::Text => {
-            print::out(&as_text(&loaded.model, found, validation, output, &files)).map(|()| ExitCode::SUCCESS)
-        }
+        Format::Text => print::out(&as_text(found, validation, output, &files)).map(|()| ExitCode::SUCCESS),
     }
 }
 
@@ -101,19 +131,19 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     Ok(settings)
 }
 
-/// Which wrenches would act if a log had them.
-fn without_wrenches(model: &Model) -> Option<String> {
+/// Wrenches would act if a log had them.
+fn without_wrenches(model: &Model) -> Option<Finding> {
     let names: Vec<&str> = model.wrenches.iter().map(|wrench| wrench.name.as_str()).collect();
     (!names.is_empty()).then(|| {
-        format!(
+        WRENCHES.found(format!(
             "the wrenches {} are taken as zero; describe those that act as inputs (`[[inputs]]`), and log them",
             list(names.into_iter())
-        )
+        ))
     })
 }
 
 /// Which friction of shafts is not looked for, although it is described.
-fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -> Option<String> {
+fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -> Option<Finding> {
     let kept = robot.shafts_as_described();
     let names = model.rubbing_drives().map(|drive| drive.name.as_str()).filter(|name| kept.contains(name));
     let names: Vec<&str> = names.collect();
@@ -122,48 +152,48 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
         FrictionPlace::Shafts => "other drives move the same joints",
     };
     (!names.is_empty()).then(|| {
-        format!("friction on the shafts of {} stays as described: {reason}", list(names.into_iter()))
+        KEPT.found(format!("friction on the shafts of {} stays as described: {reason}", list(names.into_iter())))
     })
 }
 
 /// Which described friction of followers counts as known.
-fn friction_of_followers(model: &Model) -> Option<String> {
+fn friction_of_followers(model: &Model) -> Option<Finding> {
     let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();
     let names: Vec<&str> = joints.filter(follows).map(|joint| joint.name.as_str()).collect();
     (!names.is_empty()).then(|| {
-        format!("friction of joints that follow others ({}) stays as described", list(names.into_iter()))
+        KEPT.found(format!("friction of joints that follow others ({}) stays as described", list(names.into_iter())))
     })
 }
 
 /// Rotors that no key of a description holds: MJCF's `armature` of joints without an actuator.
-fn rotors_without_input(model: &Model) -> Option<String> {
+fn rotors_without_input(model: &Model) -> Option<Finding> {
     let names: Vec<&str> = model
         .moving_drives()
         .filter(|drive| drive.input == Input::None)
         .map(|drive| drive.name.as_str())
         .collect();
     (!names.is_empty()).then(|| {
-        format!(
+        ROTORS.found(format!(
             "rotors without an input ({}) stay in the file as described: their identified inertia is in the table of \
              parameters alone",
             list(names.into_iter())
-        )
+        ))
     })
 }
 
 /// Which described friction under load is lost: laws of the velocity alone replace it.
-fn replaced_load(model: &Model, found: &Identification) -> Option<String> {
+fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     let replaced = |name: &str| laws(found).any(|law| law.result.joint == name && law.result.load.is_empty());
     let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
     let joints: Vec<&str> =
         described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)).collect();
     (!joints.is_empty()).then(|| {
-        format!(
+        LOAD_LOST.found(format!(
             "friction under load of {} is described and was not identified: laws of the velocity alone replace it \
              (--load-friction asks for it)",
             list(joints.into_iter())
-        )
+        ))
     })
 }
 
@@ -211,8 +241,8 @@ pub(super) fn on_joints(arguments: &Identify) -> Option<String> {
 fn describe(
     arguments: &Identify,
     (described, robot): (&Model, &InterpretedRobot),
-    found: &Identification,
-    (command, remarks): (&str, Vec<String>),
+    (found, findings): (&Identification, &[Finding]),
+    command: &str,
     output: &Path,
 ) -> Result<(), Failure> {
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
@@ -244,7 +274,7 @@ fn describe(
     let friction = of_joints.filter_map(|law| law.report.as_ref().ok());
     let friction: Vec<FrictionResult> = friction.map(|report| report.result.clone()).collect();
     let has_law: Vec<bool> = (0..identified.len()).map(|joint| law(found, joint).is_some()).collect();
-    let provenance: Vec<String> = provenance(found, command).into_iter().chain(remarks).collect();
+    let provenance = provenance(found, findings, command);
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(write_identified(
         output,
@@ -321,7 +351,7 @@ fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {
 }
 
 /// Comments at the head of the description.
-fn provenance(found: &Identification, command: &str) -> Vec<String> {
+fn provenance(found: &Identification, findings: &[Finding], command: &str) -> Vec<String> {
     let hashes = found.recording.hashes.iter().map(|(path, hash)| {
         let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
         format!("{name}: sha256 {hash}")
@@ -339,15 +369,10 @@ fn provenance(found: &Identification, command: &str) -> Vec<String> {
             "{name}: R² {held_out_r_squared:.4} on held-out data{at_rest}, {r_squared:.4} in the fit, residual {residual}"
         )
     });
-    let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
-    let choices = found.estimate.choices.iter().cloned();
-    let columns = found.recording.columns_said();
     std::iter::once(command.to_owned())
         .chain(hashes)
-        .chain(columns)
         .chain(fits)
-        .chain(choices)
-        .chain(warnings)
+        .chain(findings.iter().map(ToString::to_string))
         .collect()
 }
 
@@ -365,34 +390,13 @@ pub(super) fn relative(description: &Path, output: &Path) -> Result<String, Fail
     Ok(path.display().to_string())
 }
 
-/// Columns, notes and warnings, as they are printed.
-fn noticed(found: &Identification) -> Vec<String> {
-    let findings = found.recording.findings.iter().map(ToString::to_string);
-    let notes = findings.chain(found.preparation.notes.iter().chain(&found.estimate.choices).cloned());
-    let warnings = page::warnings(found).into_iter().map(|warning| format!("warning: {warning}"));
-    let columns = found.recording.columns_said().into_iter();
-    columns.chain(notes.map(|note| format!("note: {note}"))).chain(warnings).collect()
-}
-
-/// Says notes and warnings before an error that would lose them.
-fn or_noted<T, E>(result: Result<T, E>, found: &Identification) -> Result<T, E> {
-    if result.is_err() {
-        noticed(found).iter().for_each(|line| say(line));
-    }
-    result
-}
-
 fn as_text(
-    model: &Model,
-    found: &Identification,
+    (found, findings): (&Identification, &[Finding]),
     validation: &[JointValidation],
     output: &Path,
     files: &[PathBuf],
 ) -> String {
-    let mut text = String::new();
-    let constants =
-        motor_constants::sentences(model, found).into_iter().map(|words| format!("note: {words}"));
-    noticed(found).into_iter().chain(constants).for_each(|line| text.push_str(&format!("{line}\n")));
+    let mut text = print::lines(findings);
     text.push('\n');
     let rest = page::has_rest(found);
     let with_rest = |words: &'static str| rest.then(|| words.to_owned());

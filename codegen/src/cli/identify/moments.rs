@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use gelenk_findings::{Severity, texts};
 use gelenk_identification::fleet::{LogMoments, Sum, identify_moments, reduce};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
@@ -35,7 +36,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     let mut sum = Sum::default();
     for log in &arguments.logs {
         let name = log.display().to_string();
-        let moments = reduce(&robot, &description.parts(), log, &settings, &mut say)?;
+        let moments = print::identified(reduce(&robot, &description.parts(), log, &settings, &mut say))?;
         sum.add(moments, &name)?;
     }
     write(&sum.total()?, &path, format)
@@ -58,8 +59,8 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
         moments.require_description(&description.parts())?;
         return write(&moments, &path, format);
     }
-    let mut found =
-        identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say)?;
+    let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say);
+    let mut found = print::identified(found)?;
     motor_constants::add_doubts(&loaded.model, &mut found);
     finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
 }
@@ -98,7 +99,7 @@ fn as_json(moments: &LogMoments, path: &Path) -> Value {
         "logs": logs.collect::<Value>(),
         "samples": moments.samples(),
         "shares": moments.shares(),
-        "warnings": moments.doubts(),
+        "warnings": texts(&moments.doubts(), Severity::Warning),
     })
 }
 

@@ -6,6 +6,19 @@ use gelenk_identification::identify::Identification;
 use serde_json::{Value, json};
 
 use crate::model::{Drive, Input, Model};
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: motor constants that logs of currents give.
+/// Matters: they are right if the described masses are.
+/// Example: 0.12 N·m/A.
+/// Fixture: `codegen/tests/strangers_arm/main.rs`.
+const ESTIMATED: Rule = Rule::note("motor-constant");
+
+/// Sees: a motor constant that is negative, far from the described one, or none that motors have.
+/// Matters: the current is in another unit, or the masses are described wrong.
+/// Example: 300 N·m/A.
+/// Fixture: `codegen/tests/strangers_arm/units.rs`.
+const DOUBTFUL_CONSTANT: Rule = Rule::warning("motor-constant-doubtful");
 
 /// The motor constant of a drive [N m/A].
 ///
@@ -35,19 +48,20 @@ fn of_joint(model: &Model, found: &Identification, joint: usize) -> Option<Uncer
     })
 }
 
-/// What was found, as sentences.
-pub(super) fn sentences(model: &Model, found: &Identification) -> Vec<String> {
+/// Motor constants with their intervals.
+pub(super) fn findings(model: &Model, found: &Identification) -> Vec<Finding> {
     let level = 100.0 * found.estimate.confidence;
     let joints = found.estimate.joints.iter().enumerate().filter(|(_, joint)| joint.moves);
-    let sentence = |(index, joint): (usize, &gelenk_identification::estimation::JointEstimate)| {
+    let finding = |(index, joint): (usize, &gelenk_identification::estimation::JointEstimate)| {
         let Uncertain { value, interval: [low, high], .. } = of_joint(model, found, index)?;
         let (name, error) = (&joint.name, Some(0.5 * (high - low)));
         let [value, low, high] = [value, low, high].map(|x| rounded(x, error));
-        Some(format!(
-            "{name}: motor constant {value} N·m/A, {level:.0} % interval {low} to {high}, where the described masses and centres are right"
-        ))
+        let message = format!(
+            "its motor constant is {value} N·m/A, {level:.0} % interval {low} to {high}, if the described masses and centres are right"
+        );
+        Some(ESTIMATED.found(message).joint(name))
     };
-    joints.filter_map(sentence).collect()
+    joints.filter_map(finding).collect()
 }
 
 /// Ratio to the described constant beyond which one of them is doubted.
@@ -59,16 +73,17 @@ const USUAL: [f64; 2] = [1e-3, 100.0];
 /// none is described, those that no motor has.
 pub(super) fn add_doubts(model: &Model, found: &mut Identification) {
     let joints = 0..found.estimate.joints.len();
-    let doubts: Vec<String> = joints.filter_map(|joint| doubt(model, found, joint)).collect();
-    found.estimate.warnings.extend(doubts);
+    let doubts: Vec<Finding> = joints.filter_map(|joint| doubt(model, found, joint)).collect();
+    found.estimate.findings.extend(doubts);
 }
 
-fn doubt(model: &Model, found: &Identification, joint: usize) -> Option<String> {
+fn doubt(model: &Model, found: &Identification, joint: usize) -> Option<Finding> {
     let estimate = &found.estimate.joints[joint];
     let constant = of_joint(model, found, joint).filter(|_| estimate.moves)?;
     let Uncertain { value, interval: [low, high], .. } = constant;
     let said = |doubt: String| {
-        Some(format!("Joint {}: its motor constant of {} N·m/A {doubt}.", estimate.name, plain(value, 4)))
+        let message = format!("its motor constant of {} N·m/A {doubt}", plain(value, 4));
+        Some(DOUBTFUL_CONSTANT.found(message).joint(&estimate.name).with("motor constant", value, "N·m/A"))
     };
     // That it is not known at all, the estimate says.
     if low <= 0.0 && high >= 0.0 {

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use gelenk_findings::{Severity, texts};
 use gelenk_identification::carried::{CarriedLoad, identify_load};
 use gelenk_identification::description::{Identified, write_identified};
 use gelenk_identification::digits::{plain, rounded};
 use gelenk_identification::inertial::payload::{Estimate, Payload, PayloadSettings};
-use gelenk_identification::log::Recording;
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
@@ -37,7 +37,8 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         ..PayloadSettings::default()
     };
     let both = (&settings(arguments)?, &load);
-    let found = identify_load(&robot, &arguments.logs, &arguments.payload, both, &mut say)?;
+    let found = identify_load(&robot, &arguments.logs, &arguments.payload, both, &mut say);
+    let found = print::identified(found)?;
     describe(arguments, &loaded.model, (&found, &carrier.link), &output)?;
     match format {
         Format::Json => print::json(&as_json(&found, &carrier.link, &robot, &output)),
@@ -97,7 +98,7 @@ fn describe(
             format!("{name}, {which} the load: sha256 {hash}")
         })
     });
-    let said = found.payload.warnings.iter().map(|warning| format!("warning: {warning}"));
+    let said = texts(&found.findings, Severity::Warning);
     let provenance: Vec<String> = std::iter::once(command(arguments)).chain(hashes).chain(said).collect();
     let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(write_identified(
@@ -131,19 +132,8 @@ fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Estimate)> {
     std::iter::once(("mass", "kg", payload.mass)).chain(centre).chain(moments).collect()
 }
 
-fn noticed(found: &CarriedLoad) -> Vec<String> {
-    let findings = found.recordings.iter().flat_map(|recording| &recording.findings);
-    let notes = findings.map(ToString::to_string).chain(found.notes.iter().cloned());
-    let warnings = found.payload.warnings.iter().map(|warning| format!("warning: {warning}"));
-    let [without, with] = found.recordings.each_ref().map(Recording::columns_said);
-    let others =
-        with.into_iter().filter(|line| !without.contains(line)).map(|line| format!("with the load, {line}"));
-    let columns: Vec<String> = without.iter().cloned().chain(others).collect();
-    columns.into_iter().chain(notes.map(|note| format!("note: {note}"))).chain(warnings).collect()
-}
-
 fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
-    let mut text: String = noticed(found).iter().map(|line| format!("{line}\n")).collect();
+    let mut text = print::lines(&found.findings);
     let payload = &found.payload;
     text.push_str(&format!("\nload on {link}, moments about its centre of mass:\n"));
     let head = ["", "value", "95 % interval", "shown by the motion"].map(str::to_owned).to_vec();
@@ -184,8 +174,7 @@ fn as_json(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
         "joints": joints.map(|((name, explained), residual)| {
             json!({"name": name, "explained": explained, "residual": residual})
         }).collect::<Value>(),
-        "findings": found.recordings.iter().flat_map(|recording| &recording.findings).map(ToString::to_string)
-            .collect::<Value>(),
-        "warnings": payload.warnings,
+        "findings": print::findings(&found.findings),
+        "warnings": texts(&found.findings, Severity::Warning),
     })
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gelenk_files::write_whole;
+use gelenk_findings::{Severity, texts};
 use gelenk_identification::excitation::{Excitation, Plan, PlanSettings, plan};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
@@ -46,7 +47,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("plan.csv"));
     require_plan_or_nothing(&path, &Plan::header(&robot))?;
     place::require_writable(&path, loaded.files.iter())?;
-    let found = plan(&robot, &settings, &mut say)?;
+    let found = print::identified(plan(&robot, &settings, &mut say))?;
     let text = found.csv(&robot, 1.0 / arguments.rate, 1);
     write_whole(&path, text).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))?;
     match format {
@@ -157,7 +158,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text.push_str(&print::table(&std::iter::once(head).chain(rows).chain(shafts).collect::<Vec<_>>()));
     text.push('\n');
     text.push_str(&inputs_text(plan, robot));
-    plan.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
+    text.push_str(&print::lines(&plan.findings));
     text.push_str(
         "note: obstacles, and links that meet each other, are not known here: look at the motion before the robot makes it\n",
     );
@@ -201,7 +202,7 @@ fn as_json(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> Value {
         "approach": plan.approach.as_ref().map(|approach| json!({
             "from": approach.from, "to": approach.to, "seconds": approach.seconds,
         })),
-        "notes": plan.notes,
+        "notes": texts(&plan.findings, Severity::Note),
     });
     if !plan.shafts.is_empty() {
         let shafts = plan.shafts.iter().map(

@@ -48,7 +48,7 @@ pub(super) fn gather(
                 }
                 Err(wrong) => {
                     for entry in wrong.into_entries() {
-                        let here = entry.location.is_none().then_some(file.span);
+                        let here = entry.location().is_none().then_some(file.span);
                         report.push(here, entry);
                     }
                     return None;

@@ -1,4 +1,4 @@
-//! Doubts about data and model, as sentences with remedies.
+//! What is left of the efforts, against what the model does not have.
 
 use super::super::digits::plain;
 use super::super::robot::Robot;
@@ -6,6 +6,55 @@ use super::super::run::PreparedRun;
 use super::layout::Layout;
 use super::residuals::Forces;
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: a joint without a measured effort next to others that have one.
+/// Matters: its friction, drive and offset stay as described.
+/// Example: a column of zeros.
+/// Fixture: `dead` in `codegen/tests/findings/arm.rs`.
+const NO_EFFORT: Rule = Rule::warning("no-effort");
+
+/// Sees: a joint that does not move.
+/// Matters: its friction is not estimated.
+/// Example: a joint that was held.
+/// Fixture: `still` in `codegen/tests/findings/arm.rs`.
+const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
+
+/// Sees: a residual that follows the rate of the effort, as one that comes late leaves it.
+/// Matters: inertia and friction take up a part of the delay.
+/// Example: one joint's effort is 20 ms late.
+/// Fixture: `another_delay_is_named` in `codegen/tests/strangers_arm/main.rs`.
+const LATE: Rule = Rule::warning("late-effort");
+
+/// Sees: a residual that follows the acceleration.
+/// Matters: the inertia of the rigid body is wrong.
+/// Example: a rotor that the description does not have.
+/// Fixture: `friction/tests.rs`.
+pub(crate) const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
+
+/// Sees: a residual that follows the joint's position.
+/// Matters: a force by position is not described.
+/// Example: a spring that balances an arm.
+/// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
+pub(crate) const POSITION: Rule = Rule::warning("residual-follows-position");
+
+/// Sees: an offset that changes from the beginning to the end of the logs.
+/// Matters: one offset is no longer the offset of the sensor.
+/// Example: a torque sensor that warms up.
+/// Fixture: `warming_up` in `codegen/tests/findings/arm.rs`.
+pub(crate) const OFFSET_DRIFTS: Rule = Rule::warning("offset-drifts");
+
+/// Sees: friction that changes from the beginning to the end of the logs.
+/// Matters: the law is an average that holds at no time.
+/// Example: grease that warms up.
+/// Fixture: `friction/tests.rs`.
+pub(crate) const FRICTION_DRIFTS: Rule = Rule::warning("friction-drifts");
+
+/// Sees: friction that grows with the load of a gear.
+/// Matters: a law of the velocity alone is wrong under other loads.
+/// Example: a worm gear.
+/// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
+const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
 
 /// Share of the residual's variance that one quantity may explain before it is a doubt.
 const SUSPICIOUS: f64 = 0.1;
@@ -24,45 +73,39 @@ pub(super) struct Checked<'a> {
 }
 
 impl Checked<'_> {
-    /// Doubts about each moving joint, and which joints stand still.
-    pub(super) fn warnings(&self) -> Vec<String> {
-        let names = self.robot.joint_names();
-        let mut warnings = Vec::new();
-        for (joint, name) in names.iter().enumerate() {
+    /// Doubts about each moving joint, and which joints do not move.
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        let of = |joint: usize| {
             if self.robot.unmeasured()[joint] {
-                continue;
+                Vec::new()
+            } else if !self.layout.measured[joint] {
+                vec![no_effort(self.robot, joint)]
+            } else if !self.layout.moves[joint] && !self.layout.exact[joint] {
+                let still = DOES_NOT_MOVE.found("it does not move in these data: its friction is not estimated");
+                vec![still.of(self.robot.subject(joint)).help("move it")]
+            } else {
+                self.joint(joint)
             }
-            if !self.layout.measured[joint] {
-                warnings.push(no_effort(name));
-                continue;
-            }
-            if !self.layout.moves[joint] && !self.layout.exact[joint] {
-                warnings.push(format!(
-                    "Joint {name} stands still in these data: its friction is not estimated. Move it."
-                ));
-                continue;
-            }
-            warnings.extend(self.joint(joint).into_iter().map(|doubt| format!("Joint {name}: {doubt}")));
-        }
-        warnings
+        };
+        (0..self.layout.joints).flat_map(of).collect()
     }
 
-    /// Doubts about one joint, as ends of a sentence.
-    pub(super) fn joint(&self, joint: usize) -> Vec<String> {
-        if self.layout.exact[joint] {
-            // The others are doubts about sensors, gears and friction.
-            return unit_doubt(self.sizes(joint)).into_iter().collect();
-        }
-        let doubts = [
-            unit_doubt(self.sizes(joint)),
-            self.delay(joint),
-            self.acceleration(joint),
-            self.position(joint),
-            self.drift(joint),
-            self.friction_drift(joint),
-            self.load(joint),
-        ];
-        doubts.into_iter().flatten().collect()
+    /// Doubts about one joint.
+    pub(super) fn joint(&self, joint: usize) -> Vec<Finding> {
+        let of_sensor = || {
+            [
+                self.delay(joint),
+                self.acceleration(joint),
+                self.position(joint),
+                self.drift(joint),
+                self.friction_drift(joint),
+                self.load(joint),
+            ]
+        };
+        // A joint with a quaternion has no sensor, gear or friction to be doubted.
+        let others = (!self.layout.exact[joint]).then(of_sensor).into_iter().flatten();
+        let doubts = std::iter::once(unit_doubt(self.sizes(joint))).chain(others).flatten();
+        doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
     }
 
     /// Sizes of the rigid force as estimated and as described, and of the measured one.
@@ -81,7 +124,7 @@ impl Checked<'_> {
     }
 
     /// A torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
-    fn delay(&self, joint: usize) -> Option<String> {
+    fn delay(&self, joint: usize) -> Option<Finding> {
         let slope = |run: usize, i: usize| {
             let (p, t) = (self.predicted(run, joint), &self.runs[run].times);
             let (before, after) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
@@ -89,12 +132,13 @@ impl Checked<'_> {
         };
         let (factor, share) = self.explained(joint, &slope)?;
         self.is_suspicious(share).then(|| {
-            format!(
-                "{:.0} % of the residual's variance is a delay of {:.1} ms between torque and position, beyond what was \
-                 removed. Say the whole delay with --delay SECONDS, above 0 where efforts are the late ones.",
+            let message = format!(
+                "{:.0} % of the residual's variance is a delay of {:.1} ms between torque and position, beyond what was removed",
                 100.0 * share,
                 -1e3 * factor
-            )
+            );
+            let remedy = "give the whole delay with --delay SECONDS, above 0 if efforts are late";
+            LATE.found(message).with("delay", -factor, "s").help(remedy)
         })
     }
 
@@ -103,56 +147,55 @@ impl Checked<'_> {
         move |i| measured[i] - residual[i]
     }
 
-    fn acceleration(&self, joint: usize) -> Option<String> {
+    fn acceleration(&self, joint: usize) -> Option<Finding> {
         let (factor, share) = self.explained(joint, &|run, i| self.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| acceleration_doubt(factor, share))
     }
 
-    fn position(&self, joint: usize) -> Option<String> {
+    fn position(&self, joint: usize) -> Option<Finding> {
         let y = |run: usize, i: usize| self.runs[run].positions[joint][i];
         let shapes: [&dyn Fn(usize, usize) -> f64; 3] = [&y, &|r, i| y(r, i).sin(), &|r, i| y(r, i).cos()];
         let shares = shapes.iter().filter_map(|shape| self.explained(joint, *shape)).map(|(_, share)| share);
         let share = shares.fold(0.0, f64::max);
         self.is_suspicious(share).then(|| {
-            format!(
-                "{:.0} % of the residual's variance follows the joint's position. Check how the robot is \
-                 mounted (`gravity` of the description) and its load, or describe a spring or the pull of cables.",
-                100.0 * share
-            )
+            let message = format!("{:.0} % of the residual's variance follows the joint's position", 100.0 * share);
+            let remedy = "check how the robot is mounted (`gravity` of the description) and its load, or describe a spring or the \
+                          pull of cables";
+            POSITION.found(message).help(remedy)
         })
     }
 
-    fn drift(&self, joint: usize) -> Option<String> {
+    fn drift(&self, joint: usize) -> Option<Finding> {
         let (factor, share) = self.explained(joint, &|run, i| self.progress(run, i))?;
         self.is_suspicious(share).then(|| {
-            format!(
-                "its offset drifts by {} from the first to the last sample ({:.0} % of the residual's \
-                 variance). Warm the robot up before the log, or \
-                 give it as several shorter ones, whose offsets may differ.",
+            let message = format!(
+                "its offset drifts by {} from the first to the last sample ({:.0} % of the residual's variance)",
                 plain(factor, 3),
                 100.0 * share
-            )
+            );
+            let remedy = "warm the robot up before the log, or give several shorter logs, whose offsets may differ";
+            OFFSET_DRIFTS.found(message).help(remedy)
         })
     }
 
-    fn friction_drift(&self, joint: usize) -> Option<String> {
+    fn friction_drift(&self, joint: usize) -> Option<Finding> {
         let steepness = self.layout.steepness[joint][0];
         let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
         let column = |run: usize, i: usize| (self.progress(run, i) - 0.5) * direction(run, i);
         let (factor, share) = self.explained(joint, &column)?;
         // Friction that changes within a log matters earlier: the law is an average that holds at no time.
         (share > 0.5 * SUSPICIOUS && self.is_beyond_chance(share)).then(|| {
-            format!(
-                "its friction changes by {} from the first to the last sample ({:.0} % of the residual's \
-                 variance). Warm the robot up before the log, and identify it as warm as it works.",
+            let message = format!(
+                "its friction changes by {} from the first to the last sample ({:.0} % of the residual's variance)",
                 plain(factor, 3),
                 100.0 * share
-            )
+            );
+            FRICTION_DRIFTS.found(message).help("warm the robot up before the log, and identify it as warm as it works")
         })
     }
 
     /// Friction that grows with the load leaves `(|τ_l| − mean) sign(v)`; Coulomb friction has taken the mean.
-    fn load(&self, joint: usize) -> Option<String> {
+    fn load(&self, joint: usize) -> Option<Finding> {
         if self.loads_are_known || !self.robot.own_inputs()[joint] {
             return None;
         }
@@ -164,11 +207,11 @@ impl Checked<'_> {
         let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
         let (factor, share) = self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))?;
         (factor > 0.0 && self.is_suspicious(share)).then(|| {
-            format!(
-                "{:.0} % of the residual's variance is friction that grows with the load of the gear, by about \
-                 {factor:.2} of it. Say --load-friction (`load_friction` of the library).",
+            let message = format!(
+                "{:.0} % of the residual's variance is friction that grows with the load of the gear, by about {factor:.2} of it",
                 100.0 * share
-            )
+            );
+            UNDER_LOAD.found(message).help("say --load-friction")
         })
     }
 
@@ -204,25 +247,24 @@ impl Checked<'_> {
     }
 }
 
-/// What is said of a joint whose effort no log has.
-pub(super) fn no_effort(name: &str) -> String {
-    format!(
-        "Joint {name} has no measured effort: its friction, drive and offset stay as described, and its body is known from \
-         the efforts of other joints alone."
-    )
+/// A joint whose effort no log has.
+pub(super) fn no_effort(robot: &dyn Robot, joint: usize) -> Finding {
+    let message = "it has no measured effort: its friction, drive and offset stay as described, and its body is known from the \
+                   efforts of other joints alone";
+    NO_EFFORT.found(message).of(robot.subject(joint))
 }
 
 fn is_beyond_chance(share: f64, correlation_time: f64, samples: usize) -> bool {
     share > BY_CHANCE * correlation_time / samples as f64
 }
 
-fn acceleration_doubt(factor: f64, share: f64) -> String {
-    format!(
-        "{:.0} % of the residual's variance follows the acceleration ({} per unit). The rigid body \
-         is wrong: describe the rotor's inertia, or look for a delay (--delay) or an elastic gear.",
+fn acceleration_doubt(factor: f64, share: f64) -> Finding {
+    let message = format!(
+        "{:.0} % of the residual's variance follows the acceleration ({} per unit): the rigid body is wrong",
         100.0 * share,
         plain(factor, 3)
-    )
+    );
+    ACCELERATION.found(message).help("describe the rotor's inertia, or look for a delay (--delay) or an elastic gear")
 }
 
 /// The same doubt from sums of products: Σ a², Σ a r and Σ r², each without its mean.
@@ -230,7 +272,7 @@ pub(super) fn acceleration_doubt_of(
     [aa, ar, rr]: [f64; 3],
     correlation_time: f64,
     samples: usize,
-) -> Option<String> {
+) -> Option<Finding> {
     let share = ar * ar / (aa * rr);
     let doubtful = share > SUSPICIOUS && is_beyond_chance(share, correlation_time, samples);
     doubtful.then(|| acceleration_doubt(ar / aa, share))

@@ -7,7 +7,7 @@ use super::alternatives::{Doubts, other_explanations, other_factors};
 use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::endogeneity::endogeneity;
-use super::estimated::{Estimated, require_explained};
+use super::estimated::{Estimated, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::intervals::{Fitted, correlation_time, covariance, scores};
 use super::late::Late;
@@ -22,7 +22,14 @@ use super::settings::EstimationSettings;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
 use super::tilt::tilt;
+use gelenk_findings::{Finding, Rule};
 use nalgebra::DVector;
+
+/// Sees: shares of the load that change from pass to pass.
+/// Matters: they are known less than their intervals say.
+/// Example: friction that is not in proportion to the load.
+/// Fixture: `estimation/tests/load.rs`.
+const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 
 /// Inertial parameters, friction, offsets and gains of a robot from its runs.
 ///
@@ -97,9 +104,7 @@ fn under_load(
             return Ok(found);
         }
     }
-    found
-        .warnings
-        .push(format!("The shares of the load did not settle within {PASSES} passes: trust them less."));
+    found.findings.push(UNSETTLED.found(format!("the shares of the load did not settle within {PASSES} passes")));
     Ok(found)
 }
 
@@ -295,7 +300,7 @@ impl Task<'_> {
             endogeneity: endogeneity.as_ref(),
             has_loads: self.loads.is_some(),
         };
-        Ok(report.estimate(doubts.sentences(self.robot)))
+        Ok(report.estimate(doubts.findings()))
     }
 
     /// What speaks against the fit.
@@ -325,21 +330,15 @@ impl Task<'_> {
         if let Some(ratio) = checked.common_ratio() {
             doubts.of_all.extend(ratio.judged(self.settings.accept_poor)?);
         }
-        doubts.of_all.extend(checked.warnings());
+        doubts.of_all.extend(checked.findings());
         Ok(doubts)
     }
 
     /// Refuses a fit that explains too little, with what may be the reason.
     fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
         let reasons = |joint: usize| {
-            let mut reasons: Vec<String> =
-                doubts.of_all.iter().cloned().chain(checked.joint(joint)).collect();
-            if reasons.is_empty() && doubts.of_joints[joint].is_none() {
-                let usual = "check sign, unit and assignment of the columns, that the robot moved freely, and how it is mounted (`gravity` of \
-                             the description)";
-                reasons.push(usual.into());
-            }
-            reasons
+            let reasons: Vec<Finding> = doubts.of_all.iter().cloned().chain(checked.joint(joint)).collect();
+            if reasons.is_empty() { vec![unexplained(self.robot, joint)] } else { reasons }
         };
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
     }

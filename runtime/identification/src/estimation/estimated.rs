@@ -18,7 +18,38 @@ use super::prior::Prior;
 use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
 use super::sensitivity::{JointSensitivity, Sensitivity};
 use super::settings::EstimationSettings;
+use gelenk_findings::{Finding, Rule};
 use nalgebra::DMatrix;
+
+/// Sees: how many offsets the measured forces have.
+/// Matters: an offset for each run takes up what differs from run to run.
+/// Example: one offset for each joint.
+/// Fixture: `good` in `codegen/tests/findings/arm.rs`.
+const OFFSETS: Rule = Rule::note("offsets");
+
+/// Sees: what is left of the delays of the efforts.
+/// Matters: intervals count how far a delay is known.
+/// Example: 0.2 ± 0.3 ms.
+/// Fixture: `good` in `codegen/tests/findings/arm.rs`.
+const DELAYS: Rule = Rule::note("delays-estimated");
+
+/// Sees: the weight of the description, and how many combinations of inertial parameters the data decide.
+/// Matters: the description decides the others.
+/// Example: 12.3 of 30 combinations.
+/// Fixture: `good` in `codegen/tests/findings/arm.rs`.
+const WEIGHT: Rule = Rule::note("description-weight");
+
+/// Sees: a described body that the data contradict.
+/// Matters: its description counts for less.
+/// Example: a link with a load in its hand.
+/// Fixture: `estimation/tests/simulated.rs`.
+const CONTRADICTED: Rule = Rule::note("body-contradicted");
+
+/// Sees: a current that hardly shows the described force.
+/// Matters: its motor constant is a guess.
+/// Example: a joint with a vertical axis.
+/// Fixture: `estimation/tests/currents.rs`.
+const MOTOR_CONSTANT: Rule = Rule::warning("motor-constant-unknown");
 
 /// The last fit, and what it was made with.
 pub(super) struct Estimated<'a> {
@@ -50,14 +81,9 @@ pub(super) struct JointFit {
 }
 
 impl Estimated<'_> {
-    /// The estimate without forces; `sentences` are the choices behind those of offsets.
-    pub(super) fn estimate(
-        &self,
-        fits: Vec<JointFit>,
-        choices: Vec<String>,
-        mut warnings: Vec<String>,
-    ) -> Estimate {
-        warnings.extend(self.untold_gains());
+    /// The estimate without forces.
+    pub(super) fn estimate(&self, fits: Vec<JointFit>, mut findings: Vec<Finding>) -> Estimate {
+        findings.extend(self.untold_gains());
         let joints = self.robot.joint_names().into_iter().zip(fits).enumerate();
         Estimate {
             parameters: self.parameters(|i, described| self.uncertain(i, described)),
@@ -80,8 +106,7 @@ impl Estimated<'_> {
             terms_covariance: (0..self.layout.joints).map(|joint| self.terms_covariance(joint)).collect(),
             freedom: self.covariance.freedom,
             delays: self.delays(),
-            choices,
-            warnings,
+            findings,
         }
     }
 
@@ -93,16 +118,16 @@ impl Estimated<'_> {
     /// How the offsets of forces are estimated.
     ///
     /// - `measured`: those of measured forces
-    pub(super) fn offsets_said(&self, measured: Offsets) -> impl Iterator<Item = String> {
+    pub(super) fn offsets_found(&self, measured: Offsets) -> impl Iterator<Item = Finding> {
         let said = match measured {
-            Offsets::None => "Forces have no offset.",
-            Offsets::Common => "Each joint's force has one offset.",
-            Offsets::ByRun => "Each joint's force has an offset in each run.",
+            Offsets::None => "forces have no offset",
+            Offsets::Common => "each joint's force has one offset",
+            Offsets::ByRun => "each joint's force has an offset in each run",
         };
-        let exact = "Forces in the rows of spherical and floating joints are those of the inputs alone: no offset and no friction \
-                     is estimated there.";
+        let exact = "forces in the rows of spherical and floating joints are those of the inputs alone: no offset and no friction \
+                     is estimated there";
         let said = [(false, said), (true, exact)];
-        said.into_iter().filter(|(kind, _)| self.layout.exact.contains(kind)).map(|(_, said)| said.to_owned())
+        said.into_iter().filter(|(kind, _)| self.layout.exact.contains(kind)).map(|(_, said)| OFFSETS.found(said))
     }
 
     /// By how much residuals change with the inertial parameters.
@@ -150,7 +175,7 @@ impl Estimated<'_> {
     }
 
     /// What is left of delays, by their numbers.
-    fn delays_said(&self) -> Option<String> {
+    fn delays_found(&self) -> Option<Finding> {
         let mut numbers = self.layout.delays.clone();
         numbers.sort_unstable();
         numbers.dedup();
@@ -158,11 +183,12 @@ impl Estimated<'_> {
         let said = |delay: Uncertain| format!("{:+.2} ± {:.2} ms", 1e3 * delay.value, 1e3 * half(delay));
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
-            format!(
-                "The delay of the efforts is estimated with all else, and intervals count how far it is known: {} beyond \
-                 what was removed before. --delay takes one as known.",
+            let message = format!(
+                "the delay of the efforts is estimated with all else, and intervals count how far it is known: {} beyond what \
+                 was removed before",
                 said.join(", ")
-            )
+            );
+            DELAYS.found(message).help("--delay takes one as known")
         })
     }
 
@@ -178,12 +204,12 @@ impl Estimated<'_> {
     }
 
     /// How much the description weighs, and which of its bodies the data contradict.
-    pub(super) fn choices(&self) -> impl Iterator<Item = String> {
+    pub(super) fn choices(&self) -> impl Iterator<Item = Finding> {
         let names = self.robot.parameter_names();
         let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
         let weight = format!(
-            "The description weighs {}: the data decide {:.1} of {all} combinations of inertial parameters, \
-             the description decides the rest.",
+            "the description weighs {}: the data decide {:.1} of {all} combinations of inertial parameters, \
+             the description decides the rest",
             plain(self.chosen.weighting.description, 4),
             self.covariance.decided
         );
@@ -191,9 +217,9 @@ impl Estimated<'_> {
         let doubted = self.prior.bodies.iter().filter(move |body| trust[*body * PER_BODY] < 1.0);
         let doubted = doubted.map(move |body| {
             let body = names[body * PER_BODY].trim_start_matches("m_");
-            format!("The data contradict the described body of {body}.")
+            CONTRADICTED.found(format!("the data contradict the described body of {body}"))
         });
-        std::iter::once(weight).chain(doubted).chain(self.delays_said())
+        std::iter::once(WEIGHT.found(weight)).chain(doubted).chain(self.delays_found())
     }
 
     /// An unknown beyond `base`, with its interval. Where least squares is biased, the interval reaches as far as instrumental
@@ -266,21 +292,18 @@ impl Estimated<'_> {
     }
 
     /// Joints whose gain the description does not tell.
-    fn untold_gains(&self) -> Vec<String> {
+    fn untold_gains(&self) -> Vec<Finding> {
         let layout = self.layout;
         let untold =
             |joint: &usize| layout.moves[*joint] && self.chosen.gains[*joint].relative_error > UNTOLD;
         let all = if self.chosen.model.gains { layout.joints } else { 0 };
-        let names = self.robot.joint_names();
-        let sentence = |joint: usize| {
-            format!(
-                "Joint {}: its current hardly shows the described force, so that the motor constant is a guess: its \
-                 torques may be wrong by a factor, with masses, inertias and friction. Take the motor constant from its \
-                 data sheet, or convert the currents to torques.",
-                names[joint]
-            )
+        let finding = |joint: usize| {
+            let message = "its current hardly shows the described force, so that the motor constant is a guess: its torques may be \
+                           wrong by a factor, with masses, inertias and friction";
+            let remedy = "take the motor constant from its data sheet, or convert the currents to torques";
+            MOTOR_CONSTANT.found(message).of(self.robot.subject(joint)).help(remedy)
         };
-        (0..all).filter(untold).map(sentence).collect()
+        (0..all).filter(untold).map(finding).collect()
     }
 
     fn joint(&self, joint: usize, name: String, fit: JointFit) -> JointEstimate {
@@ -309,6 +332,19 @@ impl Estimated<'_> {
     }
 }
 
+/// Sees: a joint whose force is hardly explained, and nothing that explains it better.
+/// Matters: no law is written.
+/// Example: columns of another joint.
+/// Fixture: `pan_lift` in `codegen/tests/findings/arm.rs`.
+const UNEXPLAINED: Rule = Rule::error("unexplained-effort");
+
+/// The usual reasons for a force that is not explained.
+pub(super) fn unexplained(robot: &dyn Robot, joint: usize) -> Finding {
+    let remedy = "check sign, unit and assignment of the columns, that the robot moved freely, and how it is mounted (`gravity` of \
+                  the description)";
+    UNEXPLAINED.found("nothing that was tried explains its effort").of(robot.subject(joint)).help(remedy)
+}
+
 /// Refuses a fit that explains too little of a moving joint, or another sign better.
 ///
 /// - `held_out`: R² of each joint on held-out data; `doubts`: about the signs of their efforts
@@ -320,8 +356,8 @@ pub(super) fn require_explained(
     robot: &dyn Robot,
     layout: &Layout,
     settings: &EstimationSettings,
-    (held_out, doubts): (&[f64], &[Option<String>]),
-    reasons: impl Fn(usize) -> Vec<String>,
+    (held_out, doubts): (&[f64], &[Option<Finding>]),
+    reasons: impl Fn(usize) -> Vec<Finding>,
 ) -> Result<()> {
     let least = settings.least_r_squared;
     let poor = |joint: &usize| {
@@ -337,9 +373,9 @@ pub(super) fn require_explained(
         return Ok(());
     };
     Err(IdentificationError::Unexplained {
-        joint: robot.joint_names()[joint].clone(),
+        subject: robot.subject(joint),
         r_squared: held_out[joint],
         least,
-        reasons: doubts[joint].clone().unwrap_or_else(|| reasons(joint).join(" ")),
+        reasons: doubts[joint].clone().map_or_else(|| reasons(joint), |doubt| vec![doubt]),
     })
 }

@@ -12,6 +12,7 @@ use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
 use super::normal::Model;
 use super::prior::Prior;
+use gelenk_findings::{Finding, Rule};
 
 /// Factors that are tried first.
 const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10.0, 20.0];
@@ -46,8 +47,8 @@ impl Factors<'_> {
     }
 }
 
-/// The joint whose effort explains the data most clearly better with another factor, and a sentence; `None` where none does.
-pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, String)>> {
+/// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` where none does.
+pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Finding)>> {
     let layout = chosen.centred.layout;
     if layout.effort == Effort::Current {
         return Ok(None);
@@ -67,13 +68,21 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, St
     let Some((joint, factor, _)) = clearest else { return Ok(None) };
     let near = (-STEPS..=STEPS).map(|i| factor * FINE.powi(i));
     let factor = factors.best(joint, near)?.map_or(factor, |(factor, _)| factor);
-    Ok(Some((joint, sentence(factor))))
+    Ok(Some((joint, other_factor(factor))))
 }
 
-fn sentence(factor: f64) -> String {
-    let factor = plain(factor, 2);
-    format!(
-        "the data are explained better with its effort times {factor}. Check the effort's unit, gear ratio and sensor, and the zero of \
-         its position; --columns gives one column a factor, as in 'torque=tau1|tau2[{factor} Nm]|tau3'."
-    )
+/// Sees: the effort of one joint that fits better with a factor.
+/// Matters: its masses and its friction would be wrong by the factor.
+/// Example: one sensor in another unit.
+/// Fixture: `factor` in `codegen/tests/findings/arm.rs`.
+const OTHER_FACTOR: Rule = Rule::error("other-factor");
+
+fn other_factor(factor: f64) -> Finding {
+    let shown = plain(factor, 2);
+    let remedy = format!(
+        "check the effort's unit, gear ratio and sensor, and the zero of its position; --columns gives one column a factor, as in \
+         'torque=tau1|tau2[{shown} Nm]|tau3'"
+    );
+    let message = format!("the data are explained better with its effort times {shown}");
+    OTHER_FACTOR.found(message).with("factor", factor, "").help(remedy)
 }

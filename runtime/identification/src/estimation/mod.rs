@@ -41,6 +41,7 @@ pub use result::{
 pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {
+    checks::{ACCELERATION, FRICTION_DRIFTS, OFFSET_DRIFTS, POSITION},
     described::described_ratio,
     intervals::correlation_time,
     residuals::{huber, robust_deviation},

@@ -6,7 +6,26 @@ use super::endogeneity::{Endogeneity, Test};
 use super::estimated::{Estimated, JointFit};
 use super::residuals::{Forces, RunOffsets};
 use super::result::{Estimate, Gravity, InstrumentalEstimate};
+use gelenk_findings::{Finding, Rule};
 use nalgebra::DMatrix;
+
+/// Sees: a robot that compensates the weight of its bodies as described.
+/// Matters: the efforts hold what they weigh beyond it.
+/// Example: a load in the hand of a robot that holds itself.
+/// Fixture: `estimation/tests/simulated.rs`.
+const AS_DESCRIBED: Rule = Rule::note("compensated-as-described");
+
+/// Sees: a fit over bodies that can exist that did not converge by itself.
+/// Matters: a small pull towards the description was added.
+/// Example: a motion that shows few parameters.
+/// Fixture: `inertial/regularized.rs`.
+const PULL: Rule = Rule::note("pull-to-description");
+
+/// Sees: whether least squares differs from instrumental variables.
+/// Matters: noise of the positions biases least squares in closed loop.
+/// Example: a stiff controller and a coarse encoder.
+/// Fixture: `estimation/tests/closed_loop.rs`.
+const CLOSED_LOOP: Rule = Rule::note("closed-loop-bias");
 
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
@@ -22,7 +41,7 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    pub(super) fn estimate(&self, warnings: Vec<String>) -> Estimate {
+    pub(super) fn estimate(&self, doubts: Vec<Finding>) -> Estimate {
         let layout = self.fitted.layout;
         let add = |a: &[f64], b: &[f64], sign: f64| {
             a.iter().zip(b).map(|(a, b)| a + sign * b).collect::<Vec<f64>>()
@@ -39,7 +58,7 @@ impl Report<'_> {
             measured: each(&|r, j| measured[r][j].clone()),
             load_friction: if self.has_loads { each(&|r, j| load[r][j].clone()) } else { Vec::new() },
             instrumental: self.endogeneity.map(|found| self.instrumental(found)),
-            ..self.fitted.estimate(self.fits(), self.choices(), warnings)
+            ..self.fitted.estimate(self.fits(), self.choices().chain(doubts).collect())
         }
     }
 
@@ -63,40 +82,42 @@ impl Report<'_> {
         (0..layout.joints).map(fit).collect()
     }
 
-    /// What was chosen, in sentences.
-    fn choices(&self) -> Vec<String> {
-        let offsets = self.fitted.offsets_said(self.fitted.chosen.model.offsets);
-        let said = offsets.chain(self.gravity_said()).chain(self.fitted.choices());
-        said.chain(self.pull_said()).chain([self.endogeneity_said()]).collect()
+    /// What was chosen.
+    fn choices(&self) -> impl Iterator<Item = Finding> {
+        let offsets = self.fitted.offsets_found(self.fitted.chosen.model.offsets);
+        let found = offsets.chain(self.gravity()).chain(self.fitted.choices());
+        found.chain(self.pull()).chain([self.closed_loop()])
     }
 
-    /// Which weight the robot compensates, where it is not all of it.
-    fn gravity_said(&self) -> Option<String> {
+    /// The weight that the robot compensates, if it is not all of it.
+    fn gravity(&self) -> Option<Finding> {
         (self.fitted.gravity == Gravity::CompensatedAsDescribed).then(|| {
-            "The robot compensates the weight of the bodies as described. What they weigh beyond it is in the efforts, and the \
-             found bodies have it; where the robot's own model is another one, their weight is wrong by the difference."
-                .into()
-        })
-    }
-
-    /// What was done where the program over bodies that can exist did not converge by itself.
-    fn pull_said(&self) -> Option<String> {
-        let pull = self.fitted.solved.pull;
-        (pull > 0.0).then(|| {
-            format!(
-                "The fit over bodies that can exist converged with a pull towards the description of {} of the largest \
-                 curvature, which is below what the sums resolve.",
-                plain(pull, 1)
+            AS_DESCRIBED.found(
+                "the robot compensates the weight of the bodies as described. What they weigh beyond it is in the efforts, and the \
+                 found bodies have it; if the robot's own model is another one, their weight is wrong by the difference",
             )
         })
     }
 
+    /// The pull with which the program over bodies that can exist converged.
+    fn pull(&self) -> Option<Finding> {
+        let pull = self.fitted.solved.pull;
+        (pull > 0.0).then(|| {
+            PULL.found(format!(
+                "the fit over bodies that can exist converged with a pull towards the description of {} of the largest \
+                 curvature, which is below what the sums resolve",
+                plain(pull, 1)
+            ))
+        })
+    }
+
     /// Whether noise of the motion biases least squares.
-    fn endogeneity_said(&self) -> String {
+    fn closed_loop(&self) -> Finding {
         let Some(found) = self.endogeneity else {
-            return "The logs hold no instruments (commanded positions, or repeats of a motion), or are too short for \
-                    them: whether noise of the positions biases the estimate in closed loop is not known."
-                .into();
+            return CLOSED_LOOP.found(
+                "the logs hold no instruments (commanded positions, or repeats of a motion), or are too short for them: whether \
+                 noise of the positions biases the estimate in closed loop is not known",
+            );
         };
         let Endogeneity { source, test: Test { statistic, freedoms: [q, rest], p_value }, .. } = found;
         let numbers = format!(
@@ -104,23 +125,21 @@ impl Report<'_> {
             plain(*statistic, 3),
             digits::p_value(*p_value)
         );
-        if found.rejects() {
-            format!(
-                "Least squares differs from instrumental variables by more than chance ({numbers}): noise of the \
-                 positions biases it in closed loop, or what the model lacks follows the control error. Intervals reach from \
-                 each value as far as instrumental variables put the true one."
-            )
-        } else {
-            let counted = if found.is_counted() {
-                " Intervals reach as far as instrumental variables put the true value all the same: the test sees large \
-                 biases alone."
-            } else {
-                ""
-            };
-            format!(
-                "Least squares is not biased in closed loop as far as the data tell ({numbers}).{counted}"
-            )
-        }
+        let message = match (found.rejects(), found.is_counted()) {
+            (true, _) => format!(
+                "least squares differs from instrumental variables by more than chance ({numbers}): noise of the positions biases \
+                 it in closed loop, or what the model lacks follows the control error. Intervals reach from each value as far as \
+                 instrumental variables put the true one"
+            ),
+            (false, true) => format!(
+                "least squares is not biased in closed loop as far as the data tell ({numbers}). Intervals reach as far as \
+                 instrumental variables put the true value all the same: the test sees large biases alone"
+            ),
+            (false, false) => {
+                format!("least squares is not biased in closed loop as far as the data tell ({numbers})")
+            }
+        };
+        CLOSED_LOOP.found(message)
     }
 
     fn instrumental(&self, found: &Endogeneity) -> InstrumentalEstimate {

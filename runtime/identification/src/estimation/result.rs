@@ -3,6 +3,7 @@
 use super::super::run::Effort;
 use super::instruments::InstrumentSource;
 use super::sensitivity::Sensitivity;
+use gelenk_findings::Finding;
 use nalgebra::DMatrix;
 
 /// Held-out error for one weight of the description.
@@ -88,10 +89,8 @@ pub struct Estimate {
     /// What is left of the delay of each effort after that which was removed \[s\], positive where efforts come later still;
     /// empty where delays are known. The forces above are at the times of the motion.
     pub delays: Vec<Uncertain>,
-    /// What was chosen, as sentences.
-    pub choices: Vec<String>,
-    /// Doubts, as sentences with remedies.
-    pub warnings: Vec<String>,
+    /// What was chosen, as notes, and doubts.
+    pub findings: Vec<Finding>,
 }
 
 /// An estimate that noise of the measured motion does not bias, and the Durbin–Wu–Hausman test of least squares.

@@ -13,7 +13,7 @@ use super::super::run::{Effort, PreparedRun};
 use super::alternatives::signs;
 use super::checks::{acceleration_doubt_of, no_effort};
 use super::choice::{Chosen, Freedom, choose};
-use super::estimated::{Estimated, JointFit, require_explained};
+use super::estimated::{Estimated, JointFit, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::intervals::{Fitted, Scores, covariance};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, STANDSTILL, TERMS, VISCOUS};
@@ -24,6 +24,7 @@ use super::rows::Rows;
 use super::settings::EstimationSettings;
 use super::sums::{PieceSums, Sums};
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
+use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -272,7 +273,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     let covariance = covariance(&fitted, &prior, &scores)?;
     let found = Found {
         data,
-        doubts: signs(&chosen, &held_out, &prior)?,
+        doubts: signs(robot, &chosen, &held_out, &prior)?,
         fitted: Estimated {
             robot,
             settings,
@@ -292,7 +293,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     let accept_poor = found.fitted.settings.accept_poor;
     let unit = found.common_ratio().map(|ratio| ratio.judged(accept_poor)).transpose()?.flatten();
     let mut estimate = found.estimate();
-    estimate.warnings.splice(0..0, unit);
+    estimate.findings.splice(0..0, unit);
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
 }
 
@@ -327,7 +328,7 @@ struct Found<'a> {
     data: &'a SharedData<'a>,
     fitted: Estimated<'a>,
     held_out: HeldOut,
-    doubts: Vec<Option<String>>,
+    doubts: Vec<Option<Finding>>,
 }
 
 impl Found<'_> {
@@ -336,12 +337,7 @@ impl Found<'_> {
         let Estimated { robot, settings, layout, .. } = self.fitted;
         let held_out: Vec<f64> =
             (0..layout.joints).map(|joint| self.r_squared(joint, self.held_out.rss[joint])).collect();
-        let usual = "check sign, unit and assignment of the columns where the logs are reduced, that the robot moved freely, and how it is \
-                     mounted (`gravity` of the description)";
-        let reasons = |joint: usize| {
-            let usual = self.doubts[joint].is_none().then(|| usual.to_owned());
-            usual.into_iter().collect()
-        };
+        let reasons = |joint: usize| vec![unexplained(robot, joint)];
         require_explained(robot, layout, settings, (&held_out, &self.doubts), reasons)
     }
 
@@ -386,13 +382,11 @@ impl Found<'_> {
     fn estimate(&self) -> Estimate {
         let Estimated { robot, chosen, solved, .. } = self.fitted;
         let driven = robot.unmeasured();
-        let warnings = robot.joint_names().into_iter().enumerate().flat_map(|(joint, name)| {
+        let doubts = (0..driven.len()).flat_map(|joint| {
             let is_missing = !self.fitted.layout.measured[joint] && !driven[joint];
-            let missing = is_missing.then(|| no_effort(&name));
-            let doubts = self.doubts_of(joint).into_iter().map(move |doubt| format!("Joint {name}: {doubt}"));
-            missing.into_iter().chain(doubts)
+            is_missing.then(|| no_effort(robot, joint)).into_iter().chain(self.doubts_of(joint))
         });
-        let choices = self.fitted.offsets_said(Offsets::ByRun).chain(self.fitted.choices());
+        let findings = self.fitted.offsets_found(Offsets::ByRun).chain(self.fitted.choices()).chain(doubts);
         let rss = chosen.centred.residuals(&chosen.centred.all, &solved.values);
         let fit = |joint: usize| JointFit {
             offsets: Vec::new(),
@@ -406,14 +400,14 @@ impl Found<'_> {
         let fits = (0..rss.len()).map(fit).collect();
         Estimate {
             offsets: Offsets::ByRun,
-            ..self.fitted.estimate(fits, choices.collect(), warnings.collect())
+            ..self.fitted.estimate(fits, findings.collect())
         }
     }
 
     /// Doubts about a moving joint: its sign, its unit, and a residual that follows the acceleration. Forces in the rows of a
     /// joint with a quaternion have no sensor to be doubted: only their unit.
-    fn doubts_of(&self, joint: usize) -> Vec<String> {
-        let Estimated { layout, chosen, solved, .. } = self.fitted;
+    fn doubts_of(&self, joint: usize) -> Vec<Finding> {
+        let Estimated { robot, layout, chosen, solved, .. } = self.fitted;
         if !layout.moves[joint] && !layout.exact[joint] {
             return Vec::new();
         }
@@ -429,7 +423,8 @@ impl Found<'_> {
         let of_sensor = (!layout.exact[joint])
             .then(|| [self.doubts[joint].clone(), acceleration_doubt_of(sums, time, samples)]);
         let [sign, acceleration] = of_sensor.unwrap_or_default();
-        [sign, unit_doubt(self.sizes(joint)), acceleration].into_iter().flatten().collect()
+        let found = [sign.map(Finding::accepted), unit_doubt(self.sizes(joint)), acceleration].into_iter().flatten();
+        found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 
     /// Measured force minus the rigid body's and an added inertia's, as factors of a joint's columns.

@@ -18,6 +18,7 @@ use super::prior::Prior;
 use super::result::Gravity;
 use super::sums::moving;
 use super::task::Task;
+use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
@@ -39,7 +40,7 @@ const UNTOLD: f64 = 0.01;
 /// A doubt about the direction of gravity; `None` where there is none, or where the data do not tell.
 ///
 /// - `last`: the fit with the described gravity; `time`: the residuals' correlation time
-pub(super) fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<String>> {
+pub(super) fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<Finding>> {
     let is_usual = task.gravity == Gravity::Recorded && task.layout.effort != Effort::Current;
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
@@ -239,7 +240,7 @@ impl Angles {
     }
 
     /// What is said of a direction of gravity that is no chance, and far enough from the described one to matter.
-    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<String> {
+    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Finding> {
         let (described, angle) = (turning.described, found.angle(&turning.described));
         let [first, second] = turning.across;
         let across = [first.dot(&described), second.dot(&described)];
@@ -256,7 +257,7 @@ impl Angles {
         let error = direction.dot(&(&covariance * &direction)).sqrt();
         let half = quantile(CONFIDENCE, self.freedom).ok()? * error;
         let is_tilted = by_chance < LEVEL && angle > LEAST && angle > half;
-        is_tilted.then(|| said([described, found], [angle, half]))
+        is_tilted.then(|| finding([described, found], [angle, half]))
     }
 }
 
@@ -270,7 +271,13 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&told)
 }
 
-fn said([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> String {
+/// Sees: weights that another direction of gravity explains.
+/// Matters: bodies take up a part of the tilt.
+/// Example: a robot on a wedge of 5°.
+/// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
+const TILT: Rule = Rule::warning("tilted-gravity");
+
+fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
     let [angle, half] = angles.map(f64::to_degrees);
     let axis = described.cross(&found).try_normalize(1e-9 * found.norm_squared());
     let axis = axis.unwrap_or(across(described)[0]);
@@ -279,9 +286,10 @@ fn said([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> String {
         let entry = |x: &f64| plain((x * unit).round() / unit, 6);
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
-    format!(
-        "The efforts hold a gravity {angle:.1}° ± {half:.1}° beside the described one, turned about [{axis}] of the base: the base \
-         is mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one. Say gravity = \
-         [{found}], and identify again."
-    )
+    let message = format!(
+        "the efforts hold a gravity {angle:.1}° ± {half:.1}° off the described one, turned about [{axis}] of the base: the base is \
+         mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
+    );
+    let remedy = format!("say gravity = [{found}], and identify again");
+    TILT.found(message).with("angle", angle, "°").help(remedy)
 }

@@ -8,6 +8,19 @@ use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: bodies that need several times, or a fraction of, the described force at the joints that carry the robot.
+/// Matters: beyond a factor of 10 nothing is estimated: efforts are in another unit.
+/// Example: efforts of motors before their gears.
+/// Fixture: `hundredths` in `codegen/tests/findings/arm.rs`.
+const COMMON_FACTOR: Rule = Rule::error("other-unit-of-efforts");
+
+/// Sees: a body that needs several times, or a fraction of, the described force at one joint.
+/// Matters: the unit of its effort, its gear ratio or its described mass is wrong.
+/// Example: one effort in mN m.
+/// Fixture: `estimation/tests/simulated.rs`.
+const JOINT_FACTOR: Rule = Rule::warning("other-unit-of-effort");
 
 /// Factor between estimated and described rigid forces beyond which a unit may be wrong.
 const OTHER_UNIT: f64 = 3.0;
@@ -72,22 +85,23 @@ impl CommonRatio {
     /// A doubt about the efforts of the robot as a whole.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] with the factor and what it may come from, where bodies need far more or less than
+    /// [`IdentificationError::Found`] with the factor and what it may come from, where bodies need far more or less than
     /// described and this is not accepted.
-    pub(crate) fn judged(&self, accept_poor: bool) -> Result<Option<String>> {
-        if self.is_within(ANOTHER_UNIT) || accept_poor {
-            let doubt = || format!("The efforts look wrong: {}", self.said());
-            return Ok((!self.is_within(OTHER_UNIT)).then(doubt));
+    pub(crate) fn judged(&self, accept_poor: bool) -> Result<Option<Finding>> {
+        if self.is_within(OTHER_UNIT) {
+            return Ok(None);
         }
-        let message = format!("{} --accept-poor takes them as they are", self.said());
-        Err(IdentificationError::File { place: "the efforts".into(), message })
+        if self.is_within(ANOTHER_UNIT) || accept_poor {
+            return Ok(Some(self.finding().accepted()));
+        }
+        Err(IdentificationError::Found { findings: vec![self.finding()] })
     }
 
     fn is_within(&self, factor: f64) -> bool {
         (1.0 / factor..=factor).contains(&self.factor)
     }
 
-    fn said(&self) -> String {
+    fn finding(&self) -> Finding {
         let (key, unit) = match self.effort {
             Effort::Input => ("input", if self.unit == "m" { "N" } else { "Nm" }),
             Effort::Joint => ("torque", if self.unit == "m" { "N" } else { "Nm" }),
@@ -100,36 +114,38 @@ impl CommonRatio {
                 && off.is_some_and(|off| off.max(1.0 / off) < GUESS)
         };
         let guess = UNITS.iter().find(is_close);
-        let guess = guess.map(|name| format!("They may be in {name}: --columns '{key}=…[{name}]'. "));
+        let guess = guess.map(|name| format!("they may be in {name} (--columns '{key}=…[{name}]'); "));
         let usual = if self.effort == Effort::Current {
-            "The described motor constants may be wrong."
+            "the described motor constants may be wrong"
         } else if self.factor < 1.0 {
-            "Efforts of motors before their gears are --effort input, a robot that compensates its weight itself needs \
-             --gravity-compensated, and currents are --effort current."
+            "efforts of motors before their gears are --effort input, a robot that compensates its weight itself needs \
+             --gravity-compensated, and currents are --effort current"
         } else {
-            "Currents are --effort current, efforts behind the gears --effort joint."
+            "currents are --effort current, efforts behind the gears --effort joint"
         };
-        format!(
-            "the rigid bodies need {} times the described force ({}). {}{usual} Counts and percents have a factor, as in \
-             --columns '{key}=…[0.05 {unit}]'. Otherwise positions are in another unit, or the described masses or the direction \
-             of gravity are wrong.",
+        let message = format!(
+            "the rigid bodies need {} times the described force ({})",
             plain(self.factor, 3),
-            self.joints.join(", "),
+            self.joints.join(", ")
+        );
+        let remedy = format!(
+            "{}{usual}; counts and percents have a factor, as in --columns '{key}=…[0.05 {unit}]'. Otherwise positions are in \
+             another unit, or the described masses or the direction of gravity are wrong. --accept-poor takes efforts as they are",
             guess.unwrap_or_default()
-        )
+        );
+        COMMON_FACTOR.found(message).with("factor", self.factor, "").help(remedy)
     }
 }
 
 /// A doubt about the unit of one joint's effort.
-pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<String> {
+pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<Finding> {
     let ratio = rigid / described;
     let matters = described > CARRIES * measured;
     (matters && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then(|| {
-        format!(
-            "the rigid body needs {} times the described force. Check the efforts' unit (--columns 'torque=…[UNIT]') and the \
-             gear ratio, or whether the efforts are currents (--effort current).",
-            plain(ratio, 3)
-        )
+        let message = format!("the rigid body needs {} times the described force", plain(ratio, 3));
+        let remedy = "check the efforts' unit (--columns 'torque=…[UNIT]') and the gear ratio, or whether the efforts are currents \
+                      (--effort current)";
+        JOINT_FACTOR.found(message).with("factor", ratio, "").help(remedy)
     })
 }
 

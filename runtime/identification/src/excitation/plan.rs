@@ -13,6 +13,25 @@ use super::search::condition_of_scaled;
 use super::settings::{PlanSettings, check};
 use super::usable::{assumptions, usable};
 use super::{FourierMotion, Instant};
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: what a plan assumes of limits that the description does not have.
+/// Matters: the motion may be too fast or too far for the robot.
+/// Example: no limit of the speed.
+/// Fixture: `codegen/tests/motion_limits.rs`.
+const ASSUMED: Rule = Rule::note("assumed-limits");
+
+/// Sees: a motion that is smaller than the limits allow.
+/// Matters: it shows less of inertia and friction.
+/// Example: 60 % of the size.
+/// Fixture: `codegen/tests/motion_limits.rs`.
+const SMALLER: Rule = Rule::note("smaller-motion");
+
+/// Sees: a way to the motion that goes beyond a limit.
+/// Matters: the robot may not bear it.
+/// Example: efforts on the way from a given posture.
+/// Fixture: `codegen/tests/motion_limits.rs`.
+const APPROACH: Rule = Rule::note("approach-beyond-limits");
 
 /// A planned motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,8 +54,8 @@ pub struct Plan {
     pub shafts: Vec<PlannedShaft>,
     /// All inputs, where some of them act at frames.
     pub inputs: Vec<PlannedInput>,
-    /// What was assumed, in sentences.
-    pub notes: Vec<String>,
+    /// What was assumed, and what the motion does not keep.
+    pub findings: Vec<Finding>,
     chart: Chart,
 }
 
@@ -66,6 +85,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let mut limits = usable(robot, settings, &chart);
     let mut notes = assumptions(robot, settings, &chart);
     notes.extend(keep_sides(robot, &chart, &mut limits));
+    let mut findings: Vec<Finding> = notes.into_iter().map(|note| ASSUMED.found(note)).collect();
     let states = random_states(&limits, &chart);
     require_driven(robot, &states)?;
     let shafts = ShaftRows::of(robot);
@@ -95,12 +115,12 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         iterations: settings.excitation.starts * settings.excitation.iterations,
         detail: design.refusals.detail(&design.beyond_at_rest()),
     })?;
-    notes.extend(doubt_about_size(best.size));
+    findings.extend(smaller(best.size));
     let instants = chart.instants(&best.motion.instants(settings.excitation.samples));
     let begin = &best.motion.instant(0.0)[0];
     let approach = settings.start.as_ref().map(|start| Approach::new(start, begin, (&chart, &limits)));
     let along = chart.instants(&approach.iter().flat_map(Approach::instants).collect::<Vec<_>>());
-    notes.extend(design.doubts_about(&along));
+    findings.extend(design.doubts_about(&along).into_iter().map(|doubt| APPROACH.found(doubt)));
     let all = [&instants[..], &along].concat();
     Ok(Plan {
         parameters: [design.independent.len(), design.friction()],
@@ -114,19 +134,20 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
         }),
         motion: best.motion,
         approach,
-        notes,
+        findings,
         chart,
     })
 }
 
-/// What a motion leaves of the limits because the efforts bear no more.
-fn doubt_about_size(size: f64) -> Option<String> {
+/// A motion that is smaller than the limits allow, because the efforts bear no more.
+fn smaller(size: f64) -> Option<Finding> {
     (size < 1.0).then(|| {
-        format!(
-            "motions that use all of their share of positions, speeds or accelerations need more than the share of the efforts: this one has \
-             {:.0} % of their size; with a longer period it can be larger",
+        let message = format!(
+            "motions that use all of their share of positions, speeds or accelerations need more than the share of the efforts: this \
+             one has {:.0} % of their size",
             100.0 * size
-        )
+        );
+        SMALLER.found(message).help("with a longer period it can be larger")
     })
 }
 

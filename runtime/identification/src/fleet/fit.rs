@@ -5,20 +5,37 @@ use super::super::estimation::{
     Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
 use super::super::friction::{FrictionData, SharedFriction};
-use super::super::identify::{
-    Identification, IdentificationSettings, JointFriction, faults_of, unless_refused,
-};
+use super::super::identify::{Identification, IdentificationSettings, JointFriction, NO_FIT, unless_refused};
 use super::super::log::{Labels, Recording};
 use super::super::moments::Moments;
 use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
-use super::super::shafts::{RobotRows, ShaftRows, in_words};
+use super::super::shafts::{RobotRows, ShaftRows};
 use super::super::subset::seen_both_ways;
 use super::super::written::judge;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share, hexadecimal};
 use nalgebra::{DMatrix, DVector};
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: moments of logs that passed different filters.
+/// Matters: their sums are those of different signals.
+/// Example: 4 Hz and 9 Hz.
+/// Fixture: `fleet/tests.rs`.
+const OTHER_FILTERS: Rule = Rule::warning("different-filters");
+
+/// Sees: moments of logs from whose efforts different delays were removed.
+/// Matters: one of them may be wrong.
+/// Example: 0 ms and 12 ms.
+/// Fixture: `moments` in `codegen/tests/findings/arm.rs`.
+const OTHER_DELAYS: Rule = Rule::warning("different-delays");
+
+/// Sees: how many logs and samples moments hold.
+/// Matters: efforts and residuals over time are not known.
+/// Example: 3 logs, 4200 samples.
+/// Fixture: `moments` in `codegen/tests/findings/arm.rs`.
+const OF_MOMENTS: Rule = Rule::note("moments");
 
 /// Fewest shares with samples: folds of the held-out error.
 const FEWEST_SHARES: usize = 4;
@@ -57,7 +74,7 @@ pub fn identify_moments(
         shares: &shares,
         correlation_time: moments.logs.iter().map(|log| log.correlation).fold(1.0, f64::max),
     };
-    let found = estimate_shares(&data).map_err(|error| in_words(error, shafts.as_ref()))?;
+    let found = estimate_shares(&data)?;
     progress("choosing the terms of friction");
     let mut friction = moments.friction(&data, settings, &found);
     let mut estimate = found.estimate;
@@ -66,15 +83,12 @@ pub fn identify_moments(
         judge(&mut estimate.joints[*joint], &mut report.result);
     }
     if let Some(shafts) = &shafts {
-        shafts.word(joints, &mut estimate, faults_of(&mut friction));
+        estimate.findings.splice(0..0, shafts.found(joints, &estimate));
     }
-    estimate.warnings.extend(moments.differences());
-    let worded =
-        |doubt: String| shafts.as_ref().map_or_else(|| doubt.clone(), |shafts| shafts.worded(&doubt));
-    estimate.warnings.extend(moments.doubts().into_iter().map(worded));
+    estimate.findings.extend(moments.differences().into_iter().chain(moments.doubts()));
     Ok(Identification {
         recording: moments.recording(),
-        preparation: moments.preparation(moments.notes())?,
+        preparation: moments.preparation()?,
         runs: Vec::new(),
         estimate,
         friction,
@@ -168,7 +182,6 @@ impl LogMoments {
             findings: Vec::new(),
             labels: Labels::default(),
             columns: Vec::new(),
-            warnings: Vec::new(),
             mapping: Vec::new(),
             unused: Vec::new(),
             hashes: self.logs.iter().map(|log| (log.name.clone(), log.hash())).collect(),
@@ -189,17 +202,17 @@ impl LogMoments {
     }
 
     /// How far filters and delays differ, where they do.
-    fn differences(&self) -> Vec<String> {
+    fn differences(&self) -> Vec<Finding> {
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
         let filters = (wide > OTHER_FILTER * narrow).then(|| {
-            format!(
-                "The logs passed different filters ({narrow:.3} to {wide:.3} Hz): take one --bandwidth for each --reduce."
-            )
+            let message = format!("the logs passed different filters ({narrow:.3} to {wide:.3} Hz)");
+            OTHER_FILTERS.found(message).help("take one --bandwidth for each --reduce")
         });
         let delays = (late - early > OTHER_DELAY).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
-            format!("Delays of {early:.1} to {late:.1} ms were removed from the efforts: take one --delay for each --reduce.")
+            let message = format!("delays of {early:.1} to {late:.1} ms were removed from the efforts");
+            OTHER_DELAYS.found(message).help("take one --delay for each --reduce")
         });
         filters.into_iter().chain(delays).collect()
     }
@@ -209,12 +222,13 @@ impl LogMoments {
         all.fold([f64::MAX, f64::MIN], |[a, b], [x, y]| [a.min(x), b.max(y)])
     }
 
-    fn preparation(&self, notes: Vec<String>) -> Result<PreparationReport> {
+    fn preparation(&self) -> Result<PreparationReport> {
         let bandwidth = self.range(&|log| [log.bandwidth; 2])[1];
         // Nothing passes this filter any more.
         let sample_rate = 10.0 * bandwidth;
         let filter = Filter::new(bandwidth, 1.0 / sample_rate)?;
-        Ok(PreparationReport { joints: Vec::new(), delays: Vec::new(), filter, sample_rate, notes })
+        let findings = self.notes().into_iter().map(|note| OF_MOMENTS.found(note)).collect();
+        Ok(PreparationReport { joints: Vec::new(), delays: Vec::new(), filter, sample_rate, findings })
     }
 
     /// The logs for the comments of a law: all of them stand at the head of the description.
@@ -287,7 +301,7 @@ impl JointMoments<'_> {
             largest_torque: self.facts.largest_friction,
             beyond: self.facts.beyond,
         };
-        let report = settings.friction.identify_shares(&shared).map_err(|error| error.to_string());
+        let report = settings.friction.identify_shares(&shared).map_err(|error| vec![NO_FIT.found(error.to_string())]);
         let report = report.and_then(|report| unless_refused(report, settings.accept_poor));
         JointFriction {
             joint: self.joint,

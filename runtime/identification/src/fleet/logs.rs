@@ -4,6 +4,13 @@ use super::super::error::{IdentificationError, Result};
 use super::super::run::Effort;
 use super::exact::Exact;
 use std::collections::BTreeMap;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: warnings of fits to single logs, counted.
+/// Matters: what a part of the logs has in common may be a fault of the robot.
+/// Example: a delay in 12 of 100 logs.
+/// Fixture: `moments` in `codegen/tests/findings/arm.rs`.
+const OF_LOGS: Rule = Rule::warning("doubts-of-logs");
 
 /// Shares that pieces of logs belong to: folds of the held-out error, and blocks of intervals and bootstrap.
 pub(super) const SHARES: usize = 16;
@@ -127,22 +134,23 @@ impl LogMoments {
         self.logs.iter().map(|log| log.samples).sum()
     }
 
-    /// Doubts that the fits to single logs gave: what at least a tenth of them gave, as sentences, the others counted.
-    pub fn doubts(&self) -> Vec<String> {
+    /// Doubts of the fits to single logs: those of at least a tenth of them, and how many others there are.
+    pub fn doubts(&self) -> Vec<Finding> {
         let logs = self.logs.len();
         let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < RARE * logs as f64;
-        let sentence = |doubt: &Doubt| {
+        let finding = |doubt: &Doubt| {
             let (_, name, text) = &doubt.first;
-            match logs {
+            OF_LOGS.found(match logs {
                 1 => format!("{name}: {text}"),
-                _ => format!("In {} of {logs} logs, as in {name}: {text}", doubt.logs),
-            }
+                _ => format!("in {} of {logs} logs, as in {name}: {text}", doubt.logs),
+            })
         };
         let rare = self.doubts.iter().filter(is_rare).count();
         let rare = (rare > 0).then(|| {
-            format!("{rare} more doubts were had in less than a tenth of the logs each: --reduce says them for each log")
+            let message = format!("{rare} more doubts are of less than a tenth of the logs each");
+            OF_LOGS.found(message).help("--reduce names them for each log")
         });
-        self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(sentence).chain(rare).collect()
+        self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(finding).chain(rare).collect()
     }
 
     /// Shares with samples.

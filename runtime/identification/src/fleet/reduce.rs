@@ -2,7 +2,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
-    Columns, Estimate, Gravity, JointEstimate, RunPiece, ShareSums, Weighted, correlation_time, estimate,
+    Columns, Estimate, Gravity, RunPiece, ShareSums, Weighted, correlation_time, estimate,
     huber, robust_deviation,
 };
 use super::super::identify::{
@@ -16,6 +16,7 @@ use super::super::shafts::{RobotRows, ShaftRows};
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
+use gelenk_findings::{Finding, Severity};
 use std::ops::Range;
 use std::path::Path;
 
@@ -26,7 +27,7 @@ const PIECE: f64 = 10.0;
 fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Result<()> {
     match faults(preparation).next().filter(|_| robot.quaternion_joints().is_empty()) {
         None => Ok(()),
-        Some(message) => Err(IdentificationError::File { place: "the log".into(), message }),
+        Some(fault) => Err(IdentificationError::Found { findings: vec![fault.clone()] }),
     }
 }
 
@@ -51,10 +52,11 @@ pub fn reduce(
     let help = "identify from the logs themselves, all of them in one call";
     require_no_driven(robot, "logs are not reduced to moments", help)?;
     let logs = [log.to_owned()];
-    let (recording, runs, mut preparation) = read_and_prepare(robot, &logs, settings, progress)?;
-    recording.columns_said().iter().for_each(|line| progress(line));
-    recording.findings.iter().for_each(|finding| progress(&finding.to_string()));
-    let beyond = beyond_range(robot, (&recording, &runs, &preparation), settings.accept_poor, progress)?;
+    let mut noted = Vec::new();
+    let read = read_and_prepare(robot, &logs, settings, (&mut noted, progress));
+    noted.iter().for_each(|finding| progress(&finding.to_string()));
+    let (recording, runs, mut preparation) = read?;
+    let beyond = beyond_range(robot, &recording, &runs, settings.accept_poor)?;
     require_all_efforts(robot, &preparation)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
@@ -65,8 +67,10 @@ pub fn reduce(
     preparation.refine(&left_of_delays(&estimate));
     let left: Vec<f64> = estimate.delays.iter().map(|delay| delay.value).collect();
     let runs: Vec<PreparedRun> = runs.into_iter().map(|run| run.without_delays(&left)).collect();
-    estimate.warnings.splice(0..0, recording.doubts().chain(beyond));
-    estimate.warnings.iter().for_each(|warning| progress(warning));
+    let warnings = noted.into_iter().chain(beyond).filter(is_warning);
+    estimate.findings.splice(0..0, warnings);
+    estimate.findings.retain(is_warning);
+    estimate.findings.iter().for_each(|warning| progress(&warning.to_string()));
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
     let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);
     let facts = fitted.facts(robot)?;
@@ -118,40 +122,30 @@ fn delays(preparation: &PreparationReport) -> [f64; 2] {
     [removed().fold(f64::INFINITY, f64::min), removed().fold(f64::NEG_INFINITY, f64::max)].map(extreme)
 }
 
-/// Doubts by joint and kind, ascending. That a joint stands still is none here: others may move it.
+fn is_warning(finding: &Finding) -> bool {
+    finding.severity == Severity::Warning
+}
+
+/// Doubts by joint and rule, ascending. That a joint does not move is none here: others may move it.
 fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
     let joints = &estimate.joints;
-    let doubt = |text: &String| {
-        let of = |(joint, estimate): (usize, &JointEstimate)| {
-            let rest = text.strip_prefix("Joint ")?.strip_prefix(estimate.name.as_str())?;
-            rest.starts_with([':', ' ']).then_some((joint, rest))
-        };
-        // The longest name, where one begins with another.
-        let joint = joints.iter().enumerate().filter_map(of).min_by_key(|(_, rest)| rest.len());
+    let doubt = |finding: &Finding| {
+        let name = finding.about.subject.name();
+        let joint = joints.iter().position(|joint| Some(joint.name.as_str()) == name);
+        let remedy = finding.remedy.as_ref().map_or_else(String::new, |remedy| format!(": {remedy}"));
+        let text = format!("{}{remedy}", finding.sentence());
         Doubt {
-            joint: joint.map(|(joint, _)| joint as u32),
-            kind: without_numbers(joint.map_or(text.as_str(), |(_, rest)| rest)),
+            joint: joint.map(|joint| joint as u32),
+            kind: finding.code.to_owned(),
             logs: 1,
-            first: (log.hash, log.name.clone(), text.clone()),
+            first: (log.hash, log.name.clone(), text),
         }
     };
     let moves = |doubt: &Doubt| doubt.joint.is_none_or(|joint| joints[joint as usize].moves);
-    let mut doubts: Vec<Doubt> = estimate.warnings.iter().map(doubt).filter(moves).collect();
+    let mut doubts: Vec<Doubt> = estimate.findings.iter().map(doubt).filter(moves).collect();
     doubts.sort_by(|a, b| a.place().cmp(&b.place()));
     doubts.dedup_by(|a, b| a.place() == b.place());
     doubts
-}
-
-fn without_numbers(text: &str) -> String {
-    let mut kind = String::new();
-    for c in text.chars() {
-        match c {
-            '0'..='9' | '+' | '-' | '.' if kind.ends_with('#') => {}
-            '0'..='9' => kind.push('#'),
-            c => kind.push(c),
-        }
-    }
-    kind
 }
 
 /// The fit to the log alone, as far as its moments need it.

@@ -12,6 +12,7 @@ use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use gelenk_findings::{Severity, texts};
 
 const GRAVITY: f64 = 9.81;
 /// What the arm is: m c, J, viscous and Coulomb friction.
@@ -422,8 +423,8 @@ fn a_wrong_sign_is_refused_and_named() {
     accepting.estimation.accept_poor = true;
     accepting.accept_poor = true;
     let found = merged(&all, &accepting).unwrap();
-    assert!(found.estimate.warnings.iter().any(|w| w.starts_with("Joint arm: ") && w.contains("other sign")));
-    assert!(found.estimate.warnings.iter().any(|w| w.starts_with("In 3 of 3 logs, as in ")));
+    assert!(texts(&found.estimate.findings, Severity::Warning).iter().any(|w| w.contains("joint arm: ") && w.contains("other sign")));
+    assert!(texts(&found.estimate.findings, Severity::Warning).iter().any(|w| w.contains("in 3 of 3 logs, as in ")));
     // Passivity leaves no friction here; the logs themselves say the same.
     assert!(
         found.friction[0].report.is_err()

@@ -1,44 +1,46 @@
 //! Residuals that depend on what friction does not know: signs of a wrong rigid body.
 
 use super::super::digits::plain;
+use super::super::estimation::{ACCELERATION, POSITION};
 use super::super::moments::{Moments, Samples};
 use super::super::offset::centre;
 use super::design::offset_ranges;
 use super::held_out::by_folds;
 use super::selection::Selection;
 use super::task::FrictionData;
+use gelenk_findings::{Finding, Rule};
 
 /// Share of the residual's variance that another quantity must explain on left-out folds to be named.
 const NAMED_SHARE: f64 = 0.1;
 /// Share of the friction torque's rms below which a dependence does not matter.
 const NEGLIGIBLE: f64 = 0.02;
 
-/// A sentence, with its remedy, for each quantity that the residuals depend on.
+/// A finding for each quantity that the residuals depend on.
 ///
 /// - `scale`: rms of the friction torque
-pub(super) fn dependences(data: &FrictionData, folds: usize, residuals: &[f64], scale: f64) -> Vec<String> {
-    let mut sentences = Vec::new();
-    let mut look = |what: &str, columns: Vec<Vec<f64>>, remedy: &str| {
+pub(super) fn dependences(data: &FrictionData, folds: usize, residuals: &[f64], scale: f64) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let mut look = |(rule, what): (Rule, &str), columns: Vec<Vec<f64>>, remedy: &str| {
         let Some(share) = explained_share(data, folds, residuals, columns) else { return };
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64;
         let rms = (share * variance).max(0.0).sqrt();
         if share > NAMED_SHARE && rms > NEGLIGIBLE * scale {
             let percent = 100.0 * share;
-            sentences.push(format!(
-                "the residual depends on the {what}, which explains {percent:.0} % of it on left-out data \
-                 ({} {} rms): {remedy}",
+            let message = format!(
+                "the residual depends on the {what}, which explains {percent:.0} % of it on left-out data ({} {} rms)",
                 plain(rms, 3),
                 data.unit
-            ));
+            );
+            found.push(rule.found(message).help(remedy));
         }
     };
     if let Some(y) = data.positions {
-        look("position", functions_of_position(y, data.velocity_unit), POSITION_REMEDY);
+        look((POSITION, "position"), functions_of_position(y, data.velocity_unit), POSITION_REMEDY);
     }
     if let Some(a) = data.accelerations {
-        look("acceleration", vec![a.to_vec()], ACCELERATION_REMEDY);
+        look((ACCELERATION, "acceleration"), vec![a.to_vec()], ACCELERATION_REMEDY);
     }
-    sentences
+    found
 }
 
 const POSITION_REMEDY: &str = "check masses, centres of mass, the load and the mounting (`gravity`) of the description, \

@@ -1,9 +1,34 @@
-//! What is said about a law on the way to it: notes, doubts, and reasons to refuse it.
+//! Findings about a law on the way to it: doubts, and reasons to refuse it.
 
 use super::super::digits::plain;
 use super::super::error::Result;
 use super::super::result::FrictionLaw;
 use super::task::FrictionData;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: a law that explains less of left-out data than is asked for.
+/// Matters: it is noise.
+/// Example: a joint that moved once, slowly.
+/// Fixture: `friction/tests.rs`.
+const POOR_LAW: Rule = Rule::error("poor-law");
+
+/// Sees: speeds or friction beyond the described limits in a part of the samples.
+/// Matters: the columns are another joint's, or in another unit.
+/// Example: rpm taken as rad/s.
+/// Fixture: `friction/tests.rs`.
+const BEYOND_LIMIT: Rule = Rule::error("data-beyond-limit");
+
+/// Sees: a log that shows a small part of the described speeds.
+/// Matters: the law is a guess beyond.
+/// Example: a motion of 0.1 rad/s of a joint that may move at 3.
+/// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
+const SLOW_LOG: Rule = Rule::warning("slow-log");
+
+/// Sees: a law that takes more than the described effort at a speed that the data do not show.
+/// Matters: it is wrong there. Far beyond, it is refused.
+/// Example: a steep term of a slow log.
+/// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
+const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
 
 /// Share of samples beyond a limit of the description above which the data do not fit the joint.
 const BEYOND_LIMITS: f64 = 0.01;
@@ -19,14 +44,13 @@ pub(super) struct Findings<'a> {
     pub(super) data: &'a FrictionData<'a>,
     pub(super) unit: &'a str,
     pub(super) notes: Vec<String>,
-    pub(super) warnings: Vec<String>,
-    pub(super) refusals: Vec<String>,
+    pub(super) all: Vec<Finding>,
 }
 
 impl<'a> Findings<'a> {
     pub(super) fn new(data: &'a FrictionData<'a>) -> Self {
         let notes = data.settings.to_vec();
-        Self { data, unit: data.unit, notes, warnings: Vec::new(), refusals: Vec::new() }
+        Self { data, unit: data.unit, notes, all: Vec::new() }
     }
 
     pub(super) fn note(&mut self, text: String) {
@@ -43,32 +67,28 @@ impl<'a> Findings<'a> {
         self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
     }
 
-    pub(super) fn warn(&mut self, text: String) {
-        self.warnings.push(text);
-    }
-
-    pub(super) fn refuse(&mut self, text: String) {
-        self.refusals.push(text);
+    pub(super) fn add(&mut self, finding: Finding) {
+        self.all.push(finding);
     }
 
     pub(super) fn judge(&mut self, held_out: Option<f64>, least: f64) {
         let Some(r) = held_out.filter(|r| *r < least) else { return };
-        self.refuse(format!(
-            "the law explains nothing: R² on left-out data is {r:.3}, and at least {least} is asked for. Record \
-             motion with more speed and reversals, or leave the described friction as it is"
-        ));
+        let message = format!("the law explains nothing: R² on left-out data is {r:.3}, and at least {least} is asked for");
+        let remedy = "record motion with more speed and reversals, or leave the described friction as it is";
+        self.add(POOR_LAW.found(message).help(remedy));
     }
 
     /// Refuses a law whose data lie beyond a described limit.
     pub(super) fn judge_limit(&mut self, what: &str, share: f64, [limit, largest]: [f64; 2], unit: &str) {
         if share > BEYOND_LIMITS {
-            self.refuse(format!(
-                "{:.1} % of the {what} exceed the described limit of {} {unit}, up to {}: the \
-                 log's columns or units are not this joint's (--columns), or the description's limits are wrong",
+            let message = format!(
+                "{:.1} % of the {what} exceed the described limit of {} {unit}, up to {}",
                 100.0 * share,
                 plain(limit, 4),
                 plain(largest, 4)
-            ));
+            );
+            let remedy = "the log's columns or units are not this joint's (--columns), or the description's limits are wrong";
+            self.add(BEYOND_LIMIT.found(message).help(remedy));
         }
     }
 
@@ -84,12 +104,12 @@ impl<'a> Findings<'a> {
         let farthest = if limits.velocity.is_finite() { limits.velocity.max(fastest) } else { fastest };
         let shows_little = fastest < SMALL_PART * farthest;
         if shows_little {
-            self.warn(format!(
+            self.add(SLOW_LOG.found(format!(
                 "the speeds of the log reach {} {}, {:.1} % of the described limit: the law beyond them is a guess",
                 plain(fastest, 3),
                 self.data.velocity_unit,
                 100.0 * fastest / farthest
-            ));
+            )));
         }
         let speeds = (0..=60).flat_map(|i| [1.0, -1.0].map(|sign| sign * farthest * 0.8_f64.powi(i)));
         let speeds: Vec<f64> = speeds.collect();
@@ -98,30 +118,31 @@ impl<'a> Findings<'a> {
         let worst = pairs.fold([0.0; 2], |a, b| if b[1] > a[1] { b } else { a });
         let excess = worst[1] / limits.effort;
         if excess > 1.0 {
-            let said = self.beyond_effort(worst, limits.effort, fastest);
-            if shows_little || excess > ABSURD { self.refuse(said) } else { self.warn(said) }
+            let found = self.beyond_effort(worst, limits.effort, fastest);
+            self.add(if shows_little || excess > ABSURD { found } else { found.accepted() });
         }
         Ok(())
     }
 
-    fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> String {
-        format!(
+    fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> Finding {
+        let message = format!(
             "the law takes {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not tell the \
-             friction there. Record motion with slow reversals and with these speeds, or name fewer terms (--friction \
-             viscous,coulomb)",
+             friction there",
             plain(torque, 3),
             self.unit,
             plain(speed, 3),
             self.data.velocity_unit,
             plain(effort, 4),
             plain(fastest, 3)
+        );
+        BEYOND_EFFORT.found(message).help(
+            "record motion with slow reversals and with these speeds, or name fewer terms (--friction viscous,coulomb)",
         )
     }
 
-    /// Notes, warnings, and the reason to refuse the law.
-    pub(super) fn texts(self) -> (Vec<String>, Vec<String>, Option<String>) {
-        let refusal = (!self.refusals.is_empty()).then(|| self.refusals.join("; "));
-        (self.notes, self.warnings, refusal)
+    /// Settings, and findings about the joint.
+    pub(super) fn parts(self) -> (Vec<String>, Vec<Finding>) {
+        (self.notes, self.all)
     }
 }
 
@@ -130,15 +151,20 @@ mod tests {
     use super::super::super::result::FrictionTerm;
     use super::super::super::robot::JointLimits;
     use super::*;
+    use gelenk_findings::Severity;
 
-    /// What is said of a viscous law of a joint with 4 rad/s and 100 N·m.
+    /// Warnings and errors about a viscous law of a joint with 4 rad/s and 100 N·m.
     fn said(coefficient: f64, fastest: f64) -> (Vec<String>, Vec<String>) {
         let limits = JointLimits { velocity: 4.0, effort: 100.0, ..JointLimits::NONE };
         let data = FrictionData { limits: Some(limits), ..FrictionData::default() };
         let mut findings = Findings::new(&data);
         let term = FrictionTerm { basis: "v".into(), coefficient, ..FrictionTerm::default() };
         findings.judge_unseen_speeds(&FrictionLaw::Terms(vec![term]), fastest).unwrap();
-        (findings.warnings, findings.refusals)
+        let of = |severity: Severity| {
+            let all = findings.all.iter().filter(|finding| finding.severity == severity);
+            all.map(|finding| finding.message.clone()).collect()
+        };
+        (of(Severity::Warning), of(Severity::Error))
     }
 
     #[test]

@@ -11,6 +11,13 @@ use super::selection::Selection;
 use super::task::FrictionData;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use gelenk_findings::Rule;
+
+/// Sees: folds without which a law cannot be fitted.
+/// Matters: no error on left-out data is known.
+/// Example: a log in which one fold has the only motion.
+/// Fixture: `friction/tests.rs`.
+const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 
 /// Sums over folds that were left out.
 #[derive(Debug, Clone, Copy, Default)]
@@ -42,7 +49,7 @@ pub(super) fn held_out(
     match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
         Ok(residual) => Some(Unseen { residual, total }),
         Err(reason) => {
-            findings.warn(format!("no R² on left-out data: {reason}"));
+            findings.add(NO_HELD_OUT.found(format!("no R² on left-out data: {reason}")));
             None
         }
     }

@@ -42,10 +42,11 @@ impl Findings<'_> {
         let fastest = data.velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
         self.judge_unseen_speeds(&judged.law, fastest)?;
         let rms = (total / judged.residuals.len() as f64).sqrt();
-        self.warnings.extend(dependences(data, settings.folds, &judged.residuals, rms));
+        self.all.extend(dependences(data, settings.folds, &judged.residuals, rms));
         let law = &judged.law;
         let drift = drift(data, &data.torques_of(law)?, data.gradients_of(law)?, &judged.residuals);
-        self.warnings.extend(drift.iter().flat_map(|drift| drift.warnings(data.unit, rms)));
+        self.all.extend(drift.iter().flat_map(|drift| drift.findings(data.unit, rms)));
+        let (settings, findings) = self.parts();
         let result = FrictionResult {
             joint: data.joint.into(),
             unit: data.unit.into(),
@@ -62,9 +63,8 @@ impl Findings<'_> {
             held_out,
             drift,
             data: data.data.into(),
-            settings: self.notes,
-            warnings: self.warnings,
-            refusal: (!self.refusals.is_empty()).then(|| self.refusals.join("; ")),
+            settings,
+            findings,
         };
         Ok(FrictionReport::alone(result, judged.residuals))
     }

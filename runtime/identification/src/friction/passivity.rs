@@ -9,6 +9,19 @@ use super::super::moments::Moments;
 use super::super::spectrum::symmetric_eigenvalues;
 use super::findings::Findings;
 use nalgebra::{DMatrix, DVector};
+use gelenk_findings::Rule;
+
+/// Sees: a law by least squares that would drive the joint, or explode beyond the speeds in the data.
+/// Matters: it was refitted so that it brakes.
+/// Example: terms that nearly cancel.
+/// Fixture: the tests of `friction/passivity.rs`.
+const RESTRICTED: Rule = Rule::warning("law-restricted");
+
+/// Sees: chosen terms that resemble each other on these velocities.
+/// Matters: single coefficients mean little.
+/// Example: `tanh(5*v)` and `tanh(10*v)` of a slow motion.
+/// Fixture: `friction/tests.rs`.
+const COLLINEAR: Rule = Rule::warning("terms-alike");
 
 /// Condition number of the chosen terms above which coefficients are doubted (the curve need not be).
 const DOUBTFUL_CONDITION: f64 = 100.0;
@@ -66,12 +79,11 @@ pub(super) fn restrict(
     if !breaks(rows, &free.coefficients) {
         return Ok((free, none));
     }
-    findings.warn(
+    findings.add(RESTRICTED.found(
         "least squares would give a law that drives the joint at some speed, or that explodes beyond the speeds in the data; it \
          was refitted under τ v ≥ 0, viscous friction ≥ 0 and bounded growth, and the standard errors take what this fixes for \
-         exact"
-            .into(),
-    );
+         exact",
+    ));
     let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
     remove_rounding(&mut coefficients, reduced.moments(), samples);
     let binding = face(rows, &coefficients);
@@ -94,11 +106,9 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
     let eigenvalues = symmetric_eigenvalues(&chosen);
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
     if condition > DOUBTFUL_CONDITION {
-        findings.warn(format!(
-            "the chosen terms are nearly collinear on these velocities (condition number {}): trust the \
-             curve, not the single coefficients",
-            plain(condition, 3)
-        ));
+        let message =
+            format!("the chosen terms are nearly collinear on these velocities (condition number {})", plain(condition, 3));
+        findings.add(COLLINEAR.found(message).help("trust the curve, not the single coefficients"));
     }
 }
 

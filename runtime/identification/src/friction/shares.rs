@@ -88,7 +88,7 @@ impl SharedFriction<'_> {
         let samples = moments.samples();
         let rss = moments.residual(0, coefficients) + self.lost;
         let total = moments.energy(0) + self.lost;
-        let (settings, warnings, refusal) = findings.texts();
+        let (settings, findings) = findings.parts();
         FrictionResult {
             joint: self.about.joint.into(),
             unit: self.about.unit.into(),
@@ -100,8 +100,7 @@ impl SharedFriction<'_> {
             r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
             data: self.about.data.into(),
             settings,
-            warnings,
-            refusal,
+            findings,
             ..FrictionResult::default()
         }
     }

@@ -18,6 +18,19 @@ use super::report::FrictionReport;
 use super::selection::{Chosen, Selection, choose};
 use super::task::{FrictionData, FrictionIdentification};
 use nalgebra::{DMatrix, DVector};
+use gelenk_findings::Rule;
+
+/// Sees: terms that friction may have and that an offset hides.
+/// Matters: they are left out of the law.
+/// Example: Coulomb friction of a joint that moves in one direction.
+/// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
+const HIDDEN: Rule = Rule::warning("terms-hidden");
+
+/// Sees: draws of the bootstrap that gave no model.
+/// Matters: shares of the terms are of fewer draws.
+/// Example: blocks without a reversal.
+/// Fixture: `friction/tests.rs`.
+const BOOTSTRAP: Rule = Rule::warning("bootstrap-failed");
 
 /// The law of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
@@ -50,7 +63,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
     findings.note_library(design.library.terms(), design.separate, reduced.condition());
     design.notes.iter().for_each(|note| findings.note(note.clone()));
-    design.hidden.iter().for_each(|doubt| findings.warn(doubt.clone()));
+    design.hidden.iter().for_each(|doubt| findings.add(HIDDEN.found(doubt.clone())));
     if reduced.solver() == Solver::Orthogonal {
         findings.note("solved by orthogonal factorization".into());
     }
@@ -116,12 +129,13 @@ impl Candidates<'_> {
                 findings.note(format!("inclusion: {draws} draws of {count} {block}, seed {seed}"));
                 if let Some(reason) = &ensemble.first_failure {
                     let failed = ensemble.failed;
-                    findings.warn(format!("{failed} of {draws} bootstrap draws gave no model: {reason}"));
+                    let message = format!("{failed} of {draws} bootstrap draws gave no model: {reason}");
+                    findings.add(BOOTSTRAP.found(message));
                 }
                 Ok(Some(ensemble))
             }
             Err(reason) => {
-                findings.warn(format!("no bootstrap draw gave a model: {reason}"));
+                findings.add(BOOTSTRAP.found(format!("no bootstrap draw gave a model: {reason}")));
                 Ok(None)
             }
         }

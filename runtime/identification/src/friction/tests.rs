@@ -9,6 +9,7 @@ use super::super::stribeck::StribeckRegression;
 use super::super::thresholding::Thresholding;
 use super::*;
 use std::ops::Range;
+use gelenk_findings::{Severity, texts};
 
 fn samples(law: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
     let mut random = SplitMix64::new(9);
@@ -91,7 +92,7 @@ fn an_offset_is_separated_before_passivity_is_asked_for() {
     ] {
         let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
         let result = identify(&settings, &v, &torque).unwrap().result;
-        assert!(result.warnings.iter().all(|w| !w.contains("drives the joint")), "{:?}", result.warnings);
+        assert!(texts(&result.findings, Severity::Warning).iter().all(|w| !w.contains("drives the joint")), "{:?}", texts(&result.findings, Severity::Warning));
         let [offset] = result.offsets.as_slice() else { panic!("one offset") };
         assert!((offset.value - 0.8).abs() < 0.03, "{:?}: {offset:?}", settings.method);
         let curve = result.law.torques(&[-0.5, -0.2, 0.0, 0.2, 0.5]).unwrap();
@@ -137,13 +138,13 @@ fn a_law_that_would_drive_the_joint_is_mended_with_a_warning() {
         ..FrictionIdentification::new().unwrap()
     };
     let report = identify(&settings, &v, &torque).unwrap();
-    assert!(report.result.warnings.iter().any(|w| w.contains("drives the joint")));
+    assert!(texts(&report.result.findings, Severity::Warning).iter().any(|w| w.contains("drives the joint")));
     let grid: Vec<f64> = (-100..=100).map(|i| 0.01 * f64::from(i)).collect();
     for (v, t) in grid.iter().zip(report.result.law.torques(&grid).unwrap()) {
         assert!(v * t >= -1e-6, "{v} {t}");
     }
     let free = FrictionIdentification { passive: false, ..settings };
-    assert!(identify(&free, &v, &torque).unwrap().result.warnings.iter().all(|w| !w.contains("drives")));
+    assert!(texts(&identify(&free, &v, &torque).unwrap().result.findings, Severity::Warning).iter().all(|w| !w.contains("drives")));
 }
 
 #[test]
@@ -207,16 +208,14 @@ fn a_law_that_explains_nothing_is_refused() {
             ..FrictionIdentification::new().unwrap()
         };
         let result = identify(&settings, &v, &torque).unwrap().result;
-        let reason = result.refusal.unwrap();
+        let reason = texts(&result.findings, Severity::Error).join("; ");
         assert!(reason.contains("the law explains nothing: R² on left-out data is"), "{reason}");
         let lenient = FrictionIdentification { least_r_squared: -1.0, ..settings };
         let is_stribeck = matches!(lenient.method, FrictionMethod::Stribeck(_));
-        let refusal = identify(&lenient, &v, &torque).unwrap().result.refusal;
+        let refusals = texts(&identify(&lenient, &v, &torque).unwrap().result.findings, Severity::Error);
         // Noise shows no Stribeck law either, whatever it explains.
-        match refusal {
-            None => assert!(!is_stribeck),
-            Some(reason) => assert!(is_stribeck && !reason.contains("explains nothing"), "{reason}"),
-        }
+        assert_eq!(!refusals.is_empty(), is_stribeck, "{refusals:?}");
+        assert!(refusals.iter().all(|reason| !reason.contains("explains nothing")), "{refusals:?}");
     }
 }
 
@@ -232,12 +231,12 @@ fn samples_beyond_the_described_limits_are_refused() {
             limits: Some(limits),
             ..FrictionData::default()
         };
-        settings.identify(&data).unwrap().result.refusal
+        texts(&settings.identify(&data).unwrap().result.findings, Severity::Error).join("; ")
     };
-    assert_eq!(with(1.1, 30.0), None);
-    assert_eq!(with(f64::INFINITY, f64::INFINITY), None);
-    assert!(with(0.1, 30.0).unwrap().contains("of the speeds exceed the described limit of 0.1"));
-    assert!(with(1.1, 2.0).unwrap().contains("of the friction torques exceed the described limit of 2"));
+    assert_eq!(with(1.1, 30.0), "");
+    assert_eq!(with(f64::INFINITY, f64::INFINITY), "");
+    assert!(with(0.1, 30.0).contains("of the speeds exceed the described limit of 0.1"));
+    assert!(with(1.1, 2.0).contains("of the friction torques exceed the described limit of 2"));
 }
 
 /// R² by explicit fits to all folds but one, of least squares with a constant by QR.
@@ -292,7 +291,7 @@ fn a_wrong_rigid_body_is_named_with_its_remedy() {
             accelerations: Some(&a),
             ..FrictionData::default()
         };
-        settings.identify(&data).unwrap().result.warnings
+        texts(&settings.identify(&data).unwrap().result.findings, Severity::Warning)
     };
     let named = |warnings: &[String], what: &str| warnings.iter().any(|w| w.contains(what));
     let none = warnings(0.0, 0.0);
@@ -314,7 +313,7 @@ fn drift_is_shown_where_it_is_there() {
             .map(|(i, t)| t * (1.0 - factor * i as f64 / 6000.0) + slope * i as f64 / 6000.0)
             .collect();
         let result = identify(&settings, &v, &changed).unwrap().result;
-        (result.drift.unwrap(), result.warnings.join("; "))
+        (result.drift.unwrap(), texts(&result.findings, Severity::Warning).join("; "))
     };
     let (still, words) = drift(0.0, 0.0);
     assert!(!words.contains("changes by") && !words.contains("drifts"), "{words}");

@@ -3,11 +3,13 @@
 use super::super::run::Effort;
 use super::families::Targets;
 use super::finder::Finder;
+use super::finding::COLUMN_DOUBTFUL;
 use super::scale::factor;
 use super::search::{Found, Source};
 use super::time::TimeColumn;
 use super::vocabulary::Kind;
 use super::wording::{key, plural};
+use gelenk_findings::Finding;
 
 /// The columns of a mapping.
 pub(super) struct Taken<'a> {
@@ -59,19 +61,19 @@ impl Finder<'_> {
         &self,
         (position, effort): (&Found, &Found),
         (kind, targets): (Kind, &Targets),
-    ) -> Vec<String> {
+    ) -> Vec<Finding> {
         let positions =
             (position, Kind::Position, &self.robot.joints, "the joints did otherwise by the control error");
         let efforts =
             (effort, kind, targets, "drives that do not follow at once, or that are limited, gave others");
         let said = |(found, kind, targets, why): (&Found, Kind, &Targets, &str)| {
-            format!(
-                "the {} (`{}`) are commanded by their names, and no measured ones are found: {why}. Log measured ones, or name \
-                 their columns with --columns '{}=…'",
+            let message = format!(
+                "the {} (`{}`) are commanded by their names, and no measured ones are found: {why}",
                 plural(kind),
-                self.pattern_of(&found.columns, targets),
-                key(kind)
-            )
+                self.pattern_of(&found.columns, targets)
+            );
+            let remedy = format!("log measured ones, or name their columns with --columns '{}=…'", key(kind));
+            COLUMN_DOUBTFUL.found(message).help(remedy)
         };
         [positions, efforts].into_iter().filter(|(found, ..)| found.is_commanded).map(said).collect()
     }
@@ -120,6 +122,7 @@ impl Finder<'_> {
 mod tests {
     use super::super::testing::Fake;
     use super::super::{ColumnOptions, Recording, runs_of};
+    use gelenk_findings::Severity;
 
     fn read(header: &str, first: &str, columns: Option<&str>) -> Recording {
         let rows: String = (0..4).map(|i| format!("{}{first}\n", 10 * i)).collect();
@@ -128,21 +131,26 @@ mod tests {
         runs_of(text.as_bytes(), "log.csv", &Fake::numbered(2), &options).unwrap()
     }
 
+    fn warnings(recording: &Recording) -> Vec<String> {
+        let warnings = recording.findings.iter().filter(|finding| finding.severity == Severity::Warning);
+        warnings.map(ToString::to_string).collect()
+    }
+
     fn said(header: &str, first: &str, columns: Option<&str>) -> Vec<String> {
-        read(header, first, columns).columns_said()
+        read(header, first, columns).columns_found().into_iter().map(|found| found.message).collect()
     }
 
     #[test]
     fn each_quantity_has_a_line() {
         let header = "Time [ms],q1 [deg],q2 [deg],dq1,dq2,tau_1,tau_2,temp_1,temp_2\n";
         let expected = [
-            "columns: time: `Time [ms]`",
-            "columns: positions: `q{} [deg]` from `q1 [deg]` of joint_1 to `q2 [deg]` of joint_2, times 0.0174533 in rad",
-            "columns: velocities: `dq{}` from `dq1` of joint_1 to `dq2` of joint_2, in rad/s as its header names no unit \
+            "time: `Time [ms]`",
+            "positions: `q{} [deg]` from `q1 [deg]` of joint_1 to `q2 [deg]` of joint_2, times 0.0174533 in rad",
+            "velocities: `dq{}` from `dq1` of joint_1 to `dq2` of joint_2, in rad/s as its header names no unit \
              (compared with the positions' derivatives, which are used)",
-            "columns: efforts, as forces at the joints: `tau_{}` from `tau_1` of joint_1 to `tau_2` of joint_2, in N*m as \
+            "efforts, as forces at the joints: `tau_{}` from `tau_1` of joint_1 to `tau_2` of joint_2, in N*m as \
              its header names no unit",
-            "columns: not used: `temp_1`, `temp_2`",
+            "not used: `temp_1`, `temp_2`",
         ];
         assert_eq!(said(header, ",1,2,3,4,5,6,7,8", None), expected);
     }
@@ -160,15 +168,15 @@ mod tests {
         let again = said("", ",1,2,3,4", Some("time=1,position=2|3,torque=4|5"));
         assert_eq!(bare, again);
         let named = said("t,joint_1_pos,joint_2_pos,u1,u2\n", ",1,2,3,4", None);
-        assert!(named[1].starts_with("columns: positions: `{name}_pos`, in rad"), "{named:?}");
+        assert!(named[1].starts_with("positions: `{name}_pos`, in rad"), "{named:?}");
     }
 
     #[test]
     fn what_is_commanded_is_doubted_where_nothing_is_measured() {
-        let doubts = |header: &str, columns| read(header, ",1,2,3,4", columns).doubts().collect::<Vec<_>>();
+        let doubts = |header: &str, columns| warnings(&read(header, ",1,2,3,4", columns));
         let all = doubts("t,q_d1,q_d2,tau_cmd1,tau_cmd2\n", None);
         assert!(
-            all[0].starts_with("in the logs, the positions (`q_d{}`) are commanded by their names"),
+            all[0].contains("column-doubtful]: the positions (`q_d{}`) are commanded by their names"),
             "{all:?}"
         );
         assert!(
@@ -182,23 +190,20 @@ mod tests {
         assert!(doubts("t,q1,q2,tau1,tau2\n", None).is_empty());
         let both = read("t,q1,q2,tau1,tau2,q_d1,q_d2\n", ",1,2,3,4,5,6", None);
         assert!(
-            both.columns_said().iter().any(|line| line.starts_with("columns: commanded positions: `q_d{}`"))
+            both.columns.iter().any(|line| line.starts_with("commanded positions: `q_d{}`"))
         );
-        assert!(both.warnings.is_empty());
+        assert!(warnings(&both).is_empty());
     }
 
     #[test]
     fn units_of_times_are_known_or_doubted() {
         let minutes = read("Time [min],q1,q2,u1,u2\n", ",1,2,3,4", None);
-        assert_eq!((minutes.runs[0].times[1], minutes.warnings.len()), (600.0, 0));
+        assert_eq!((minutes.runs[0].times[1], warnings(&minutes).len()), (600.0, 0));
         let ticks = read("Time [ticks],q1,q2,u1,u2\n", ",1,2,3,4", None);
-        assert!(ticks.warnings[0].contains("`ticks`, which is no known unit"), "{:?}", ticks.warnings);
-        assert!(
-            ticks.warnings[0].ends_with("--columns 'time=Time [ticks][0.001 s]'"),
-            "{:?}",
-            ticks.warnings
-        );
+        let said = warnings(&ticks);
+        assert!(said[0].contains("`ticks`, which is no known unit"), "{said:?}");
+        assert!(said[0].ends_with("--columns 'time=Time [ticks][0.001 s]'"), "{said:?}");
         let told = read("Time [ticks],q1,q2,u1,u2\n", ",1,2,3,4", Some("time=Time [ticks][0.001 s]"));
-        assert_eq!((told.runs[0].times[1], told.warnings.len()), (0.01, 0));
+        assert_eq!((told.runs[0].times[1], warnings(&told).len()), (0.01, 0));
     }
 }

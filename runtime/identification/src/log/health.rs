@@ -4,32 +4,32 @@ use super::super::digits::plain;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
-use super::FindingKind;
-use super::finding::RunFinding;
+use super::finding::{
+    BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, CONSTANT, GEAR_DOUBTFUL, OUTLIER, STOOD_STILL, STUCK, TURNS, VELOCITY_DISAGREES,
+};
 use super::units::are_minutes;
+use gelenk_findings::{Finding, Rule, Subject};
 use std::f64::consts::{PI, TAU};
 
 /// Findings of all joints, pooled over the runs.
-pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<RunFinding> {
+pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     let (names, units, limits) = (robot.joint_names(), robot.position_units(), robot.limits());
     let exact = rows_of(&robot.quaternion_joints(), names.len());
     let mut findings = Vec::new();
     for (joint, name) in names.iter().enumerate() {
         let unit = units.get(joint).copied().unwrap_or("rad");
         let limits = limits.get(joint).copied().unwrap_or(JointLimits::NONE);
-        let mut say = |kind: FindingKind, message: String| {
-            findings.push(RunFinding { file: None, rows: None, joint: Some(name.clone()), kind, message });
-        };
+        let mut say = |rule: Rule, message: String| findings.push(rule.found(message).joint(name));
         if let Some(message) = stood_still(runs, joint, unit) {
             if !exact[joint] {
-                say(FindingKind::StoodStill, message);
+                say(STOOD_STILL, message);
             }
             continue;
         }
-        positions(runs, joint, unit, limits).into_iter().for_each(|m| say(FindingKind::BeyondPosition, m));
-        speeds(runs, joint, unit, limits).into_iter().for_each(|m| say(FindingKind::BeyondSpeed, m));
-        outliers(runs, joint, unit).into_iter().for_each(|m| say(FindingKind::Outlier, m));
-        velocity(runs, joint).into_iter().for_each(|m| say(FindingKind::VelocityDisagrees, m));
+        positions(runs, joint, unit, limits).into_iter().for_each(|m| say(BEYOND_POSITION, m));
+        speeds(runs, joint, unit, limits).into_iter().for_each(|m| say(BEYOND_SPEED, m));
+        outliers(runs, joint, unit).into_iter().for_each(|m| say(OUTLIER, m));
+        velocity(runs, joint).into_iter().for_each(|m| say(VELOCITY_DISAGREES, m));
     }
     findings.extend(robot.followers().iter().flat_map(|joint| beyond_limits(runs, joint)));
     findings.extend(efforts(runs, robot, &limits));
@@ -84,14 +84,8 @@ fn positions(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Opt
 }
 
 /// Findings of a joint that follows others: where these take it beyond its limits.
-fn beyond_limits(runs: &[Run], joint: &FollowerLimits) -> Vec<RunFinding> {
-    let say = |kind: FindingKind, message: String| RunFinding {
-        file: None,
-        rows: None,
-        joint: Some(joint.name.clone()),
-        kind,
-        message,
-    };
+fn beyond_limits(runs: &[Run], joint: &FollowerLimits) -> Vec<Finding> {
+    let say = |rule: Rule, message: String| rule.found(message).joint(&joint.name);
     let mut positions: Vec<f64> =
         runs.iter().flat_map(|run| sums(joint, &run.positions, joint.offset)).collect();
     let of_speeds = |run: &Run| {
@@ -108,7 +102,7 @@ fn beyond_limits(runs: &[Run], joint: &FollowerLimits) -> Vec<RunFinding> {
         let message = format!(
             "the joints that it follows take it from {low} to {high}, its limits are {least} and {most}"
         );
-        say(FindingKind::BeyondPosition, message)
+        say(BEYOND_POSITION, message)
     });
     let fast = span(&mut speeds).filter(|(_, fastest)| *fastest > 1.1 * joint.velocity);
     let speed = fast.map(|(_, fastest)| {
@@ -117,7 +111,7 @@ fn beyond_limits(runs: &[Run], joint: &FollowerLimits) -> Vec<RunFinding> {
             plain(fastest, 4),
             plain(joint.velocity, 4)
         );
-        say(FindingKind::BeyondSpeed, message)
+        say(BEYOND_SPEED, message)
     });
     position.into_iter().chain(speed).collect()
 }
@@ -242,7 +236,7 @@ fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item =
     })
 }
 
-fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFinding> {
+fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<Finding> {
     let Some(effort) = runs.first().map(|r| r.effort) else { return Vec::new() };
     let names = if effort == Effort::Joint { robot.joint_names() } else { robot.input_names() };
     let exact = rows_of(&robot.quaternion_joints(), names.len());
@@ -253,12 +247,11 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFi
         let mut values = pooled(runs, |r| r.efforts.get(i));
         let exact =
             values.iter().copied().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        let mut say = |kind: FindingKind, message: String| {
-            findings.push(RunFinding { file: None, rows: None, joint: Some(name.clone()), kind, message });
-        };
+        let subject = if effort == Effort::Joint { Subject::Joint } else { Subject::Input };
+        let mut say = |rule: Rule, message: String| findings.push(rule.found(message).of(subject(name.clone())));
         if exact.0 == exact.1 {
             say(
-                FindingKind::Constant,
+                CONSTANT,
                 format!("its effort is {} in all samples: nothing can be identified from it", exact.0),
             );
             continue;
@@ -269,7 +262,7 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFi
         {
             let [low, high, limit] = [low, high, limit].map(|x| plain(x, 4));
             say(
-                FindingKind::BeyondEffort,
+                BEYOND_EFFORT,
                 format!(
                     "its effort goes from {low} to {high}, its limit is {limit}: another unit (--columns 'torque=…[UNIT]'), or not at the joint (--effort)?"
                 ),
@@ -281,7 +274,7 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<RunFi
 
 /// Whether efforts at the joints were taken for those of the motors, or the other way round: where a gear stands
 /// between them, the joint that carries the largest weight shows it.
-fn gears(runs: &[Run], robot: &dyn Robot) -> Option<RunFinding> {
+fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
     let (n, m, matrix) = (robot.joint_names().len(), robot.input_names().len(), robot.input_matrix());
     let effort = runs.first()?.effort;
     if n != m || effort == Effort::Current || !robot.quaternion_joints().is_empty() {
@@ -304,17 +297,14 @@ fn gears(runs: &[Run], robot: &dyn Robot) -> Option<RunFinding> {
         Effort::Input => ("efforts of the motors", "forces at the joints", "torque"),
         _ => ("forces at the joints", "efforts of the motors", "input"),
     };
-    is_doubtful.then(|| RunFinding {
-        file: None,
-        rows: None,
-        joint: robot.joint_names().get(joint).cloned(),
-        kind: FindingKind::GearDoubtful,
-        message: format!(
+    is_doubtful.then(|| {
+        let message = format!(
             "its efforts are taken as {taken} and are then {} times what carries the described weight (rms), with \
              {} between motor and joint: they look like {other} (--columns '{key}=…')",
             plain(ratio, 3),
             plain(gear, 6)
-        ),
+        );
+        GEAR_DOUBTFUL.found(message).joint(robot.joint_names().swap_remove(joint))
     })
 }
 
@@ -341,26 +331,22 @@ fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Samples that repeat the one before in everything: a log that is written faster than the robot is read.
-fn stuck(runs: &[Run]) -> Option<RunFinding> {
+fn stuck(runs: &[Run]) -> Option<Finding> {
     let same = |run: &Run, i: usize| {
         run.positions.iter().chain(&run.efforts).all(|column| column[i].to_bits() == column[i - 1].to_bits())
     };
     let all: usize = runs.iter().map(|r| r.times.len()).sum();
     let equal: usize = runs.iter().map(|r| (1..r.times.len()).filter(|i| same(r, *i)).count()).sum();
-    (equal * 100 > all).then(|| RunFinding {
-        file: None,
-        rows: None,
-        joint: None,
-        kind: FindingKind::Stuck,
-        message: format!(
+    (equal * 100 > all).then(|| {
+        STUCK.found(format!(
             "{:.0} % of the samples repeat all values of the one before at a new time; they are kept",
             100.0 * equal as f64 / all as f64
-        ),
+        ))
     })
 }
 
 /// Undoes jumps by a turn of joints without limits, whose encoders count one turn only.
-pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Vec<RunFinding> {
+pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Vec<Finding> {
     let (names, units, limits) = (robot.joint_names(), robot.position_units(), robot.limits());
     let mut findings = Vec::new();
     for (joint, q) in run.positions.iter_mut().enumerate() {
@@ -372,23 +358,14 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
         if !is_angle || !in_one_turn(q) {
             continue;
         }
-        let (kind, message) = if is_free {
+        let what = if is_free { "is unwrapped" } else { "it is not unwrapped because the joint has limits" };
+        let and = if is_free { " and" } else { ";" };
+        if is_free {
             unwrap(q, TAU);
-            (
-                FindingKind::Wrap,
-                format!("its position jumps by a turn {} times and is unwrapped", jumps.len()),
-            )
-        } else {
-            (
-                FindingKind::Wrap,
-                format!(
-                    "its position jumps by a turn {} times; it is not unwrapped because the joint has limits",
-                    jumps.len()
-                ),
-            )
-        };
-        let joint = names.get(joint).cloned();
-        findings.push(RunFinding { file: Some(source.into()), rows, joint, kind, message });
+        }
+        let message = format!("its position jumps by a turn {} times{and} {what}", jumps.len());
+        let joint = names.get(joint).cloned().unwrap_or_default();
+        findings.push(TURNS.found(message).joint(joint).log(source, rows));
     }
     findings
 }

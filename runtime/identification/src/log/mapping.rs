@@ -13,6 +13,7 @@ use super::search::{Found, Source};
 use super::sheet::{Sheet, shortened};
 use super::time::{TimeColumn, find_time};
 use super::vocabulary::{Header, Kind, Origin, is_number, meaning, words};
+use gelenk_findings::Finding;
 
 /// The columns of one log.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +35,7 @@ pub(super) struct Mapping {
     /// One line for each quantity.
     pub brief: Vec<String>,
     /// What makes the result doubtful: quantities that are commanded, where measured ones are needed.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Finding>,
     /// One sentence for each column, then what was assumed.
     pub sentences: Vec<String>,
     /// Headers of the columns that nothing uses.

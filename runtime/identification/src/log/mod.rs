@@ -1,6 +1,6 @@
 //! Logs of a robot as runs: the columns of the robot are found in tables that other programs wrote.
 //!
-//! Nothing is repaired silently: what is suspicious or left out is a [`RunFinding`].
+//! Nothing is repaired silently: what is suspicious or left out is a finding of the recording.
 //! The order of work is one file for each step: `sheet` (separators, header, rows), `vocabulary` and `languages`
 //! (words of a header), `families` (the columns of one quantity), `mapping` and `scale` (which family, in which unit), `time`,
 //! `runs` (samples, cut into runs), `bursts` (times of arrival), `unroll` (poses with quaternions), `joint_forces` (inputs at frames), `health` (what the runs say about their log).
@@ -40,7 +40,7 @@ mod vocabulary;
 mod wording;
 mod zeros;
 
-pub use finding::{FindingKind, RunFinding};
+pub(crate) use finding::GEAR_DOUBTFUL;
 pub use labels::{ColumnLabels, Labels};
 pub use options::ColumnOptions;
 pub(crate) use recording::runs_noting;

@@ -4,7 +4,7 @@ use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::super::run::{Effort, FEWEST_SAMPLES, Run};
 use super::finder::RobotColumns;
-use super::finding::{FindingKind, RunFinding};
+use super::finding::{COLUMNS, LEFT_OUT};
 use super::health;
 use super::labels::Labels;
 use super::mapping::{Mapping, resolve};
@@ -13,6 +13,7 @@ use super::runs::{Samples, split};
 use super::saturation::cut_off;
 use super::sheet::Sheet;
 use flate2::read::MultiGzDecoder;
+use gelenk_findings::Finding;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::io::Read;
@@ -27,13 +28,11 @@ pub struct Recording {
     /// What the runs' efforts are, the same in all logs.
     pub effort: Effort,
     /// What is suspicious in the logs, or was repaired.
-    pub findings: Vec<RunFinding>,
+    pub findings: Vec<Finding>,
     /// What the first log calls its columns.
     pub labels: Labels,
     /// What the columns were taken for: one line for each quantity.
     pub columns: Vec<String>,
-    /// Quantities that are commanded by their names where measured ones are needed.
-    pub warnings: Vec<String>,
     /// One sentence for each column that is used, then what was assumed.
     pub mapping: Vec<String>,
     /// Headers of columns that nothing uses.
@@ -67,7 +66,7 @@ pub(crate) fn runs_noting(
     paths: &[PathBuf],
     robot: &dyn Robot,
     columns: &ColumnOptions,
-    findings: &mut Vec<RunFinding>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Recording> {
     if paths.is_empty() {
         return Err(IdentificationError::Empty { what: "the list of logs".into() });
@@ -128,29 +127,17 @@ impl Recording {
         }
         self.runs.retain(is_long);
         let message = format!("{short} runs of fewer than {FEWEST_SAMPLES} samples are left out");
-        self.findings.push(RunFinding {
-            file: None,
-            rows: None,
-            joint: None,
-            kind: FindingKind::LeftOut,
-            message,
-        });
+        self.findings.push(LEFT_OUT.found(message));
     }
 
-    /// What the columns were taken for: one line for each quantity, and one for the columns that nothing uses.
-    pub fn columns_said(&self) -> Vec<String> {
+    /// What the columns were taken for, one note for each quantity, and one for the columns that nothing uses.
+    pub fn columns_found(&self) -> Vec<Finding> {
         let shown: Vec<String> =
             self.unused.iter().take(MOST_UNUSED).map(|header| format!("`{header}`")).collect();
         let more = self.unused.len().saturating_sub(MOST_UNUSED);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         let unused = (!shown.is_empty()).then(|| format!("not used: {}{more}", shown.join(", ")));
-        let lines = self.columns.iter().cloned().chain(unused);
-        lines.map(|line| format!("columns: {line}")).collect()
-    }
-
-    /// The warnings as sentences about the logs.
-    pub fn doubts(&self) -> impl Iterator<Item = String> {
-        self.warnings.iter().map(|warning| format!("in the logs, {warning}"))
+        self.columns.iter().cloned().chain(unused).map(|line| COLUMNS.found(line)).collect()
     }
 
     /// SHA-256 of the samples, whatever else stands in the log: empty lines, comments, columns that nothing uses.
@@ -173,7 +160,7 @@ fn read_file(
     path: &Path,
     robot: &dyn Robot,
     columns: &ColumnOptions,
-    findings: &mut Vec<RunFinding>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Recording> {
     let place = path.display().to_string();
     let fault =
@@ -194,7 +181,7 @@ fn read_bytes(
     bytes: &[u8],
     source: &str,
     (robot, options): (&dyn Robot, &ColumnOptions),
-    findings: &mut Vec<RunFinding>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Recording> {
     let text = unpacked(bytes, source)?;
     let sheet = Sheet::new(&text, options.separator, source)?;
@@ -203,6 +190,8 @@ fn read_bytes(
     let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
     let runs = split(samples, &mapping, robot, source, findings)?;
     let Mapping { effort, labels, brief, warnings, sentences, unused, .. } = mapping;
+    let new: Vec<Finding> = warnings.into_iter().filter(|warning| !findings.contains(warning)).collect();
+    findings.extend(new);
     Ok(Recording {
         // Inputs at frames have become forces at the joints.
         effort: runs.first().map_or(effort, |run| run.effort),
@@ -210,7 +199,6 @@ fn read_bytes(
         findings: Vec::new(),
         labels,
         columns: brief,
-        warnings,
         mapping: sentences,
         unused,
         hashes: vec![(source.into(), sha256(bytes))],
@@ -269,7 +257,6 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     };
     add(&mut before.mapping, one.mapping);
     add(&mut before.columns, one.columns);
-    add(&mut before.warnings, one.warnings);
     let unused: Vec<String> = one.unused.into_iter().filter(|name| !before.unused.contains(name)).collect();
     before.unused.extend(unused);
     Ok(before)
@@ -313,8 +300,8 @@ fn name_by_file(recording: &mut Recording, paths: &[PathBuf]) {
                 run.name = format!("{name}{rest}");
             }
         }
-        for finding in recording.findings.iter_mut().filter(|f| f.file.as_ref() == Some(&place)) {
-            finding.file = Some(name.clone());
+        for finding in recording.findings.iter_mut().filter(|f| f.about.log.as_ref() == Some(&place)) {
+            finding.about.log = Some(name.clone());
         }
     }
 }

@@ -3,10 +3,9 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
-use super::FindingKind;
 use super::bursts::require_steady;
 use super::finder::RobotColumns;
-use super::finding::{RunFinding, file_finding};
+use super::finding::{LEFT_OUT, MISSING, NEW_RUN, NOT_A_NUMBER, REPEATED, UNIT_ASSUMED};
 use super::joint_forces::move_to_joints;
 use super::mapping::Mapping;
 use super::number::{Decimals, number};
@@ -16,6 +15,7 @@ use super::spikes::leave_out_spikes;
 use super::time::{Clock, assumed_unit, counter_finding};
 use super::unroll::unrolled;
 use super::zeros::zero_rows;
+use gelenk_findings::{Finding, Rule};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -66,15 +66,15 @@ impl Gaps {
 }
 
 impl Gaps {
-    fn finding(&self, columns: &str, place: &str) -> RunFinding {
-        let kind = if self.text.is_some() { FindingKind::NotANumber } else { FindingKind::Missing };
+    fn finding(&self, columns: &str, place: &str) -> Finding {
+        let rule = if self.text.is_some() { NOT_A_NUMBER } else { MISSING };
         let text = self.text.as_ref().map_or(String::new(), |text| format!(", the first as `{text}`"));
         let short = match self.short {
             0 => String::new(),
             n => format!(", {n} because the row ends before"),
         };
         let message = format!("{columns}: no finite number in {} rows{text}{short}", self.count);
-        file_finding(place, self.rows, kind, message)
+        rule.found(message).log(place, self.rows)
     }
 }
 
@@ -88,7 +88,7 @@ impl Samples {
         mapping: &Mapping,
         robot: &RobotColumns,
         source: &str,
-        findings: &mut Vec<RunFinding>,
+        findings: &mut Vec<Finding>,
     ) -> Result<Self> {
         let sources = sources(mapping);
         let first_pose = sources.len() - mapping.poses.len();
@@ -127,7 +127,7 @@ impl Samples {
         })?;
         let efforts = 2 * mapping.positions.len()..2 * mapping.positions.len() + mapping.efforts.len();
         let long_rows = long.count;
-        findings.extend(long.finding(source, FindingKind::LeftOut, |n| {
+        findings.extend(long.finding(source, LEFT_OUT, |n| {
             format!(
                 "{n} rows have more fields than the header and are left out: is a separator part of a text?"
             )
@@ -135,7 +135,7 @@ impl Samples {
         require_alive(sheet, &sources, &gaps, &efforts, source)?;
         let zeros = samples.leave_out_zeros(mapping.positions.len());
         let zero_rows = zeros.count;
-        findings.extend(zeros.finding(source, FindingKind::LeftOut, |n| {
+        findings.extend(zeros.finding(source, LEFT_OUT, |n| {
             format!("{n} rows of zeros, to which positions jump, are left out: nothing was recorded there")
         }));
         for i in efforts.clone() {
@@ -332,7 +332,7 @@ fn gap_findings(
     gaps: &[Gaps],
     place: &str,
     left_out: usize,
-) -> Vec<RunFinding> {
+) -> Vec<Finding> {
     let columns = labels(mapping, sources);
     // Columns with the same gaps are one finding.
     let mut alike: Vec<(Vec<String>, &Gaps)> = Vec::new();
@@ -343,11 +343,11 @@ fn gap_findings(
             None => alike.push((vec![label(sheet, column)], gaps)),
         }
     }
-    let mut findings: Vec<RunFinding> =
+    let mut findings: Vec<Finding> =
         alike.into_iter().map(|(names, gaps)| gaps.finding(&shortened(&names), place)).collect();
     if left_out > 0 {
         let message = format!("{left_out} rows are left out because they are not complete");
-        findings.push(file_finding(place, None, FindingKind::LeftOut, message));
+        findings.push(LEFT_OUT.found(message).log(place, None));
     }
     findings
 }
@@ -361,21 +361,21 @@ pub(super) fn split(
     mapping: &Mapping,
     robot: &dyn Robot,
     source: &str,
-    findings: &mut Vec<RunFinding>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Vec<Run>> {
     let (parts, step) = parts(&samples, source, findings);
     let (unit, said) = match mapping.time.unit {
         Some(unit) => (unit, None),
         None => assumed_unit(step),
     };
-    findings.extend(said.map(|message| file_finding(source, None, FindingKind::UnitAssumed, message)));
+    findings.extend(said.map(|message| UNIT_ASSUMED.found(message).log(source, None)));
     let clock = Clock::new(&samples.times, unit);
     findings.extend(counter_finding(&samples.times, unit, source));
     require_steady(&parts, &samples.times, unit, source)?;
     let short = parts.iter().filter(|p| p.len() < 2).count();
     if short > 0 {
         let message = format!("{short} runs of a single sample are left out");
-        findings.push(file_finding(source, None, FindingKind::LeftOut, message));
+        findings.push(LEFT_OUT.found(message).log(source, None));
     }
     let kept: Vec<Vec<usize>> = parts.into_iter().filter(|p| p.len() > 1).collect();
     if kept.is_empty() {
@@ -414,7 +414,7 @@ fn add_unmeasured(run: &mut Run, robot: &dyn Robot) {
 }
 
 /// Samples of each run, and the median step between them.
-fn parts(samples: &Samples, source: &str, findings: &mut Vec<RunFinding>) -> (Vec<Vec<usize>>, i128) {
+fn parts(samples: &Samples, source: &str, findings: &mut Vec<Finding>) -> (Vec<Vec<usize>>, i128) {
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let mut steps: Vec<i128> = Vec::new();
     let (mut repeated, mut back) = (Tally::default(), Tally::default());
@@ -439,10 +439,10 @@ fn parts(samples: &Samples, source: &str, findings: &mut Vec<RunFinding>) -> (Ve
             part.push(i);
         }
     }
-    findings.extend(repeated.finding(source, FindingKind::Repeated, |n| {
+    findings.extend(repeated.finding(source, REPEATED, |n| {
         format!("{n} samples have the time of the one before and are left out")
     }));
-    findings.extend(back.finding(source, FindingKind::NewRun, |n| {
+    findings.extend(back.finding(source, NEW_RUN, |n| {
         format!("time goes back {n} times: a new run begins at each of these rows")
     }));
     let middle = steps.len() / 2;
@@ -462,8 +462,8 @@ impl Tally {
         self.rows = Some((self.rows.map_or(row, |r| r.0), row));
     }
 
-    fn finding(self, source: &str, kind: FindingKind, say: impl Fn(usize) -> String) -> Option<RunFinding> {
-        (self.count > 0).then(|| file_finding(source, self.rows, kind, say(self.count)))
+    fn finding(self, source: &str, rule: Rule, say: impl Fn(usize) -> String) -> Option<Finding> {
+        (self.count > 0).then(|| rule.found(say(self.count)).log(source, self.rows))
     }
 }
 

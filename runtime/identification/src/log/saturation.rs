@@ -1,8 +1,8 @@
 //! Efforts that stand at their extremes: a sensor, a drive or a program had its limit there.
 
 use super::super::run::Run;
-use super::FindingKind;
-use super::finding::RunFinding;
+use super::finding::CUT_OFF;
+use gelenk_findings::Finding;
 
 /// Share of the samples at an extreme from which on it is said.
 const SEEN: f64 = 0.01;
@@ -13,7 +13,7 @@ const MORE_THAN_BESIDE: usize = 8;
 /// Efforts that were cut off, by their columns.
 ///
 /// - `names`: of the joints or inputs; `columns`: what the log calls their efforts
-pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec<RunFinding> {
+pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec<Finding> {
     let of = |(place, name): (usize, &String)| {
         let values: Vec<f64> = runs.iter().flat_map(|run| moving(run, place)).collect();
         let mut largest = values.clone();
@@ -27,17 +27,15 @@ pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec
             Some(format!("at its {end} value of {} in {share:.1} %", sign * value))
         });
         let said: Vec<String> = said.collect();
-        (!said.is_empty()).then(|| RunFinding {
-            file: None,
-            rows: None,
-            joint: Some(name.clone()),
-            kind: FindingKind::CutOff,
-            message: format!(
-                "its effort (column {}) stands {} of the samples in motion: it looks cut off by a limit of the sensor or the \
-                 drive, and its model is wrong there; record a slower motion, or empty these fields",
+        (!said.is_empty()).then(|| {
+            let message = format!(
+                "its effort (column {}) is {} of the samples in motion: it looks cut off by a limit of the sensor or the \
+                 drive, and its model is wrong there",
                 columns.get(place).map_or("unknown", String::as_str),
                 said.join(" and ")
-            ),
+            );
+            let remedy = "record a slower motion, or empty these fields";
+            CUT_OFF.found(message).joint(name).help(remedy)
         })
     };
     names.iter().enumerate().filter_map(of).collect()
@@ -98,7 +96,7 @@ mod tests {
         let moving = run(6.0, 0.0).efforts[0].split_off(1);
         let share = 100.0 * moving.iter().filter(|x| **x == 6.0).count() as f64 / moving.len() as f64;
         assert!(
-            one[0].contains(&format!("(column `tau2`) stands at its largest value of 6 in {share:.1} %")),
+            one[0].contains(&format!("(column `tau2`) is at its largest value of 6 in {share:.1} %")),
             "{one:?}"
         );
         let both = said(run(6.0, 0.5));

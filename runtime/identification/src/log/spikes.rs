@@ -2,8 +2,8 @@
 
 use super::super::digits::plain;
 use super::super::statistics::quantile;
-use super::FindingKind;
-use super::finding::{RunFinding, file_finding};
+use super::finding::OUTLIER;
+use gelenk_findings::Finding;
 
 /// Share of the values at each end that the usual range leaves out.
 const OUTER: f64 = 0.01;
@@ -23,7 +23,7 @@ pub(super) fn leave_out_spikes(
     column: &mut [f64],
     lines: &[usize],
     (label, place): (Option<String>, &str),
-) -> Option<RunFinding> {
+) -> Option<Finding> {
     let rows = spikes(column);
     let (first, last) = (*rows.first()?, *rows.last()?);
     let (label, value) = (label?, plain(column[first], 6));
@@ -32,7 +32,7 @@ pub(super) fn leave_out_spikes(
         n => format!("{label}: {n} efforts are far beyond all others and left out, the first is {value}"),
     };
     rows.iter().for_each(|row| column[*row] = f64::NAN);
-    Some(file_finding(place, Some((lines[first], lines[last])), FindingKind::Outlier, message))
+    Some(OUTLIER.found(message).log(place, Some((lines[first], lines[last]))))
 }
 
 /// Rows of the spikes of a column.

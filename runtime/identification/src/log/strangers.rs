@@ -3,7 +3,8 @@
 use super::super::robot::FollowerLimits;
 use super::super::run::Effort;
 use super::testing::{Fake, message};
-use super::{ColumnOptions, FindingKind, Recording, runs_of};
+use super::{ColumnOptions, Recording, runs_of};
+use gelenk_findings::Finding;
 use std::fmt::Write;
 
 /// Two joints at 100 Hz: position, velocity, effort.
@@ -120,7 +121,7 @@ fn strangers_logs_are_read() {
             "{style}: {:?}",
             recording.mapping
         );
-        let suspicious = recording.findings.iter().filter(|f| f.kind != FindingKind::UnitAssumed);
+        let suspicious = recording.findings.iter().filter(|f| f.code != "unit-assumed");
         assert_eq!(suspicious.map(ToString::to_string).collect::<Vec<_>>(), Vec::<String>::new(), "{style}");
     }
 }
@@ -134,8 +135,8 @@ fn columns_of_strangers_are_named() {
         let options = ColumnOptions { columns, ..ColumnOptions::default() };
         let recording = read(text.trim_start_matches('\n'), &options);
         let findings = recording.findings.iter().map(ToString::to_string);
-        let lines = recording.columns_said().into_iter().chain(recording.mapping.clone());
-        let lines: Vec<String> = lines.chain(recording.doubts()).chain(findings).collect();
+        let lines = recording.columns_found().iter().map(ToString::to_string).chain(recording.mapping.clone());
+        let lines: Vec<String> = lines.chain(findings).collect();
         format!("== {style}\n{}\n", lines.join("\n"))
     });
     insta::assert_snapshot!("styles", said.collect::<String>());
@@ -185,7 +186,7 @@ fn times_cut_runs() {
             ("log.csv, run b, part 2", &[0.005, 0.02], &[8, 9]),
         ]
     );
-    let said: Vec<String> = recording.findings.iter().take(3).map(ToString::to_string).collect();
+    let said: Vec<String> = recording.findings.iter().take(3).map(Finding::sentence).collect();
     assert_eq!(said[0], "log.csv, row 4: 1 samples have the time of the one before and are left out");
     assert_eq!(said[1], "log.csv, row 8: time goes back 1 times: a new run begins at each of these rows");
     assert_eq!(said[2], "log.csv: 1 runs of a single sample are left out");
@@ -206,7 +207,7 @@ fn epoch_times_keep_their_digits() {
         let rows: Vec<(&str, &str)> = times.iter().map(|t| (t.as_str(), "")).collect();
         let recording = read(&log_of(&rows), &ColumnOptions::default());
         assert_eq!(recording.runs[0].times, [0.0, 0.004, 0.008, 0.012]);
-        let finding = recording.findings.iter().find(|f| f.kind == FindingKind::UnitAssumed).unwrap();
+        let finding = recording.findings.iter().find(|f| f.code == "unit-assumed").unwrap();
         assert!(finding.message.contains(said), "{finding}");
     }
 }
@@ -216,7 +217,7 @@ fn incomplete_rows_are_left_out_by_number() {
     let text = "# made by hand\n\nt,q1,q2,u1,u2\n0,1,1,1,1\n1,1,,1,1\n2,1,1,x,1\n3,1,1,1\n# stop\n4,2,2,2,2\n\n5,3,3,3,3\n";
     let recording = read(text, &ColumnOptions::default());
     assert_eq!(recording.runs[0].rows, [4, 9, 11]);
-    let said: Vec<String> = recording.findings.iter().map(ToString::to_string).collect();
+    let said: Vec<String> = recording.findings.iter().map(Finding::sentence).collect();
     assert_eq!(
         said[..4],
         [
@@ -233,7 +234,7 @@ fn found(
     robot: &Fake,
     columns: &str,
     change: impl Fn(usize, &mut [[f64; 3]; 2]),
-) -> Vec<(FindingKind, String)> {
+) -> Vec<(&'static str, String)> {
     let mut text = String::from("t,q1,q2,dq1,dq2,u1,u2\n");
     for i in 0..400 {
         let (t, mut joints) = motion(i);
@@ -244,28 +245,25 @@ fn found(
     let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
     let options = ColumnOptions { columns, ..ColumnOptions::default() };
     let recording = runs_of(text.as_bytes(), "log.csv", robot, &options).unwrap();
-    recording.findings.iter().map(|f| (f.kind, f.to_string())).collect()
+    recording.findings.iter().map(|f| (f.code, f.to_string())).collect()
 }
 
 #[test]
 fn joints_that_look_wrong_are_named() {
-    use FindingKind::{
-        BeyondEffort, BeyondPosition, BeyondSpeed, Constant, GearDoubtful, StoodStill, VelocityDisagrees,
-    };
     let robot = Fake::numbered(2);
     assert_eq!(found(&robot, "", |_, _| {}), []);
     type Change = fn(usize, &mut [[f64; 3]; 2]);
-    let cases: [(&str, Change, &[FindingKind], &str); 9] = [
+    let cases: [(&str, Change, &[&str], &str); 9] = [
         (
             "still",
             |i, j| j[1][0] = 0.3 + 1e-4 * (i % 2) as f64,
-            &[StoodStill],
+            &["stood-still"],
             "joint joint_2: it stood still",
         ),
         (
             "degrees",
             |_, j| j[0].iter_mut().take(2).for_each(|x| *x *= DEG),
-            &[BeyondPosition, BeyondSpeed],
+            &["beyond-position-limits", "beyond-speed-limit"],
             "they would fit in deg: --columns 'position=…[deg]'",
         ),
         (
@@ -275,20 +273,20 @@ fn joints_that_look_wrong_are_named() {
                     j[0][0] = 90.0
                 }
             },
-            &[FindingKind::Outlier],
+            &["outliers"],
             "1 of its positions are far from their neighbours, the first in row 9",
         ),
-        ("effort", |_, j| j[1][2] *= 1000.0, &[BeyondEffort], "its limit is 100:"),
-        ("dead effort", |_, j| j[0][2] = 0.0, &[Constant], "joint joint_1: its effort is 0 in all samples"),
-        ("sign", |_, j| j[0][1] = -j[0][1], &[VelocityDisagrees], "the opposite sign of the slope"),
+        ("effort", |_, j| j[1][2] *= 1000.0, &["beyond-effort-limit"], "its limit is 100:"),
+        ("dead effort", |_, j| j[0][2] = 0.0, &["constant-effort"], "joint joint_1: its effort is 0 in all samples"),
+        ("sign", |_, j| j[0][1] = -j[0][1], &["velocity-disagrees"], "the opposite sign of the slope"),
         (
             "velocity unit",
             |_, j| j[0][1] *= DEG,
-            &[VelocityDisagrees],
+            &["velocity-disagrees"],
             "the slope is 0.01745 times the column; velocities in deg/s would explain it",
         ),
-        ("other joint", |_, j| j[0][1] = j[1][1], &[VelocityDisagrees], "hardly related"),
-        ("no velocity", |_, j| j[0][1] = 0.0, &[VelocityDisagrees], "is zero while it moves"),
+        ("other joint", |_, j| j[0][1] = j[1][1], &["velocity-disagrees"], "hardly related"),
+        ("no velocity", |_, j| j[0][1] = 0.0, &["velocity-disagrees"], "is zero while it moves"),
     ];
     for (name, change, kinds, part) in cases {
         let found = found(&robot, "", change);
@@ -299,7 +297,7 @@ fn joints_that_look_wrong_are_named() {
     let geared = Fake { gear: 100.0, weight: 4.0, ..Fake::numbered(2) };
     assert_eq!(found(&geared, "torque=u{}", |_, _| {}), []);
     let doubted = found(&geared, "", |_, _| {});
-    assert_eq!(doubted.iter().map(|f| f.0).collect::<Vec<_>>(), [GearDoubtful], "{doubted:?}");
+    assert_eq!(doubted.iter().map(|f| f.0).collect::<Vec<_>>(), ["gear-doubtful"], "{doubted:?}");
     assert!(
         doubted[0].1.contains("they look like forces at the joints (--columns 'torque=…')"),
         "{doubted:?}"
@@ -445,7 +443,7 @@ fn topics_between_each_other_are_told_apart() {
     let recording = read(&text, &ColumnOptions::default());
     assert_motion("topics", &recording, 100);
     assert_eq!(recording.runs[0].rows[..2], [3, 6]);
-    let left = recording.findings.iter().find(|f| f.kind == FindingKind::LeftOut).map(ToString::to_string);
+    let left = recording.findings.iter().find(|f| f.code == "rows-left-out").map(Finding::sentence);
     assert_eq!(left.as_deref(), Some("log.csv: 200 rows are left out because they are not complete"));
 }
 
@@ -485,10 +483,10 @@ fn joints_that_follow_beyond_their_limits_are_named() {
     assert_eq!(found(&rod([-1.5, 1.9], 4.1), "", |_, _| {}), []);
     let far = found(&rod([-1.5, 1.0], 4.1), "", |_, _| {});
     assert_eq!(far.len(), 1, "{far:?}");
-    assert_eq!(far[0].0, FindingKind::BeyondPosition);
+    assert_eq!(far[0].0, "beyond-position-limits");
     assert!(far[0].1.contains("joint rod: the joints that it follows take it from -0.79"), "{far:?}");
     let fast = found(&rod([-1.5, 1.9], 2.0), "", |_, _| {});
     assert_eq!(fast.len(), 1, "{fast:?}");
-    assert_eq!(fast[0].0, FindingKind::BeyondSpeed);
+    assert_eq!(fast[0].0, "beyond-speed-limit");
     assert!(fast[0].1.ends_with("its limit is 2"), "{fast:?}");
 }

@@ -1,14 +1,14 @@
 //! Times of strangers' logs: the column, its unit, values without a lost digit, and seconds.
 
 use super::super::error::Result;
-use super::FindingKind;
 use super::families::{Targets, meaning_of};
 use super::finder::Finder;
-use super::finding::{RunFinding, file_finding};
+use super::finding::{COLUMN_DOUBTFUL, UNIT_ASSUMED};
 use super::number::{Decimals, exact};
 use super::options::Named;
 use super::scale::is_described;
 use super::vocabulary::{Header, Kind};
+use gelenk_findings::Finding;
 
 /// Where times stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,7 @@ pub(super) struct TimeColumn {
     /// A sentence about the column.
     pub said: String,
     /// What stands in brackets as its unit and is none that is known.
-    pub doubt: Option<String>,
+    pub doubt: Option<Finding>,
 }
 
 impl TimeColumn {
@@ -106,11 +106,11 @@ fn time_column(finder: &Finder, column: usize, pair: Option<usize>, told: Option
     let odd = header.and_then(|h| h.odd.as_ref().map(|odd| (h, odd)));
     let odd = odd.filter(|(_, odd)| unit.is_none() && pair.is_none() && !is_described(finder, odd));
     let doubt = odd.map(|(header, odd)| {
-        format!(
-            "the time is in `{odd}`, which is no known unit: it is taken for seconds, or for ms, µs or ns where its steps are \
-             long. Say what it is, as in --columns 'time={}[0.001 s]'",
-            finder.unique(header)
-        )
+        let message = format!(
+            "the time is in `{odd}`, which is no known unit: it is taken for seconds, or for ms, µs or ns if its steps are long"
+        );
+        let remedy = format!("give its unit, as in --columns 'time={}[0.001 s]'", finder.unique(header));
+        COLUMN_DOUBTFUL.found(message).help(remedy)
     });
     TimeColumn {
         column: Some(column),
@@ -192,14 +192,14 @@ const COUNTED: usize = 100;
 /// samples looks like that.
 ///
 /// - `times`: in 10⁻¹² of the unit; `unit`: in seconds
-pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<RunFinding> {
+pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<Finding> {
     const ONE: i128 = 1_000_000_000_000;
     let counts =
         unit == 1.0 && times.len() >= COUNTED && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
     counts.then(|| {
         let message = "its times step by exactly 1 s: where they are a counter of samples, name the period, as in --columns \
                        'time=…[4 ms]'";
-        file_finding(place, None, FindingKind::UnitAssumed, message.into())
+        UNIT_ASSUMED.found(message).log(place, None)
     })
 }
 

@@ -5,10 +5,10 @@ use super::super::error::{IdentificationError, Result};
 use super::super::pose::QuaternionJoint;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
-use super::FindingKind;
 use super::acting::Acting;
-use super::finding::{RunFinding, file_finding};
+use super::finding::NOT_UNIT;
 use super::joint_forces::forces_of_inputs;
+use gelenk_findings::Finding;
 
 /// A quaternion's length may differ from 1 by so much before it is said: rounded digits do not matter.
 const EXACT: f64 = 1e-6;
@@ -26,7 +26,7 @@ pub(super) fn unrolled(
     robot: &dyn Robot,
     acting: &Acting,
     source: &str,
-    findings: &mut Vec<RunFinding>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Run> {
     let joints = robot.quaternion_joints();
     let n = robot.joint_names().len();
@@ -76,7 +76,7 @@ fn normalize(
     run: &mut Run,
     joints: &[QuaternionJoint],
     source: &str,
-    findings: &mut Vec<RunFinding>,
+    findings: &mut Vec<Finding>,
 ) -> Result<()> {
     let mut first = 0;
     for joint in joints {
@@ -104,7 +104,7 @@ fn normalize(
                 joint.name,
                 plain(worst, 2)
             );
-            findings.push(file_finding(source, rows, FindingKind::NotUnit, message));
+            findings.push(NOT_UNIT.found(message).log(source, rows));
         }
         first += joint.positions().len();
     }

@@ -6,21 +6,29 @@ use super::super::error::{
 use super::super::robot::Robot;
 use super::super::run::{Effort, FEWEST_SAMPLES, Run};
 use super::settings::PreparationSettings;
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: an effort without values in more than half of the rows, or with the same value in all of them.
+/// Matters: its joint keeps what is described.
+/// Example: a column of zeros.
+/// Fixture: `dead` in `codegen/tests/findings/arm.rs`.
+const UNUSABLE_EFFORT: Rule = Rule::warning("unusable-effort");
 
 /// Why an effort cannot be used.
 ///
 /// - `exact`: it is a force that is known without a sensor, and zero where nothing acts
-pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<String> {
+pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<Finding> {
+    let fault = |message| UNUSABLE_EFFORT.found(message).help("name other columns with --columns 'torque=…'");
     let values = || runs.iter().flat_map(|r| r.efforts[m].iter().zip(&r.rows));
     let finite = values().filter(|(u, _)| u.is_finite()).count();
     let row = runs.first().and_then(|r| r.rows.first()).copied().unwrap_or(0);
     if 2 * finite < values().count() {
         let first = values().find(|(u, _)| !u.is_finite()).map_or(row, |(_, row)| *row);
-        return Some(format!("more than half of its efforts are missing, the first in row {first}"));
+        return Some(fault(format!("more than half of its efforts are missing, the first in row {first}")));
     }
     let mut all = values().filter(|(u, _)| u.is_finite()).map(|(u, _)| *u);
     let first = all.next().filter(|_| !exact)?;
-    all.all(|u| u == first).then(|| format!("its effort is {first} in every row from row {row} on"))
+    all.all(|u| u == first).then(|| fault(format!("its effort is {first} in every row from row {row} on")))
 }
 
 /// Shapes agree, times increase, and settings are in range.

@@ -16,6 +16,7 @@ use super::result::{Delay, PreparationReport};
 use super::settings::PreparationSettings;
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
+use gelenk_findings::Finding;
 
 /// Log samples in a pause that is interpolated in any case.
 const SHORT_PAUSE: f64 = 3.5;
@@ -45,7 +46,7 @@ pub(super) struct Recorded<'a> {
     pub(super) robot: Option<&'a dyn Robot>,
     pub(super) settings: &'a PreparationSettings,
     pub(super) quality: Vec<PositionQuality>,
-    pub(super) faults: Vec<Option<String>>,
+    pub(super) faults: Vec<Option<Finding>>,
     pub(super) step: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What was found and chosen, in numbers and sentences.
+//! Numbers and findings of the preparation.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
@@ -10,6 +10,67 @@ use super::filter::Filter;
 use super::grid::Piece;
 use super::result::{Delay, JointPreparation, PreparationReport, VelocityCheck};
 use super::signals::{Signals, Smoothed, Smoothing, is_too_short};
+use gelenk_findings::{Finding, Rule, Subject};
+
+/// Sees: a run with pauses that are too long to be interpolated, or without any time at which all columns have values.
+/// Matters: the run is cut there, and its pieces lose their ends.
+/// Example: a bag that lost messages for 50 ms.
+/// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
+const GAPS: Rule = Rule::note("gaps");
+
+/// Sees: pieces of a run that are shorter than what the filter needs.
+/// Matters: they are left out.
+/// Example: 0.2 s between two gaps, and a filter of 5 Hz.
+/// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
+const SHORT_PIECES: Rule = Rule::note("short-pieces");
+
+/// Sees: samples in which a joint rests.
+/// Matters: dry friction takes any value up to the static one there, and the fit leaves these samples out.
+/// Example: a joint that waits for the others.
+/// Fixture: the tests of `preparation/rest.rs`.
+const RESTS: Rule = Rule::note("rests");
+
+/// Sees: single positions that no motion explains.
+/// Matters: they are left out.
+/// Example: a bit that flips in an encoder.
+/// Fixture: `turns_and_spikes_are_taken_out` in `preparation/channel.rs`.
+const SPIKES: Rule = Rule::note("position-spikes");
+
+/// Sees: jumps of a position by a whole turn that the log's reader left.
+/// Matters: they are taken out.
+/// Example: an encoder that counts one turn, of a joint with limits.
+/// Fixture: `turns_and_spikes_are_taken_out` in `preparation/channel.rs`.
+const WHOLE_TURNS: Rule = Rule::note("turns-taken-out");
+
+/// Sees: an acceleration of which a tenth or more is noise.
+/// Matters: inertia comes out too small.
+/// Example: a coarse encoder and a slow motion.
+/// Fixture: `preparation/study/simulated.rs`.
+const NOISY: Rule = Rule::note("noisy-acceleration");
+
+/// Sees: a position or an effort that is new in a part of the rows only.
+/// Matters: repeats are no measurements. They are left out.
+/// Example: efforts at 10 Hz in a log of 250 Hz.
+/// Fixture: `held` in `codegen/tests/findings/arm.rs`.
+const HELD: Rule = Rule::note("held-signal");
+
+/// Sees: measured velocities that differ from the derivative of the positions.
+/// Matters: a unit, a joint or a sign may be wrong. The velocities themselves are not used.
+/// Example: a factor of 1.2 between them.
+/// Fixture: `preparation/study/contract.rs`.
+const VELOCITY_DIFFERS: Rule = Rule::note("velocity-differs");
+
+/// Sees: efforts that come later or earlier than the positions.
+/// Matters: this delay is removed.
+/// Example: efforts 15 ms late, as a drive averages them.
+/// Fixture: `late` in `codegen/tests/findings/arm.rs`.
+const DELAY: Rule = Rule::note("delay-removed");
+
+/// Sees: a log with more samples than the filter leaves.
+/// Matters: fewer are kept. Nothing is lost.
+/// Example: 1000 samples a second, and a filter of 5 Hz.
+/// Fixture: `good` in `codegen/tests/findings/arm.rs`.
+const FEWER_SAMPLES: Rule = Rule::note("fewer-samples");
 
 impl Recorded<'_> {
     pub(super) fn too_short(&self, how: &Smoothing) -> IdentificationError {
@@ -34,16 +95,20 @@ impl Recorded<'_> {
         let filter = Filter::new(how.bandwidth, how.step)?;
         let joints: Vec<JointPreparation> =
             (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
-        let mut notes = self.notes(how);
-        notes.extend(joints.iter().flat_map(remarks));
-        notes.extend(self.held());
-        notes.extend(late(&joints, |_| true));
-        notes.extend(self.of_rests(smoothed));
+        let mut findings = self.of_runs(how);
+        findings.extend(joints.iter().flat_map(remarks));
+        findings.extend(self.held());
+        findings.extend(late(&joints, |_| true));
+        findings.extend(self.of_rests(smoothed));
         if how.step > 1.5 * self.step {
             let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
-            notes.push(format!("the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept (a larger --bandwidth keeps more)", 2.0 * how.bandwidth));
+            let message = format!(
+                "the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept",
+                2.0 * how.bandwidth
+            );
+            findings.push(FEWER_SAMPLES.found(message).help("a larger --bandwidth keeps more"));
         }
-        Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, notes })
+        Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, findings })
     }
 
     fn name(&self, joint: usize) -> String {
@@ -67,8 +132,13 @@ impl Recorded<'_> {
             delay: delays.get(j).map_or(0.0, |d| d.removed),
             sample_rate: 1.0 / how.step,
             velocity: velocity_check(smoothed, j),
-            fault: self.faults.get(j).cloned().flatten().filter(|_| !self.is_unmeasured(j)),
+            fault: self.fault(j),
         }
+    }
+
+    fn fault(&self, j: usize) -> Option<Finding> {
+        let fault = self.faults.get(j).cloned().flatten().filter(|_| !self.is_unmeasured(j));
+        fault.map(|fault| fault.joint(self.name(j)))
     }
 
     /// Whether something else moves a joint: that its force is not known is no fault.
@@ -77,44 +147,52 @@ impl Recorded<'_> {
     }
 
     /// What was left out of each run.
-    fn notes(&self, how: &Smoothing) -> Vec<String> {
+    fn of_runs(&self, how: &Smoothing) -> Vec<Finding> {
         self.signals.iter().flat_map(|s| [self.of_pieces(s, how), self.of_positions(s)].concat()).collect()
     }
 
-    fn of_pieces(&self, signals: &Signals, how: &Smoothing) -> Vec<String> {
-        let name = &signals.name;
+    fn of_pieces(&self, signals: &Signals, how: &Smoothing) -> Vec<Finding> {
         let pieces = self.pieces(signals, how.bandwidth);
+        let about = |rule: Rule, message: String| rule.found(message).log(&signals.name, None);
         if pieces.is_empty() {
-            return vec![format!("{name} is left out: at no time do all its columns have values")];
+            return vec![about(GAPS, "it is left out: at no time do all its columns have values".into())];
         }
-        let gap = |pair: &[Piece]| {
-            let (pause, row) = (pair[1].start - pair[0].end, signals.row(pair[0].end));
-            format!("{name} is split by the gap of {pause:.3} s after row {row}")
-        };
-        let short = pieces.iter().filter(|p| is_too_short(signals, p, how)).map(|p| {
-            let (first, last) = (signals.row(p.start), signals.row(p.end));
-            format!("{name}: rows {first} to {last} are left out; they last {:.3} s, less than the two ends of {:.3} s that are cut (a larger --bandwidth cuts off less)", p.duration(), how.cut)
+        let short: Vec<&Piece> = pieces.iter().filter(|p| is_too_short(signals, p, how)).collect();
+        let longest = short.iter().map(|p| p.duration()).fold(0.0, f64::max);
+        let short = short.first().map(|first| {
+            let (count, row) = (short.len(), signals.row(first.start));
+            let message = format!(
+                "{count} pieces of up to {longest:.3} s are left out, the first from row {row} on: the filter cuts off {:.3} s at \
+                 either end",
+                how.cut
+            );
+            about(SHORT_PIECES, message).help("a larger --bandwidth cuts off less")
         });
-        pieces.windows(2).map(gap).chain(short).collect()
+        let pauses: Vec<f64> = pieces.windows(2).map(|pair| pair[1].start - pair[0].end).collect();
+        let [least, most] = pauses.iter().fold([f64::INFINITY, 0.0_f64], |[a, b], x| [a.min(*x), b.max(*x)]);
+        let gaps = pieces.first().filter(|_| !pauses.is_empty()).map(|first| {
+            let row = signals.row(first.end);
+            let size = if pauses.len() == 1 { format!("{:.3} s", pauses[0]) } else { format!("{least:.3} to {most:.3} s") };
+            about(GAPS, format!("it is split by {} gaps of {size}, the first after row {row}", pauses.len()))
+        });
+        gaps.into_iter().chain(short).collect()
     }
 
     /// Signals that are new in a part of the rows only.
-    fn held(&self) -> Vec<String> {
-        let positions =
-            (0..self.joints()).map(|j| (self.name(j), "position", self.hold(|s| &s.positions[j])));
+    fn held(&self) -> Vec<Finding> {
+        let joint = |j: usize| Subject::Joint(self.name(j));
+        let positions = (0..self.joints()).map(|j| (joint(j), "position", self.hold(|s| &s.positions[j])));
         let robot = self.robot.filter(|_| self.signals[0].effort != Effort::Joint);
         let inputs = robot.map(Robot::input_names).unwrap_or_default();
-        let name = |m: usize| inputs.get(m).cloned().unwrap_or_else(|| self.name(m));
-        let efforts =
-            (0..self.signals[0].efforts.len()).map(|m| (name(m), "effort", self.hold(|s| &s.efforts[m])));
+        let subject = |m: usize| inputs.get(m).map_or_else(|| joint(m), |name| Subject::Input(name.clone()));
+        let efforts = 0..self.signals[0].efforts.len();
+        let efforts = efforts.map(|m| (subject(m), "effort", self.hold(|s| &s.efforts[m])));
         let held = positions.chain(efforts).filter(|(.., hold)| *hold > 1.2);
-        let said = |(name, what, hold): (String, &str, f64)| {
-            format!(
-                "{name}: its {what} is new in one of {} rows only; the repeats are left out",
-                (10.0 * hold).round() / 10.0
-            )
+        let finding = |(subject, what, hold): (Subject, &str, f64)| {
+            let message = format!("its {what} is new in one of {hold:.1} rows only; the repeats are left out");
+            HELD.found(message).of(subject).with("rows for each value", hold, "")
         };
-        held.map(said).collect()
+        held.map(finding).collect()
     }
 
     /// Rows of the log for each new value of a channel, the most of all runs.
@@ -123,7 +201,7 @@ impl Recorded<'_> {
     }
 
     /// Which joints that move rest for a part of the time.
-    fn of_rests(&self, smoothed: &[Smoothed]) -> Option<String> {
+    fn of_rests(&self, smoothed: &[Smoothed]) -> Option<Finding> {
         let samples: usize = smoothed.iter().map(|s| s.run.times.len()).sum();
         let share = |joint: usize| {
             let rests = |s: &Smoothed| (0..s.run.times.len()).filter(|i| s.run.rests(joint, *i)).count();
@@ -135,60 +213,56 @@ impl Recorded<'_> {
         let named: Vec<String> =
             shares.map(|(joint, share)| format!("{} in {share:.0} %", self.name(joint))).collect();
         (!named.is_empty()).then(|| {
-            format!(
+            RESTS.found(format!(
                 "at rest dry friction takes any value up to the static one, and efforts say nothing about it: the fit \
                  leaves out the samples in which a joint rests ({})",
                 named.join(", ")
-            )
+            ))
         })
     }
 
-    fn of_positions(&self, signals: &Signals) -> Vec<String> {
-        let mut notes = Vec::new();
-        for (j, channel) in signals.positions.iter().enumerate() {
-            let (run, joint) = (&signals.name, self.name(j));
-            if let Some(first) = channel.spikes.first() {
+    fn of_positions(&self, signals: &Signals) -> Vec<Finding> {
+        let of = |(j, channel): (usize, &Channel)| {
+            let about = |rule: Rule, message: String| rule.found(message).log(&signals.name, None).joint(self.name(j));
+            let spikes = channel.spikes.first().map(|first| {
                 let (count, row) = (channel.spikes.len(), signals.rows[*first]);
-                notes.push(format!(
-                    "{run}: {count} spikes of the position of {joint} are left out, the first in row {row}"
-                ));
-            }
-            if channel.turns > 0 {
-                let turns = channel.turns;
-                notes.push(format!(
-                    "{run}: {turns} jumps by a whole turn are taken out of the position of {joint}"
-                ));
-            }
-        }
-        notes
+                about(SPIKES, format!("{count} spikes of its position are left out, the first in row {row}"))
+            });
+            let turns = (channel.turns > 0).then(|| {
+                let message = format!("{} jumps by a whole turn are taken out of its position", channel.turns);
+                about(WHOLE_TURNS, message)
+            });
+            spikes.into_iter().chain(turns)
+        };
+        signals.positions.iter().enumerate().flat_map(of).collect()
     }
 }
 
 /// What stands out in a joint's numbers.
-fn remarks(joint: &JointPreparation) -> Vec<String> {
-    let name = &joint.name;
-    let mut remarks = Vec::new();
-    if joint.moves && joint.acceleration_noise > 0.1 {
-        remarks.push(format!(
-            "{name}: {:.0} % of the power of its acceleration is noise; inertia comes out too small unless it moves faster (the filter is --bandwidth {:.3})",
-            100.0 * joint.acceleration_noise, joint.bandwidth
-        ));
-    }
-    if let Some(check) =
-        joint.velocity.filter(|v| joint.moves && ((v.gain - 1.0).abs() > 0.1 || v.r_squared < 0.9))
-    {
-        remarks.push(format!(
-            "{name}: its measured velocity is {:.3} times the derivative of its position, with R² {:.3}; check its unit and joint (it is not used)",
+fn remarks(joint: &JointPreparation) -> Vec<Finding> {
+    let noisy = (joint.moves && joint.acceleration_noise > 0.1).then(|| {
+        let message = format!(
+            "{:.0} % of the power of its acceleration is noise: inertia comes out too small",
+            100.0 * joint.acceleration_noise
+        );
+        let remedy = format!("move it faster, or say a smaller --bandwidth (it is {:.3})", joint.bandwidth);
+        NOISY.found(message).help(remedy)
+    });
+    let differs = |check: &VelocityCheck| joint.moves && ((check.gain - 1.0).abs() > 0.1 || check.r_squared < 0.9);
+    let velocity = joint.velocity.filter(differs).map(|check| {
+        let message = format!(
+            "its measured velocity is {:.3} times the derivative of its position, with R² {:.3} (it is not used)",
             check.gain, check.r_squared
-        ));
-    }
-    remarks
+        );
+        VELOCITY_DIFFERS.found(message).help("check the column's unit and joint")
+    });
+    noisy.into_iter().chain(velocity).map(|finding| finding.joint(&joint.name)).collect()
 }
 
-/// What is said of delays that are removed: a sentence for the joints that share one.
+/// Delays that are removed, one finding for the joints that share one.
 ///
 /// - `is_told`: whether the delay of a joint with its number is told from none
-fn late(joints: &[JointPreparation], is_told: impl Fn(usize) -> bool) -> Vec<String> {
+fn late(joints: &[JointPreparation], is_told: impl Fn(usize) -> bool) -> Vec<Finding> {
     let mut groups: Vec<(String, f64, Vec<&str>)> = Vec::new();
     for (_, joint) in joints.iter().enumerate().filter(|(j, joint)| joint.delay != 0.0 && is_told(*j)) {
         let seconds = format!("{:.4}", joint.delay);
@@ -197,28 +271,28 @@ fn late(joints: &[JointPreparation], is_told: impl Fn(usize) -> bool) -> Vec<Str
             None => groups.push((seconds, joint.delay, vec![&joint.name])),
         }
     }
-    let said = |(seconds, delay, names): (String, f64, Vec<&str>)| {
+    let finding = |(seconds, delay, names): (String, f64, Vec<&str>)| {
         let order = if delay > 0.0 { "after" } else { "before" };
         let by = format!("{:.1} ms {order}", 1e3 * delay.abs());
-        let what = match names.as_slice() {
-            [name] => format!("{name}: its effort comes {by} its position"),
-            all if all.len() == joints.len() => format!("the efforts of all joints come {by} the positions"),
-            some => format!("{}: their efforts come {by} their positions", some.join(", ")),
+        let of = if names.len() == joints.len() { "all joints".to_owned() } else { names.join(", ") };
+        let found = match names.as_slice() {
+            [name] => DELAY.found(format!("its effort comes {by} its position; this delay is removed")).joint(*name),
+            _ => DELAY.found(format!("the efforts of {of} come {by} the positions; this delay is removed")),
         };
-        format!("{what}; this delay is removed (--delay {seconds} says so, --delay 0 says otherwise)")
+        let remedy = format!("--delay {seconds} takes it as known, --delay 0 leaves the efforts as they are");
+        found.with("delay", delay, "s").help(remedy)
     };
-    groups.into_iter().map(said).collect()
+    groups.into_iter().map(finding).collect()
 }
 
 impl PreparationReport {
-    /// Adds what the common estimate finds left of the delays. One that is not told from none stays unsaid.
+    /// Adds what the common estimate finds left of the delays. One that is not told from none is no finding.
     ///
     /// - `left`: of each effort with its standard error \[s\]; empty where delays are known
     pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
         if left.is_empty() {
             return;
         }
-        let before = late(&self.joints, |_| true);
         for (delay, [left, error]) in self.delays.iter_mut().zip(left) {
             delay.removed += left;
             delay.error = *error;
@@ -227,8 +301,9 @@ impl PreparationReport {
             joint.delay = delay.removed;
         }
         let is_told = |j: usize| self.delays.get(j).is_none_or(|d| d.removed.abs() > 2.0 * d.error);
-        self.notes.retain(|note| !before.contains(note));
-        self.notes.extend(late(&self.joints, is_told));
+        let found = late(&self.joints, is_told);
+        self.findings.retain(|finding| finding.code != DELAY.code);
+        self.findings.extend(found);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::super::run::PreparedRun;
 use super::filter::Filter;
+use gelenk_findings::Finding;
 
 /// A single prepared run.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,8 +26,8 @@ pub struct PreparationReport {
     pub filter: Filter,
     /// Sample rate of the prepared runs \[Hz\].
     pub sample_rate: f64,
-    /// Sentences on what was done: gaps, dropped pieces, spikes, delays.
-    pub notes: Vec<String>,
+    /// What was done: gaps, dropped pieces, spikes, delays.
+    pub findings: Vec<Finding>,
 }
 
 /// A delay of an effort after the positions.
@@ -70,7 +71,7 @@ pub struct JointPreparation {
     pub velocity: Option<VelocityCheck>,
     /// Why the effort with the joint's number is not usable: its columns hold NaN, so that no fit takes it for
     /// measured. `None` if all is well.
-    pub fault: Option<String>,
+    pub fault: Option<Finding>,
 }
 
 /// Measured velocities against the derivative of the positions, through the same filter.

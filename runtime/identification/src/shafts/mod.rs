@@ -14,15 +14,14 @@
 //! function of one row's speed. It is estimated as the inertial parameters are: its factors stay near the described ones
 //! along what the data cannot tell.
 
+mod found;
 mod robot;
 mod rows;
 mod seats;
 #[cfg(test)]
 mod tests;
-mod words;
 
 pub use super::robot::{JointTerm, Shaft};
 pub use robot::RobotRows;
 pub use rows::ShaftRows;
 pub use seats::seats;
-pub(crate) use words::in_words;

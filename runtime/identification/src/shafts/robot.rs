@@ -5,6 +5,7 @@ use super::super::robot::{Instant, JointLimits, Robot};
 use super::super::run::PreparedRun;
 use super::Shaft;
 use super::rows::ShaftRows;
+use gelenk_findings::Subject;
 
 /// A robot as its estimate sees it: by its joints, or with shafts in place of some of them.
 ///
@@ -65,6 +66,11 @@ impl Robot for RobotRows<'_> {
             names[shaft.joint].clone_from(&shaft.name);
         }
         names
+    }
+
+    fn subject(&self, row: usize) -> Subject {
+        let shaft = self.rows.and_then(|rows| rows.shaft(row));
+        shaft.map_or_else(|| self.robot.subject(row), |shaft| Subject::Shaft(shaft.name.clone()))
     }
 
     fn input_names(&self) -> Vec<String> {

@@ -6,6 +6,7 @@ use super::super::super::run::{DesiredMotion, PreparedRun};
 use super::super::{Estimate, EstimationSettings, InstrumentSource, Uncertain, estimate};
 use super::coverage::law;
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, simulate};
+use gelenk_findings::{Severity, texts};
 
 /// A run with the reference as its commanded motion, and the robot that made it.
 fn log(of: &Experiment, seed: u64) -> (Pendulum, PreparedRun) {
@@ -182,14 +183,14 @@ fn repeats_are_instruments_and_single_motions_have_none() {
     let instrumental = found.instrumental.as_ref().unwrap();
     assert_eq!(instrumental.source, InstrumentSource::Repeats);
     assert!(instrumental.p_value < 0.01, "{instrumental:?}");
-    let said = found.choices.join(" ");
+    let said = texts(&found.findings, Severity::Note).join(" ");
     assert!(
         said.contains("Least squares differs from instrumental variables") && said.contains("repeats"),
         "{said}"
     );
     runs.truncate(1);
     let alone = estimated(&runs);
-    assert!(alone.instrumental.is_none() && alone.choices.join(" ").contains("hold no instruments"));
+    assert!(alone.instrumental.is_none() && texts(&alone.findings, Severity::Note).join(" ").contains("hold no instruments"));
     // Columns that only copy what was measured are no instruments, nor are those that the robot does not follow.
     let run = &runs[0];
     let desired = |factor: f64| {

@@ -8,6 +8,7 @@ use super::super::{Estimate, EstimationSettings, estimate};
 use super::chain::{Chain, ur10};
 use super::data::as_simulated;
 use nalgebra::{Matrix4, Vector3};
+use gelenk_findings::{Severity, texts};
 
 /// Motor constants times gears.
 const CONSTANTS: [f64; 6] = [12.0, 13.0, 9.0, 5.0, 6.0, 4.5];
@@ -92,7 +93,7 @@ fn ratios(size: f64, seed: u64) -> (Vec<f64>, Estimate) {
 fn described_masses_give_the_scale_of_torque() {
     for (size, seed, allowed) in [(0.0, 1, 0.01), (0.1, 0, 0.08), (0.2, 1, 0.08)] {
         let (ratios, found) = ratios(size, seed);
-        println!("{size} {ratios:.3?} {:?}", found.warnings);
+        println!("{size} {ratios:.3?} {:?}", texts(&found.findings, Severity::Warning));
         assert!(ratios[..3].iter().all(|ratio| (ratio - 1.0).abs() < allowed), "{size}: {ratios:.3?}");
         assert!(found.joints.iter().all(|joint| joint.held_out_r_squared > 0.99), "{size}: {ratios:.3?}");
     }
@@ -103,9 +104,9 @@ fn described_masses_give_the_scale_of_torque() {
 fn a_gain_that_the_description_does_not_tell_is_said_to_be_a_guess() {
     let (ratios, found) = ratios(0.0, 0);
     let guessed = |joint: usize| {
-        found.warnings.iter().any(|w| w.contains(&format!("Joint joint_{joint}: its current")))
+        texts(&found.findings, Severity::Warning).iter().any(|w| w.contains(&format!("joint joint_{joint}: its current")))
     };
-    assert!(guessed(6) && !(1..=3).any(guessed), "{ratios:.3?} {:?}", found.warnings);
+    assert!(guessed(6) && !(1..=3).any(guessed), "{ratios:.3?} {:?}", texts(&found.findings, Severity::Warning));
     let wide = |joint: usize| {
         let gain = found.joints[joint].gain.unwrap();
         (gain.interval[1] - gain.interval[0]) / gain.value.abs()

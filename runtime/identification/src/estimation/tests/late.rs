@@ -5,6 +5,7 @@ use super::super::super::random::SplitMix64;
 use super::super::super::run::Effort;
 use super::super::{Estimate, EstimationSettings, estimate};
 use super::pendulum::{Experiment, Pendulum, STEEPNESS, log};
+use gelenk_findings::{Severity, texts};
 
 /// The estimate of a log whose efforts are late, of which the preparation removed nothing.
 ///
@@ -48,8 +49,8 @@ fn a_delay_comes_back_from_forces_and_from_currents() {
         let found = late(truth, [4e-3; 2], &[0; 2], effort);
         require_found(&found, [4e-3; 2]);
         assert_eq!(found.delays[0], found.delays[1]);
-        let said = found.choices.iter().any(|said| said.starts_with("The delay of the efforts is estimated"));
-        assert!(said, "{:?}", found.choices);
+        let said = texts(&found.findings, Severity::Note).iter().any(|said| said.contains("the delay of the efforts is estimated"));
+        assert!(said, "{:?}", texts(&found.findings, Severity::Note));
         friction.push(found.joints[0].terms[0].coefficient.value);
     }
     assert!(friction.iter().all(|viscous| (viscous / 1.2 - 1.0).abs() < 0.05), "{friction:?}");

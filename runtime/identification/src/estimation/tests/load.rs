@@ -6,6 +6,7 @@ use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, Uncertain, estimate};
 use super::data::as_simulated;
 use super::pendulum::{FRICTION, Pendulum, STEEPNESS};
+use gelenk_findings::{Severity, texts};
 
 /// A run along sines whose forces hold friction under load of these shares.
 fn run(truth: &Pendulum, shares: [f64; 2], random: &mut SplitMix64) -> PreparedRun {
@@ -66,11 +67,11 @@ fn shares_of_the_load_come_back_beside_masses_and_friction() {
         assert!((joint.sigma - 0.1).abs() < 0.01 && joint.held_out_r_squared > 0.99, "{joint:?}");
     }
     assert!((found.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.01);
-    assert!(!found.warnings.join(" ").contains("--load-friction"), "{:?}", found.warnings);
+    assert!(!texts(&found.findings, Severity::Warning).join(" ").contains("--load-friction"), "{:?}", texts(&found.findings, Severity::Warning));
     // Without the term the fit is worse, and says what it lacks.
     let (_, without) = estimated(shares, false, 3);
-    let doubts = without.warnings.join(" ");
-    assert!(doubts.contains("Joint shoulder") && doubts.contains("--load-friction"), "{doubts}");
+    let doubts = texts(&without.findings, Severity::Warning).join(" ");
+    assert!(doubts.contains("joint shoulder") && doubts.contains("--load-friction"), "{doubts}");
     assert!(without.joints[0].sigma > 3.0 * found.joints[0].sigma);
     assert!(without.joints.iter().all(|joint| joint.load.is_none()) && without.load_friction.is_empty());
 }
@@ -83,7 +84,7 @@ fn friction_that_does_not_grow_with_the_load_gets_no_term() {
         assert!(joint.load.as_ref().is_none_or(|term| by_chance(term.coefficient)), "{joint:?}");
     }
     let (_, plain) = estimated([0.0, 0.0], false, 5);
-    assert!(!plain.warnings.join(" ").contains("--load-friction"), "{:?}", plain.warnings);
+    assert!(!texts(&plain.findings, Severity::Warning).join(" ").contains("--load-friction"), "{:?}", texts(&plain.findings, Severity::Warning));
 }
 
 /// One motor that pulls at both joints: neither load is known.

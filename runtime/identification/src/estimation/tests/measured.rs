@@ -5,6 +5,7 @@ use super::super::super::run::PreparedRun;
 use super::super::{Estimate, EstimationSettings, estimate};
 use super::chain::ur10;
 use super::data::{part, prepare, shared};
+use gelenk_findings::{Severity, texts};
 
 /// Centred R² of each joint when the estimate predicts a run that it has not seen.
 pub(super) fn predicted(robot: &dyn Robot, found: &Estimate, run: &PreparedRun) -> Vec<f64> {
@@ -166,10 +167,10 @@ fn a_robot_that_compensates_gravity_is_told_from_one_that_does_not() {
         ..EstimationSettings::default()
     };
     let doubted = estimate(&schunk(), &some, &settings, &mut |_| ()).unwrap();
-    assert!(doubted.warnings[0].contains("explained better without gravity"), "{:?}", doubted.warnings);
+    assert!(texts(&doubted.findings, Severity::Warning)[0].contains("explained better without gravity"), "{:?}", texts(&doubted.findings, Severity::Warning));
     let settings = EstimationSettings { gravity_compensated: true, ..settings };
     let found = estimate(&schunk(), &some, &settings, &mut |_| ()).unwrap();
-    assert!(!found.warnings.iter().any(|w| w.contains("gravity:")), "{:?}", found.warnings);
+    assert!(!texts(&found.findings, Severity::Warning).iter().any(|w| w.contains("gravity:")), "{:?}", texts(&found.findings, Severity::Warning));
     assert!(found.consistent);
     let r_squared: Vec<f64> = found.joints.iter().map(|j| j.held_out_r_squared).collect();
     println!("{r_squared:.3?}");

@@ -7,6 +7,37 @@ use crate::inertial::consistent::ConsistentSolution;
 use crate::inertial::pseudo_inertia::PER_BODY;
 use nalgebra::{DMatrix, RowDVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: a mass of the load whose interval contains zero.
+/// Matters: there may be no load.
+/// Example: logs without and with an empty gripper.
+/// Fixture: `inertial/payload/tests.rs`.
+const NO_LOAD: Rule = Rule::warning("no-load");
+
+/// Sees: values of the load that the motion does not show.
+/// Matters: they are those of a ball.
+/// Example: moments of a load that never turned.
+/// Fixture: `inertial/payload/tests.rs`.
+const HIDDEN: Rule = Rule::warning("load-hidden");
+
+/// Sees: efforts that ask for a load that cannot exist.
+/// Matters: the nearest possible one is stated.
+/// Example: a mass below 0.
+/// Fixture: `inertial/payload/tests.rs`.
+const IMPOSSIBLE: Rule = Rule::warning("load-impossible");
+
+/// Sees: joints that do not move in logs of a load.
+/// Matters: their efforts are not used.
+/// Example: a wrist that was held.
+/// Fixture: `inertial/payload/tests.rs`.
+const NOT_USED: Rule = Rule::warning("load-efforts-not-used");
+
+/// Sees: joints whose residuals the load makes larger.
+/// Matters: friction or offset differ between the logs.
+/// Example: a cold robot without the load, and a warm one with it.
+/// Fixture: `inertial/payload/tests.rs`.
+const WORSE: Rule = Rule::warning("load-residuals");
 
 /// What a payload is made of.
 pub(super) struct Parts<'a> {
@@ -47,9 +78,9 @@ pub(super) fn payload(parts: Parts) -> Result<Payload> {
         shown,
         explained: parts.explained,
         residuals: parts.residuals,
-        warnings: Vec::new(),
+        findings: Vec::new(),
     };
-    payload.warnings = warnings(&payload, parts.load, &parts.names);
+    payload.findings = findings(&payload, parts.load, &parts.names);
     Ok(payload)
 }
 
@@ -92,51 +123,39 @@ fn central_moments(pi: &[f64; PER_BODY]) -> [f64; 6] {
     ]
 }
 
-fn warnings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> Vec<String> {
-    let mut warnings = Vec::new();
+fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> Vec<Finding> {
     let [low, high] = payload.mass.interval;
-    if low <= 0.0 {
-        warnings.push(format!(
-            "No load is seen: the interval of its mass, {} to {} kg, contains zero.",
+    let none = (low <= 0.0).then(|| {
+        NO_LOAD.found(format!(
+            "no load is seen: the interval of its mass, {} to {} kg, contains zero",
             plain(low, 3),
             plain(high, 3)
-        ));
-    }
+        ))
+    });
     let hidden: Vec<&str> =
         NAMES.iter().zip(payload.shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
-    if !hidden.is_empty() {
+    let hidden = (!hidden.is_empty()).then(|| {
         let instead = if low > 0.0 { ": the values are those of a ball of 1500 kg/m³" } else { "" };
-        warnings.push(format!("The motion does not show {} of the load{instead}.", hidden.join(", ")));
-    }
-    if !load.on_boundary.is_empty() {
-        warnings.push(
-            "The efforts ask for a load that cannot exist; the nearest possible one is stated, and the intervals do not know about the bound."
-                .into(),
-        );
-    }
-    let still: Vec<&str> = names
-        .iter()
-        .zip(&payload.residuals)
-        .filter(|(_, residual)| residual.is_none())
-        .map(|(name, _)| name.as_str())
-        .collect();
-    if !still.is_empty() {
-        warnings.push(format!(
-            "{} stood still: dry friction holds a part of the load there, so these efforts were not used.",
-            still.join(", ")
-        ));
-    }
-    let worse: Vec<&str> = names
-        .iter()
-        .zip(&payload.explained)
-        .filter(|(_, share)| share.is_some_and(|share| share < -0.05))
-        .map(|(name, _)| name.as_str())
-        .collect();
-    if !worse.is_empty() {
-        warnings.push(format!(
-            "The load makes the residuals of {} larger: friction or offset differ between the logs.",
-            worse.join(", ")
-        ));
-    }
-    warnings
+        HIDDEN.found(format!("the motion does not show {} of the load{instead}", hidden.join(", ")))
+    });
+    let bound = (!load.on_boundary.is_empty()).then(|| {
+        IMPOSSIBLE.found(
+            "the efforts ask for a load that cannot exist; the nearest possible one is stated, and the intervals do not know about \
+             the bound",
+        )
+    });
+    let of = |is_meant: &dyn Fn(usize) -> bool| -> Vec<&str> {
+        names.iter().enumerate().filter(|(joint, _)| is_meant(*joint)).map(|(_, name)| name.as_str()).collect()
+    };
+    let still = of(&|joint| payload.residuals[joint].is_none());
+    let still = (!still.is_empty()).then(|| {
+        let message = "dry friction holds a part of the load if a joint does not move, so these efforts were not used";
+        NOT_USED.found(format!("{}: {message}", still.join(", ")))
+    });
+    let worse = of(&|joint| payload.explained[joint].is_some_and(|share| share < -0.05));
+    let worse = (!worse.is_empty()).then(|| {
+        let message = "the load makes their residuals larger: friction or offset differ between the logs";
+        WORSE.found(format!("{}: {message}", worse.join(", ")))
+    });
+    [none, hidden, bound, still, worse].into_iter().flatten().collect()
 }

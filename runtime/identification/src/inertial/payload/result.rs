@@ -1,6 +1,7 @@
 //! A load, with how far to trust it.
 
 use crate::inertial::pseudo_inertia::PER_BODY;
+use gelenk_findings::Finding;
 
 /// Names of a load's ten parameters, in the frame of the body that carries it.
 pub const NAMES: [&str; PER_BODY] = ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
@@ -27,8 +28,8 @@ pub struct Payload {
     pub explained: Vec<Option<f64>>,
     /// Standard deviation of each joint's residual [N·m or N]; `None` for a joint that stood still.
     pub residuals: Vec<Option<f64>>,
-    /// What a reader has to know, as sentences.
-    pub warnings: Vec<String>,
+    /// Doubts.
+    pub findings: Vec<Finding>,
 }
 
 /// A value and its confidence interval: it allows for residuals that are correlated over time, and for a

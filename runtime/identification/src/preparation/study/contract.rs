@@ -4,6 +4,7 @@ use super::super::super::run::{Effort, Run};
 use super::super::{JointPreparation, PreparationReport, PreparationSettings, prepare, prepare_all};
 use super::arm::Arm;
 use super::simulated::{GOOD, Sampling, log};
+use gelenk_findings::Finding;
 
 fn recorded() -> Run {
     log(&Arm::pendulum(), &Sampling { rate: 200.0, ..GOOD }, 8.0, 3).0
@@ -50,11 +51,11 @@ fn gaps_split_and_faults_are_named() {
     let (runs, report) = prepare_all(&[run], None, &PreparationSettings::default()).unwrap();
     assert_eq!(runs.len(), 2);
     assert!(runs[0].times.last().unwrap() < &3.5 && runs[1].times[0] > 3.8);
-    assert_eq!(report.notes[0], "simulated 3 is split by the gap of 0.305 s after row 701");
-    assert!(
-        report.notes[1].contains("1 spikes of the position of joint 2 are left out, the first in row 302")
-    );
-    assert_eq!(report.joints[1].fault.as_deref(), Some("its effort is 0.25 in every row from row 2 on"));
+    let said: Vec<String> = report.findings.iter().map(Finding::sentence).collect();
+    assert_eq!(said[0], "simulated 3: it is split by 1 gaps of 0.305 s, the first after row 701");
+    assert!(said[1].ends_with("joint joint 2: 1 spikes of its position are left out, the first in row 302"), "{said:?}");
+    let fault = report.joints[1].fault.as_ref().unwrap();
+    assert_eq!(fault.message, "its effort is 0.25 in every row from row 2 on");
     assert!(runs.iter().all(|r| r.efforts[1].iter().all(|u| u.is_nan())));
     assert!(runs.iter().all(|r| r.efforts[0].iter().chain(&r.accelerations[0]).all(|x| x.is_finite())));
 }
@@ -123,17 +124,17 @@ fn runs_that_cannot_be_prepared_say_why() {
 fn what_the_estimate_finds_left_of_delays_is_added_and_said() {
     let (_, mut report) = prepare_all(&[recorded()], None, &PreparationSettings::default()).unwrap();
     let said = |report: &PreparationReport| -> Vec<String> {
-        report.notes.iter().filter(|note| note.contains("its effort comes")).cloned().collect()
+        report.findings.iter().map(Finding::sentence).filter(|note| note.contains("its effort comes")).collect()
     };
     assert!(said(&report).is_empty());
     report.refine(&[[3e-3, 1e-4], [2e-4, 3e-4]]);
     assert_eq!([report.delays[0].removed, report.joints[1].delay], [3e-3, 2e-4]);
     // The second one is not told from none.
     let notes = said(&report);
-    assert!(notes.len() == 1 && notes[0].starts_with("joint 1: its effort comes 3.0 ms after"), "{notes:?}");
+    assert!(notes.len() == 1 && notes[0].starts_with("joint joint 1: its effort comes 3.0 ms after"), "{notes:?}");
     report.refine(&[[-4e-3, 1e-4], [0.0, 3e-4]]);
     let notes = said(&report);
-    assert!(notes.len() == 1 && notes[0].starts_with("joint 1: its effort comes 1.0 ms before"), "{notes:?}");
+    assert!(notes.len() == 1 && notes[0].starts_with("joint joint 1: its effort comes 1.0 ms before"), "{notes:?}");
     report.refine(&[]);
     assert_eq!(said(&report), notes);
 }
@@ -147,15 +148,16 @@ fn a_delay_that_joints_share_is_said_once() {
     report.delays.push(report.delays[0]);
     report.joints = vec![first, second, third];
     let late = |report: &PreparationReport| -> Vec<String> {
-        report.notes.iter().filter(|note| note.contains("this delay is removed")).cloned().collect()
+        report.findings.iter().map(Finding::sentence).filter(|note| note.contains("this delay is removed")).collect()
     };
     report.refine(&[[18.3e-3, 1e-3]; 3]);
-    let all = "the efforts of all joints come 18.3 ms after the positions; this delay is removed (--delay 0.0183 says so, \
-               --delay 0 says otherwise)";
-    assert_eq!(late(&report), [all]);
+    assert_eq!(
+        late(&report),
+        ["the efforts of all joints come 18.3 ms after the positions; this delay is removed"]
+    );
     report.refine(&[[-20.3e-3, 1e-4], [1e-3, 1e-4], [-20.3e-3, 1e-4]]);
     let notes = late(&report);
     assert_eq!(notes.len(), 2, "{notes:?}");
-    assert!(notes[0].starts_with("joint 1, joint 3: their efforts come 2.0 ms before their positions;"));
-    assert!(notes[1].starts_with("joint 2: its effort comes 19.3 ms after its position;"), "{notes:?}");
+    assert!(notes[0].starts_with("the efforts of joint 1, joint 3 come 2.0 ms before the positions;"));
+    assert!(notes[1].starts_with("joint joint 2: its effort comes 19.3 ms after its position;"), "{notes:?}");
 }

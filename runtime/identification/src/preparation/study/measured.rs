@@ -114,7 +114,7 @@ fn print(report: &PreparationReport) {
             d.own
         );
     }
-    println!("{:?}", report.notes);
+    println!("{:?}", report.findings);
 }
 
 /// R² on the second half by the first.

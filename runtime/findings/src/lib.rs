@@ -1,0 +1,287 @@
+//! Findings: what a stage noticed in a description, a log or a fit, where, and what to do about it.
+//!
+//! A detector has a [`Rule`] and makes a [`Finding`] of a message that names no subject: [`About`] does. So findings are sorted,
+//! counted and dropped by rule and subject, and their text is made in one place.
+
+use std::fmt;
+
+/// How bad it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The input cannot be used, or a result is refused.
+    Error,
+    /// The input is used, and probably has a fault.
+    Warning,
+    /// The input is used; something in it was skipped, changed or is worth knowing.
+    Note,
+}
+
+impl Severity {
+    /// `error`, `warning` or `note`.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+            Self::Note => "note",
+        }
+    }
+}
+
+/// A kind of finding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rule {
+    /// Name in kebab case; stable, for scripts.
+    pub code: &'static str,
+    /// Level of its findings.
+    pub severity: Severity,
+}
+
+impl Rule {
+    /// A rule whose findings refuse a result.
+    pub const fn error(code: &'static str) -> Self {
+        Self { code, severity: Severity::Error }
+    }
+
+    /// A rule whose findings doubt a result.
+    pub const fn warning(code: &'static str) -> Self {
+        Self { code, severity: Severity::Warning }
+    }
+
+    /// A rule whose findings are worth knowing.
+    pub const fn note(code: &'static str) -> Self {
+        Self { code, severity: Severity::Note }
+    }
+
+    /// A finding about the whole input.
+    ///
+    /// - `message`: without its subject
+    pub fn found(&self, message: impl Into<String>) -> Finding {
+        Finding { severity: self.severity, ..Finding::error(self.code, message) }
+    }
+}
+
+/// A place in a source file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Location {
+    /// The file as the user named it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Marked characters on this line, at least 1.
+    pub length: usize,
+    /// The source line, without control characters; a window of it if the line is very long.
+    pub excerpt: String,
+    /// Marked column within `excerpt`, in characters from 0.
+    pub excerpt_column: usize,
+}
+
+/// The part of a robot that a finding is about.
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Subject {
+    /// The robot, or a whole file.
+    #[default]
+    Whole,
+    /// A joint.
+    Joint(String),
+    /// The shaft of a drive that moves several joints.
+    Shaft(String),
+    /// An input of the description.
+    Input(String),
+}
+
+impl Subject {
+    /// Name of the part.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::Whole => None,
+            Self::Joint(name) | Self::Shaft(name) | Self::Input(name) => Some(name),
+        }
+    }
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole => Ok(()),
+            Self::Joint(name) => write!(out, "joint {name}"),
+            Self::Shaft(name) => write!(out, "the shaft of {name}"),
+            Self::Input(name) => write!(out, "input {name}"),
+        }
+    }
+}
+
+/// Where a finding was made.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct About {
+    /// Place in a description.
+    pub place: Option<Location>,
+    /// Name of a log.
+    pub log: Option<String>,
+    /// First and last row of a log, as an editor shows them.
+    pub rows: Option<(usize, usize)>,
+    /// Column of a log.
+    pub column: Option<String>,
+    /// Part of the robot.
+    pub subject: Subject,
+}
+
+/// A number that a finding rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Value {
+    /// Quantity.
+    pub name: &'static str,
+    /// The number.
+    pub value: f64,
+    /// Unit; empty for pure numbers.
+    pub unit: &'static str,
+}
+
+/// One problem or remark.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Error, warning or note.
+    pub severity: Severity,
+    /// Code of its rule.
+    pub code: &'static str,
+    /// Where.
+    pub about: About,
+    /// The problem with the offending numbers, without its subject.
+    pub message: String,
+    /// The numbers, for programs.
+    pub values: Vec<Value>,
+    /// Advice to the user.
+    pub remedy: Option<String>,
+}
+
+impl Finding {
+    /// An error without a place.
+    pub fn error(code: &'static str, message: impl Into<String>) -> Self {
+        let (message, about) = (message.into(), About::default());
+        Self { severity: Severity::Error, code, about, message, values: Vec::new(), remedy: None }
+    }
+
+    /// A warning without a place.
+    pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
+        Rule::warning(code).found(message)
+    }
+
+    /// A note without a place.
+    pub fn note(code: &'static str, message: impl Into<String>) -> Self {
+        Rule::note(code).found(message)
+    }
+
+    /// The same with a place in a description.
+    #[must_use]
+    pub fn at(mut self, location: Location) -> Self {
+        self.about.place = Some(location);
+        self
+    }
+
+    /// The same with advice.
+    #[must_use]
+    pub fn help(mut self, remedy: impl Into<String>) -> Self {
+        self.remedy = Some(remedy.into());
+        self
+    }
+
+    /// The same about a part of the robot.
+    #[must_use]
+    pub fn of(mut self, subject: Subject) -> Self {
+        self.about.subject = subject;
+        self
+    }
+
+    /// The same about a joint.
+    #[must_use]
+    pub fn joint(self, name: impl Into<String>) -> Self {
+        self.of(Subject::Joint(name.into()))
+    }
+
+    /// The same about a log, or about rows of it.
+    #[must_use]
+    pub fn log(mut self, log: impl Into<String>, rows: Option<(usize, usize)>) -> Self {
+        (self.about.log, self.about.rows) = (Some(log.into()), rows);
+        self
+    }
+
+    /// The same about a column of a log.
+    #[must_use]
+    pub fn column(mut self, column: Option<String>) -> Self {
+        self.about.column = column;
+        self
+    }
+
+    /// The same as a warning if it is an error: the user takes it.
+    #[must_use]
+    pub fn accepted(mut self) -> Self {
+        self.severity = self.severity.max(Severity::Warning);
+        self
+    }
+
+    /// The same with a number.
+    #[must_use]
+    pub fn with(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
+        self.values.push(Value { name, value, unit });
+        self
+    }
+
+    /// Whether another finding of this rule is about the same.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.code == other.code && self.about == other.about
+    }
+
+    /// Place in a description.
+    pub fn location(&self) -> Option<&Location> {
+        self.about.place.as_ref()
+    }
+
+    /// Log, rows, column and part of the robot, and the message.
+    pub fn sentence(&self) -> String {
+        let rows = self.about.rows.map(|(first, last)| match last {
+            last if last == first => format!("row {first}"),
+            last => format!("rows {first} to {last}"),
+        });
+        let subject = Some(self.about.subject.to_string()).filter(|subject| !subject.is_empty());
+        let places = [self.about.log.clone(), rows, self.about.column.clone(), subject];
+        let places: Vec<String> = places.into_iter().flatten().collect();
+        let colon = if places.is_empty() { "" } else { ": " };
+        format!("{}{colon}{}", places.join(", "), self.message)
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}[{}]: {}", self.severity.as_str(), self.code, self.sentence())?;
+        if let Some(at) = self.location() {
+            let number = at.line.to_string();
+            let margin = " ".repeat(number.len());
+            write!(out, "\n{margin}--> {}:{}:{}", at.file, at.line, at.column)?;
+            write!(out, "\n{margin} |\n{number} | {}", at.excerpt)?;
+            write!(out, "\n{margin} | {}{}", " ".repeat(at.excerpt_column), "^".repeat(at.length))?;
+        }
+        match &self.remedy {
+            Some(remedy) => write!(out, "\n  = help: {remedy}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Findings without those about a part of the robot that a later one of the same rule and subject replaces.
+pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
+    let mut kept: Vec<Finding> = Vec::new();
+    for finding in findings {
+        let is_part = finding.about.subject != Subject::Whole;
+        match kept.iter_mut().find(|known| is_part && known.is_like(&finding)) {
+            Some(known) => *known = finding,
+            None => kept.push(finding),
+        }
+    }
+    kept
+}
+
+/// Texts of the findings of a level.
+pub fn texts(findings: &[Finding], severity: Severity) -> Vec<String> {
+    findings.iter().filter(|finding| finding.severity == severity).map(ToString::to_string).collect()
+}
