@@ -13,7 +13,7 @@ use crate::cargo::{aloud, success, target};
 use crate::workspace;
 
 /// The crates that a package of a robot depends on, directly or through the others.
-const OF_ROBOTS: [&str; 6] = [
+const OF_ROBOTS: [&str; 7] = [
     "gelenk-codegen",
     "gelenk-dynamics",
     "gelenk-files",

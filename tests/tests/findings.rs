@@ -62,5 +62,8 @@ fn the_page_of_findings_is_that_of_the_rules() {
         fs::write(&path, &page).expect("the page");
     }
     let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == page, "codegen/docs/findings.md is not fresh: run this test with GELENK_UPDATE=findings");
+    assert!(
+        written == page,
+        "codegen/docs/findings.md is not fresh: run this test with GELENK_UPDATE=findings"
+    );
 }

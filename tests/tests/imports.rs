@@ -346,8 +346,7 @@ fn circles_of(folder: &Path, edges: &BTreeMap<(PathBuf, PathBuf), String>) -> Ve
 fn no_import_runs_back_up() {
     let root = gelenk_tests::workspace();
     let crates = ["codegen", "codegen/files", "codegen/formula", "codegen/kernels"].into_iter();
-    let crates =
-        crates.chain([
+    let crates = crates.chain([
         "runtime",
         "runtime/dynamics",
         "runtime/findings",

@@ -73,21 +73,32 @@ pub(super) fn lines(all: &[Diagnostic]) -> String {
 }
 
 /// The result, or the findings before it on standard error: an error may have its reason in them.
-pub(super) fn after<T, E: Into<Failure>>(result: Result<T, E>, findings: &[Diagnostic]) -> Result<T, Failure> {
+pub(super) fn after<T, E: Into<Failure>>(
+    result: Result<T, E>,
+    findings: &[Diagnostic],
+) -> Result<T, Failure> {
     if result.is_err() {
         err(&lines(findings));
     }
     result.map_err(E::into)
 }
 
-/// The result of an identification, or what was found before its error.
+/// The result of an identification, or its error after the findings before it.
 pub(super) fn identified<T>(result: Result<T, IdentificationError>) -> Result<T, Failure> {
-    let noted = result.as_ref().err().map_or_else(Vec::new, |error| error.noted().to_vec());
-    after(result, &noted)
+    result.map_err(|error| {
+        err(&lines(error.noted()));
+        match error.refusals() {
+            [] => error.into(),
+            found => Failure::Descriptions(found.iter().cloned().map(Diagnostics::from).collect()),
+        }
+    })
 }
 
 fn diagnostic(entry: &Diagnostic) -> Value {
-    let values = entry.values.iter().map(|value| json!({"name": value.name, "value": value.value, "unit": value.unit}));
+    let values = entry
+        .values
+        .iter()
+        .map(|value| json!({"name": value.name, "value": value.value, "unit": value.unit}));
     let mut shown = json!({
         "severity": entry.severity.as_str(),
         "code": entry.code,

@@ -18,10 +18,8 @@ pub(super) fn watch(file: &Path) {
 
 /// Cargo's protocol has one line per message.
 pub(super) fn warn(note: &Diagnostic) {
-    let place = note
-        .location()
-        .map(|at| format!("{}:{}:{}: ", at.file, at.line, at.column))
-        .unwrap_or_default();
+    let place =
+        note.location().map(|at| format!("{}:{}:{}: ", at.file, at.line, at.column)).unwrap_or_default();
     println!("cargo::warning={}", one_line(&format!("{place}{}", note.message)));
 }
 

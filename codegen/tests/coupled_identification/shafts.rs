@@ -72,7 +72,7 @@ fn friction_on_the_shafts_of_a_differential_is_found() {
     println!("{text}");
     assert!(text.contains("joint or shaft") && text.contains("\n  left_motor "), "{text}");
     assert!(
-        text.contains("Friction v of joint wrist_pitch is estimated beside that of the shafts"),
+        text.contains("note[friction-of-joint]: joint wrist_pitch: its friction v is estimated"),
         "{text}"
     );
     let [arm, truth, found] = ["arm.toml", "truth.toml", "found.toml"].map(|name| wrist.robot(name));
@@ -118,7 +118,7 @@ fn a_shaft_that_never_turns_is_named_and_stays_as_described() {
     });
     let text = wrist.identify("found.toml", &["--accept-poor"]);
     println!("{text}");
-    assert!(text.contains("The shaft of left_motor stands still in these data"), "{text}");
+    assert!(text.contains("warning[does-not-move]: the shaft of left_motor: "), "{text}");
     let found = wrist.robot("found.toml");
     assert!(!has_friction(&found.1, "left_motor") && has_friction(&found.1, "right_motor"));
 }

@@ -129,7 +129,7 @@ fn moments_of_a_log_are_the_fit_to_the_log() {
         assert!(values < 1e-10 && fit < 1e-10 && held_out < 1e-5, "{name}: {values} {fit} {held_out}");
         assert_eq!(found.estimate.description_weight, own.estimate.description_weight);
         assert!(found.friction.is_empty() && found.estimate.joints.iter().all(|joint| joint.exact));
-        assert_eq!(found.estimate.choices[..1], own.estimate.choices[..1]);
+        assert_eq!(found.estimate.findings[..1], own.estimate.findings[..1]);
     }
 }
 

@@ -34,14 +34,14 @@ fn values_far_beyond_the_limits_are_refused_with_their_unit() {
         ([1.0, 1.0, 1e3], "they may be in mNm: --columns 'torque=effort_{name}[mNm]'"),
         (
             [1.0, 1.0, 20.0],
-            "Counts and percents have a factor, as in --columns 'torque=effort_{name}[0.05 Nm]'",
+            "counts and percents have a factor, as in --columns 'torque=effort_{name}[0.05 Nm]'",
         ),
         ([1.0, RPM, 1.0], "positions are in deg (--columns 'position=q_{name}[deg]')"),
     ];
     for (factors, remedy) in cases {
         arm.record_as("arm.toml", "log.csv", Recorded { factors, ..RIGHT });
         let said = arm.refuses(&["limited.toml", "log.csv", "--output", "refused.toml"]);
-        let error = said.split("error: ").nth(1).unwrap();
+        let error = said.split("error[far-beyond-limits]: ").nth(1).unwrap();
         assert!(error.contains(remedy) && error.contains("times the described limit"), "{factors:?}: {said}");
         assert!(error.contains("(column `") || error.contains("(slopes of column `q_"), "{said}");
     }
@@ -75,7 +75,9 @@ fn efforts_that_carry_another_robot_are_refused() {
     let arguments = ["arm.toml", "log.csv", "--effort", "joint", "--accept-poor", "--output", "found.toml"];
     let done = arm.run(&arguments);
     assert!(
-        String::from_utf8(done.stdout).unwrap().contains("warning[other-unit-of-efforts]: the rigid bodies need")
+        String::from_utf8(done.stdout)
+            .unwrap()
+            .contains("warning[other-unit-of-efforts]: the rigid bodies need")
     );
     // Moments say the same, where they are made and where they are merged.
     assert!(
@@ -129,5 +131,8 @@ fn loads_from_logs_in_other_units_are_refused() {
     let done = arm.run(&arguments);
     let text = String::from_utf8(done.stdout).unwrap();
     assert!(done.status.success() && !text.contains("other-unit-of-efforts"), "{text}");
-    assert!(text.starts_with("note[columns]: time: `t`\nnote[columns]: positions: `q_{name}`, in rad"), "{text}");
+    assert!(
+        text.starts_with("note[columns]: time: `t`\nnote[columns]: positions: `q_{name}`, in rad"),
+        "{text}"
+    );
 }

@@ -40,14 +40,18 @@ pub fn identify_load(
     progress: &mut dyn FnMut(&str),
 ) -> Result<CarriedLoad> {
     let mut noted = Vec::new();
-    let load = carried(robot, (without, with), (settings, load), (&mut noted, progress));
+    let load = carried(robot, (without, with), (settings, load), &mut noted, progress);
     let (payload, recordings) = match load {
         Ok(found) => found,
         Err(error) => return Err(error.after(noted)),
     };
     // What is the same without and with the load is one finding.
     let mut findings: Vec<Finding> = Vec::new();
-    noted.into_iter().for_each(|finding| if !findings.contains(&finding) { findings.push(finding) });
+    noted.into_iter().for_each(|finding| {
+        if !findings.contains(&finding) {
+            findings.push(finding)
+        }
+    });
     Ok(CarriedLoad { payload, recordings, findings })
 }
 
@@ -56,9 +60,10 @@ fn carried(
     robot: &dyn Robot,
     (without, with): (&[PathBuf], &[PathBuf]),
     (settings, load): (&IdentificationSettings, &PayloadSettings),
-    (noted, progress): (&mut Vec<Finding>, &mut dyn FnMut(&str)),
+    noted: &mut Vec<Finding>,
+    progress: &mut dyn FnMut(&str),
 ) -> Result<(Payload, [Recording; 2])> {
-    let (empty, runs_without, report) = read_and_prepare(robot, without, settings, (noted, progress))?;
+    let (empty, runs_without, report) = read_and_prepare(robot, without, settings, noted, progress)?;
     let joint = report.joints.first();
     let preparation = PreparationSettings {
         bandwidth: joint.map(|joint| joint.bandwidth),
@@ -67,7 +72,7 @@ fn carried(
         ..settings.preparation.clone()
     };
     let alike = IdentificationSettings { preparation, ..settings.clone() };
-    let (loaded, runs_with, _) = read_and_prepare(robot, with, &alike, (noted, progress))?;
+    let (loaded, runs_with, _) = read_and_prepare(robot, with, &alike, noted, progress)?;
     noted.extend(beyond_range(robot, &empty, &runs_without, settings.accept_poor)?);
     noted.extend(beyond_range(robot, &loaded, &runs_with, settings.accept_poor)?);
     noted.extend(unit_doubts(robot, [&runs_without, &runs_with], load, settings.accept_poor)?);

@@ -17,13 +17,13 @@ use super::error::{IdentificationError, Result};
 use super::expression::fault;
 use super::result::{FrictionLaw, FrictionResult, FrictionTerm};
 use gelenk_files::{is_same_file, write_whole};
+use gelenk_findings::Finding;
 use gelenk_formula::{Allowed, Formula, FrictionPart, FrictionTerm as Written, parse};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 use std::io;
 use std::path::Path;
-use gelenk_findings::Finding;
 
 /// First line of every description of identified values.
 const FIRST_LINE: &str = "# Identified by gelenk.\n";
@@ -149,7 +149,8 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
 /// # Errors
 /// Those of [`identified_toml`] about a law.
 pub fn friction_value(result: &FrictionResult) -> Result<String> {
-    let findings: Vec<Finding> = result.refusals().cloned().map(|reason| reason.joint(&result.joint)).collect();
+    let findings: Vec<Finding> =
+        result.refusals().cloned().map(|reason| reason.joint(&result.joint)).collect();
     if !findings.is_empty() {
         return Err(IdentificationError::Found { findings });
     }
@@ -296,12 +297,12 @@ mod tests {
     #[test]
     fn refused_laws_and_vanished_terms_are_not_written() {
         let text = |result: FrictionResult| description_toml("a", "arm.toml", &[result]);
-        let mut refused = FrictionResult { findings: vec![Finding::error("poor-law", "the law explains nothing")], ..example() };
+        let mut refused = FrictionResult {
+            findings: vec![Finding::error("poor-law", "the law explains nothing")],
+            ..example()
+        };
         let message = text(refused.clone()).unwrap_err().to_string();
-        assert!(
-            message.starts_with("error[poor-law]: joint beta: the law explains nothing"),
-            "{message}"
-        );
+        assert!(message.starts_with("error[poor-law]: joint beta: the law explains nothing"), "{message}");
         refused.accept();
         assert!(text(refused).unwrap().contains("# warning[poor-law]: the law explains nothing\n"));
         let FrictionLaw::Terms(mut terms) = example().law else { panic!("a law of terms") };

@@ -199,7 +199,9 @@ pub enum IdentificationError {
 fn unexplained(subject: &Subject, [r_squared, least]: [f64; 2], reasons: &[Finding]) -> String {
     let reasons: String = reasons.iter().map(|reason| format!("\n{reason}")).collect();
     if r_squared >= least {
-        return format!("the fit of {subject} is doubted, though R² is {r_squared:.3} on held-out data{reasons}");
+        return format!(
+            "the fit of {subject} is doubted, though R² is {r_squared:.3} on held-out data{reasons}"
+        );
     }
     format!(
         "the fit does not explain {subject}: R² {r_squared:.3} on held-out data, at least {least} is asked for{reasons}"
@@ -210,6 +212,15 @@ impl IdentificationError {
     /// The error with what was found before it.
     pub(crate) fn after(self, noted: Vec<Finding>) -> Self {
         if noted.is_empty() { self } else { Self::After { noted, error: Box::new(self) } }
+    }
+
+    /// The findings that refuse a result, if findings do.
+    pub fn refusals(&self) -> &[Finding] {
+        match self {
+            Self::Found { findings } => findings,
+            Self::After { error, .. } => error.refusals(),
+            _ => &[],
+        }
     }
 
     /// What was found before the error.

@@ -131,7 +131,7 @@ pub fn identify(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     let mut noted = Vec::new();
-    identified(robot, logs, settings, (&mut noted, progress)).map_err(|error| error.after(noted))
+    identified(robot, logs, settings, &mut noted, progress).map_err(|error| error.after(noted))
 }
 
 /// As [`identify`]; `noted` holds what was found before an error.
@@ -139,10 +139,10 @@ fn identified(
     robot: &dyn Robot,
     logs: &[PathBuf],
     settings: &IdentificationSettings,
-    (noted, progress): (&mut Vec<Finding>, &mut dyn FnMut(&str)),
+    noted: &mut Vec<Finding>,
+    progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
-    let (recording, prepared, mut preparation) =
-        read_and_prepare(robot, logs, settings, (noted, progress))?;
+    let (recording, prepared, mut preparation) = read_and_prepare(robot, logs, settings, noted, progress)?;
     let beyond = beyond_range(robot, &recording, &prepared, settings.accept_poor)?;
     let shafts = ShaftRows::of(robot);
     let rows = RobotRows::new(robot, shafts.as_ref());
@@ -258,7 +258,8 @@ pub(crate) fn read_and_prepare(
     robot: &dyn Robot,
     logs: &[PathBuf],
     settings: &IdentificationSettings,
-    (noted, progress): (&mut Vec<Finding>, &mut dyn FnMut(&str)),
+    noted: &mut Vec<Finding>,
+    progress: &mut dyn FnMut(&str),
 ) -> Result<(Recording, Vec<PreparedRun>, PreparationReport)> {
     if settings.estimation.gravity_compensated {
         let help = "nothing holds the weight of such a robot; leave --gravity-compensated out";

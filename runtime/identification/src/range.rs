@@ -199,9 +199,9 @@ impl Runs<'_> {
         let names: Vec<&str> = runs.iter().map(|run| self.prepared[*run].name.as_str()).take(3).collect();
         let alone = match (names.join(", "), runs.len() - names.len()) {
             (names, _) if names.is_empty() => String::new(),
-            (names, 0) => format!(
-                ", in {names} alone: --columns holds for all logs, bring these to the others' units"
-            ),
+            (names, 0) => {
+                format!(", in {names} alone: --columns holds for all logs, bring these to the others' units")
+            }
             (names, more) => format!(
                 ", in {names} and {more} more runs and not in the others: --columns holds for all logs, bring these to the others' units"
             ),

@@ -54,7 +54,9 @@ pub fn validate(
     recording.findings.iter().for_each(&mut say);
     let fitted = |hash: &str| found.recording.hashes.iter().any(|(_, other)| other == hash);
     for (path, _) in recording.hashes.iter().filter(|(_, hash)| fitted(hash)) {
-        say(&FITTED.found("it is one of the fitted logs: R² there says nothing of other data").log(path, None));
+        say(&FITTED
+            .found("it is one of the fitted logs: R² there says nothing of other data")
+            .log(path, None));
     }
     let joint = found.preparation.joints.first();
     let preparation = PreparationSettings {

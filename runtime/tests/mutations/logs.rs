@@ -41,15 +41,18 @@ fn loop_log() -> Vec<u8> {
 
 /// A log of another kind: units, runs, counters.
 fn measured_log() -> Vec<u8> {
-    let mut text = String::from("run,t [ms],q1 [deg],dq1 [rpm],u1,count\n");
+    let mut text = String::from("run,t [ms],q1 [deg],q2 [deg],dq1 [rpm],dq2 [rpm],u1,u2,count\n");
     for k in 0..40_u32 {
         let t = f64::from(k % 20);
         text += &format!(
-            "{},{t},{:.4},{:.3},{:.2},{}\n",
+            "{},{t},{:.4},{:.4},{:.3},{:.3},{:.2},{:.2},{}\n",
             1 + k / 20,
             10.0 * (0.2 * t).sin(),
+            10.0 * (0.2 * t).cos(),
             0.3 * (0.2 * t).cos(),
+            -0.3 * (0.2 * t).sin(),
             0.1 * t,
+            -0.1 * t,
             (k * 7) % 256
         );
     }

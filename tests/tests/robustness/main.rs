@@ -39,8 +39,7 @@ fn check(outcome: Outcome) -> bool {
         }
         Err(diagnostics) => {
             assert!(diagnostics.has_errors());
-            let placed =
-                |entry: &Diagnostic| entry.location().is_some_and(|at| at.line > 0 && at.column > 0);
+            let placed = |entry: &Diagnostic| entry.location().is_some_and(|at| at.line > 0 && at.column > 0);
             let unplaced = diagnostics.entries().iter().find(|entry| !placed(entry));
             assert!(unplaced.is_none_or(|entry| entry.code == "too-many-problems"), "{unplaced:?}");
             assert!(!diagnostics.to_string().is_empty());

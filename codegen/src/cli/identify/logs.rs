@@ -152,7 +152,10 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
         FrictionPlace::Shafts => "other drives move the same joints",
     };
     (!names.is_empty()).then(|| {
-        KEPT.found(format!("friction on the shafts of {} stays as described: {reason}", list(names.into_iter())))
+        KEPT.found(format!(
+            "friction on the shafts of {} stays as described: {reason}",
+            list(names.into_iter())
+        ))
     })
 }
 
@@ -162,7 +165,10 @@ fn friction_of_followers(model: &Model) -> Option<Finding> {
     let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();
     let names: Vec<&str> = joints.filter(follows).map(|joint| joint.name.as_str()).collect();
     (!names.is_empty()).then(|| {
-        KEPT.found(format!("friction of joints that follow others ({}) stays as described", list(names.into_iter())))
+        KEPT.found(format!(
+            "friction of joints that follow others ({}) stays as described",
+            list(names.into_iter())
+        ))
     })
 }
 

@@ -83,7 +83,10 @@ pub(super) fn other_explanations(task: &Task, chosen: &Chosen, own: &HeldOut) ->
     let of_all = gravity(task, chosen)?.into_iter().collect();
     let mut of_joints = signs(task.robot, chosen, own, task.prior)?;
     if let Some(short) = too_short(task) {
-        of_joints.iter_mut().flatten().for_each(|doubt| *doubt = short.clone().of(doubt.about.subject.clone()));
+        of_joints
+            .iter_mut()
+            .flatten()
+            .for_each(|doubt| *doubt = short.clone().of(doubt.about.subject.clone()));
     }
     Ok(Doubts { of_all, of_joints })
 }

@@ -81,7 +81,8 @@ impl Checked<'_> {
             } else if !self.layout.measured[joint] {
                 vec![no_effort(self.robot, joint)]
             } else if !self.layout.moves[joint] && !self.layout.exact[joint] {
-                let still = DOES_NOT_MOVE.found("it does not move in these data: its friction is not estimated");
+                let still =
+                    DOES_NOT_MOVE.found("it does not move in these data: its friction is not estimated");
                 vec![still.of(self.robot.subject(joint)).help("move it")]
             } else {
                 self.joint(joint)
@@ -264,7 +265,9 @@ fn acceleration_doubt(factor: f64, share: f64) -> Finding {
         100.0 * share,
         plain(factor, 3)
     );
-    ACCELERATION.found(message).help("describe the rotor's inertia, or look for a delay (--delay) or an elastic gear")
+    ACCELERATION
+        .found(message)
+        .help("describe the rotor's inertia, or look for a delay (--delay) or an elastic gear")
 }
 
 /// The same doubt from sums of products: Σ a², Σ a r and Σ r², each without its mean.

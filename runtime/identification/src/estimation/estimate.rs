@@ -104,7 +104,9 @@ fn under_load(
             return Ok(found);
         }
     }
-    found.findings.push(UNSETTLED.found(format!("the shares of the load did not settle within {PASSES} passes")));
+    found
+        .findings
+        .push(UNSETTLED.found(format!("the shares of the load did not settle within {PASSES} passes")));
     Ok(found)
 }
 

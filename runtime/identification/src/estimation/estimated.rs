@@ -127,7 +127,9 @@ impl Estimated<'_> {
         let exact = "forces in the rows of spherical and floating joints are those of the inputs alone: no offset and no friction \
                      is estimated there";
         let said = [(false, said), (true, exact)];
-        said.into_iter().filter(|(kind, _)| self.layout.exact.contains(kind)).map(|(_, said)| OFFSETS.found(said))
+        said.into_iter()
+            .filter(|(kind, _)| self.layout.exact.contains(kind))
+            .map(|(_, said)| OFFSETS.found(said))
     }
 
     /// By how much residuals change with the inertial parameters.

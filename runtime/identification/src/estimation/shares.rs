@@ -398,10 +398,7 @@ impl Found<'_> {
             rest: 0.0,
         };
         let fits = (0..rss.len()).map(fit).collect();
-        Estimate {
-            offsets: Offsets::ByRun,
-            ..self.fitted.estimate(fits, findings.collect())
-        }
+        Estimate { offsets: Offsets::ByRun, ..self.fitted.estimate(fits, findings.collect()) }
     }
 
     /// Doubts about a moving joint: its sign, its unit, and a residual that follows the acceleration. Forces in the rows of a
@@ -423,7 +420,8 @@ impl Found<'_> {
         let of_sensor = (!layout.exact[joint])
             .then(|| [self.doubts[joint].clone(), acceleration_doubt_of(sums, time, samples)]);
         let [sign, acceleration] = of_sensor.unwrap_or_default();
-        let found = [sign.map(Finding::accepted), unit_doubt(self.sizes(joint)), acceleration].into_iter().flatten();
+        let found =
+            [sign.map(Finding::accepted), unit_doubt(self.sizes(joint)), acceleration].into_iter().flatten();
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 

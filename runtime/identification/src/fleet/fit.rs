@@ -16,8 +16,8 @@ use super::super::written::judge;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share, hexadecimal};
-use nalgebra::{DMatrix, DVector};
 use gelenk_findings::{Finding, Rule};
+use nalgebra::{DMatrix, DVector};
 
 /// Sees: moments of logs that passed different filters.
 /// Matters: their sums are those of different signals.
@@ -301,7 +301,8 @@ impl JointMoments<'_> {
             largest_torque: self.facts.largest_friction,
             beyond: self.facts.beyond,
         };
-        let report = settings.friction.identify_shares(&shared).map_err(|error| vec![NO_FIT.found(error.to_string())]);
+        let report =
+            settings.friction.identify_shares(&shared).map_err(|error| vec![NO_FIT.found(error.to_string())]);
         let report = report.and_then(|report| unless_refused(report, settings.accept_poor));
         JointFriction {
             joint: self.joint,

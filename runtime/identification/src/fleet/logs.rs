@@ -3,8 +3,8 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::run::Effort;
 use super::exact::Exact;
-use std::collections::BTreeMap;
 use gelenk_findings::{Finding, Rule};
+use std::collections::BTreeMap;
 
 /// Sees: warnings of fits to single logs, counted.
 /// Matters: what a part of the logs has in common may be a fault of the robot.

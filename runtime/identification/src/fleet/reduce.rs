@@ -2,8 +2,8 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
-    Columns, Estimate, Gravity, RunPiece, ShareSums, Weighted, correlation_time, estimate,
-    huber, robust_deviation,
+    Columns, Estimate, Gravity, RunPiece, ShareSums, Weighted, correlation_time, estimate, huber,
+    robust_deviation,
 };
 use super::super::identify::{
     IdentificationSettings, beyond_range, faults, left_of_delays, of_signals, read_and_prepare,
@@ -53,7 +53,7 @@ pub fn reduce(
     require_no_driven(robot, "logs are not reduced to moments", help)?;
     let logs = [log.to_owned()];
     let mut noted = Vec::new();
-    let read = read_and_prepare(robot, &logs, settings, (&mut noted, progress));
+    let read = read_and_prepare(robot, &logs, settings, &mut noted, progress);
     noted.iter().for_each(|finding| progress(&finding.to_string()));
     let (recording, runs, mut preparation) = read?;
     let beyond = beyond_range(robot, &recording, &runs, settings.accept_poor)?;

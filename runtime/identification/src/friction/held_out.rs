@@ -9,9 +9,9 @@ use super::design::offset_ranges;
 use super::findings::Findings;
 use super::selection::Selection;
 use super::task::FrictionData;
+use gelenk_findings::Rule;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use gelenk_findings::Rule;
 
 /// Sees: folds without which a law cannot be fitted.
 /// Matters: no error on left-out data is known.

@@ -8,8 +8,8 @@ use super::super::library::Library;
 use super::super::moments::Moments;
 use super::super::spectrum::symmetric_eigenvalues;
 use super::findings::Findings;
-use nalgebra::{DMatrix, DVector};
 use gelenk_findings::Rule;
+use nalgebra::{DMatrix, DVector};
 
 /// Sees: a law by least squares that would drive the joint, or explode beyond the speeds in the data.
 /// Matters: it was refitted so that it brakes.
@@ -106,8 +106,10 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
     let eigenvalues = symmetric_eigenvalues(&chosen);
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
     if condition > DOUBTFUL_CONDITION {
-        let message =
-            format!("the chosen terms are nearly collinear on these velocities (condition number {})", plain(condition, 3));
+        let message = format!(
+            "the chosen terms are nearly collinear on these velocities (condition number {})",
+            plain(condition, 3)
+        );
         findings.add(COLLINEAR.found(message).help("trust the curve, not the single coefficients"));
     }
 }

@@ -12,9 +12,9 @@ use super::judgement::Judged;
 use super::passivity::beyond;
 use super::report::FrictionReport;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
+use gelenk_findings::Rule;
 use nalgebra::DMatrix;
 use std::ops::Range;
-use gelenk_findings::Rule;
 
 /// Sees: parameters of a Stribeck law that the data do not tell.
 /// Matters: they are guesses.
@@ -228,7 +228,11 @@ mod tests {
             [(-2.0, 0.3, "is less than Coulomb"), (2.0, 20.0, "v_s ="), (0.0, 0.1, "no Stribeck law")]
         {
             let (report, refusal) = refusal(excess, speed);
-            assert!(refusal.iter().any(|said| said.contains(reason)), "{refusal:?} {:?}", report.result.stribeck);
+            assert!(
+                refusal.iter().any(|said| said.contains(reason)),
+                "{refusal:?} {:?}",
+                report.result.stribeck
+            );
         }
     }
 }

@@ -17,8 +17,8 @@ use super::passivity::{doubt, passive, restrict};
 use super::report::FrictionReport;
 use super::selection::{Chosen, Selection, choose};
 use super::task::{FrictionData, FrictionIdentification};
-use nalgebra::{DMatrix, DVector};
 use gelenk_findings::Rule;
+use nalgebra::{DMatrix, DVector};
 
 /// Sees: terms that friction may have and that an offset hides.
 /// Matters: they are left out of the law.

@@ -8,8 +8,8 @@ use super::super::robot::JointLimits;
 use super::super::stribeck::StribeckRegression;
 use super::super::thresholding::Thresholding;
 use super::*;
-use std::ops::Range;
 use gelenk_findings::{Severity, texts};
+use std::ops::Range;
 
 fn samples(law: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
     let mut random = SplitMix64::new(9);
@@ -92,7 +92,11 @@ fn an_offset_is_separated_before_passivity_is_asked_for() {
     ] {
         let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
         let result = identify(&settings, &v, &torque).unwrap().result;
-        assert!(texts(&result.findings, Severity::Warning).iter().all(|w| !w.contains("drives the joint")), "{:?}", texts(&result.findings, Severity::Warning));
+        assert!(
+            texts(&result.findings, Severity::Warning).iter().all(|w| !w.contains("drives the joint")),
+            "{:?}",
+            texts(&result.findings, Severity::Warning)
+        );
         let [offset] = result.offsets.as_slice() else { panic!("one offset") };
         assert!((offset.value - 0.8).abs() < 0.03, "{:?}: {offset:?}", settings.method);
         let curve = result.law.torques(&[-0.5, -0.2, 0.0, 0.2, 0.5]).unwrap();
@@ -144,7 +148,11 @@ fn a_law_that_would_drive_the_joint_is_mended_with_a_warning() {
         assert!(v * t >= -1e-6, "{v} {t}");
     }
     let free = FrictionIdentification { passive: false, ..settings };
-    assert!(texts(&identify(&free, &v, &torque).unwrap().result.findings, Severity::Warning).iter().all(|w| !w.contains("drives")));
+    assert!(
+        texts(&identify(&free, &v, &torque).unwrap().result.findings, Severity::Warning)
+            .iter()
+            .all(|w| !w.contains("drives"))
+    );
 }
 
 #[test]

@@ -189,9 +189,7 @@ mod tests {
         );
         assert!(doubts("t,q1,q2,tau1,tau2\n", None).is_empty());
         let both = read("t,q1,q2,tau1,tau2,q_d1,q_d2\n", ",1,2,3,4,5,6", None);
-        assert!(
-            both.columns.iter().any(|line| line.starts_with("commanded positions: `q_d{}`"))
-        );
+        assert!(both.columns.iter().any(|line| line.starts_with("commanded positions: `q_d{}`")));
         assert!(warnings(&both).is_empty());
     }
 

@@ -5,7 +5,8 @@ use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
 use super::finding::{
-    BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, CONSTANT, GEAR_DOUBTFUL, OUTLIER, STOOD_STILL, STUCK, TURNS, VELOCITY_DISAGREES,
+    BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, CONSTANT, GEAR_DOUBTFUL, OUTLIER, STOOD_STILL, STUCK,
+    TURNS, VELOCITY_DISAGREES,
 };
 use super::units::are_minutes;
 use gelenk_findings::{Finding, Rule, Subject};
@@ -248,7 +249,8 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<Findi
         let exact =
             values.iter().copied().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         let subject = if effort == Effort::Joint { Subject::Joint } else { Subject::Input };
-        let mut say = |rule: Rule, message: String| findings.push(rule.found(message).of(subject(name.clone())));
+        let mut say =
+            |rule: Rule, message: String| findings.push(rule.found(message).of(subject(name.clone())));
         if exact.0 == exact.1 {
             say(
                 CONSTANT,

@@ -135,7 +135,8 @@ fn columns_of_strangers_are_named() {
         let options = ColumnOptions { columns, ..ColumnOptions::default() };
         let recording = read(text.trim_start_matches('\n'), &options);
         let findings = recording.findings.iter().map(ToString::to_string);
-        let lines = recording.columns_found().iter().map(ToString::to_string).chain(recording.mapping.clone());
+        let columns = recording.columns_found();
+        let lines = columns.iter().map(ToString::to_string).chain(recording.mapping.clone());
         let lines: Vec<String> = lines.chain(findings).collect();
         format!("== {style}\n{}\n", lines.join("\n"))
     });
@@ -277,7 +278,12 @@ fn joints_that_look_wrong_are_named() {
             "1 of its positions are far from their neighbours, the first in row 9",
         ),
         ("effort", |_, j| j[1][2] *= 1000.0, &["beyond-effort-limit"], "its limit is 100:"),
-        ("dead effort", |_, j| j[0][2] = 0.0, &["constant-effort"], "joint joint_1: its effort is 0 in all samples"),
+        (
+            "dead effort",
+            |_, j| j[0][2] = 0.0,
+            &["constant-effort"],
+            "joint joint_1: its effort is 0 in all samples",
+        ),
         ("sign", |_, j| j[0][1] = -j[0][1], &["velocity-disagrees"], "the opposite sign of the slope"),
         (
             "velocity unit",

@@ -172,8 +172,12 @@ impl Recorded<'_> {
         let [least, most] = pauses.iter().fold([f64::INFINITY, 0.0_f64], |[a, b], x| [a.min(*x), b.max(*x)]);
         let gaps = pieces.first().filter(|_| !pauses.is_empty()).map(|first| {
             let row = signals.row(first.end);
-            let size = if pauses.len() == 1 { format!("{:.3} s", pauses[0]) } else { format!("{least:.3} to {most:.3} s") };
-            about(GAPS, format!("it is split by {} gaps of {size}, the first after row {row}", pauses.len()))
+            let [least, most] = [least, most].map(|pause| format!("{pause:.3}"));
+            let size = if least == most { least } else { format!("{least} to {most}") };
+            about(
+                GAPS,
+                format!("it is split by {} gaps of {size} s, the first after row {row}", pauses.len()),
+            )
         });
         gaps.into_iter().chain(short).collect()
     }
@@ -189,7 +193,8 @@ impl Recorded<'_> {
         let efforts = efforts.map(|m| (subject(m), "effort", self.hold(|s| &s.efforts[m])));
         let held = positions.chain(efforts).filter(|(.., hold)| *hold > 1.2);
         let finding = |(subject, what, hold): (Subject, &str, f64)| {
-            let message = format!("its {what} is new in one of {hold:.1} rows only; the repeats are left out");
+            let message =
+                format!("its {what} is new in one of {hold:.1} rows only; the repeats are left out");
             HELD.found(message).of(subject).with("rows for each value", hold, "")
         };
         held.map(finding).collect()
@@ -223,13 +228,16 @@ impl Recorded<'_> {
 
     fn of_positions(&self, signals: &Signals) -> Vec<Finding> {
         let of = |(j, channel): (usize, &Channel)| {
-            let about = |rule: Rule, message: String| rule.found(message).log(&signals.name, None).joint(self.name(j));
+            let about = |rule: Rule, message: String| {
+                rule.found(message).log(&signals.name, None).joint(self.name(j))
+            };
             let spikes = channel.spikes.first().map(|first| {
                 let (count, row) = (channel.spikes.len(), signals.rows[*first]);
                 about(SPIKES, format!("{count} spikes of its position are left out, the first in row {row}"))
             });
             let turns = (channel.turns > 0).then(|| {
-                let message = format!("{} jumps by a whole turn are taken out of its position", channel.turns);
+                let message =
+                    format!("{} jumps by a whole turn are taken out of its position", channel.turns);
                 about(WHOLE_TURNS, message)
             });
             spikes.into_iter().chain(turns)
@@ -248,7 +256,8 @@ fn remarks(joint: &JointPreparation) -> Vec<Finding> {
         let remedy = format!("move it faster, or say a smaller --bandwidth (it is {:.3})", joint.bandwidth);
         NOISY.found(message).help(remedy)
     });
-    let differs = |check: &VelocityCheck| joint.moves && ((check.gain - 1.0).abs() > 0.1 || check.r_squared < 0.9);
+    let differs =
+        |check: &VelocityCheck| joint.moves && ((check.gain - 1.0).abs() > 0.1 || check.r_squared < 0.9);
     let velocity = joint.velocity.filter(differs).map(|check| {
         let message = format!(
             "its measured velocity is {:.3} times the derivative of its position, with R² {:.3} (it is not used)",
@@ -276,7 +285,9 @@ fn late(joints: &[JointPreparation], is_told: impl Fn(usize) -> bool) -> Vec<Fin
         let by = format!("{:.1} ms {order}", 1e3 * delay.abs());
         let of = if names.len() == joints.len() { "all joints".to_owned() } else { names.join(", ") };
         let found = match names.as_slice() {
-            [name] => DELAY.found(format!("its effort comes {by} its position; this delay is removed")).joint(*name),
+            [name] => {
+                DELAY.found(format!("its effort comes {by} its position; this delay is removed")).joint(*name)
+            }
             _ => DELAY.found(format!("the efforts of {of} come {by} the positions; this delay is removed")),
         };
         let remedy = format!("--delay {seconds} takes it as known, --delay 0 leaves the efforts as they are");

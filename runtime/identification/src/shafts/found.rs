@@ -45,6 +45,8 @@ impl ShaftRows {
             );
             JOINT_TERM.found(message).joint(&joints[term.joint])
         };
-        std::iter::once(SHAFTS.found(shafts)).chain(self.joint_terms().iter().zip(factors).map(term)).collect()
+        std::iter::once(SHAFTS.found(shafts))
+            .chain(self.joint_terms().iter().zip(factors).map(term))
+            .collect()
     }
 }

@@ -3,6 +3,7 @@
 use super::super::library::Library;
 use super::super::robot::{JointLimits, Robot};
 use super::*;
+use gelenk_findings::Subject;
 
 /// Two masses of 2 kg and 3 kg, with viscous friction described on the second joint.
 struct Masses(Vec<Shaft>);
@@ -114,10 +115,12 @@ fn slopes_of_shafts_are_those_of_joints() {
 }
 
 #[test]
-fn sentences_call_shafts_what_they_are() {
-    let robot = Masses(vec![shaft("left", 0, [10.0, 10.0])]);
+fn rows_of_shafts_are_called_shafts() {
+    // A shaft that bears a joint's name, and a joint whose row no shaft takes.
+    let robot = Masses(vec![shaft("two", 0, [10.0, 10.0])]);
     let rows = ShaftRows::of(&robot).unwrap();
-    let said = rows.worded("Joint left: joint left_over stands, and so does joint left.");
-    assert_eq!(said, "The shaft of left: joint left_over stands, and so does the shaft of left.");
+    let shafts = RobotRows::new(&robot, Some(&rows));
+    assert_eq!(shafts.subject(0), Subject::Shaft("two".into()));
+    assert_eq!(shafts.subject(1), Subject::Joint("two".into()));
     assert!(ShaftRows::of(&Masses(Vec::new())).is_none());
 }

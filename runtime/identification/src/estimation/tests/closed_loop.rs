@@ -185,12 +185,15 @@ fn repeats_are_instruments_and_single_motions_have_none() {
     assert!(instrumental.p_value < 0.01, "{instrumental:?}");
     let said = texts(&found.findings, Severity::Note).join(" ");
     assert!(
-        said.contains("Least squares differs from instrumental variables") && said.contains("repeats"),
+        said.contains("least squares differs from instrumental variables") && said.contains("repeats"),
         "{said}"
     );
     runs.truncate(1);
     let alone = estimated(&runs);
-    assert!(alone.instrumental.is_none() && texts(&alone.findings, Severity::Note).join(" ").contains("hold no instruments"));
+    assert!(
+        alone.instrumental.is_none()
+            && texts(&alone.findings, Severity::Note).join(" ").contains("hold no instruments")
+    );
     // Columns that only copy what was measured are no instruments, nor are those that the robot does not follow.
     let run = &runs[0];
     let desired = |factor: f64| {

@@ -7,8 +7,8 @@ use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, estimate};
 use super::chain::{Chain, ur10};
 use super::data::as_simulated;
-use nalgebra::{Matrix4, Vector3};
 use gelenk_findings::{Severity, texts};
+use nalgebra::{Matrix4, Vector3};
 
 /// Motor constants times gears.
 const CONSTANTS: [f64; 6] = [12.0, 13.0, 9.0, 5.0, 6.0, 4.5];
@@ -104,9 +104,15 @@ fn described_masses_give_the_scale_of_torque() {
 fn a_gain_that_the_description_does_not_tell_is_said_to_be_a_guess() {
     let (ratios, found) = ratios(0.0, 0);
     let guessed = |joint: usize| {
-        texts(&found.findings, Severity::Warning).iter().any(|w| w.contains(&format!("joint joint_{joint}: its current")))
+        texts(&found.findings, Severity::Warning)
+            .iter()
+            .any(|w| w.contains(&format!("joint joint_{joint}: its current")))
     };
-    assert!(guessed(6) && !(1..=3).any(guessed), "{ratios:.3?} {:?}", texts(&found.findings, Severity::Warning));
+    assert!(
+        guessed(6) && !(1..=3).any(guessed),
+        "{ratios:.3?} {:?}",
+        texts(&found.findings, Severity::Warning)
+    );
     let wide = |joint: usize| {
         let gain = found.joints[joint].gain.unwrap();
         (gain.interval[1] - gain.interval[0]) / gain.value.abs()

@@ -49,7 +49,9 @@ fn a_delay_comes_back_from_forces_and_from_currents() {
         let found = late(truth, [4e-3; 2], &[0; 2], effort);
         require_found(&found, [4e-3; 2]);
         assert_eq!(found.delays[0], found.delays[1]);
-        let said = texts(&found.findings, Severity::Note).iter().any(|said| said.contains("the delay of the efforts is estimated"));
+        let said = texts(&found.findings, Severity::Note)
+            .iter()
+            .any(|said| said.contains("the delay of the efforts is estimated"));
         assert!(said, "{:?}", texts(&found.findings, Severity::Note));
         friction.push(found.joints[0].terms[0].coefficient.value);
     }

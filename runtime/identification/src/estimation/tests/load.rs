@@ -67,7 +67,11 @@ fn shares_of_the_load_come_back_beside_masses_and_friction() {
         assert!((joint.sigma - 0.1).abs() < 0.01 && joint.held_out_r_squared > 0.99, "{joint:?}");
     }
     assert!((found.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.01);
-    assert!(!texts(&found.findings, Severity::Warning).join(" ").contains("--load-friction"), "{:?}", texts(&found.findings, Severity::Warning));
+    assert!(
+        !texts(&found.findings, Severity::Warning).join(" ").contains("--load-friction"),
+        "{:?}",
+        texts(&found.findings, Severity::Warning)
+    );
     // Without the term the fit is worse, and says what it lacks.
     let (_, without) = estimated(shares, false, 3);
     let doubts = texts(&without.findings, Severity::Warning).join(" ");
@@ -84,7 +88,11 @@ fn friction_that_does_not_grow_with_the_load_gets_no_term() {
         assert!(joint.load.as_ref().is_none_or(|term| by_chance(term.coefficient)), "{joint:?}");
     }
     let (_, plain) = estimated([0.0, 0.0], false, 5);
-    assert!(!texts(&plain.findings, Severity::Warning).join(" ").contains("--load-friction"), "{:?}", texts(&plain.findings, Severity::Warning));
+    assert!(
+        !texts(&plain.findings, Severity::Warning).join(" ").contains("--load-friction"),
+        "{:?}",
+        texts(&plain.findings, Severity::Warning)
+    );
 }
 
 /// One motor that pulls at both joints: neither load is known.

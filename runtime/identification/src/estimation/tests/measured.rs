@@ -167,10 +167,18 @@ fn a_robot_that_compensates_gravity_is_told_from_one_that_does_not() {
         ..EstimationSettings::default()
     };
     let doubted = estimate(&schunk(), &some, &settings, &mut |_| ()).unwrap();
-    assert!(texts(&doubted.findings, Severity::Warning)[0].contains("explained better without gravity"), "{:?}", texts(&doubted.findings, Severity::Warning));
+    assert!(
+        texts(&doubted.findings, Severity::Warning)[0].contains("explained better without gravity"),
+        "{:?}",
+        texts(&doubted.findings, Severity::Warning)
+    );
     let settings = EstimationSettings { gravity_compensated: true, ..settings };
     let found = estimate(&schunk(), &some, &settings, &mut |_| ()).unwrap();
-    assert!(!texts(&found.findings, Severity::Warning).iter().any(|w| w.contains("gravity:")), "{:?}", texts(&found.findings, Severity::Warning));
+    assert!(
+        !texts(&found.findings, Severity::Warning).iter().any(|w| w.contains("gravity:")),
+        "{:?}",
+        texts(&found.findings, Severity::Warning)
+    );
     assert!(found.consistent);
     let r_squared: Vec<f64> = found.joints.iter().map(|j| j.held_out_r_squared).collect();
     println!("{r_squared:.3?}");

@@ -1,11 +1,12 @@
 //! Estimates of a simulated robot whose parameters are known.
 
+use super::super::super::error::IdentificationError;
 use super::super::super::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, Gravity, Offsets, Uncertain, estimate};
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, simulate};
-use gelenk_findings::{Severity, texts};
+use gelenk_findings::{Finding, Severity, Subject, texts};
 
 fn quietly(robot: &Pendulum, runs: &[PreparedRun], settings: &EstimationSettings) -> Estimate {
     estimate(robot, runs, settings, &mut |_| ()).unwrap()
@@ -29,7 +30,11 @@ fn friction_offset_and_base_parameters_come_back() {
     let settings =
         EstimationSettings { steepness: Some(vec![STEEPNESS; 2]), folds: 5, ..EstimationSettings::default() };
     let found = quietly(&Pendulum::described(), &[run], &settings);
-    assert!(found.consistent && texts(&found.findings, Severity::Warning).is_empty(), "{:?}", texts(&found.findings, Severity::Warning));
+    assert!(
+        found.consistent && texts(&found.findings, Severity::Warning).is_empty(),
+        "{:?}",
+        texts(&found.findings, Severity::Warning)
+    );
     for (joint, (friction, offset)) in found.joints.iter().zip(FRICTION.iter().zip([0.4, -0.2])) {
         for (term, truth) in joint.terms.iter().zip(friction) {
             assert!((term.coefficient.value / truth - 1.0).abs() < 0.03, "{term:?} {truth}");
@@ -76,13 +81,21 @@ fn weight_is_compensated_as_described_or_as_it_is() {
     let truth = described.other(0.1, &mut random);
     let by_model = without_the_weight_of(&described, &truth, &[0.0], &mut random);
     assert_eq!(by_model.gravity, Gravity::CompensatedAsDescribed);
-    assert!(texts(&by_model.findings, Severity::Note).iter().any(|said| said.contains("as described")), "{:?}", texts(&by_model.findings, Severity::Note));
+    assert!(
+        texts(&by_model.findings, Severity::Note).iter().any(|said| said.contains("as described")),
+        "{:?}",
+        texts(&by_model.findings, Severity::Note)
+    );
     // The moment of the second link, which its weight tells best.
     assert!((by_model.parameters[11].value / truth.parameters[11] - 1.0).abs() < 0.02);
     let in_full = without_the_weight_of(&truth, &truth, &[0.0], &mut random);
     assert_eq!(in_full.gravity, Gravity::Compensated);
     for found in [by_model, in_full] {
-        assert!(found.consistent && texts(&found.findings, Severity::Warning).is_empty(), "{:?}", texts(&found.findings, Severity::Warning));
+        assert!(
+            found.consistent && texts(&found.findings, Severity::Warning).is_empty(),
+            "{:?}",
+            texts(&found.findings, Severity::Warning)
+        );
         assert!(found.joints.iter().all(|joint| joint.held_out_r_squared > 0.98));
     }
 }
@@ -134,7 +147,10 @@ fn a_joint_without_efforts_stays_as_described_and_the_other_goes_on() {
         assert!(!elbow.measured && elbow.terms.is_empty() && elbow.gain.is_none() && elbow.sigma.is_nan());
         assert!(found.predicted[0][1].iter().all(|x| x.is_nan()) && found.consistent);
         let said = texts(&found.findings, Severity::Warning).join(" ");
-        assert!(said.contains("joint elbow: it has no measured effort") && !said.contains("shoulder"), "{said}");
+        assert!(
+            said.contains("joint elbow: it has no measured effort") && !said.contains("shoulder"),
+            "{said}"
+        );
         assert!(found.parameters.iter().all(|p| p.value.is_finite() && p.standard_error.is_finite()));
         if effort == Effort::Input {
             for (term, truth) in shoulder.terms.iter().zip(FRICTION[0]) {
@@ -197,13 +213,12 @@ fn one_effort_with_another_factor_is_refused_and_named() {
         estimate(&truth, &[run], &settings, &mut |_| ())
     };
     for (joint, name, factor) in [(0, "shoulder", 2.0), (1, "elbow", 3.0), (1, "elbow", 0.4)] {
-        let message = of(joint, factor).unwrap_err().to_string();
-        assert!(
-            message.starts_with(&format!("the fit of joint {name} is doubted, though R² is ")),
-            "{message}"
-        );
-        let told = message.split("its effort times ").nth(1).unwrap().split(". ").next().unwrap();
-        assert!((told.parse::<f64>().unwrap() * factor - 1.0).abs() < 0.15, "{factor}: {message}");
+        let error = of(joint, factor).unwrap_err();
+        let IdentificationError::Unexplained { subject, reasons, .. } = &error else { panic!("{error}") };
+        assert_eq!(*subject, Subject::Joint(name.into()), "{error}");
+        let named = |reason: &&Finding| reason.code == "other-factor" && reason.about.subject == *subject;
+        let [value] = &reasons.iter().find(named).unwrap().values[..] else { panic!("{error}") };
+        assert!((value.value * factor - 1.0).abs() < 0.15, "{factor}: {error}");
     }
     assert!(of(1, 1.0).is_ok());
 }

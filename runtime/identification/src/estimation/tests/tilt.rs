@@ -6,8 +6,8 @@ use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, estimate};
 use super::chain::{Chain, ur10};
 use super::data::as_simulated;
-use nalgebra::{Rotation3, Vector3};
 use gelenk_findings::{Severity, texts};
+use nalgebra::{Rotation3, Vector3};
 
 /// The last three joints stand still in front of the first ones: three axes are enough.
 fn arm() -> Chain {
@@ -72,7 +72,8 @@ fn a_base_that_is_mounted_at_an_angle_is_told_with_its_gravity() {
     for turn in [[5.0, 0.0, 0.0], [0.0, -12.0, 0.0], [18.0, 18.0, 0.0], [0.0, 90.0, 0.0]] {
         let turn = Vector3::from(turn);
         let found = estimated(turn, 0.3, 4);
-        let said = doubt(&found).unwrap_or_else(|| panic!("{turn}: {:?}", texts(&found.findings, Severity::Warning)));
+        let said = doubt(&found)
+            .unwrap_or_else(|| panic!("{turn}: {:?}", texts(&found.findings, Severity::Warning)));
         println!("{said}");
         let number = |word: &str| said.split(word).nth(1).unwrap().split('°').next().unwrap().parse::<f64>();
         assert!((number("hold a gravity ").unwrap() / turn.norm() - 1.0).abs() < 0.1, "{said}");
@@ -98,11 +99,17 @@ fn a_level_base_and_a_small_angle_are_no_doubt() {
 fn a_robot_that_hangs_from_the_ceiling_is_not_told_of_a_small_angle() {
     let found = estimated(Vector3::new(177.0, 0.0, 0.0), 0.3, 4);
     assert!(
-        texts(&found.findings, Severity::Warning).iter().any(|warning| warning.contains("on a wall or a ceiling")),
+        texts(&found.findings, Severity::Warning)
+            .iter()
+            .any(|warning| warning.contains("on a wall or a ceiling")),
         "{:?}",
         texts(&found.findings, Severity::Warning)
     );
-    assert!(doubt(&found).is_none_or(|said| said.contains("a gravity 17")), "{:?}", texts(&found.findings, Severity::Warning));
+    assert!(
+        doubt(&found).is_none_or(|said| said.contains("a gravity 17")),
+        "{:?}",
+        texts(&found.findings, Severity::Warning)
+    );
 }
 
 #[test]

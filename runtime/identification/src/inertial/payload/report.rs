@@ -5,9 +5,9 @@ use super::result::{Estimate, NAMES, Payload};
 use crate::error::{IdentificationError, Result};
 use crate::inertial::consistent::ConsistentSolution;
 use crate::inertial::pseudo_inertia::PER_BODY;
+use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, RowDVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use gelenk_findings::{Finding, Rule};
 
 /// Sees: a mass of the load whose interval contains zero.
 /// Matters: there may be no load.
@@ -145,11 +145,17 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
         )
     });
     let of = |is_meant: &dyn Fn(usize) -> bool| -> Vec<&str> {
-        names.iter().enumerate().filter(|(joint, _)| is_meant(*joint)).map(|(_, name)| name.as_str()).collect()
+        names
+            .iter()
+            .enumerate()
+            .filter(|(joint, _)| is_meant(*joint))
+            .map(|(_, name)| name.as_str())
+            .collect()
     };
     let still = of(&|joint| payload.residuals[joint].is_none());
     let still = (!still.is_empty()).then(|| {
-        let message = "dry friction holds a part of the load if a joint does not move, so these efforts were not used";
+        let message =
+            "dry friction holds a part of the load if a joint does not move, so these efforts were not used";
         NOT_USED.found(format!("{}: {message}", still.join(", ")))
     });
     let worse = of(&|joint| payload.explained[joint].is_some_and(|share| share < -0.05));

@@ -6,10 +6,10 @@ use crate::inertial::pseudo_inertia::tests::body;
 use crate::random::SplitMix64;
 use crate::robot::JointLimits;
 use crate::run::Effort;
+use gelenk_findings::{Severity, texts};
 use gelenk_generated::ur5;
 use std::slice;
 use std::sync::OnceLock;
-use gelenk_findings::{Severity, texts};
 
 const N: usize = ur5::N;
 const P: usize = 60;
@@ -194,7 +194,8 @@ fn what_the_motion_does_not_show_is_said() {
     let settings = PayloadSettings::default();
     let found = estimate(&Ur5, slice::from_ref(without()), slice::from_ref(&with), &settings).unwrap();
     assert!(
-        found.mass.value < 0.05 && texts(&found.findings, Severity::Warning).iter().any(|w| w.contains("no load is seen")),
+        found.mass.value < 0.05
+            && texts(&found.findings, Severity::Warning).iter().any(|w| w.contains("no load is seen")),
         "{found:?}"
     );
     // Only the vertical axis moves. The others hold the load, with any part of it in their dry friction: one

@@ -53,7 +53,10 @@ fn gaps_split_and_faults_are_named() {
     assert!(runs[0].times.last().unwrap() < &3.5 && runs[1].times[0] > 3.8);
     let said: Vec<String> = report.findings.iter().map(Finding::sentence).collect();
     assert_eq!(said[0], "simulated 3: it is split by 1 gaps of 0.305 s, the first after row 701");
-    assert!(said[1].ends_with("joint joint 2: 1 spikes of its position are left out, the first in row 302"), "{said:?}");
+    assert!(
+        said[1].ends_with("joint joint 2: 1 spikes of its position are left out, the first in row 302"),
+        "{said:?}"
+    );
     let fault = report.joints[1].fault.as_ref().unwrap();
     assert_eq!(fault.message, "its effort is 0.25 in every row from row 2 on");
     assert!(runs.iter().all(|r| r.efforts[1].iter().all(|u| u.is_nan())));
@@ -124,17 +127,28 @@ fn runs_that_cannot_be_prepared_say_why() {
 fn what_the_estimate_finds_left_of_delays_is_added_and_said() {
     let (_, mut report) = prepare_all(&[recorded()], None, &PreparationSettings::default()).unwrap();
     let said = |report: &PreparationReport| -> Vec<String> {
-        report.findings.iter().map(Finding::sentence).filter(|note| note.contains("its effort comes")).collect()
+        report
+            .findings
+            .iter()
+            .map(Finding::sentence)
+            .filter(|note| note.contains("its effort comes"))
+            .collect()
     };
     assert!(said(&report).is_empty());
     report.refine(&[[3e-3, 1e-4], [2e-4, 3e-4]]);
     assert_eq!([report.delays[0].removed, report.joints[1].delay], [3e-3, 2e-4]);
     // The second one is not told from none.
     let notes = said(&report);
-    assert!(notes.len() == 1 && notes[0].starts_with("joint joint 1: its effort comes 3.0 ms after"), "{notes:?}");
+    assert!(
+        notes.len() == 1 && notes[0].starts_with("joint joint 1: its effort comes 3.0 ms after"),
+        "{notes:?}"
+    );
     report.refine(&[[-4e-3, 1e-4], [0.0, 3e-4]]);
     let notes = said(&report);
-    assert!(notes.len() == 1 && notes[0].starts_with("joint joint 1: its effort comes 1.0 ms before"), "{notes:?}");
+    assert!(
+        notes.len() == 1 && notes[0].starts_with("joint joint 1: its effort comes 1.0 ms before"),
+        "{notes:?}"
+    );
     report.refine(&[]);
     assert_eq!(said(&report), notes);
 }
@@ -148,7 +162,12 @@ fn a_delay_that_joints_share_is_said_once() {
     report.delays.push(report.delays[0]);
     report.joints = vec![first, second, third];
     let late = |report: &PreparationReport| -> Vec<String> {
-        report.findings.iter().map(Finding::sentence).filter(|note| note.contains("this delay is removed")).collect()
+        report
+            .findings
+            .iter()
+            .map(Finding::sentence)
+            .filter(|note| note.contains("this delay is removed"))
+            .collect()
     };
     report.refine(&[[18.3e-3, 1e-3]; 3]);
     assert_eq!(
