@@ -133,8 +133,18 @@ impl Chain {
 
     /// Whether a hinge stands before the chain: others may follow it, and something has to move.
     fn has_leader(&self) -> bool {
+        self.roles.contains(&Role::Follows) || !self.has_coordinate()
+    }
+
+    fn has_coordinate(&self) -> bool {
         let mut places = self.types.iter().zip(&self.roles);
-        self.roles.contains(&Role::Follows) || !places.any(|(of, role)| of.moves() && *role == Role::Free)
+        places.any(|(of, role)| of.moves() && *role == Role::Free)
+    }
+
+    /// A joint that follows may undo the motion of its leader: then no coordinate moves the tip, and descriptions of forces on
+    /// it are refused.
+    fn moves_its_tip(&self) -> bool {
+        !self.roles.contains(&Role::Follows) || self.has_coordinate()
     }
 
     /// The chain as a description. The first letters of the alphabet are its joints; what is not enumerated is drawn.
@@ -152,7 +162,7 @@ impl Chain {
         text += &self.frames(&mut rng);
         let axes = if rng.bool() { "frame" } else { "base" };
         _ = writeln!(text, "[[wrenches]]\nname = \"push\"\nframe = \"tip\"\nin = \"{axes}\"");
-        if self.has_forces {
+        if self.has_forces && self.moves_its_tip() {
             text += "[[forces]]\nbetween = [\"anchor\", \"tip\"]\nlaw = \"30*(l - 0.4) + 2*dl\"\n";
             text += "[[inputs]]\nname = \"thrust\"\nframe = \"tip\"\nlimits = [-9, 9]\nwrench = [0.13, -0.07, 1, 0.05, 0.21, 0.11]\n";
         }
