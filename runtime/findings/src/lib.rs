@@ -227,6 +227,11 @@ impl Finding {
         self
     }
 
+    /// A number by its name.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.values.iter().find(|value| value.name == name).map(|value| value.value)
+    }
+
     /// Whether another finding of this rule is about the same.
     pub fn is_like(&self, other: &Self) -> bool {
         self.code == other.code && self.about == other.about

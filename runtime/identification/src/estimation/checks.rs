@@ -20,12 +20,6 @@ const NO_EFFORT: Rule = Rule::warning("no-effort");
 /// Fixture: `still` in `codegen/tests/findings/arm.rs`.
 const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
 
-/// Sees: a residual that follows the rate of the effort, as one that comes late leaves it.
-/// Matters: inertia and friction take up a part of the delay.
-/// Example: one joint's effort is 20 ms late.
-/// Fixture: `another_delay_is_named` in `codegen/tests/strangers_arm/main.rs`.
-const LATE: Rule = Rule::warning("late-effort");
-
 /// Sees: a residual that follows the acceleration.
 /// Matters: the inertia of the rigid body is wrong.
 /// Example: a rotor that the description does not have.
@@ -95,7 +89,6 @@ impl Checked<'_> {
     pub(super) fn joint(&self, joint: usize) -> Vec<Finding> {
         let of_sensor = || {
             [
-                self.delay(joint),
                 self.acceleration(joint),
                 self.position(joint),
                 self.drift(joint),
@@ -118,29 +111,28 @@ impl Checked<'_> {
         [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of))
     }
 
+    /// Whether the forces of a joint, or of the robot as a whole, are several times the described ones or a fraction of them.
+    pub(super) fn has_other_unit(&self) -> bool {
+        let of_all = self.common_ratio().is_some_and(|ratio| ratio.is_other());
+        let told = self.layout.told();
+        of_all || (0..self.layout.joints).any(|joint| told[joint] && unit_doubt(self.sizes(joint)).is_some())
+    }
+
     /// The factor between estimated and described forces of the robot as a whole.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
         let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
         common_ratio(self.robot, self.layout.effort, &self.layout.told(), &sizes)
     }
 
-    /// A torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
-    fn delay(&self, joint: usize) -> Option<Finding> {
+    /// The delay of a joint's effort \[s\] that its residual shows: a torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.
+    pub(super) fn delay(&self, joint: usize) -> Option<f64> {
         let slope = |run: usize, i: usize| {
             let (p, t) = (self.predicted(run, joint), &self.runs[run].times);
             let (before, after) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
             (p(after) - p(before)) / (t[after] - t[before])
         };
         let (factor, share) = self.explained(joint, &slope)?;
-        self.is_suspicious(share).then(|| {
-            let message = format!(
-                "{:.0} % of the residual's variance is a delay of {:.1} ms between torque and position, beyond what was removed",
-                100.0 * share,
-                -1e3 * factor
-            );
-            let remedy = "give the whole delay with --delay SECONDS, above 0 if efforts are late";
-            LATE.found(message).with("delay", -factor, "s").help(remedy)
-        })
+        self.is_suspicious(share).then_some(-factor)
     }
 
     fn predicted(&self, run: usize, joint: usize) -> impl Fn(usize) -> f64 + '_ {

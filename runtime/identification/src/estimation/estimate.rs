@@ -1,14 +1,14 @@
 //! The pipeline from runs to an estimate.
 
-use super::super::error::{Result, require_finite};
+use super::super::error::{IdentificationError, Result, require_finite};
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::alternatives::{Doubts, other_explanations, other_factors};
 use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::endogeneity::endogeneity;
 use super::estimated::{Estimated, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
+use super::hypotheses::{Doubts, other_delays, other_explanations, other_factors, other_order};
 use super::intervals::{Fitted, correlation_time, covariance, scores};
 use super::late::Late;
 use super::layout::Layout;
@@ -22,6 +22,7 @@ use super::settings::EstimationSettings;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
 use super::tilt::tilt;
+use super::unit::CommonRatio;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::DVector;
 
@@ -236,7 +237,7 @@ impl Task<'_> {
         self.settings.offsets.or(weighs.then_some(Offsets::Common))
     }
 
-    fn choose<'s>(&'s self, sums: &'s Sums) -> Result<Chosen<'s>> {
+    pub(super) fn choose<'s>(&'s self, sums: &'s Sums) -> Result<Chosen<'s>> {
         self.choose_with(sums, self.offsets())
     }
 
@@ -325,13 +326,22 @@ impl Task<'_> {
             correlation_time,
             loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
         };
-        let mut doubts = other_explanations(self, judged.0, judged.1)?;
-        doubts.of_all.extend(tilt(self, judged.0, correlation_time).ok().flatten());
+        let accept_poor = self.settings.accept_poor;
+        let ratio = checked.common_ratio();
+        let factor = ratio.as_ref().filter(|ratio| ratio.is_other()).map(CommonRatio::factor);
+        let mut doubts = other_explanations(self, judged, factor)?;
+        doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
         other_factors(self, judged.0, held_out, &mut doubts)?;
-        self.require_explained(held_out, &doubts, &checked)?;
-        if let Some(ratio) = checked.common_ratio() {
-            doubts.of_all.extend(ratio.judged(self.settings.accept_poor)?);
+        other_order(self, judged, &mut doubts, checked.has_other_unit())?;
+        let refusals = doubts.refusals();
+        if !refusals.is_empty() && !accept_poor {
+            return Err(IdentificationError::Found { findings: refusals });
         }
+        self.require_explained(held_out, &doubts, &checked)?;
+        if let Some(ratio) = ratio {
+            doubts.of_all.extend(ratio.judged(accept_poor)?);
+        }
+        doubts.of_all.extend(other_delays(self, judged, &checked)?);
         doubts.of_all.extend(checked.findings());
         Ok(doubts)
     }

@@ -7,9 +7,9 @@
 use super::super::digits::plain;
 use super::super::error::Result;
 use super::super::run::Effort;
-use super::alternatives::CLEARLY;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
+use super::hypotheses::{gain, offered};
 use super::normal::Model;
 use super::prior::Prior;
 use gelenk_findings::{Finding, Rule};
@@ -31,7 +31,11 @@ impl Factors<'_> {
     fn error(&self, joint: usize, factor: f64) -> Result<HeldOut> {
         let mut start = self.chosen.values.clone();
         start.gains[joint] *= factor;
-        held_out(&self.chosen.centred, &self.model, self.prior, &self.chosen.weighting, &start)
+        let mut errors =
+            held_out(&self.chosen.centred, &self.model, self.prior, &self.chosen.weighting, &start)?;
+        // In the unit of the measured effort.
+        errors.rss[joint] /= factor.powi(2);
+        Ok(errors)
     }
 
     /// The best of some factors with its error.
@@ -59,16 +63,15 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     for joint in layout.rubbing() {
         let own = factors.error(joint, 1.0)?;
         let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
-        let (excess, deviation) = other.excess(&own);
-        let is_clear = excess < -CLEARLY * own.total() && excess < -2.0 * deviation;
-        if is_clear && clearest.is_none_or(|(.., least)| other.total() < least) {
-            clearest = Some((joint, factor, other.total()));
+        let Some(share) = gain(&own, &other) else { continue };
+        if clearest.is_none_or(|(.., most)| share > most) {
+            clearest = Some((joint, factor, share));
         }
     }
-    let Some((joint, factor, _)) = clearest else { return Ok(None) };
+    let Some((joint, factor, share)) = clearest else { return Ok(None) };
     let near = (-STEPS..=STEPS).map(|i| factor * FINE.powi(i));
     let factor = factors.best(joint, near)?.map_or(factor, |(factor, _)| factor);
-    Ok(Some((joint, other_factor(factor))))
+    Ok(Some((joint, offered(other_factor(factor), share))))
 }
 
 /// Sees: the effort of one joint that fits better with a factor.

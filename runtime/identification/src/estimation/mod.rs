@@ -1,6 +1,5 @@
 //! The estimate: inertia, friction and offsets in one weighted linear fit, behind the gains of drives.
 
-mod alternatives;
 mod checks;
 mod choice;
 mod consistent;
@@ -12,6 +11,7 @@ mod estimated;
 mod factors;
 mod fit;
 mod gains;
+mod hypotheses;
 mod instruments;
 mod intervals;
 mod late;

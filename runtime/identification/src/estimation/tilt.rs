@@ -11,12 +11,14 @@ use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
 use super::super::spectrum::symmetric_eigen;
 use super::choice::Chosen;
-use super::fit::{Weighting, fit};
+use super::fit::{HeldOut, Weighting, fit};
+use super::hypotheses::{as_described, gain, harms, offered};
 use super::intervals::{Fitted, covariance, scores};
+use super::layout::Layout;
 use super::normal::{Centred, Factor, Model, Values};
 use super::prior::Prior;
 use super::result::Gravity;
-use super::sums::moving;
+use super::sums::{Sums, moving};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -34,13 +36,15 @@ const LEVEL: f64 = 0.01;
 const CONFIDENCE: f64 = 0.95;
 /// Weight of the description beside which bodies are as good as free, and no equation is singular.
 const FREE: f64 = 1e-3;
+/// Trust with which an angle stays zero.
+const HELD: f64 = 1e12;
 /// Variance of an angle under independent residuals [rad²] from which it counts as not told.
 const UNTOLD: f64 = 0.01;
 
 /// A doubt about the direction of gravity; `None` where there is none, or where the data do not tell.
 ///
-/// - `last`: the fit with the described gravity; `time`: the residuals' correlation time
-pub(super) fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<Finding>> {
+/// - the fit with the described gravity and its errors; `time`: the residuals' correlation time
+pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
     let is_usual = task.gravity == Gravity::Recorded && task.layout.effort != Effort::Current;
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
@@ -58,7 +62,14 @@ pub(super) fn tilt(task: &Task, last: &Chosen, time: f64) -> Result<Option<Findi
         } else if pass == 0 && angles.norm() < 0.5 * LEAST {
             break;
         } else if pass > 0 && angles.norm() < STAYS {
-            return Ok(found.judged(&turning, gravity));
+            let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
+            let errors = |turning: &Turning| turning.errors(task, last);
+            let [described, turned] = [
+                errors(&Turning { gravity: described, ..turning.clone() })?,
+                errors(&Turning { gravity, ..turning })?,
+            ];
+            let share = gain(own, &turned[0]).filter(|_| !harms(&described[1], &turned[1]));
+            return Ok(share.map(|share| offered(finding, share)));
         }
     }
     Ok(None)
@@ -74,6 +85,7 @@ fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
 }
 
 /// The robot under another gravity, with the angles by which this turns further as parameters behind its own.
+#[derive(Clone)]
 struct Turning<'a> {
     robot: &'a dyn Robot,
     described: Vector3<f64>,
@@ -170,6 +182,40 @@ impl Turning<'_> {
         turned * (size / turned.norm())
     }
 
+    /// Errors of the same choice under this gravity, which turns no further, and those of the described bodies.
+    fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
+        let (layout, prior) =
+            (task.layout.with_more_parameters(2), Prior::new(&self.parameters(), self.bodies()));
+        let task = Task { robot: self, layout: &layout, prior: &prior, ..task.clone() };
+        let sums = task.sums_of(&moving);
+        let mut chosen = self.over(&layout, &sums, last, (last.weighting.description, HELD));
+        chosen.model.consistent = last.model.consistent;
+        let errors = chosen.held_out(&prior)?;
+        Ok([errors, as_described(chosen, &prior)?])
+    }
+
+    /// The same choice with the angles as parameters, not fitted yet.
+    ///
+    /// - weight of the description, and trust in it for the angles
+    fn over<'s>(
+        &self,
+        layout: &'s Layout,
+        sums: &'s Sums,
+        last: &Chosen,
+        (description, trust_of_angles): (f64, f64),
+    ) -> Chosen<'s> {
+        let mut trust = last.weighting.trust.clone();
+        trust.extend([trust_of_angles; 2]);
+        Chosen {
+            weighting: Weighting { description, trust, ..last.weighting.clone() },
+            values: Values { unknowns: DVector::zeros(layout.len()), gains: last.values.gains.clone() },
+            gains: last.gains.clone(),
+            centred: Centred::new(layout, sums, last.model.offsets),
+            model: Model { consistent: false, ..last.model.clone() },
+            tried: Vec::new(),
+        }
+    }
+
     /// The angles beside all else.
     ///
     /// - `time`: the residuals' correlation time, where a covariance is asked for
@@ -178,17 +224,7 @@ impl Turning<'_> {
         let prior = Prior::new(&self.parameters(), self.bodies());
         let task = Task { robot: self, layout: &layout, prior: &prior, ..task.clone() };
         let sums = task.sums_of(&moving);
-        let model = Model { consistent: false, ..last.model.clone() };
-        let mut trust = last.weighting.trust.clone();
-        trust.extend([1.0 / FREE; 2]);
-        let mut chosen = Chosen {
-            weighting: Weighting { description: FREE, trust, ..last.weighting.clone() },
-            values: Values { unknowns: DVector::zeros(layout.len()), gains: last.values.gains.clone() },
-            gains: last.gains.clone(),
-            centred: Centred::new(&layout, &sums, model.offsets),
-            model,
-            tried: Vec::new(),
-        };
+        let mut chosen = self.over(&layout, &sums, last, (FREE, 1.0 / FREE));
         chosen.reweight(&prior)?;
         Angles::new(&task, &chosen, time)
     }

@@ -88,13 +88,23 @@ impl CommonRatio {
     /// [`IdentificationError::Found`] with the factor and what it may come from, where bodies need far more or less than
     /// described and this is not accepted.
     pub(crate) fn judged(&self, accept_poor: bool) -> Result<Option<Finding>> {
-        if self.is_within(OTHER_UNIT) {
+        if !self.is_other() {
             return Ok(None);
         }
         if self.is_within(ANOTHER_UNIT) || accept_poor {
             return Ok(Some(self.finding().accepted()));
         }
         Err(IdentificationError::Found { findings: vec![self.finding()] })
+    }
+
+    /// Estimated over described forces.
+    pub(super) fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// Whether efforts may be in another unit.
+    pub(super) fn is_other(&self) -> bool {
+        !self.is_within(OTHER_UNIT)
     }
 
     fn is_within(&self, factor: f64) -> bool {

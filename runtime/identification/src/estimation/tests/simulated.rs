@@ -217,8 +217,8 @@ fn one_effort_with_another_factor_is_refused_and_named() {
         let IdentificationError::Unexplained { subject, reasons, .. } = &error else { panic!("{error}") };
         assert_eq!(*subject, Subject::Joint(name.into()), "{error}");
         let named = |reason: &&Finding| reason.code == "other-factor" && reason.about.subject == *subject;
-        let [value] = &reasons.iter().find(named).unwrap().values[..] else { panic!("{error}") };
-        assert!((value.value * factor - 1.0).abs() < 0.15, "{factor}: {error}");
+        let named = reasons.iter().find(named).unwrap().value("factor").unwrap();
+        assert!((named * factor - 1.0).abs() < 0.15, "{factor}: {error}");
     }
     assert!(of(1, 1.0).is_ok());
 }

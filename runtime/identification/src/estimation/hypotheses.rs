@@ -1,0 +1,410 @@
+//! Remedies are hypotheses: each says what a user may change in the log or in the description, is tried by another fit, and is offered only
+//! where the error on held-out data falls clearly, with by how much it falls.
+
+use super::super::error::Result;
+use super::super::robot::Robot;
+use super::super::run::{Effort, PreparedRun};
+use super::checks::Checked;
+use super::choice::Chosen;
+use super::factors::factor;
+use super::fit::{HeldOut, held_out};
+use super::layout::{ARMATURE, LOAD, Layout};
+use super::prior::Prior;
+use super::result::Gravity;
+use super::sums::{moving, sum};
+use super::task::Task;
+use gelenk_findings::{Finding, Rule, Severity, Subject};
+
+/// A hypothesis counts as better where it lowers the held-out error by this share and by two standard errors, and where no joint's
+/// error grows by this share: what is wrong in one place is explained in part by changes elsewhere.
+pub(super) const CLEARLY: f64 = 0.1;
+
+/// Name of the number by which a hypothesis is better, in percent.
+const FALL: &str = "fall of the held-out error";
+
+/// R² below which a sign is doubted.
+const POOR: f64 = 0.5;
+/// Power of driving friction, as a share of the power of a force as large as the measured one.
+const NOTICEABLE: f64 = 0.05;
+
+/// Samples below which friction that drives a joint is no sign of a wrong sign: ten periods of the usual filter.
+const FEWEST_SAMPLES: usize = 100;
+
+/// Sees: efforts of a joint that fit the rigid body better with the other sign.
+/// Matters: friction would drive the joint, and its masses would be wrong.
+/// Example: a torque that counts against the position.
+/// Fixture: `sign` in `codegen/tests/findings/arm.rs`.
+const OTHER_SIGN: Rule = Rule::error("other-sign");
+
+/// Sees: friction that drives a joint, and a rigid body that does not fit better with the other sign.
+/// Matters: such a law is not passive.
+/// Example: a controller that compensates more friction than there is.
+/// Fixture: `estimation/tests/pendulum.rs`.
+const DRIVING: Rule = Rule::error("driving-friction");
+
+/// Sees: a log of too few samples to tell friction from chance.
+/// Matters: no sign can be doubted.
+/// Example: 2 s of slow motion.
+/// Fixture: `estimation/tests/pendulum.rs`.
+const TOO_SHORT: Rule = Rule::error("log-too-short");
+
+/// Sees: efforts that fit better without gravity, or with it if it is said to be compensated.
+/// Matters: masses come out wrong.
+/// Example: a driver that reports torques without the weight, as UR's ROS 2 driver does.
+/// Fixture: `without_gravity` in `codegen/tests/findings/arm.rs`.
+const GRAVITY: Rule = Rule::error("other-gravity");
+
+/// Sees: an effort that comes later or earlier than `--delay` says.
+/// Matters: inertia and friction take up a part of the delay.
+/// Example: `--delay 0` where efforts are 50 ms early.
+/// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/strangers_arm/main.rs`.
+const DELAY: Rule = Rule::warning("other-delay");
+
+/// Sees: columns that fit better in another order of the joints.
+/// Matters: every joint would get the law and the body of another one.
+/// Example: columns in the order of the alphabet, as ROS writes them.
+/// Fixture: `alphabetic` and `pan_lift` in `codegen/tests/findings/arm.rs`.
+const ORDER: Rule = Rule::error("other-order");
+
+fn other_sign() -> Finding {
+    OTHER_SIGN.found("the data are explained better with the other sign of its effort").help(
+        "check the signs of effort and position; --columns turns all columns, 'torque=tau{}[-1 Nm]', or one of them, \
+         'torque=tau1|tau2[-1 Nm]|tau3'",
+    )
+}
+
+fn driving() -> Finding {
+    let message = "its friction comes out as driving it. With the other sign of its effort friction would brake, but the motion \
+                   would not be explained better";
+    let remedy = "check sign, unit and assignment of its columns, and whether the robot's controller compensates friction itself";
+    DRIVING.found(message).help(remedy)
+}
+
+/// Weight of the description with which nothing changes its bodies.
+const AS_DESCRIBED: f64 = 1e12;
+
+/// Doubts about all joints, and those that refuse single ones.
+pub(super) struct Doubts {
+    pub(super) of_all: Vec<Finding>,
+    pub(super) of_joints: Vec<Option<Finding>>,
+}
+
+impl Doubts {
+    /// All of them; what would refuse a result and was accepted is a warning.
+    pub(super) fn findings(self) -> Vec<Finding> {
+        self.of_all.into_iter().chain(self.of_joints.into_iter().flatten()).map(Finding::accepted).collect()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.of_all.is_empty() && self.of_joints.iter().all(Option::is_none)
+    }
+
+    /// Findings about the whole robot that refuse a result.
+    pub(super) fn refusals(&self) -> Vec<Finding> {
+        self.of_all.iter().filter(|finding| finding.severity == Severity::Error).cloned().collect()
+    }
+}
+
+/// By which share of the error on held-out data a hypothesis is better; `None` where it is not clearly better.
+///
+/// - residual sums of squares of the joints in the units of the same columns
+pub(super) fn gain(own: &HeldOut, other: &HeldOut) -> Option<f64> {
+    let (excess, deviation) = other.excess(own);
+    let share = -excess / own.total();
+    (share > CLEARLY && -excess > 2.0 * deviation && !harms(own, other)).then_some(share)
+}
+
+/// Whether a hypothesis raises the error of a joint by as much.
+pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
+    own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + CLEARLY) * own)
+}
+
+/// The finding with the share of [`gain`].
+pub(super) fn offered(finding: Finding, share: f64) -> Finding {
+    let percent = 100.0 * share;
+    let message = format!("{}; the error on held-out data falls by {percent:.0} %", finding.message);
+    Finding { message, ..finding }.with(FALL, percent, "%")
+}
+
+/// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or
+/// whose friction drives them.
+///
+/// - `ratio`: by how much larger the efforts are than described
+pub(super) fn other_explanations(
+    task: &Task,
+    (chosen, own): (&Chosen, &HeldOut),
+    ratio: Option<f64>,
+) -> Result<Doubts> {
+    let of_all = gravity(task, chosen, ratio)?.into_iter().collect();
+    let mut of_joints = signs(task.robot, chosen, own, task.prior)?;
+    if let Some(short) = too_short(task) {
+        of_joints
+            .iter_mut()
+            .flatten()
+            .for_each(|doubt| *doubt = short.clone().of(doubt.about.subject.clone()));
+    }
+    Ok(Doubts { of_all, of_joints })
+}
+
+/// Where something is doubted, tries the columns in other orders. One that is better than all other hypotheses explains them, too.
+///
+/// - `is_doubted`: whether there are other doubts
+pub(super) fn other_order(
+    task: &Task,
+    (chosen, own): (&Chosen, &HeldOut),
+    doubts: &mut Doubts,
+    is_doubted: bool,
+) -> Result<()> {
+    if (doubts.is_empty() && !is_doubted) || too_short(task).is_some() {
+        return Ok(());
+    }
+    let own = by_column(own, &chosen.values.gains, None);
+    let mut best: Option<(Vec<usize>, f64)> = None;
+    for order in orders(task) {
+        let Some(other) = in_order(task, chosen, &order)? else { continue };
+        let Some(share) = gain(&own, &other) else { continue };
+        if best.as_ref().is_none_or(|(_, most)| share > *most) {
+            best = Some((order, share));
+        }
+    }
+    let others = doubts.of_all.iter().chain(doubts.of_joints.iter().flatten());
+    let most = others.filter_map(|finding| finding.value(FALL)).fold(0.0, f64::max);
+    if let Some((order, share)) = best.filter(|(_, share)| 100.0 * share > most) {
+        let names = task.robot.joint_names();
+        let moved = (0..order.len()).filter(|j| order[*j] != *j);
+        let said: Vec<String> =
+            moved.map(|j| format!("{} has those of {}", names[order[j]], names[j])).collect();
+        let finding = ORDER.found(format!("columns belong to other joints: {}", said.join(", ")));
+        let finding =
+            finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'");
+        doubts.of_joints.fill(None);
+        doubts.of_all = vec![offered(finding, share)];
+    }
+    Ok(())
+}
+
+/// Orders that are tried: joint j has the columns of joint `order[j]`. Programs sort names or turn the chain around, and people
+/// exchange two columns.
+fn orders(task: &Task) -> Vec<Vec<usize>> {
+    let (names, units, layout) = (task.robot.joint_names(), task.robot.position_units(), task.layout);
+    let count = names.len();
+    let is_joint = |row: usize| matches!(task.robot.subject(row), Subject::Joint(_));
+    let is_usual = layout.effort == Effort::Joint && !layout.exact.contains(&true);
+    let has_own_columns = is_usual && (0..count).all(is_joint);
+    if !has_own_columns || task.loads.is_some() || layout.measured.contains(&false) {
+        return Vec::new();
+    }
+    let mut sorted: Vec<usize> = (0..count).collect();
+    sorted.sort_by(|a, b| names[*a].cmp(&names[*b]));
+    // The k-th column is that of the k-th name.
+    let mut by_name = vec![0; count];
+    sorted.iter().enumerate().for_each(|(k, joint)| by_name[*joint] = k);
+    let exchanged = |a: usize, b: usize| {
+        let mut order: Vec<usize> = (0..count).collect();
+        order.swap(a, b);
+        order
+    };
+    let mut orders = vec![by_name, (0..count).rev().collect()];
+    orders.extend((0..count).flat_map(|b| (0..b).map(move |a| exchanged(a, b))));
+    let is_other = |order: &Vec<usize>| (0..count).any(|j| order[j] != j);
+    let has_units = |order: &Vec<usize>| (0..count).all(|j| units[order[j]] == units[j]);
+    let mut distinct: Vec<Vec<usize>> = Vec::new();
+    for order in orders.into_iter().filter(|order| is_other(order) && has_units(order)) {
+        if !distinct.contains(&order) {
+            distinct.push(order);
+        }
+    }
+    distinct
+}
+
+/// Errors of the fit to columns in another order; `None` where there is no such fit.
+fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<Option<HeldOut>> {
+    let of =
+        |columns: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { order.iter().map(|k| columns[*k].clone()).collect() };
+    let moved = |run: &PreparedRun| PreparedRun {
+        positions: of(&run.positions),
+        velocities: of(&run.velocities),
+        accelerations: of(&run.accelerations),
+        efforts: of(&run.efforts),
+        resting: if run.resting.is_empty() {
+            Vec::new()
+        } else {
+            order.iter().map(|k| run.resting[*k].clone()).collect()
+        },
+        ..run.clone()
+    };
+    let runs: Vec<PreparedRun> = task.runs.iter().map(moved).collect();
+    let layout = Layout::new(task.robot, &runs, task.settings.steepness.as_deref(), false)?;
+    let other = Task { runs: &runs, layout: &layout, late: None, ..task.clone() };
+    let sums = other.sums_of(&moving);
+    let Ok(mut fitted) = other.choose(&sums) else { return Ok(None) };
+    // Errors can be compared where they are in the same units.
+    fitted.weighting.sigma = order.iter().map(|k| chosen.weighting.sigma[*k]).collect();
+    let errors = fitted.held_out(task.prior)?;
+    Ok(Some(by_column(&errors, &fitted.values.gains, Some(order))))
+}
+
+/// The errors with sums of squares by column, in the columns' units.
+fn by_column(errors: &HeldOut, gains: &[f64], order: Option<&[usize]>) -> HeldOut {
+    let mut rss = errors.rss.clone();
+    for (joint, of_joint) in errors.rss.iter().enumerate() {
+        rss[order.map_or(joint, |order| order[joint])] = of_joint / gains[joint].powi(2);
+    }
+    HeldOut { rss, ..errors.clone() }
+}
+
+/// Delays that the residual follows, where delays are stated and the effort is better explained with another one. Delays that are not stated
+/// are estimated with all else.
+pub(super) fn other_delays(
+    task: &Task,
+    (chosen, own): (&Chosen, &HeldOut),
+    checked: &Checked,
+) -> Result<Vec<Finding>> {
+    let mut found = Vec::new();
+    let stated = task.layout.delays.is_empty();
+    for joint in task.layout.rubbing().filter(|_| stated) {
+        let Some(seconds) = checked.delay(joint) else { continue };
+        let other = earlier(task, chosen, (joint, seconds))?;
+        let (excess, deviation) = other.excess(own);
+        let share = 1.0 - other.rss[joint] / own.rss[joint];
+        if share > CLEARLY && -excess > 2.0 * deviation {
+            let way = if seconds > 0.0 { "later" } else { "earlier" };
+            let message = format!(
+                "its effort comes {:.1} ms {way} than stated, next to its position",
+                1e3 * seconds.abs()
+            );
+            let finding = DELAY.found(message).with("delay", seconds, "s").of(task.robot.subject(joint));
+            let remedy = "leave --delay out, or give the whole delay with --delay SECONDS, above 0 if efforts are late";
+            found.push(offered(finding.help(remedy), share));
+        }
+    }
+    Ok(found)
+}
+
+/// Errors of the same choice where a joint's efforts come earlier \[s\].
+fn earlier(task: &Task, chosen: &Chosen, (joint, seconds): (usize, f64)) -> Result<HeldOut> {
+    let mut delays = vec![0.0; task.runs.first().map_or(0, |run| run.efforts.len())];
+    task.layout.acting(joint).for_each(|(effort, _)| delays[effort] = seconds);
+    let runs: Vec<PreparedRun> = task.runs.iter().map(|run| run.clone().without_delays(&delays)).collect();
+    let sums = Task { runs: &runs, ..task.clone() }.sums_of(&moving);
+    chosen.over(&sums).held_out(task.prior)
+}
+
+/// Tries other factors of the efforts, where nothing else is doubted and no joint is hardly explained: what is wrong there
+/// would pass for a factor.
+pub(super) fn other_factors(
+    task: &Task,
+    chosen: &Chosen,
+    held_out: &[f64],
+    doubts: &mut Doubts,
+) -> Result<()> {
+    let poor = chosen.centred.layout.rubbing().any(|joint| held_out[joint] < POOR);
+    let has_doubts = !doubts.of_all.is_empty() || doubts.of_joints.iter().any(Option::is_some);
+    if poor || has_doubts || too_short(task).is_some() {
+        return Ok(());
+    }
+    if let Some((joint, doubt)) = factor(chosen, task.prior)? {
+        doubts.of_joints[joint] = Some(doubt.of(task.robot.subject(joint)));
+    }
+    Ok(())
+}
+
+/// Doubts about the sign of each joint's effort.
+pub(super) fn signs(
+    robot: &dyn Robot,
+    chosen: &Chosen,
+    own: &HeldOut,
+    prior: &Prior,
+) -> Result<Vec<Option<Finding>>> {
+    let layout = chosen.centred.layout;
+    let r_squared = chosen.centred_r_squared(&own.rss);
+    let mut doubts = vec![None; layout.joints];
+    for joint in layout.rubbing() {
+        let drives = drives(chosen, joint);
+        if !drives && r_squared[joint] >= POOR {
+            continue;
+        }
+        let doubt = match (other_sign_gain(prior, chosen, own, joint)?, drives) {
+            (Some(share), _) => Some(offered(other_sign(), share)),
+            (None, true) => Some(driving()),
+            (None, false) => None,
+        };
+        doubts[joint] = doubt.map(|doubt| doubt.of(robot.subject(joint)));
+    }
+    Ok(doubts)
+}
+
+/// What is said instead of a sign where friction cannot be told from chance. The residuals' correlation is no measure:
+/// a wrong sign makes it long.
+fn too_short(task: &Task) -> Option<Finding> {
+    let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
+    (samples < FEWEST_SAMPLES).then(|| {
+        let message = format!(
+            "the log is too short: {samples} samples are left after the filter, and friction cannot be told from chance"
+        );
+        TOO_SHORT.found(message).help("record a motion of 10 s or more")
+    })
+}
+
+fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Finding>> {
+    let compensated = task.settings.gravity_compensated;
+    let mut rows = task.rows_where(Gravity::of(!compensated));
+    let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
+    let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
+    let other = as_described(chosen.over(&sums), task.prior)?;
+    let Some(share) = gain(&own, &other) else { return Ok(None) };
+    // Efforts in a larger unit look light, too.
+    if let Some(ratio) = ratio {
+        let mut scaled = chosen.over(chosen.centred.sums);
+        scaled.values.gains.iter_mut().for_each(|gain| *gain /= ratio);
+        if as_described(scaled, task.prior)?.total() < other.total() {
+            return Ok(None);
+        }
+    }
+    let (what, remedy) = if task.layout.exact.contains(&true) {
+        (
+            "without",
+            "check that the vertical of the log's axes is that of the description, and the order of the quaternion's entries",
+        )
+    } else if compensated {
+        ("with", "leave out --gravity-compensated: the efforts seem to hold the weight")
+    } else {
+        (
+            "without",
+            "say --gravity-compensated if the robot compensates gravity outside the recorded efforts; if it is mounted otherwise \
+             than described, as on a wall or a ceiling, say `gravity = [x, y, z]`",
+        )
+    };
+    let finding = GRAVITY.found(format!("the data are explained better {what} gravity")).help(remedy);
+    Ok(Some(offered(finding, share)))
+}
+
+/// Held-out error of the described bodies as they are, with friction and offsets fitted: free bodies would take up
+/// much of a gravity that is not there.
+pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut> {
+    chosen.model.consistent = false;
+    chosen.weighting.trust.fill(1.0);
+    chosen.weighting.description = AS_DESCRIBED;
+    chosen.held_out(prior)
+}
+
+/// By which share the rigid body fits better with the other sign of a joint's effort.
+fn other_sign_gain(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) -> Result<Option<f64>> {
+    let mut start = chosen.values.clone();
+    start.gains[joint] = -start.gains[joint];
+    let other = held_out(&chosen.centred, &chosen.model, prior, &chosen.weighting, &start)?;
+    Ok(gain(own, &other))
+}
+
+/// Whether the estimated friction does noticeable work on the joint, `Σ v τ(v) < 0`.
+fn drives(chosen: &Chosen, joint: usize) -> bool {
+    let layout = chosen.centred.layout;
+    let products = &chosen.centred.all[joint];
+    let first = layout.first_term(joint);
+    let term =
+        |term: usize| chosen.values.unknowns[layout.term(joint, term)] * products[(first, first + term)];
+    let power: f64 = (0..ARMATURE).chain(LOAD..layout.terms).map(term).sum();
+    let last = products.nrows() - 1;
+    let scale = chosen.values.gains[joint].abs() * (products[(first, first)] * products[(last, last)]).sqrt();
+    power < -NOTICEABLE * scale
+}
