@@ -13,8 +13,8 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
-/// So many are printed; a hostile file may have a million.
-const SHOWN: usize = 100;
+/// Most entries that are printed; a hostile file may have a million.
+pub(crate) const SHOWN: usize = 100;
 
 impl Diagnostics {
     /// Sorted by place; what has none comes first. Repetitions are dropped.

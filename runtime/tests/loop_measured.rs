@@ -66,7 +66,8 @@ fn what_drives_measure_reaches_controller_and_log() {
     assert!((speed - 1.875 * 1.4 / DURATION).abs() < 0.02, "{speed}");
     assert!(cycle.torques.unwrap()[0] > 40.0, "{cycle:?}");
     writer.finish().unwrap();
-    let robot = NamedRobot { names: vec!["beta".into(), "gamma".into()], ..NamedRobot::default() };
+    let robot =
+        NamedRobot { names: vec!["beta".into(), "gamma".into()], gear: 161.0, ..NamedRobot::default() };
     let read = |columns: Option<&str>| {
         let columns = ColumnOptions { columns: columns.map(str::to_owned), ..ColumnOptions::default() };
         let recording = runs(std::slice::from_ref(&path), &robot, &columns).unwrap();

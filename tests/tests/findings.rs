@@ -39,6 +39,17 @@ fn rules(text: &str, place: &str, rows: &mut BTreeMap<String, String>) {
     }
 }
 
+/// All tests that fixtures may name, and the snapshots of findings.
+fn fixtures(root: &Path) -> String {
+    let mut files = Vec::new();
+    for folder in ["runtime/identification/src", "runtime/tests", "codegen/tests"] {
+        sources(&root.join(folder), &mut files);
+    }
+    let snapshots = fs::read_dir(root.join("codegen/tests/snapshots/findings")).expect("snapshots");
+    files.extend(snapshots.map(|entry| entry.expect("an entry").path()));
+    files.iter().map(|file| fs::read_to_string(file).expect("a text")).collect()
+}
+
 /// `GELENK_UPDATE=findings` writes the page.
 #[test]
 fn the_page_of_findings_is_that_of_the_rules() {
@@ -57,6 +68,19 @@ fn the_page_of_findings_is_that_of_the_rules() {
          | code | level | sees | matters | example | fixture |\n|---|---|---|---|---|---|\n",
     );
     rows.values().for_each(|row| writeln!(page, "{row}").expect("a text"));
+    let text: String = fixtures(&root);
+    for row in rows.values() {
+        let fixture = row.rsplit(" | ").next().expect("a fixture");
+        let named: Vec<&str> = fixture.split('`').skip(1).step_by(2).collect();
+        assert!(!named.is_empty(), "{row}");
+        let is_there = |name: &&str| match name.strip_suffix(".rs") {
+            Some(_) => {
+                ["", "runtime/identification/src"].iter().any(|folder| root.join(folder).join(name).is_file())
+            }
+            None => text.contains(&format!("fn {name}(")) || text.contains(&format!("\n== {name}, exit ")),
+        };
+        assert!(named.iter().all(is_there), "its fixture is not there: {row}");
+    }
     let path = root.join("codegen/docs/findings.md");
     if std::env::var_os("GELENK_UPDATE").is_some_and(|value| value == "findings") {
         fs::write(&path, &page).expect("the page");

@@ -19,7 +19,7 @@ pub(super) const INTERNAL: u8 = 3;
 /// Reason why a command ends without success.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// Descriptions are at fault.
+    /// Descriptions or logs are at fault.
     Descriptions(Vec<Diagnostics>),
     /// A wrong command line.
     Usage(String),

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::arguments::Format;
 use super::failure::Failure;
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, SHOWN};
 use crate::program::cost::Cost;
 use crate::wording::as_written;
 
@@ -61,9 +61,6 @@ pub(super) fn diagnostics(diagnostics: &Diagnostics) -> Value {
 pub(super) fn findings(all: &[Diagnostic]) -> Value {
     all.iter().map(diagnostic).collect()
 }
-
-/// Most findings that are printed.
-const SHOWN: usize = 100;
 
 /// Findings as text, a line or two each.
 pub(super) fn lines(all: &[Diagnostic]) -> String {

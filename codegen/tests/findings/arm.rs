@@ -66,6 +66,26 @@ mass = 2.7
 /// The same, mounted at an angle of 25°.
 const TILTED: &str = "extends = \"truth.toml\"\ngravity = [4.146, 0, -8.891]\n";
 
+/// Bodies that the description makes 2.4 times too heavy.
+const LIGHT: &str = r#"
+extends = "arm.toml"
+
+[[bodies]]
+name = "pan"
+mass = 2.5
+inertia = [0.021, 0.021, 0.0125]
+
+[[bodies]]
+name = "lift"
+mass = 2.17
+inertia = [0.0375, 0.0375, 0.005]
+
+[[bodies]]
+name = "elbow"
+mass = 1.21
+inertia = [0.0167, 0.0171, 0.0021]
+"#;
+
 /// Viscous and Coulomb friction of each joint.
 const FRICTION: [[f64; 2]; 3] = [[9.0, 6.0], [12.0, 8.5], [4.0, 3.1]];
 const NAMES: [&str; 3] = ["pan", "lift", "elbow"];
@@ -132,7 +152,9 @@ fn named() -> String {
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in [("arm.toml", ARM), ("truth.toml", TRUTH), ("tilted.toml", TILTED)] {
+    for (name, text) in
+        [("arm.toml", ARM), ("truth.toml", TRUTH), ("tilted.toml", TILTED), ("light.toml", LIGHT)]
+    {
         fs::write(folder.path().join(name), text).unwrap();
     }
     folder
@@ -215,6 +237,7 @@ fn efforts_that_the_robot_does_not_explain_are_named() {
         ("hundredths", log(&changed(&good, |_, row| row.2 = row.2.map(|u| 0.01 * u)))),
         ("late", log(&record(folder.path(), "truth.toml", 0.015, true))),
         ("tilted", log(&record(folder.path(), "tilted.toml", 0.0, true))),
+        ("light", log(&record(folder.path(), "light.toml", 0.0, true))),
         ("spring", log(&changed(&good, |_, row| row.2[1] += 30.0 * row.1[1]))),
         ("warming_up", log(&changed(&good, |i, row| row.2[0] += 8.0 * i as f64 / STEPS as f64))),
     ];

@@ -47,11 +47,11 @@ pub fn identify_load(
     };
     // What is the same without and with the load is one finding.
     let mut findings: Vec<Finding> = Vec::new();
-    noted.into_iter().for_each(|finding| {
+    for finding in noted {
         if !findings.contains(&finding) {
-            findings.push(finding)
+            findings.push(finding);
         }
-    });
+    }
     Ok(CarriedLoad { payload, recordings, findings })
 }
 

@@ -111,11 +111,10 @@ impl Checked<'_> {
         [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of))
     }
 
-    /// Whether the forces of a joint, or of the robot as a whole, are several times the described ones or a fraction of them.
+    /// Whether the forces of a joint are several times the described ones or a fraction of them.
     pub(super) fn has_other_unit(&self) -> bool {
-        let of_all = self.common_ratio().is_some_and(|ratio| ratio.is_other());
         let told = self.layout.told();
-        of_all || (0..self.layout.joints).any(|joint| told[joint] && unit_doubt(self.sizes(joint)).is_some())
+        (0..self.layout.joints).any(|joint| told[joint] && unit_doubt(self.sizes(joint)).is_some())
     }
 
     /// The factor between estimated and described forces of the robot as a whole.

@@ -328,11 +328,11 @@ impl Task<'_> {
         };
         let accept_poor = self.settings.accept_poor;
         let ratio = checked.common_ratio();
-        let factor = ratio.as_ref().filter(|ratio| ratio.is_other()).map(CommonRatio::factor);
-        let mut doubts = other_explanations(self, judged, factor)?;
+        let mut doubts = other_explanations(self, judged, ratio.as_ref().map(CommonRatio::factor))?;
         doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
         other_factors(self, judged.0, held_out, &mut doubts)?;
-        other_order(self, judged, &mut doubts, checked.has_other_unit())?;
+        let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
+        other_order(self, judged, &mut doubts, has_other_unit)?;
         let refusals = doubts.refusals();
         if !refusals.is_empty() && !accept_poor {
             return Err(IdentificationError::Found { findings: refusals });

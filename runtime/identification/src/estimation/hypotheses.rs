@@ -129,7 +129,7 @@ pub(super) fn offered(finding: Finding, share: f64) -> Finding {
 /// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or
 /// whose friction drives them.
 ///
-/// - `ratio`: by how much larger the efforts are than described
+/// - `ratio`: estimated over described forces of the robot as a whole
 pub(super) fn other_explanations(
     task: &Task,
     (chosen, own): (&Chosen, &HeldOut),
@@ -353,7 +353,7 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
     let Some(share) = gain(&own, &other) else { return Ok(None) };
-    // Efforts in a larger unit look light, too.
+    // Bodies that are described too heavy, and efforts in a larger unit, are better explained without gravity, too.
     if let Some(ratio) = ratio {
         let mut scaled = chosen.over(chosen.centred.sums);
         scaled.values.gains.iter_mut().for_each(|gain| *gain /= ratio);

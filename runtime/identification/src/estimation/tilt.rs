@@ -63,12 +63,10 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
             break;
         } else if pass > 0 && angles.norm() < STAYS {
             let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
-            let errors = |turning: &Turning| turning.errors(task, last);
-            let [described, turned] = [
-                errors(&Turning { gravity: described, ..turning.clone() })?,
-                errors(&Turning { gravity, ..turning })?,
-            ];
-            let share = gain(own, &turned[0]).filter(|_| !harms(&described[1], &turned[1]));
+            // Free bodies imitate much that the described ones exclude.
+            let of_described = as_described(last.over(last.centred.sums), task.prior)?;
+            let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
+            let share = gain(own, &turned).filter(|_| !harms(&of_described, &turned_described));
             return Ok(share.map(|share| offered(finding, share)));
         }
     }
@@ -85,7 +83,6 @@ fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
 }
 
 /// The robot under another gravity, with the angles by which this turns further as parameters behind its own.
-#[derive(Clone)]
 struct Turning<'a> {
     robot: &'a dyn Robot,
     described: Vector3<f64>,

@@ -67,10 +67,9 @@ pub fn reduce(
     preparation.refine(&left_of_delays(&estimate));
     let left: Vec<f64> = estimate.delays.iter().map(|delay| delay.value).collect();
     let runs: Vec<PreparedRun> = runs.into_iter().map(|run| run.without_delays(&left)).collect();
-    let warnings = noted.into_iter().chain(beyond).filter(is_warning);
-    estimate.findings.splice(0..0, warnings);
     estimate.findings.retain(is_warning);
-    estimate.findings.iter().for_each(|warning| progress(&warning.to_string()));
+    beyond.iter().chain(&estimate.findings).for_each(|warning| progress(&warning.to_string()));
+    estimate.findings.splice(0..0, noted.into_iter().chain(beyond).filter(is_warning));
     let hash = recording.hashes.first().and_then(|(_, hash)| from_hexadecimal(hash));
     let fitted = Fitted::new(&runs, &estimate, settings.estimation.robust_passes > 0);
     let facts = fitted.facts(robot)?;
