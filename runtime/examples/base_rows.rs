@@ -25,8 +25,8 @@
 //! folder for temporary files).
 
 use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
+use gelenk_identification::numeric::random::SplitMix64;
 use gelenk_identification::preparation::{PreparationSettings, prepare};
-use gelenk_identification::random::SplitMix64;
 use gelenk_identification::run::{Effort, Run};
 use gelenk_report::{Axis, Figure, Marks, Plot};
 use lifting::{Lifting, Log, PERIOD};

@@ -1,6 +1,6 @@
 //! Recorded motions, joint by joint: as they were measured, and prepared for the regression.
 
-use super::shifted::{shifted, slope};
+use super::numeric::shifted::{shifted, slope};
 use std::ops::Range;
 
 /// A part of a log without interruption: all joints' samples at the same times.

@@ -1,12 +1,12 @@
 //! How well an identified robot predicts logs that it was not identified from.
 
+use super::doubts::range::far_beyond;
 use super::error::Result;
 use super::estimation::Gravity;
 use super::friction::FrictionReport;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
 use super::preparation::{Filter, PreparationSettings, prepare_all};
-use super::range::far_beyond;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
 use gelenk_findings::{Finding, Rule};

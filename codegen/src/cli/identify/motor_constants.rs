@@ -1,8 +1,8 @@
 //! Motor constants that logs of currents give.
 
-use gelenk_identification::digits::{plain, rounded};
 use gelenk_identification::estimation::Uncertain;
 use gelenk_identification::identify::Identification;
+use gelenk_identification::numeric::digits::{plain, rounded};
 use serde_json::{Value, json};
 
 use crate::model::{Drive, Input, Model};

@@ -5,12 +5,12 @@ use super::data::{Samples, beta_alone, opposed};
 use super::law::{Method, curve_error, standardized};
 use crate::arm::Friction;
 use crate::study::{Outcome, Part, Study};
-use gelenk_identification::cross_validation::{CrossValidation, pareto_front};
 use gelenk_identification::friction::FrictionReport;
-use gelenk_identification::least_squares::Reduced;
-use gelenk_identification::library::Library;
-use gelenk_identification::moments::{Moments, Samples as Columns};
-use gelenk_identification::thresholding::Thresholding;
+use gelenk_identification::methods::cross_validation::{CrossValidation, pareto_front};
+use gelenk_identification::methods::least_squares::Reduced;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::{Moments, Samples as Columns};
+use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
 /// Folds of the cross-validation.

@@ -1,6 +1,6 @@
 //! What is left of the efforts, against what the model does not have.
 
-use super::super::digits::plain;
+use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;

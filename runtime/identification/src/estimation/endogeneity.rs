@@ -12,8 +12,8 @@
 //! cosines for each.
 
 use super::super::error::Result;
-use super::super::kernel::BLOCK;
-use super::super::spectrum::symmetric_eigen;
+use super::super::numeric::kernel::BLOCK;
+use super::super::numeric::spectrum::symmetric_eigen;
 use super::cosines::{FEWEST, count, projections};
 use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};

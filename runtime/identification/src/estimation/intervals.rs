@@ -6,7 +6,7 @@
 //! from robots: ω² = δᵀ Λ δ / γ, with γ the number of combinations that the data decide (MacKay 1992).
 
 use super::super::error::Result;
-use super::super::kernel::BLOCK;
+use super::super::numeric::kernel::BLOCK;
 use super::super::run::PreparedRun;
 use super::cosines;
 use super::fit::{Solved, Weighting, force_weights};

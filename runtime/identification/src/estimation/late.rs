@@ -4,8 +4,8 @@
 //! small. So a first fit takes these, and the last one the rates of the forces that the first one predicts, over efforts from which
 //! its delays are taken off.
 
+use super::super::numeric::shifted::slope;
 use super::super::run::PreparedRun;
-use super::super::shifted::slope;
 use super::layout::Layout;
 use super::normal::Values;
 use super::residuals::Forces;

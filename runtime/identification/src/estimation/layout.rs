@@ -1,9 +1,9 @@
 //! Which unknown stands in which column, and which columns an equation of a joint has.
 
-use super::super::digits::two_digits;
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
+use super::super::numeric::digits::two_digits;
+use super::super::numeric::random::SplitMix64;
 use super::super::pose::rows_of;
-use super::super::random::SplitMix64;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::result::Offsets;

@@ -5,8 +5,8 @@
 //! is a fold of the held-out error and a block of the covariance.
 
 use super::super::error::{Result, require_finite};
-use super::super::kernel::{BLOCK, add_products};
-use super::super::library::{slope, smooth_sign};
+use super::super::methods::library::{slope, smooth_sign};
+use super::super::numeric::kernel::{BLOCK, add_products};
 use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};

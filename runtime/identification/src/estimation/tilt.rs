@@ -4,12 +4,12 @@
 //! rest under gravities across it. The angles are fitted beside all else, with bodies that are as good as free: what another
 //! body explains as well is no tilt. Passes repeat from the gravity that was found until it stays (Gauss and Newton).
 
-use super::super::confidence::quantile;
-use super::super::digits::plain;
 use super::super::error::Result;
+use super::super::methods::confidence::quantile;
+use super::super::numeric::digits::plain;
+use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
-use super::super::spectrum::symmetric_eigen;
 use super::choice::Chosen;
 use super::fit::{HeldOut, Weighting, fit};
 use super::hypotheses::{as_described, gain, harms, offered};

@@ -1,7 +1,7 @@
 //! Moments as bytes: a line with the version, the values in little-endian order, and the SHA-256 of all of it.
 
-use super::super::description::may_be_replaced;
 use super::super::error::{IdentificationError, Result};
+use super::super::result::description::may_be_replaced;
 use super::super::run::Effort;
 use super::exact::Exact;
 use super::logs::{

@@ -1,8 +1,8 @@
 //! Friction and offsets that change over the log, as they do while a gear warms up.
 
-use super::super::confidence::{LongRun, quantile};
-use super::super::drift::{Drift, Trend};
-use super::super::offset::{centre, mean};
+use super::super::methods::confidence::{LongRun, quantile};
+use super::super::methods::offset::{centre, mean};
+use super::super::result::drift::{Drift, Trend};
 use super::design::{offset_ranges, runs};
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -46,7 +46,7 @@ fn parts(data: &FrictionData) -> Vec<Range<usize>> {
     if runs.len() > 1 {
         return runs;
     }
-    super::super::moments::contiguous_blocks(data.velocities.len(), PARTS).collect()
+    super::super::methods::moments::contiguous_blocks(data.velocities.len(), PARTS).collect()
 }
 
 /// What least squares on the law's columns takes of a series.

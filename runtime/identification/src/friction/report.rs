@@ -1,11 +1,11 @@
 //! The law of a joint with what it was chosen from.
 
-use super::super::confidence::quantile;
-use super::super::cross_validation::{CrossValidation, ParetoPoint};
-use super::super::ensemble::Ensemble;
 use super::super::error::Result;
+use super::super::methods::confidence::quantile;
+use super::super::methods::cross_validation::{CrossValidation, ParetoPoint};
+use super::super::methods::ensemble::Ensemble;
+use super::super::methods::subset::{ModelAverage, SubsetValidation};
 use super::super::result::{FrictionResult, FrictionTerm};
-use super::super::subset::{ModelAverage, SubsetValidation};
 use nalgebra::{DMatrix, DVector};
 
 /// The law, and what it was chosen from.

@@ -1,11 +1,11 @@
 //! Samples of one joint, and the settings by which its law is found.
 
 use super::super::error::Result;
-use super::super::lasso::Lasso;
-use super::super::library::Library;
+use super::super::methods::lasso::Lasso;
+use super::super::methods::library::Library;
+use super::super::methods::stribeck::StribeckRegression;
+use super::super::methods::thresholding::Thresholding;
 use super::super::robot::JointLimits;
-use super::super::stribeck::StribeckRegression;
-use super::super::thresholding::Thresholding;
 use super::filtered::Filtered;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;

@@ -190,7 +190,7 @@ mod tests {
     use super::super::is_physically_consistent;
     use super::super::pseudo_inertia::tests::body;
     use super::*;
-    use crate::random::SplitMix64;
+    use crate::numeric::random::SplitMix64;
 
     /// The problem of `reference.py`: bodies from 10 g to 100 kg and from 3 mm to 0.3 m, behind them entries
     /// of several sizes, half of them not negative. Also the sizes.

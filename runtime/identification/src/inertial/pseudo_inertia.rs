@@ -1,6 +1,6 @@
 //! The pseudo-inertia of a body, and whether the body can exist.
 
-use crate::spectrum::symmetric_eigenvalues;
+use crate::numeric::spectrum::symmetric_eigenvalues;
 use nalgebra::{Matrix3, Matrix4};
 
 /// Parameters per body.
@@ -62,7 +62,7 @@ pub fn margin(pi: &[f64; PER_BODY]) -> f64 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::random::SplitMix64;
+    use crate::numeric::random::SplitMix64;
     use nalgebra::Vector4;
 
     /// A body made of point masses [kg] in a box [m]: consistent by construction.

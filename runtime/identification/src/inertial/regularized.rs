@@ -7,8 +7,8 @@
 
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
 use crate::error::{Result, require_finite, require_length, require_setting};
-use crate::spectrum::symmetric_eigen;
-use crate::statistics::median;
+use crate::numeric::spectrum::symmetric_eigen;
+use crate::numeric::statistics::median;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
 /// Smallest radius of gyration along any direction of a reference body, as a share of the median one of all
@@ -190,7 +190,7 @@ mod tests {
     use super::super::pseudo_inertia::tests::body as sample;
     use super::super::{is_physically_consistent, margin};
     use super::*;
-    use crate::random::SplitMix64;
+    use crate::numeric::random::SplitMix64;
     use nalgebra::{Rotation3, Translation3};
 
     fn value(regularization: &Regularization, pi: &[f64]) -> f64 {

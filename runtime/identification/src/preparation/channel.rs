@@ -1,6 +1,6 @@
 //! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are told apart.
 
-use super::super::statistics::{median, quantile};
+use super::super::numeric::statistics::{median, quantile};
 use std::f64::consts::PI;
 
 /// The samples of a signal that carry information, at their own times.

@@ -1,11 +1,11 @@
 //! Efforts explained by a robot's regressor, with friction and an offset for each joint: the judge of delays and
 //! bandwidths. Here each effort has parameters of its own.
 
-use super::super::moments::contiguous_blocks;
+use super::super::methods::moments::contiguous_blocks;
+use super::super::numeric::spectrum::svd;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
-use super::super::spectrum::svd;
 use super::filter::Filter;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;

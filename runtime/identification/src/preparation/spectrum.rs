@@ -161,7 +161,7 @@ fn reorder(re: &mut [f64], im: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::*;
 
     #[test]

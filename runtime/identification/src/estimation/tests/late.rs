@@ -1,7 +1,7 @@
 //! Efforts that are late by a time which nobody knows.
 
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::preparation::{PreparationSettings, prepare_all};
-use super::super::super::random::SplitMix64;
 use super::super::super::run::Effort;
 use super::super::{Estimate, EstimationSettings, estimate};
 use super::pendulum::{Experiment, Pendulum, STEEPNESS, log};

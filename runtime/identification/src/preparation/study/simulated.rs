@@ -1,6 +1,6 @@
 //! Simulated logs: encoders of 10 to 24 bits, 50 Hz to 4 kHz, with repeats, jitter, gaps and delays.
 
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun, Run};
 use super::super::{PreparationReport, PreparationSettings, prepare_all};
