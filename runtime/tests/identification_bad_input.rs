@@ -162,7 +162,7 @@ fn lambda_and_threshold_that_remove_everything() {
     let samples = Samples::from_library(&friction, vec![&v], vec![&torque]).expect("samples");
     let moments = Moments::new(&samples).expect("sums");
     let lasso = Lasso::default();
-    let largest = lasso.largest_lambda(&moments, 0).expect("a bound");
+    let largest = lasso.lambda_grid(&moments, 0, 2, 0.5).expect("a bound")[0];
     let text = message(lasso.fit(&moments, 0, 2.0 * largest));
     assert!(text.contains("removes every term: the largest value that keeps one"), "{text}");
     let folds = Moments::blocks(&samples, 4).expect("folds");

@@ -5,6 +5,7 @@
 //! of terms is evaluated and reduced to moments ([`methods`]), and sparse or nonlinear friction laws are fitted to them
 //! ([`friction`]). Logs that are too many for one machine become sums of products that add up ([`fleet`]).
 
+#![warn(unreachable_pub)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod carried;

@@ -35,9 +35,7 @@ mod unit;
 
 pub use estimate::estimate;
 pub use instruments::InstrumentSource;
-pub use result::{
-    Estimate, EstimatedTerm, Gravity, InstrumentalEstimate, JointEstimate, Offsets, Uncertain, WeightTried,
-};
+pub use result::{Estimate, EstimatedTerm, Gravity, InstrumentalEstimate, JointEstimate, Offsets, Uncertain};
 pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {

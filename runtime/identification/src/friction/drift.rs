@@ -2,7 +2,7 @@
 
 use super::super::methods::confidence::{LongRun, quantile};
 use super::super::methods::offset::{centre, mean};
-use super::super::result::drift::{Drift, Trend};
+use super::super::result::{Drift, Trend};
 use super::design::{offset_ranges, runs};
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};

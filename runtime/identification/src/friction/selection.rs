@@ -95,7 +95,7 @@ pub(super) fn choose(
 fn by_subsets(reduced: &Reduced, folds: &[Moments], rows: Option<&DMatrix<f64>>) -> Result<Chosen> {
     let conditions =
         Conditions { requirements: requirements(reduced.moments().names()), rows: rows.cloned() };
-    let subsets = SubsetValidation::with_conditions(folds, 0, &conditions)?;
+    let subsets = SubsetValidation::new(folds, 0, &conditions)?;
     let best = &subsets.best[subsets.one_standard_error];
     Ok(Chosen {
         selection: Selection::BestOfSize(best.active.len(), conditions),

@@ -2,7 +2,7 @@
 
 use super::super::error::Result;
 use super::super::methods::offset::centre;
-use super::super::methods::stribeck::{Robustness, StribeckFit, StribeckRegression, stribeck_torque};
+use super::super::methods::stribeck::{StribeckFit, StribeckRegression, stribeck_torque};
 use super::super::numeric::digits::plain;
 use super::super::result::FrictionLaw;
 use super::design::{folds, offset_ranges, offsets};
@@ -48,9 +48,8 @@ pub(super) fn identify(
     let fit = fit.with_correlated_errors(v, torques, data.weights, &runs);
     let mut findings = Findings::new(data);
     findings.note(format!(
-        "Stribeck law{} by least squares, {}, {} starts, {} passes",
+        "Stribeck law{} by least squares, samples weigh the same, {} starts, {} passes",
         if separate { " beside the offset of each run" } else { "" },
-        weights_said(regression.robustness),
         regression.starts,
         fit.iterations
     ));
@@ -81,13 +80,6 @@ fn judged(data: &FrictionData, fit: &StribeckFit, runs: &[Range<usize>], unseen:
         residuals,
         freedom: fit.freedom as f64,
         stribeck: Some(fit.words()),
-    }
-}
-
-fn weights_said(robustness: Robustness) -> String {
-    match robustness {
-        Robustness::None => "samples weigh the same".into(),
-        Robustness::Huber(k) => format!("outliers weigh less (Huber's k = {k})"),
     }
 }
 

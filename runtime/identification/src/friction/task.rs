@@ -13,7 +13,7 @@ use std::ops::Range;
 /// Least R² on data that were left out of a law that may be written. Below 0.05 the law takes away less than
 /// 2.6 % of the torque's root mean square: as a feed-forward it changes nothing that could be measured, and
 /// its terms mean nothing.
-pub const LEAST_R_SQUARED: f64 = 0.05;
+const LEAST_R_SQUARED: f64 = 0.05;
 
 /// Friction samples of one joint.
 #[derive(Debug, Clone, Default)]
@@ -133,7 +133,7 @@ pub struct FrictionIdentification {
 
 impl FrictionIdentification {
     /// [`Library::joint_friction`], thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks,
-    /// passive, refused below [`LEAST_R_SQUARED`].
+    /// passive, refused below a held-out R² of 0.05.
     ///
     /// # Errors
     /// None in practice; the signature is that of [`Library::new`].

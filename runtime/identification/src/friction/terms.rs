@@ -1,7 +1,6 @@
 //! Laws that are sums of terms: choice, least squares, passivity, standard errors.
 
 use super::super::error::Result;
-use super::super::methods::cross_validation::pareto_front;
 use super::super::methods::ensemble::{Ensemble, bootstrap};
 use super::super::methods::least_squares::{Reduced, Solution, Solver};
 use super::super::methods::library::Library;
@@ -179,15 +178,12 @@ impl Fitted {
         errors: Errors,
         average: Option<ModelAverage>,
     ) -> Result<FrictionReport> {
-        let validation = self.chosen.validation;
-        let front = validation.as_ref().map(|validation| pareto_front(of.reduced, 0, validation));
         Ok(FrictionReport {
             terms: of.library.terms().to_vec(),
             correlation: of.reduced.moments().correlation(),
             condition: of.reduced.condition(),
             covariance: errors.covariance,
-            front: front.transpose()?.unwrap_or_default(),
-            validation,
+            validation: self.chosen.validation,
             subsets: self.chosen.subsets,
             ensemble: self.ensemble,
             average,

@@ -70,7 +70,7 @@ fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
     let report = identify(&settings, &v, &torque).unwrap();
     let text = report.result.settings.join("\n");
     assert!(text.contains("in 1/(2N)‖·‖² + λ‖·‖₁") && text.contains("in ‖·‖² + λ‖·‖₁"), "{text}");
-    assert_eq!(report.front.len(), 100);
+    assert_eq!(report.validation.as_ref().unwrap().path.lambdas.len(), 100);
     // The constant of the library belongs to the offset.
     assert_eq!(report.terms[..2], ["v", "sign(v)"]);
     assert_eq!(report.correlation.shape(), (8, 8));

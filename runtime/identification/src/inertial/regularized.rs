@@ -26,7 +26,7 @@ const UNKNOWN_MASS: f64 = 1.0;
 
 /// `weight · Σ ½ tr((J₀⁻¹ (J − J₀))²) = ½ πᵀ H π − gᵀ π + const`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Regularization {
+pub(crate) struct Regularization {
     /// H, `10 bodies × 10 bodies`, one block for each body.
     pub hessian: DMatrix<f64>,
     /// g.
@@ -34,12 +34,12 @@ pub struct Regularization {
     /// The reference bodies, all of which can exist: π₀, and its nearest reference where π₀ cannot.
     pub reference: Vec<f64>,
     /// Bodies whose description cannot exist or is nearly singular, with what was done.
-    pub repaired: Vec<Repair>,
+    pub(crate) repaired: Vec<Repair>,
 }
 
 /// A described body that is no reference as it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Repair {
+pub(crate) struct Repair {
     /// Number of the body, from 0.
     pub body: usize,
     /// What the description lacks.
@@ -48,7 +48,7 @@ pub struct Repair {
 
 /// Why a described body is no reference as it stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub(crate) enum Fault {
     /// The mass is zero or negative: the reference has a hundredth of the median mass, at the frame's origin.
     Massless,
     /// A principal moment exceeds the sum of the others: the spread of mass along that axis was raised to the
@@ -98,7 +98,7 @@ struct Typical {
 ///
 /// # Errors
 /// A length that is no multiple of ten, values that are not finite, or a weight that is not positive.
-pub fn towards(prior: &[f64], weight: f64) -> Result<Regularization> {
+pub(crate) fn towards(prior: &[f64], weight: f64) -> Result<Regularization> {
     let bodies = prior.len() / PER_BODY;
     require_length("parameters, ten per body", bodies * PER_BODY, prior.len())?;
     require_finite("the prior", prior)?;

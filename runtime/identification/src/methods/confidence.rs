@@ -24,7 +24,7 @@ const FEWEST_BLOCKS: usize = 12;
 
 /// What is known about the sum of a correlated series.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LongRun {
+pub(crate) struct LongRun {
     /// Variance of the sum.
     pub variance: f64,
     /// Length of the blocks that gave it, in samples: beyond it the series is hardly correlated.
@@ -38,7 +38,7 @@ impl LongRun {
     ///
     /// - `runs`: ranges of samples that follow each other without interruption; nothing is assumed to be
     ///   correlated between them
-    pub fn of_sum(series: &[f64], runs: &[Range<usize>]) -> Self {
+    pub(crate) fn of_sum(series: &[f64], runs: &[Range<usize>]) -> Self {
         let samples: usize = runs.iter().map(ExactSizeIterator::len).sum();
         let mut best = Self { variance: 0.0, block: 1, freedom: samples as f64 };
         let mut block = 1;
@@ -58,16 +58,8 @@ impl LongRun {
     }
 
     /// Standard error of the sum.
-    pub fn standard_error(&self) -> f64 {
+    pub(crate) fn standard_error(&self) -> f64 {
         self.variance.sqrt()
-    }
-
-    /// Half the width of the two-sided interval at `level` (e.g. 0.95).
-    ///
-    /// # Errors
-    /// A level outside (0, 1).
-    pub fn half_width(&self, level: f64) -> Result<f64> {
-        Ok(quantile(level, self.freedom)? * self.standard_error())
     }
 }
 
@@ -75,7 +67,7 @@ impl LongRun {
 ///
 /// # Errors
 /// A level outside (0, 1), or no degree of freedom.
-pub fn quantile(level: f64, freedom: f64) -> Result<f64> {
+pub(crate) fn quantile(level: f64, freedom: f64) -> Result<f64> {
     require_setting("level", level, level > 0.0 && level < 1.0, "it must lie between 0 and 1")?;
     if freedom >= NEARLY_NORMAL {
         let z = Normal::standard().inverse_cdf(0.5 * (1.0 + level));
@@ -183,7 +175,7 @@ mod tests {
                 let mean = x.iter().sum::<f64>() / 3000.0;
                 let centred: Vec<f64> = x.iter().map(|x| x - mean).collect();
                 let found = LongRun::of_sum(&centred, &whole(3000));
-                mean.abs() <= found.half_width(0.9).unwrap() / 3000.0
+                mean.abs() <= quantile(0.9, found.freedom).unwrap() * found.standard_error() / 3000.0
             });
             // 90 % of 300 is 270 ± 5.2; nothing is promised within a few per cent at strong correlation.
             let covered = covered.count();
@@ -244,8 +236,7 @@ mod tests {
 
     #[test]
     fn faulty_levels_are_refused() {
-        let found = LongRun::of_sum(&[1.0, -1.0], &whole(2));
-        assert!(found.half_width(1.0).unwrap_err().to_string().starts_with("level = 1 is not possible"));
+        assert!(quantile(1.0, 2.0).unwrap_err().to_string().starts_with("level = 1 is not possible"));
         assert!((quantile(0.95, 1e6).unwrap() - 1.96).abs() < 1e-3);
     }
 

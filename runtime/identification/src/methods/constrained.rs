@@ -11,7 +11,7 @@ use super::moments::Moments;
 use nalgebra::{DMatrix, DVector};
 
 /// Rows of `A` that keep the coefficients of `terms` non-negative; `count` terms in all.
-pub fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
+pub(crate) fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
     DMatrix::from_fn(terms.len(), count, |i, j| if terms[i] == j { 1.0 } else { 0.0 })
 }
 
@@ -21,7 +21,7 @@ pub fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
 ///
 /// # Errors
 /// A library of other channels than one velocity.
-pub fn passivity_rows(library: &Library, velocities: &[f64]) -> Result<DMatrix<f64>> {
+pub(crate) fn passivity_rows(library: &Library, velocities: &[f64]) -> Result<DMatrix<f64>> {
     require_length("channels of a friction library (the velocity alone)", 1, library.channels().len())?;
     let mut theta = library.matrix(&[velocities])?;
     for (mut row, v) in theta.row_iter_mut().zip(velocities) {
@@ -38,7 +38,7 @@ pub fn passivity_rows(library: &Library, velocities: &[f64]) -> Result<DMatrix<f
 ///
 /// # Errors
 /// A of the wrong width, collinear terms, or an iteration that does not end.
-pub fn constrained_fit(
+pub(crate) fn constrained_fit(
     reduced: &Reduced,
     target: usize,
     active: &[usize],
@@ -87,7 +87,7 @@ pub(crate) fn constrained(
 }
 
 /// Rows of `A` on which `ξ` lies, `aᵢ ξ = 0` within rounding.
-pub fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<f64> {
+pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<f64> {
     let binds = |i: &usize| {
         let terms = rows.row(*i).transpose().component_mul(coefficients);
         terms.sum().abs() <= 1e-8 * terms.lp_norm(1).max(f64::MIN_POSITIVE)
@@ -118,7 +118,7 @@ fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
 ///
 /// # Errors
 /// [`IdentificationError::NotConverged`] after 10 exchanges per column.
-pub fn nonnegative_least_squares(matrix: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>> {
+pub(crate) fn nonnegative_least_squares(matrix: &DMatrix<f64>, b: &DVector<f64>) -> Result<DVector<f64>> {
     let n = matrix.ncols();
     let mut u = DVector::<f64>::zeros(n);
     let mut passive: Vec<usize> = Vec::new();

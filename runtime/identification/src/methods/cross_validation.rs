@@ -5,11 +5,10 @@
 
 use super::super::error::{IdentificationError, Result, require_length, require_setting};
 use super::super::numeric::statistics::{mean_with_error, simplest};
-use super::lasso::{Lasso, LassoPath, active_terms, paper_lambda};
+use super::lasso::{Lasso, LassoPath, active_terms};
 use super::least_squares::{Reduced, Solution};
 use super::moments::{Moments, splits};
 use nalgebra::DVector;
-use std::fmt::Write;
 
 /// Cross-validated LASSO path.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +31,7 @@ impl CrossValidation {
     /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
     ///
     /// # Errors
-    /// Fewer than two folds, λ that do not descend, or as [`Lasso::path`].
+    /// Fewer than two folds, λ that do not descend, or λ without a solution.
     pub fn new(lasso: &Lasso, folds: &[Moments], target: usize, lambdas: &[f64]) -> Result<Self> {
         require_setting("number of folds", folds.len() as f64, folds.len() >= 2, "at least two are needed")?;
         require_setting("number of λ", lambdas.len() as f64, !lambdas.is_empty(), "at least one is needed")?;
@@ -111,38 +110,6 @@ pub fn pareto_front(
         });
     }
     Ok(points)
-}
-
-/// The front as a table, a line wherever the chosen terms change, and at the two choices.
-///
-/// - `names`: texts of the terms; `choices`: indices of the least error and of the one-standard-error choice
-///
-/// λ in both conventions, errors as root mean squares in the target's unit; `*` marks the least error, `+`
-/// the choice by one standard error.
-pub fn pareto_table(front: &[ParetoPoint], names: &[String], samples: usize, choices: [usize; 2]) -> String {
-    let mut text =
-        format!("   {:>12} {:>12} {:>12} {:>12}  terms\n", "λ of 1/(2N)", "λ of ‖·‖²", "left out", "refit");
-    for (i, point) in front.iter().enumerate() {
-        let changed = i == 0 || front[i - 1].active != point.active;
-        if !changed && !choices.contains(&i) {
-            continue;
-        }
-        let mark = |choice: usize, mark: char| if i == choice { mark } else { ' ' };
-        let left_out = point.validation_error.map_or_else(|| "-".into(), |e| format!("{:.6}", e.sqrt()));
-        let terms: Vec<&str> =
-            point.active.iter().filter_map(|&k| names.get(k).map(String::as_str)).collect();
-        let _ = writeln!(
-            text,
-            "{}{} {:>12.4e} {:>12.4e} {left_out:>12} {:>12.6}  {}",
-            mark(choices[0], '*'),
-            mark(choices[1], '+'),
-            point.lambda,
-            paper_lambda(point.lambda, samples),
-            point.refit_error.sqrt(),
-            terms.join(", ")
-        );
-    }
-    text
 }
 
 /// Least squares on the terms that the path chose at `index`.
@@ -224,12 +191,6 @@ mod tests {
         for point in &front {
             assert!(point.refit_error <= point.lasso_error * (1.0 + 1e-9));
         }
-        let choices = [validation.minimum, validation.one_standard_error];
-        let table = pareto_table(&front, library.terms(), 4000, choices);
-        let marked = |c: char| table.lines().filter(|l| l.chars().take(2).any(|x| x == c)).count();
-        assert_eq!((marked('*'), marked('+')), (1, 1), "{table}");
-        let largest = format!("{:.4e} {:>12.4e}", grid[0], 8000.0 * grid[0]);
-        assert!(table.lines().nth(1).unwrap().contains(&largest), "{table}");
         let fit = refit(&reduced, 0, &validation.path, validation.one_standard_error).unwrap();
         assert!(fit.active.contains(&1) && fit.active.contains(&2), "{:?}", fit.active);
         assert!((fit.coefficients[1] - 3.0).abs() < 0.02);

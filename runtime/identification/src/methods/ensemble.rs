@@ -11,7 +11,7 @@ use nalgebra::DVector;
 
 /// Result of a bootstrap: statistics of each term over its draws.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ensemble {
+pub(crate) struct Ensemble {
     /// Share of the draws in which a term was chosen.
     pub inclusion: Vec<f64>,
     /// Median coefficient over all draws, zero where not chosen.
@@ -30,7 +30,7 @@ pub struct Ensemble {
 ///
 /// # Errors
 /// Fewer than two blocks, no draws, or no draw that gives a model (the reason of the first is passed on).
-pub fn bootstrap(
+pub(crate) fn bootstrap(
     blocks: &[Moments],
     draws: usize,
     seed: u64,

@@ -10,11 +10,11 @@ use nalgebra::{DMatrix, DVector};
 const NORMAL_EQUATIONS_LIMIT: f64 = 1e3;
 
 /// Above this condition number a library counts as collinear.
-pub const COLLINEAR_LIMIT: f64 = 1e10;
+pub(crate) const COLLINEAR_LIMIT: f64 = 1e10;
 
 /// How the equations are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Solver {
+pub(crate) enum Solver {
     /// Cholesky factorization of the Gram matrix, columns scaled.
     NormalEquations,
     /// Householder factorization of the samples, block by block.
@@ -90,7 +90,7 @@ impl Reduced {
     }
 
     /// How equations are solved on these data.
-    pub fn solver(&self) -> Solver {
+    pub(crate) fn solver(&self) -> Solver {
         if self.triangle.is_some() { Solver::Orthogonal } else { Solver::NormalEquations }
     }
 
@@ -98,7 +98,7 @@ impl Reduced {
     ///
     /// # Errors
     /// Terms or target out of range, or a factorization that fails.
-    pub fn solve(&self, target: usize, active: &[usize], ridge: f64) -> Result<DVector<f64>> {
+    pub(crate) fn solve(&self, target: usize, active: &[usize], ridge: f64) -> Result<DVector<f64>> {
         self.check(target, active)?;
         let small = match &self.triangle {
             None => self.solve_normal(target, active, ridge),
@@ -118,7 +118,7 @@ impl Reduced {
     /// Least squares on `active` with standard errors.
     ///
     /// # Errors
-    /// As [`Self::solve`].
+    /// Collinear terms.
     pub fn fit(&self, target: usize, active: &[usize]) -> Result<Solution> {
         let coefficients = self.solve(target, active, 0.0)?;
         let residual = self.residual(target, &coefficients);
@@ -136,7 +136,7 @@ impl Reduced {
     }
 
     /// Residual sum of squares of given coefficients.
-    pub fn residual(&self, target: usize, coefficients: &DVector<f64>) -> f64 {
+    pub(crate) fn residual(&self, target: usize, coefficients: &DVector<f64>) -> f64 {
         let Some(triangle) = &self.triangle else {
             return self.moments.residual(target, coefficients);
         };
@@ -221,7 +221,7 @@ fn solve_triangular(
 }
 
 /// R of the Householder factorization of `[Θ | Y]` `[q × q]`, formed block by block.
-pub fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
+pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     let q = samples.names().len() + samples.targets();
     let mut r = DMatrix::<f64>::zeros(q, q);
     samples.visit(0..samples.len(), &mut |columns| {

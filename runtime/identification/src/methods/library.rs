@@ -111,18 +111,13 @@ impl Library {
     }
 
     /// Names of the channels.
-    pub fn channels(&self) -> &[String] {
+    pub(crate) fn channels(&self) -> &[String] {
         &self.channels
     }
 
     /// Number of terms p.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.terms.len()
-    }
-
-    /// Never true: a library has at least one term.
-    pub fn is_empty(&self) -> bool {
-        self.terms.is_empty()
     }
 
     pub(crate) fn program(&self) -> &Program {

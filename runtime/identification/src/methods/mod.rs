@@ -1,10 +1,10 @@
 //! Methods of regression: libraries of terms, sparse selection, the Stribeck law, derivatives of signals, and their errors.
 
-pub mod confidence;
-pub mod constrained;
+pub(crate) mod confidence;
+pub(crate) mod constrained;
 pub mod cross_validation;
 pub mod differentiation;
-pub mod ensemble;
+pub(crate) mod ensemble;
 pub mod expression;
 pub mod lasso;
 pub mod least_squares;

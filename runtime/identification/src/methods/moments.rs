@@ -82,7 +82,7 @@ impl<'a> Samples<'a> {
     ///
     /// # Errors
     /// Wrong length, NaN, or a negative weight.
-    pub fn with_weights(mut self, weights: &'a [f64]) -> Result<Self> {
+    pub(crate) fn with_weights(mut self, weights: &'a [f64]) -> Result<Self> {
         require_length("weights", self.samples, weights.len())?;
         require_finite("the weights", weights)?;
         if let Some(row) = weights.iter().position(|w| *w < 0.0) {
@@ -97,22 +97,17 @@ impl<'a> Samples<'a> {
     }
 
     /// Texts of the terms.
-    pub fn names(&self) -> &[String] {
+    pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
     /// Number of samples m.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.samples
     }
 
-    /// Never true: construction needs a sample.
-    pub fn is_empty(&self) -> bool {
-        self.samples == 0
-    }
-
     /// Number of target columns.
-    pub fn targets(&self) -> usize {
+    pub(crate) fn targets(&self) -> usize {
         self.targets.len()
     }
 
@@ -213,7 +208,7 @@ impl Moments {
     ///
     /// # Errors
     /// A range that is empty or ends behind the samples, or NaN or infinite values.
-    pub fn ranges(samples: &Samples, ranges: &[Range<usize>]) -> Result<Vec<Self>> {
+    pub(crate) fn ranges(samples: &Samples, ranges: &[Range<usize>]) -> Result<Vec<Self>> {
         let mut blocks = Vec::with_capacity(ranges.len());
         for rows in ranges.iter().cloned() {
             require_samples("a range of samples", 1, rows.len())?;
@@ -233,7 +228,7 @@ impl Moments {
     ///
     /// # Errors
     /// As [`Self::ranges`], and a fold without ranges.
-    pub fn folds(samples: &Samples, folds: &[Vec<Range<usize>>]) -> Result<Vec<Self>> {
+    pub(crate) fn folds(samples: &Samples, folds: &[Vec<Range<usize>>]) -> Result<Vec<Self>> {
         folds.iter().map(|ranges| Self::sum(&Self::ranges(samples, ranges)?)).collect()
     }
 
@@ -270,12 +265,12 @@ impl Moments {
     }
 
     /// Texts of the terms.
-    pub fn names(&self) -> &[String] {
+    pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
     /// Number of terms p.
-    pub fn terms(&self) -> usize {
+    pub(crate) fn terms(&self) -> usize {
         self.names.len()
     }
 
@@ -285,24 +280,24 @@ impl Moments {
     }
 
     /// Number of targets.
-    pub fn targets(&self) -> usize {
+    pub(crate) fn targets(&self) -> usize {
         self.products.ncols() - self.names.len()
     }
 
     /// Gram matrix ΘᵀΘ `[p × p]`.
-    pub fn gram(&self) -> DMatrix<f64> {
+    pub(crate) fn gram(&self) -> DMatrix<f64> {
         let p = self.terms();
         self.products.view((0, 0), (p, p)).into_owned()
     }
 
     /// Projection Θᵀy of one target `[p]`.
-    pub fn projection(&self, target: usize) -> DVector<f64> {
+    pub(crate) fn projection(&self, target: usize) -> DVector<f64> {
         let p = self.terms();
         self.products.view((0, p + target), (p, 1)).column(0).into_owned()
     }
 
     /// Energy yᵀy of one target.
-    pub fn energy(&self, target: usize) -> f64 {
+    pub(crate) fn energy(&self, target: usize) -> f64 {
         let i = self.terms() + target;
         self.products[(i, i)]
     }
@@ -327,7 +322,7 @@ impl Moments {
 
     /// Condition number of the library with its columns scaled to unit length; ∞ if a column vanishes.
     /// It is computed from the Gram matrix, so that values above 1e7 are only lower bounds.
-    pub fn condition(&self) -> f64 {
+    pub(crate) fn condition(&self) -> f64 {
         let eigenvalues = symmetric_eigenvalues(&self.correlation());
         let (least, largest) = (eigenvalues.min(), eigenvalues.max());
         if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY }

@@ -12,7 +12,7 @@ use super::moments::{Moments, splits};
 use nalgebra::{DMatrix, DVector};
 
 /// Largest library: 4095 subsets.
-pub const MOST_TERMS: usize = 12;
+pub(crate) const MOST_TERMS: usize = 12;
 
 /// A subset with its error on left-out folds.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +39,7 @@ pub struct SubsetValidation {
 /// A term that may only stand beside another one: an asymmetry `|f(v)|` beside `f(v)`. Alone it would pass for `f`
 /// on motion in one direction, and drive the joint in the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Requirement {
+pub(crate) struct Requirement {
     /// The term.
     pub term: usize,
     /// The one it needs.
@@ -47,7 +47,7 @@ pub struct Requirement {
 }
 
 /// A requirement for each term `abs(f)` of a library that has `f` too.
-pub fn requirements(terms: &[String]) -> Vec<Requirement> {
+pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
     let partner = |(term, text): (usize, &String)| {
         let inner = text.strip_prefix("abs(")?.strip_suffix(')')?;
         let needs = terms.iter().position(|t| t == inner)?;
@@ -58,7 +58,7 @@ pub fn requirements(terms: &[String]) -> Vec<Requirement> {
 
 /// What the law of a subset has to meet.
 #[derive(Debug, Clone, Default)]
-pub struct Conditions {
+pub(crate) struct Conditions {
     /// Terms that need others.
     pub requirements: Vec<Requirement>,
     /// Rows of `A ξ ≥ 0` over all terms, which every fit meets; none where fits are free.
@@ -108,21 +108,13 @@ fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<u
 }
 
 impl SubsetValidation {
-    /// Judges all subsets.
+    /// Judges all subsets that meet conditions.
     ///
     /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
     ///
     /// # Errors
     /// Fewer than two folds, more than [`MOST_TERMS`] terms, or no subset that can be solved.
-    pub fn new(folds: &[Moments], target: usize) -> Result<Self> {
-        Self::with_conditions(folds, target, &Conditions::default())
-    }
-
-    /// Judges all subsets that meet conditions.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn with_conditions(folds: &[Moments], target: usize, conditions: &Conditions) -> Result<Self> {
+    pub(crate) fn new(folds: &[Moments], target: usize, conditions: &Conditions) -> Result<Self> {
         let p = folds.first().map_or(0, Moments::terms);
         let count = folds.len() as f64;
         require_setting("number of folds", count, folds.len() >= 2, "at least two are needed")?;
@@ -167,7 +159,7 @@ impl SubsetValidation {
 /// The weights are `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` (Schwarz 1978; Raftery 1995), n being the number
 /// of samples that would tell as much if their errors were independent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ModelAverage {
+pub(crate) struct ModelAverage {
     /// Probability of each term: the weight of all subsets that have it.
     pub inclusion: Vec<f64>,
     /// Coefficients averaged over all subsets, zero where a subset lacks the term.
@@ -187,7 +179,7 @@ impl ModelAverage {
     ///
     /// # Errors
     /// More than [`MOST_TERMS`] terms, a target that is not there, or fewer than two effective samples.
-    pub fn new(
+    pub(crate) fn new(
         moments: &Moments,
         target: usize,
         effective_samples: f64,
@@ -263,7 +255,7 @@ fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64
 ///
 /// # Errors
 /// A size that no solvable subset has.
-pub fn best_of_size(
+pub(crate) fn best_of_size(
     moments: &Moments,
     target: usize,
     size: usize,
@@ -307,7 +299,7 @@ mod tests {
     #[test]
     fn the_one_standard_error_rule_finds_the_terms_that_made_the_data() {
         let folds = folds(&Library::friction().unwrap(), 0.3);
-        let found = SubsetValidation::new(&folds, 0).unwrap();
+        let found = SubsetValidation::new(&folds, 0, &Conditions::default()).unwrap();
         assert_eq!(found.best.len(), 7);
         assert_eq!(found.best[found.one_standard_error].active, [1, 4]);
         assert!(found.one_standard_error <= found.minimum);
@@ -320,7 +312,7 @@ mod tests {
     fn errors_agree_with_the_residual_of_a_single_fit() {
         let library = Library::new(&["v", "sign(v)"], &["v"]).unwrap();
         let folds = folds(&library, 0.0);
-        let found = SubsetValidation::new(&folds, 0).unwrap();
+        let found = SubsetValidation::new(&folds, 0, &Conditions::default()).unwrap();
         let mut sum = 0.0;
         for k in 0..10 {
             let rest = Moments::sum(folds.iter().enumerate().filter(|f| f.0 != k).map(|f| f.1));
@@ -382,7 +374,7 @@ mod tests {
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let folds = Moments::blocks(&samples, 5).unwrap();
         let needs = Conditions { requirements: requirements(library.terms()), rows: None };
-        let found = SubsetValidation::with_conditions(&folds, 0, &needs).unwrap();
+        let found = SubsetValidation::new(&folds, 0, &needs).unwrap();
         assert_eq!(found.best[0].active, [1]);
     }
 
@@ -390,13 +382,15 @@ mod tests {
     fn what_cannot_be_tried_has_a_message() {
         let terms: Vec<String> = (1..=13).map(|i| format!("sin({i}*v)")).collect();
         let library = Library::new(&terms, &["v"]).unwrap();
-        let message = SubsetValidation::new(&folds(&library, 0.1), 0).unwrap_err().to_string();
+        let message =
+            SubsetValidation::new(&folds(&library, 0.1), 0, &Conditions::default()).unwrap_err().to_string();
         assert!(message.starts_with("number of terms = 13 is not possible"), "{message}");
         let one = &folds(&Library::friction().unwrap(), 0.1)[..1];
-        let message = SubsetValidation::new(one, 0).unwrap_err().to_string();
+        let message = SubsetValidation::new(one, 0, &Conditions::default()).unwrap_err().to_string();
         assert!(message.starts_with("number of folds = 1 is not possible"), "{message}");
         let zero = Library::new(&["0*v"], &["v"]).unwrap();
-        let message = SubsetValidation::new(&folds(&zero, 0.1), 0).unwrap_err().to_string();
+        let message =
+            SubsetValidation::new(&folds(&zero, 0.1), 0, &Conditions::default()).unwrap_err().to_string();
         assert!(message.starts_with("the terms 0*v are collinear"), "{message}");
     }
 }

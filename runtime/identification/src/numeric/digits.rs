@@ -33,13 +33,13 @@ pub fn rounded(value: f64, error: Option<f64>) -> String {
 
 /// [`rounded`] with a point or an exponent, so that formats which tell whole numbers from others read a
 /// floating-point number.
-pub fn literal(value: f64, error: Option<f64>) -> String {
+pub(crate) fn literal(value: f64, error: Option<f64>) -> String {
     let text = rounded(value, error);
     if text.contains(['.', 'e', 'N', 'i']) { text } else { text + ".0" }
 }
 
 /// `76.556 ± 0.031`; the value alone where no error is known.
-pub fn with_error(value: f64, error: Option<f64>) -> String {
+pub(crate) fn with_error(value: f64, error: Option<f64>) -> String {
     match error.filter(|_| decimals(error).is_some()) {
         Some(e) => format!("{} ± {}", rounded(value, error), rounded(e, error)),
         None => rounded(value, None),
@@ -54,7 +54,7 @@ pub fn significant(value: f64, error: Option<f64>) -> Option<usize> {
 }
 
 /// Whether nothing is left of `value` after [`rounded`].
-pub fn vanishes(value: f64, error: Option<f64>) -> bool {
+pub(crate) fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
 }
 

@@ -48,14 +48,6 @@ pub struct Identified<'a> {
     pub bodies: &'a [String],
 }
 
-/// Writes a [`description`](description_toml) of friction alone into a file, see [`write_identified`].
-///
-/// # Errors
-/// As [`write_identified`].
-pub fn write_description(path: &Path, name: &str, base: &str, results: &[FrictionResult]) -> Result<()> {
-    write_identified(path, &Identified { name, extends: base, friction: results, ..Identified::default() })
-}
-
 /// Writes a [`description`](identified_toml) into a file, whole or not at all.
 ///
 /// - `path`: a new file, an empty one, or one that this function has written before; what it extends is an
@@ -318,7 +310,10 @@ mod tests {
     fn only_descriptions_of_its_own_are_written_over() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        let write = |name: &str| write_description(&at(name), "arm", "arm.toml", &[example()]);
+        let friction = [example()];
+        let identified =
+            Identified { name: "arm", extends: "arm.toml", friction: &friction, ..Identified::default() };
+        let write = |name: &str| write_identified(&at(name), &identified);
         fs::write(at("arm.toml"), "name = \"arm\"\n").unwrap();
         fs::write(at("other.toml"), "name = \"other\"\n").unwrap();
         fs::write(at("empty.toml"), "").unwrap();

@@ -1,21 +1,21 @@
 //! Identified friction: the law, how far to trust it, and a table of both. As TOML: [`self::description`].
 
-use self::drift::Drift;
 use super::error::Result;
 use super::methods::confidence::quantile;
 use super::methods::library::Library;
 pub use super::methods::offset::Offset;
 use super::methods::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
 use super::numeric::digits::{rounded, vanishes, with_error};
+pub use drift::{Drift, Trend};
 use gelenk_findings::{Finding, Severity};
 use nalgebra::DMatrix;
 use std::fmt::Write;
 
 pub mod description;
-pub(crate) mod drift;
+mod drift;
 
 /// Level of the intervals in tables and descriptions.
-pub const CONFIDENCE: f64 = 0.95;
+pub(crate) const CONFIDENCE: f64 = 0.95;
 
 /// A coefficient of a friction law with what is known about it.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,7 +26,7 @@ pub struct FrictionTerm {
     pub coefficient: f64,
     /// Standard error for correlated residuals, where known.
     pub standard_error: Option<f64>,
-    /// Half the width of the interval at [`CONFIDENCE`], where noise of the velocities biases least squares and the interval
+    /// Half the width of the interval at 95 %, where noise of the velocities biases least squares and the interval
     /// reaches as far as instrumental variables put the true coefficient. The standard error then is the root of the mean
     /// square distance from it.
     pub reach: Option<f64>,
@@ -99,7 +99,7 @@ impl FrictionLaw {
     ///
     /// # Errors
     /// As [`Self::torques`].
-    pub fn gradients(&self, velocities: &[f64]) -> Result<DMatrix<f64>> {
+    pub(crate) fn gradients(&self, velocities: &[f64]) -> Result<DMatrix<f64>> {
         match self {
             Self::Terms(terms) => matrix(terms, velocities),
             Self::Stribeck(parameters) => {
@@ -132,7 +132,7 @@ impl FrictionLaw {
 
 impl FrictionTerm {
     /// The error that decides how many digits are written.
-    pub fn written_error(&self) -> Option<f64> {
+    pub(crate) fn written_error(&self) -> Option<f64> {
         self.resolution.or(self.standard_error)
     }
 
@@ -239,7 +239,7 @@ impl FrictionResult {
     }
 
     /// Tells whether nothing is left of the law with the digits that its errors leave.
-    pub fn vanishes(&self) -> bool {
+    pub(crate) fn vanishes(&self) -> bool {
         let mut terms = self.law.coefficients().iter().chain(&self.load);
         terms.all(|term| vanishes(term.coefficient, term.written_error()))
     }
@@ -265,14 +265,14 @@ impl FrictionResult {
         terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ")
     }
 
-    /// Half the width of the interval at [`CONFIDENCE`] in standard errors.
+    /// Half the width of the interval at 95 % in standard errors.
     pub fn interval_factor(&self) -> f64 {
         let freedom = if self.freedom > 0.0 { self.freedom } else { 1e9 };
         quantile(CONFIDENCE, freedom).unwrap_or(f64::INFINITY)
     }
 
     /// One line for each coefficient: name, value with standard error, interval, probability.
-    pub fn coefficient_lines(&self) -> Vec<String> {
+    pub(crate) fn coefficient_lines(&self) -> Vec<String> {
         let t = self.interval_factor();
         let line = |(name, term): (String, &FrictionTerm)| {
             let range = term
@@ -293,7 +293,7 @@ impl FrictionResult {
     }
 
     /// Lines on offsets, Stribeck's words and quality of the fit.
-    pub fn summary_lines(&self) -> Vec<String> {
+    pub(crate) fn summary_lines(&self) -> Vec<String> {
         let mut lines: Vec<String> =
             self.stribeck.iter().map(|words| words.line(&self.unit, &self.velocity_unit)).collect();
         lines.extend(self.offset_line());

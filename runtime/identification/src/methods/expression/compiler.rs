@@ -12,7 +12,7 @@ pub(super) struct Compiler<'a> {
 
 impl Compiler<'_> {
     /// The register of the expression's value.
-    pub fn compile(&mut self, expression: &Expression) -> Result<usize> {
+    pub(crate) fn compile(&mut self, expression: &Expression) -> Result<usize> {
         let operation = match &expression.node {
             Node::Number(value) => Operation::Constant(*value),
             Node::Truth(value) => Operation::Constant(f64::from(*value)),

@@ -1,7 +1,7 @@
 //! Expressions over named channels: library terms such as `v*abs(v)` and `tanh(5*v)`.
 //!
 //! The language is that of robot descriptions, [`gelenk_formula`], so that the same text means the same there.
-//! Several expressions compile into one [`Program`] that shares common parts and works on
+//! Several expressions compile into one `Program` that shares common parts and works on
 //! blocks of samples, one loop per operation.
 
 mod arithmetic;
@@ -19,13 +19,13 @@ pub use gelenk_formula::Kind;
 
 /// Several expressions over the same channels, ready to be evaluated.
 #[derive(Debug, Clone)]
-pub struct Program {
+pub(crate) struct Program {
     channels: usize,
     operations: Vec<Operation>,
     results: Vec<(usize, Kind)>,
 }
 
-/// Intermediate values of a [`Program`]: allocated once, reused for every block.
+/// Intermediate values of compiled expressions: allocated once, reused for every block.
 #[derive(Debug, Clone)]
 pub struct Workspace {
     registers: Vec<f64>,
@@ -36,7 +36,7 @@ impl Program {
     ///
     /// # Errors
     /// [`IdentificationError::Expression`] or [`IdentificationError::UnknownChannel`]
-    pub fn new<S: AsRef<str>>(texts: &[S], names: &[String]) -> Result<Self> {
+    pub(crate) fn new<S: AsRef<str>>(texts: &[S], names: &[String]) -> Result<Self> {
         let mut program = Self { channels: names.len(), operations: Vec::new(), results: Vec::new() };
         for text in texts {
             let text = text.as_ref();
@@ -49,22 +49,17 @@ impl Program {
     }
 
     /// Number of expressions.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.results.len()
     }
 
-    /// Whether there is no expression.
-    pub fn is_empty(&self) -> bool {
-        self.results.is_empty()
-    }
-
     /// Number or truth value, of expression `index`.
-    pub fn kind(&self, index: usize) -> Option<Kind> {
+    pub(crate) fn kind(&self, index: usize) -> Option<Kind> {
         self.results.get(index).map(|r| r.1)
     }
 
     /// Buffers for [`Self::evaluate`], with the constants in place.
-    pub fn workspace(&self) -> Workspace {
+    pub(crate) fn workspace(&self) -> Workspace {
         let mut registers = vec![0.0; self.operations.len() * BLOCK];
         for (register, operation) in registers.chunks_exact_mut(BLOCK).zip(&self.operations) {
             if let Operation::Constant(c) = operation {
@@ -101,7 +96,12 @@ impl Program {
     ///
     /// # Errors
     /// [`IdentificationError::Shape`] if `channels` or `out` have the wrong length.
-    pub fn evaluate(&self, channels: &[f64], workspace: &mut Workspace, out: &mut [f64]) -> Result<()> {
+    pub(crate) fn evaluate(
+        &self,
+        channels: &[f64],
+        workspace: &mut Workspace,
+        out: &mut [f64],
+    ) -> Result<()> {
         require_length("values of the channels", self.channels, channels.len())?;
         require_length("results of the expressions", self.len(), out.len())?;
         for (i, operation) in self.operations.iter().enumerate() {
@@ -126,7 +126,7 @@ impl Program {
     ///
     /// # Errors
     /// [`IdentificationError::Shape`] if the channels disagree in number or length.
-    pub fn evaluate_columns(&self, channels: &[&[f64]]) -> Result<Vec<Vec<f64>>> {
+    pub(crate) fn evaluate_columns(&self, channels: &[&[f64]]) -> Result<Vec<Vec<f64>>> {
         require_length("channels of the expressions", self.channels, channels.len())?;
         let m = channels.first().map_or(0, |c| c.len());
         for channel in channels {

@@ -2,7 +2,7 @@
 //!
 //! Convention of every λ in this crate (glmnet's and scikit-learn's):
 //! `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|`. The form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` has `λ' = 2 N λ`:
-//! [`paper_lambda`].
+//! `paper_lambda`.
 
 mod descent;
 #[cfg(test)]
@@ -14,7 +14,7 @@ use descent::{Problem, State};
 use nalgebra::{DMatrix, DVector};
 
 /// λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁` for the λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁`.
-pub fn paper_lambda(lambda: f64, samples: usize) -> f64 {
+pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
     2.0 * samples as f64 * lambda
 }
 
@@ -63,7 +63,7 @@ impl Lasso {
     ///
     /// # Errors
     /// A zero target or term, or settings out of range.
-    pub fn largest_lambda(&self, moments: &Moments, target: usize) -> Result<f64> {
+    pub(crate) fn largest_lambda(&self, moments: &Moments, target: usize) -> Result<f64> {
         let problem = Problem::new(self, moments, target)?;
         let start = problem.unpenalized_fit();
         let c = &problem.b - &problem.gram * start;
@@ -75,10 +75,10 @@ impl Lasso {
         Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
     }
 
-    /// `count` values from [`Self::largest_lambda`] down to `ratio` times it, evenly spaced in the logarithm.
+    /// `count` values from the least that removes every term down to `ratio` times it, evenly spaced in the logarithm.
     ///
     /// # Errors
-    /// `ratio` outside (0, 1), no values, or as [`Self::largest_lambda`].
+    /// `ratio` outside (0, 1), no values, or a target or term that is zero.
     pub fn lambda_grid(
         &self,
         moments: &Moments,
@@ -97,7 +97,7 @@ impl Lasso {
     ///
     /// # Errors
     /// λ negative or NaN, a zero target or term, or a gap that stays above the tolerance.
-    pub fn path(&self, moments: &Moments, target: usize, lambdas: &[f64]) -> Result<LassoPath> {
+    pub(crate) fn path(&self, moments: &Moments, target: usize, lambdas: &[f64]) -> Result<LassoPath> {
         let problem = Problem::new(self, moments, target)?;
         let mut path = LassoPath {
             lambdas: lambdas.to_vec(),
@@ -119,8 +119,8 @@ impl Lasso {
     /// Chosen terms at one λ; an error if there are none.
     ///
     /// # Errors
-    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else as
-    /// [`Self::path`].
+    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else
+    /// a negative λ, a zero target or term, or a gap that stays above the tolerance.
     pub fn fit(&self, moments: &Moments, target: usize, lambda: f64) -> Result<(DVector<f64>, Vec<usize>)> {
         let path = self.path(moments, target, &[lambda])?;
         let coefficients = path.coefficients.column(0).into_owned();
@@ -137,6 +137,6 @@ impl Lasso {
 }
 
 /// Indices of the coefficients that are not zero.
-pub fn active_terms(coefficients: &DVector<f64>) -> Vec<usize> {
+pub(crate) fn active_terms(coefficients: &DVector<f64>) -> Vec<usize> {
     (0..coefficients.len()).filter(|&i| coefficients[i] != 0.0).collect()
 }

@@ -1,6 +1,6 @@
 //! Starts on binned data.
 
-use super::law::{Robustness, StribeckRegression, stribeck_block, stribeck_torque};
+use super::law::{StribeckRegression, stribeck_block, stribeck_torque};
 use super::refine::{Data, Normal};
 use crate::error::{IdentificationError, Result};
 use crate::numeric::kernel::{BLOCK, add_products};
@@ -151,13 +151,8 @@ impl Bins {
     fn refine(&self, start: Start) -> Start {
         let whole = 0..self.v.len();
         let data = Data { v: &self.v, torque: &self.torque, runs: &[whole], offset: self.offset };
-        let settings = StribeckRegression {
-            starts: 1,
-            offset: self.offset,
-            robustness: Robustness::None,
-            max_iterations: 60,
-            tolerance: 1e-9,
-        };
+        let settings =
+            StribeckRegression { starts: 1, offset: self.offset, max_iterations: 60, tolerance: 1e-9 };
         let found: Normal = data.refine(start.a, vec![start.offset], Some(&self.weight), &settings, FAR);
         let better = found.cost.is_finite() && found.cost <= start.cost;
         if better && found.a.iter().all(|a| a.is_finite()) {

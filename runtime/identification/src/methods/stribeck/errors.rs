@@ -64,7 +64,7 @@ impl StribeckFit {
     /// The same fit with covariance and standard errors that hold where the errors of neighbouring samples are
     /// correlated, see [`super::super::confidence`]; the arguments are those of the regression.
     #[must_use]
-    pub fn with_correlated_errors(
+    pub(crate) fn with_correlated_errors(
         mut self,
         velocities: &[f64],
         torques: &[f64],

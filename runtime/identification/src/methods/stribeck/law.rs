@@ -14,7 +14,7 @@ pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
 }
 
 /// The law's derivatives by a1 … a5 at velocity `v`.
-pub fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
+pub(crate) fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
     let mut columns = [[0.0; BLOCK]; 6];
     stribeck_block(&[v], &[0.0], a, &mut columns);
     std::array::from_fn(|i| columns[i][0])
@@ -42,15 +42,6 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
     }
 }
 
-/// Weights against outliers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Robustness {
-    /// Least squares.
-    None,
-    /// Huber's weights `min(1, k s/|r|)`; k = 1.345 keeps 95 % of the efficiency under normal errors.
-    Huber(f64),
-}
-
 /// Settings of the regression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StribeckRegression {
@@ -58,8 +49,6 @@ pub struct StribeckRegression {
     pub starts: usize,
     /// Whether each run has a constant torque beside the law.
     pub offset: bool,
-    /// Weights against outliers.
-    pub robustness: Robustness,
     /// Limit of the passes over all samples, for each set of weights.
     pub max_iterations: usize,
     /// The refinement ends when a step lowers the cost by less than this share.
@@ -68,7 +57,7 @@ pub struct StribeckRegression {
 
 impl Default for StribeckRegression {
     fn default() -> Self {
-        Self { starts: 5, offset: true, robustness: Robustness::None, max_iterations: 100, tolerance: 1e-13 }
+        Self { starts: 5, offset: true, max_iterations: 100, tolerance: 1e-13 }
     }
 }
 
@@ -80,7 +69,7 @@ pub struct StribeckFit {
     /// The constant torque of each run; none where the regression has none.
     pub offsets: Vec<f64>,
     /// Covariance of the parameters for independent errors, or for correlated ones after
-    /// [`Self::with_correlated_errors`]; rows and columns of parameters that are not identifiable are zero, see
+    /// `with_correlated_errors`; rows and columns of parameters that are not identifiable are zero, see
     /// [`Self::standard_errors`].
     pub covariance: SMatrix<f64, 5, 5>,
     /// Standard errors; `None` where a parameter is not identifiable from these data.
@@ -105,7 +94,7 @@ pub struct StribeckFit {
 
 impl StribeckFit {
     /// The law at velocity `v`, without an offset.
-    pub fn torque(&self, v: f64) -> f64 {
+    pub(crate) fn torque(&self, v: f64) -> f64 {
         stribeck_torque(v, &self.parameters)
     }
 }

@@ -14,8 +14,8 @@ mod refine;
 mod tests;
 mod words;
 
-pub(crate) use law::NAMES;
-pub use law::{Robustness, StribeckFit, StribeckRegression, stribeck_gradient, stribeck_torque};
+pub(crate) use law::{NAMES, stribeck_gradient};
+pub use law::{StribeckFit, StribeckRegression, stribeck_torque};
 pub use words::{Estimate, StribeckWords};
 
 use super::super::error::{
@@ -32,7 +32,7 @@ impl StribeckRegression {
     /// - `velocities`, `torques`: m samples [rad/s, N·m]; `weights`: m or none
     ///
     /// # Errors
-    /// As [`Self::fit_runs`].
+    /// Fewer than six samples, values that are not finite, or constant velocity.
     pub fn fit(&self, velocities: &[f64], torques: &[f64], weights: Option<&[f64]>) -> Result<StribeckFit> {
         let whole = 0..velocities.len();
         self.fit_runs(velocities, torques, weights, &[whole])
@@ -46,7 +46,7 @@ impl StribeckRegression {
     /// # Errors
     /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end
     /// with a warning.
-    pub fn fit_runs(
+    pub(crate) fn fit_runs(
         &self,
         velocities: &[f64],
         torques: &[f64],
@@ -60,10 +60,7 @@ impl StribeckRegression {
         let bins = Bins::new(&data, weights);
         let (start, offset) = bins.best_start(self.starts.max(1))?;
         let offsets = bins.offsets(offset);
-        let mut state = data.refine(start, offsets, weights, self, NEAR);
-        if let Robustness::Huber(k) = self.robustness {
-            state = data.reweighted(state, weights, k, self);
-        }
+        let state = data.refine(start, offsets, weights, self, NEAR);
         Ok(summarize(&data, &state))
     }
 
@@ -91,9 +88,6 @@ impl StribeckRegression {
             require_finite("the weights", weights)?;
             let least = weights.iter().fold(f64::INFINITY, |a, b| a.min(*b));
             require_setting("least weight", least, least >= 0.0, "weights must not be negative")?;
-        }
-        if let Robustness::Huber(k) = self.robustness {
-            require_setting("Huber's k", k, k > 0.0, "it must be positive")?;
         }
         if v.iter().all(|x| *x == v[0]) {
             return Err(IdentificationError::Constant {

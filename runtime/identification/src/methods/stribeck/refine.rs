@@ -1,6 +1,6 @@
 //! Refinement on all samples.
 
-use super::law::{StribeckRegression, stribeck_block, stribeck_torque};
+use super::law::{StribeckRegression, stribeck_block};
 use crate::numeric::kernel::{BLOCK, add_products};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
@@ -142,46 +142,6 @@ impl Data<'_> {
             }
         }
         Normal { iterations: passes, ..best }
-    }
-
-    /// Torque minus offset minus law.
-    pub(super) fn residuals(&self, state: &Normal) -> Vec<f64> {
-        let mut residuals = Vec::with_capacity(self.v.len());
-        for (run, offset) in self.runs.iter().zip(&state.offsets) {
-            let offset = if self.offset { *offset } else { 0.0 };
-            let residual = |i: usize| self.torque[i] - offset - stribeck_torque(self.v[i], &state.a);
-            residuals.extend(run.clone().map(residual));
-        }
-        residuals
-    }
-
-    /// Iteratively reweighted least squares with the scale from the median absolute residual.
-    pub(super) fn reweighted(
-        &self,
-        mut state: Normal,
-        given: Option<&[f64]>,
-        k: f64,
-        settings: &StribeckRegression,
-    ) -> Normal {
-        let m = self.v.len();
-        for _ in 0..50 {
-            let residuals: Vec<f64> = self.residuals(&state).iter().map(|r| r.abs()).collect();
-            let mut sorted = residuals.clone();
-            let scale = 1.4826 * *sorted.select_nth_unstable_by(m / 2, f64::total_cmp).1;
-            if scale == 0.0 {
-                return state;
-            }
-            let weight = |i: usize| given.map_or(1.0, |w| w[i]) * (k * scale / residuals[i].max(k * scale));
-            let weights: Vec<f64> = (0..m).map(weight).collect();
-            let before = state;
-            state = self.refine(before.a, before.offsets.clone(), Some(&weights), settings, NEAR);
-            state.iterations += before.iterations;
-            let moved = (0..5).map(|i| (state.a[i] - before.a[i]).abs() / (before.a[i].abs() + 1e-12));
-            if moved.fold(0.0, f64::max) < 1e-7 {
-                break;
-            }
-        }
-        state
     }
 }
 

@@ -28,7 +28,7 @@ pub struct StribeckWords {
 
 impl StribeckFit {
     /// The law in physical words; standard errors to first order.
-    pub fn words(&self) -> StribeckWords {
+    pub(crate) fn words(&self) -> StribeckWords {
         let [a1, a2, _, a4, a5] = self.parameters;
         let own = |i: usize, value: f64| Estimate { value, standard_error: self.standard_errors[i] };
         let c = &self.covariance;
@@ -51,7 +51,7 @@ impl StribeckFit {
 
 impl StribeckWords {
     /// One line, with units of torque and velocity.
-    pub fn line(&self, unit: &str, velocity_unit: &str) -> String {
+    pub(crate) fn line(&self, unit: &str, velocity_unit: &str) -> String {
         let text = |estimate: Estimate| with_error(estimate.value, estimate.standard_error);
         format!(
             "Coulomb F_c = {} {unit}, static F_s = {} {unit}, Stribeck speed v_s = {} {velocity_unit}, viscous F_v = {} \
