@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Sees: a log to validate that was fitted, too.
 /// Matters: R² of it says nothing of other data.
 /// Example: the same file twice on the command line.
-/// Fixture: `codegen/tests/strangers_arm/said.rs`.
+/// Fixture: `codegen/tests/external_arm/said.rs`.
 const FITTED: Rule = Rule::warning("fitted-log");
 
 /// Prediction of a joint's efforts in logs that nothing was fitted to.

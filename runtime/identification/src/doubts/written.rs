@@ -11,7 +11,7 @@ use gelenk_findings::Rule;
 /// Sees: a law that explains less than viscous and Coulomb friction would.
 /// Matters: the terms that were asked for are too few.
 /// Example: `--friction viscous` of a joint with Coulomb friction.
-/// Fixture: `codegen/tests/strangers_arm/doubts.rs`.
+/// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const TOO_FEW_TERMS: Rule = Rule::warning("too-few-terms");
 
 /// Loss of held-out R² from which it is said.

@@ -113,14 +113,14 @@ impl Checked<'_> {
 
     /// Whether the forces of a joint are several times the described ones or a fraction of them.
     pub(super) fn has_other_unit(&self) -> bool {
-        let told = self.layout.told();
-        (0..self.layout.joints).any(|joint| told[joint] && unit_doubt(self.sizes(joint)).is_some())
+        let known = self.layout.known_efforts();
+        (0..self.layout.joints).any(|joint| known[joint] && unit_doubt(self.sizes(joint)).is_some())
     }
 
     /// The factor between estimated and described forces of the robot as a whole.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
         let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
-        common_ratio(self.robot, self.layout.effort, &self.layout.told(), &sizes)
+        common_ratio(self.robot, self.layout.effort, &self.layout.known_efforts(), &sizes)
     }
 
     /// The delay of a joint's effort \[s\] that its residual shows: a torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.

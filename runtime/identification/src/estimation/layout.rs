@@ -60,9 +60,10 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Joints that move, and whose efforts are measured; none where the described bodies calibrate currents.
-    pub(super) fn told(&self) -> Vec<bool> {
-        let told = |joint: usize| self.effort != Effort::Current && self.moves[joint] && self.measured[joint];
-        (0..self.joints).map(told).collect()
+    pub(super) fn known_efforts(&self) -> Vec<bool> {
+        let is_known =
+            |joint: usize| self.effort != Effort::Current && self.moves[joint] && self.measured[joint];
+        (0..self.joints).map(is_known).collect()
     }
 
     /// - `given`: factors of the Coulomb terms of each joint

@@ -345,7 +345,7 @@ impl Found<'_> {
     fn common_ratio(&self) -> Option<CommonRatio> {
         let Estimated { robot, layout, .. } = self.fitted;
         let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
-        common_ratio(robot, layout.effort, &layout.told(), &sizes)
+        common_ratio(robot, layout.effort, &layout.known_efforts(), &sizes)
     }
 
     /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean.

@@ -31,8 +31,8 @@ pub(super) fn drift(
     let time: Vec<f64> = (0..m).map(|i| (i as f64 + 0.5) / m as f64 - 0.5).collect();
     let mut moving: Vec<f64> = time.iter().zip(law).map(|(t, l)| t * l).collect();
     centre(&mut moving, &offset_ranges(data), data.weights);
-    let taken = Taken::new(gradients, &offset_ranges(data), data.weights)?;
-    let (time, moving) = (taken.off(time), taken.off(moving));
+    let projection = Projection::new(gradients, &offset_ranges(data), data.weights)?;
+    let (time, moving) = (projection.residual(time), projection.residual(moving));
     let whole = 0..m;
     Some(Drift {
         means: parts(data).into_iter().map(|rows| (rows.clone(), mean(&left[rows], None))).collect(),
@@ -49,13 +49,13 @@ fn parts(data: &FrictionData) -> Vec<Range<usize>> {
     super::super::methods::moments::contiguous_blocks(data.velocities.len(), PARTS).collect()
 }
 
-/// What least squares on the law's columns takes of a series.
-struct Taken {
+/// Least squares on the law's columns.
+struct Projection {
     columns: DMatrix<f64>,
     factor: Cholesky<f64, Dyn>,
 }
 
-impl Taken {
+impl Projection {
     fn new(mut columns: DMatrix<f64>, runs: &[Range<usize>], weights: Option<&[f64]>) -> Option<Self> {
         let m = columns.nrows();
         for column in columns.as_mut_slice().chunks_exact_mut(m) {
@@ -68,7 +68,7 @@ impl Taken {
         Some(Self { factor: gram.cholesky()?, columns })
     }
 
-    fn off(&self, series: Vec<f64>) -> Vec<f64> {
+    fn residual(&self, series: Vec<f64>) -> Vec<f64> {
         let series = DVector::from_vec(series);
         let left = &series - &self.columns * self.factor.solve(&self.columns.tr_mul(&series));
         left.as_slice().to_vec()

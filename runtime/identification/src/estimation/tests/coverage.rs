@@ -1,4 +1,4 @@
-//! Whether intervals hold what they promise, over logs as strangers have them: closed loop, encoders, the whole
+//! Whether intervals hold what they promise, over logs as users have them: closed loop, encoders, the whole
 //! preparation.
 
 use super::super::super::friction::{

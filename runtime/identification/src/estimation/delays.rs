@@ -10,8 +10,8 @@ use super::layout::Layout;
 use super::normal::Values;
 use super::residuals::Forces;
 
-/// What a first fit tells.
-pub(super) struct Late {
+/// What the first fit gives to the last one.
+pub(super) struct FirstFit {
     /// By their numbers \[s\].
     pub(super) delays: Vec<f64>,
     /// Rates of the efforts at the joints, `[run][joint][sample]`, for gains of one; empty where a joint's efforts have
@@ -21,7 +21,7 @@ pub(super) struct Late {
     pub(super) runs: Vec<PreparedRun>,
 }
 
-impl Late {
+impl FirstFit {
     /// - `values`, `forces`: of the first fit
     pub(super) fn new(layout: &Layout, runs: &[PreparedRun], values: &Values, forces: &Forces) -> Self {
         let left = |number: usize| values.unknowns[layout.delay(number)];
@@ -35,7 +35,7 @@ impl Late {
     }
 }
 
-/// Rates of the forces that a fit predicts along runs, as in [`Late::rates`].
+/// Rates of the forces that a fit predicts along runs, as in [`FirstFit::rates`].
 pub(super) fn rates(
     layout: &Layout,
     runs: &[PreparedRun],

@@ -10,7 +10,7 @@ use gelenk_findings::{Severity, texts};
 /// The estimate of a log whose efforts are late, of which the preparation removed nothing.
 ///
 /// - `delays`: of each effort [s]; `numbers`: which of them are one
-fn late(truth: &Pendulum, delays: [f64; 2], numbers: &[usize], effort: Effort) -> Estimate {
+fn estimated(truth: &Pendulum, delays: [f64; 2], numbers: &[usize], effort: Effort) -> Estimate {
     let experiment =
         Experiment { rate: 250.0, position_noise: 1e-6, slope_time: 0.01, ..Experiment::default() };
     let mut run = log(truth, &experiment, &mut SplitMix64::new(7));
@@ -46,7 +46,7 @@ fn a_delay_comes_back_from_forces_and_from_currents() {
     let geared = Pendulum { gears: [80.0, 50.0], ..truth.clone() };
     let mut friction = Vec::new();
     for (truth, effort) in [(&truth, Effort::Input), (&geared, Effort::Input), (&geared, Effort::Current)] {
-        let found = late(truth, [4e-3; 2], &[0; 2], effort);
+        let found = estimated(truth, [4e-3; 2], &[0; 2], effort);
         require_found(&found, [4e-3; 2]);
         assert_eq!(found.delays[0], found.delays[1]);
         let said = texts(&found.findings, Severity::Note)
@@ -61,12 +61,12 @@ fn a_delay_comes_back_from_forces_and_from_currents() {
 #[test]
 fn efforts_may_have_delays_of_their_own() {
     let delays = [1e-3, 6e-3];
-    let found = late(&Pendulum::described(), delays, &[0, 1], Effort::Joint);
+    let found = estimated(&Pendulum::described(), delays, &[0, 1], Effort::Joint);
     require_found(&found, delays);
 }
 
 #[test]
 #[should_panic(expected = "delays of the efforts")]
 fn every_effort_has_the_number_of_a_delay() {
-    late(&Pendulum::described(), [0.0; 2], &[0], Effort::Input);
+    estimated(&Pendulum::described(), [0.0; 2], &[0], Effort::Input);
 }

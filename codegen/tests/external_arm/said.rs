@@ -1,4 +1,4 @@
-//! What the command says to strangers: columns, numbers, and doubts about what was taken.
+//! What the command says of logs in other styles: columns, numbers, and doubts about what was taken.
 
 use super::{Arm, RIGHT, Recorded, number};
 use std::fs;
