@@ -1,20 +1,23 @@
 //! Columns that belong together: one quantity of all joints, told apart by the joints' names or by numbers.
 
-use super::units;
-use super::vocabulary::{Header, Kind, Meaning, Origin, is_number, is_plain, meaning, words};
+use super::super::units;
+use super::header::{Header, Meaning, is_number, is_plain, words};
+use super::table::{Kind, Known, Origin, Role, known};
 use std::collections::BTreeMap;
 
-/// What the columns of a family are told apart by. The order is the one in which families are preferred.
+/// By which the columns of a family differ. Families are preferred in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Key {
     /// The names of the joints or inputs.
     Name,
-    /// Names that stand in the rows of the log (a ROS message's), by their numbers.
+    /// Names in the rows of the log (a ROS message's), by their numbers.
     Listed,
     /// Numbers, of which the first is this.
     Number(u64),
     /// Nothing: there is one joint.
     Alone,
+    /// Letters of components.
+    Component,
 }
 
 /// One quantity of several joints.
@@ -24,12 +27,12 @@ pub(super) struct Family {
     pub key: Key,
     /// Column of each joint or input; none where the log has no such column.
     pub columns: Vec<Option<usize>>,
-    /// Numbers of columns that told the joints apart, where numbers did.
+    /// Numbers in the headers if the columns differ by these.
     pub numbers: Vec<u64>,
 }
 
 impl Family {
-    /// All columns, where none is missing.
+    /// All columns if none is missing.
     pub(super) fn complete(&self) -> Option<Vec<usize>> {
         self.columns.iter().copied().collect()
     }
@@ -42,9 +45,11 @@ impl Family {
 }
 
 /// Names that columns are matched with: for each joint or input, the words of its names.
-#[derive(Debug, Clone)]
-pub(super) struct Targets {
+#[derive(Debug, Clone, Default)]
+pub(in crate::log) struct Targets {
     pub names: Vec<String>,
+    /// Place of each among all joints or inputs, by which headers count them.
+    pub places: Vec<usize>,
     aliases: Vec<Vec<Vec<String>>>,
 }
 
@@ -62,10 +67,25 @@ impl Targets {
             aliases.retain(|a| !a.is_empty());
             aliases
         });
-        Self { names: names.to_vec(), aliases: aliases.collect() }
+        Self { names: names.to_vec(), places: (0..names.len()).collect(), aliases: aliases.collect() }
     }
 
-    /// The joint whose name stands in the words, by the longest name, and the words without it.
+    /// One target for a quantity that no joint has.
+    pub(super) fn one(name: &str) -> Self {
+        Self::new(&[name.to_owned()], &[])
+    }
+
+    /// Those at some places.
+    pub(super) fn only(&self, is_kept: impl Fn(usize) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.names.len()).filter(|i| is_kept(self.places[*i])).collect();
+        Self {
+            names: kept.iter().map(|i| self.names[*i].clone()).collect(),
+            places: kept.iter().map(|i| self.places[*i]).collect(),
+            aliases: kept.iter().map(|i| self.aliases[*i].clone()).collect(),
+        }
+    }
+
+    /// The joint whose name is in the words, by the longest name, and the words without it.
     fn find(&self, header: &[String]) -> Option<(usize, Vec<String>)> {
         let mut best: Option<(usize, usize, usize)> = None;
         for (joint, alias) in self.aliases.iter().enumerate().flat_map(|(j, a)| a.iter().map(move |a| (j, a)))
@@ -83,17 +103,26 @@ impl Targets {
 
     /// The words name a joint.
     pub(super) fn mentions(&self, words: &[String]) -> bool {
-        self.mentioned(words).is_some()
+        self.find(words).is_some()
     }
 
-    /// The joint that the words name.
-    pub(super) fn mentioned(&self, words: &[String]) -> Option<usize> {
-        self.find(words).map(|(joint, _)| joint)
+    /// The joint of a name in the rows of a log.
+    pub(super) fn named(&self, name: &str) -> Option<usize> {
+        let exact = self.names.iter().position(|known| known == name);
+        exact.or_else(|| self.find(&words(name)).map(|(joint, _)| joint))
     }
 
-    /// The joint of exactly this name.
-    pub(super) fn position(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|known| known == name)
+    /// The columns of the targets by numbers in ascending order: in the order of the targets if there are as many consecutive numbers,
+    /// otherwise by their places, from 0 if there is a 0 and from 1 if not.
+    pub(super) fn by_number(&self, numbered: &[(u64, usize)]) -> Vec<Option<usize>> {
+        let first = numbered.first().map_or(0, |n| n.0);
+        let is_consecutive = numbered.windows(2).all(|pair| pair[0].0.checked_add(1) == Some(pair[1].0));
+        if numbered.len() == self.names.len() && is_consecutive {
+            return numbered.iter().map(|n| Some(n.1)).collect();
+        }
+        let number = |place: usize| u64::from(first != 0) + place as u64;
+        let column = |place: &usize| numbered.iter().find(|n| n.0 == number(*place)).map(|n| n.1);
+        self.places.iter().map(column).collect()
     }
 }
 
@@ -104,14 +133,10 @@ fn without_joint(words: &[String]) -> Vec<String> {
 
 /// All families of the headers.
 ///
-/// - `listed`: joints by their number in the log's messages, where the rows name them
-pub(super) fn families(
-    headers: &[Header],
-    targets: &Targets,
-    listed: Option<&[Option<usize>]>,
-) -> Vec<Family> {
+/// - `listed`: names of the joints in the order of the log's messages, if the rows have them
+pub(super) fn families(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -> Vec<Family> {
     let mut families = by_name(headers, targets);
-    families.extend(by_number(headers, targets.names.len(), listed));
+    families.extend(by_number(headers, targets, listed));
     if targets.names.len() == 1 {
         families.extend(alone(headers));
     }
@@ -125,40 +150,7 @@ fn push(groups: &mut Groups, key: Phrase, column: usize) {
     groups.entry(key).or_default().push(column);
 }
 
-fn said(words: &[String]) -> Option<Meaning> {
-    let words: Vec<&str> = words.iter().map(String::as_str).filter(|w| !is_number(w) && *w != "#").collect();
-    meaning(&words)
-}
-
-/// The quantity that a unit in brackets belongs to.
-fn kind_of_unit(header: &Header) -> Option<Kind> {
-    match header.unit?.si {
-        "rad" | "m" => Some(Kind::Position),
-        "rad/s" | "m/s" => Some(Kind::Velocity),
-        "rad/s^2" | "m/s^2" => Some(Kind::Acceleration),
-        "N*m" | "N" => Some(Kind::Torque),
-        "A" => Some(Kind::Current),
-        "s" => Some(Kind::Time),
-        _ => None,
-    }
-}
-
-/// The meaning of a header without the words that tell its joint: what these words say, or the unit in brackets where
-/// they say nothing (`A1 [deg]`).
-pub(super) fn meaning_of(header: &Header, words: &[String]) -> Option<Meaning> {
-    let Some(kind) = kind_of_unit(header) else { return said(words) };
-    // `a` is an axis as often as an acceleration.
-    let is_silent = words.iter().all(|w| is_number(w) || w == "#" || w == "a" || is_plain(w) && w.len() > 1);
-    if is_silent {
-        return Some(Meaning { kind, origin: Origin::Unsaid, doubt: 1 });
-    }
-    let meaning = said(words)?;
-    // An `effort` in ampere is a current.
-    let is_current = matches!(meaning.kind, Kind::Torque | Kind::Input) && kind == Kind::Current;
-    Some(if is_current { Meaning { kind, ..meaning } } else { meaning })
-}
-
-/// Words without those that tell the joint, and the quantity of the unit: columns of one quantity have the same.
+/// Words without those that name the joint, and the quantity of the unit: columns of one quantity have the same.
 type Phrase = (Option<Kind>, Vec<String>);
 
 fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
@@ -166,14 +158,14 @@ fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
     let mut joints = vec![None; headers.len()];
     for header in headers {
         let Some((joint, rest)) = targets.find(&header.words) else { continue };
-        if meaning_of(header, &rest).is_some() {
+        if header.meaning(&rest).is_some() {
             joints[header.index] = Some(joint);
-            push(&mut groups, (kind_of_unit(header), rest), header.index);
+            push(&mut groups, (header.kind_of_unit(), rest), header.index);
         }
     }
     let stems = by_stem(&groups);
     let family = |((_, rest), members): (Phrase, Vec<usize>)| {
-        let meaning = meaning_of(&headers[members[0]], &rest)?;
+        let meaning = headers[members[0]].meaning(&rest)?;
         let mut columns = vec![None; targets.names.len()];
         let mut twice = false;
         for member in members {
@@ -213,11 +205,11 @@ fn without_unit(words: &[String]) -> Vec<String> {
     words[..words.len() - tail.unwrap_or(0)].to_vec()
 }
 
-fn by_number(headers: &[Header], count: usize, listed: Option<&[Option<usize>]>) -> Vec<Family> {
+fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -> Vec<Family> {
     let mut shapes = Groups::new();
     for header in headers.iter().filter(|h| h.words.iter().any(|w| is_number(w))) {
         let shape = header.words.iter().map(|w| if is_number(w) { "#".into() } else { w.clone() }).collect();
-        push(&mut shapes, (kind_of_unit(header), shape), header.index);
+        push(&mut shapes, (header.kind_of_unit(), shape), header.index);
     }
     let mut families = Vec::new();
     for ((unit, shape), members) in shapes {
@@ -227,14 +219,14 @@ fn by_number(headers: &[Header], count: usize, listed: Option<&[Option<usize>]>)
             let number = headers[member].words[slot].clone();
             let mut rest = headers[member].words.clone();
             rest.remove(slot);
-            // `joint1_q1` says its number twice.
+            // `joint1_q1` has its number twice.
             rest.iter_mut().filter(|word| **word == number).for_each(|word| "#".clone_into(word));
             push(&mut groups, (unit, rest), member);
         }
         let stems = by_stem(&groups);
         families.extend(groups.iter().chain(&stems).filter_map(|((_, rest), members)| {
-            let meaning = meaning_of(&headers[members[0]], rest)?;
-            numbered(headers, members, slot, count, listed).map(|(key, columns, numbers)| Family {
+            let meaning = headers[members[0]].meaning(rest)?;
+            numbered(headers, (members, slot), targets, listed).map(|(key, columns, numbers)| Family {
                 meaning,
                 key,
                 columns,
@@ -245,7 +237,7 @@ fn by_number(headers: &[Header], count: usize, listed: Option<&[Option<usize>]>)
     families
 }
 
-/// The number that tells the columns of a shape apart: the one with the most values, the last of several.
+/// The number by which the columns of a shape differ: the one with the most values, the last of several.
 fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usize {
     let values = |slot: usize| {
         let mut values: Vec<&str> = members.iter().map(|m| headers[*m].words[slot].as_str()).collect();
@@ -259,13 +251,12 @@ fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usiz
 
 type Numbered = (Key, Vec<Option<usize>>, Vec<u64>);
 
-/// Columns in the order of their numbers: from 0, from 1, or as many consecutive ones as there are joints.
+/// Columns by their numbers.
 fn numbered(
     headers: &[Header],
-    members: &[usize],
-    slot: usize,
-    count: usize,
-    listed: Option<&[Option<usize>]>,
+    (members, slot): (&[usize], usize),
+    targets: &Targets,
+    listed: Option<&[String]>,
 ) -> Option<Numbered> {
     let mut sorted: Vec<(u64, usize)> = Vec::new();
     for member in members {
@@ -277,38 +268,104 @@ fn numbered(
         return None;
     }
     let first = *numbers.first()?;
+    let mut columns = vec![None; targets.names.len()];
     if let Some(listed) = listed.filter(|l| first == 0 && l.len() == numbers.len()) {
-        let mut columns = vec![None; count];
-        for (joint, (_, member)) in listed.iter().zip(&sorted) {
-            if let Some(slot) = joint.and_then(|j| columns.get_mut(j)) {
-                *slot = Some(*member);
-            }
+        for (name, (_, member)) in listed.iter().zip(&sorted) {
+            targets.named(name).into_iter().for_each(|joint| columns[joint] = Some(*member));
         }
         return Some((Key::Listed, columns, numbers));
     }
-    let consecutive = numbers.last()? - first == numbers.len() as u64 - 1;
-    let columns = if numbers.len() == count && consecutive {
-        sorted.iter().map(|s| Some(s.1)).collect()
-    } else {
-        let base = u64::from(first != 0);
-        let found = |joint: u64| sorted.iter().find(|s| Some(s.0) == base.checked_add(joint)).map(|s| s.1);
-        let mut columns: Vec<Option<usize>> = (0..count as u64).map(found).collect();
-        // More numbers than joints: which of them are the robot's is not known.
-        if numbers.len() > count {
-            columns.fill(None);
-        }
-        columns
-    };
+    // More numbers than joints: which of them are the robot's is not known.
+    if numbers.len() <= columns.len() {
+        columns = targets.by_number(&sorted);
+    }
     Some((Key::Number(first), columns, numbers))
 }
 
 fn alone(headers: &[Header]) -> Vec<Family> {
     let plain = headers.iter().filter(|h| !h.words.iter().any(|w| is_number(w)));
     let family = |header: &Header| {
-        let meaning = meaning_of(header, &header.words)?;
+        let meaning = header.meaning(&header.words)?;
         Some(Family { meaning, key: Key::Alone, columns: vec![Some(header.index)], numbers: Vec::new() })
     };
     plain.filter_map(family).collect()
+}
+
+/// The families of a quantity with components: columns that differ in their letter alone. Their doubt is 0 if the header has the joint's
+/// name, 1 if it has none, else 2.
+///
+/// - `joint`: words of its name
+pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> Vec<Family> {
+    let letters = kind.row().components;
+    let mut groups: BTreeMap<Vec<String>, Vec<Option<usize>>> = BTreeMap::new();
+    for header in headers {
+        let Some((stem, letter, found)) = component(&header.words) else { continue };
+        let Some(place) = letters.iter().position(|known| *known == letter) else { continue };
+        if found == kind {
+            let columns = groups.entry(stem).or_insert_with(|| vec![None; letters.len()]);
+            // The first of two columns of one name; the other is no part of the pose.
+            columns[place].get_or_insert(header.index);
+        }
+    }
+    let family = |(stem, columns): (Vec<String>, Vec<Option<usize>>)| {
+        let is_named = !joint.is_empty() && stem.windows(joint.len()).any(|window| window == joint);
+        let doubt = if is_named { 0 } else { 2 - u8::from(stem.iter().all(|word| has_no_name(word))) };
+        let meaning = Meaning { kind, origin: Origin::Unsaid, doubt };
+        Family { meaning, key: Key::Component, columns, numbers: Vec::new() }
+    };
+    groups.into_iter().map(family).collect()
+}
+
+/// Words before the letter of a component, the letter, and its quantity.
+fn component(words: &[String]) -> Option<(Vec<String>, &str, Kind)> {
+    let (last, before) = words.split_last()?;
+    if before.iter().any(|word| is_no_pose(word)) {
+        return None;
+    }
+    let letter_of =
+        |kind: Kind, text: &str| kind.row().components.iter().find(|letter| **letter == text).copied();
+    let marked =
+        |mark: char, kind| letter_of(kind, last.strip_prefix(mark)?).map(|l| (before.to_vec(), l, kind));
+    let of_words = || {
+        let letter = letter_of(Kind::Attitude, last)?;
+        let is_mark = |word: &String| word == "q" || is_role(word, Role::Quantity(Kind::Attitude));
+        Some(match before.split_last() {
+            Some((mark, stem)) if is_mark(mark) => (stem.to_vec(), letter, Kind::Attitude),
+            _ => (before.to_vec(), letter, Kind::Place),
+        })
+    };
+    marked('q', Kind::Attitude).or_else(|| marked('p', Kind::Place)).or_else(of_words)
+}
+
+fn is_role(word: &str, role: Role) -> bool {
+    known(word).is_some_and(|known| known.role == role)
+}
+
+/// Words of other quantities than poses, and of poses that were not measured.
+fn is_no_pose(word: &str) -> bool {
+    let is_pose = |Known { role, doubt, .. }: Known| match role {
+        Role::Quantity(kind) => doubt == 0 && matches!(kind, Kind::Position | Kind::Place | Kind::Attitude),
+        Role::Origin(origin) => origin != Origin::Commanded,
+        Role::Plain | Role::Body | Role::Angle => true,
+        Role::Motor | Role::Other => false,
+    };
+    known(word).is_some_and(|known| !is_pose(known))
+}
+
+/// A word that is not the name of a joint.
+fn has_no_name(word: &str) -> bool {
+    is_plain(word)
+        || known(word)
+            .is_some_and(|known| !matches!(known.role, Role::Angle | Role::Origin(Origin::Filtered)))
+}
+
+/// The headers that write an attitude as angles.
+pub(super) fn angles(headers: &[Header]) -> Vec<String> {
+    let is_angle = |header: &&Header| {
+        let is_measured = !header.words.iter().any(|word| is_no_pose(word));
+        is_measured && header.words.iter().any(|word| is_role(word, Role::Angle))
+    };
+    headers.iter().filter(is_angle).map(|header| header.text.clone()).collect()
 }
 
 #[cfg(test)]
@@ -323,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_are_told_by_name() {
+    fn joints_differ_by_name() {
         let names = ["shoulder_joint", "wrist_1_joint", "wrist_2_joint"];
         let headers = ["wrist_1_joint_effort", "wrist_2_joint_effort", "shoulder_joint_effort", "t"];
         assert!(found(&headers, &names).contains(&(Kind::Torque, Key::Name, Some(vec![2, 0, 1]))));
@@ -332,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_are_told_by_numbers() {
+    fn joints_differ_by_numbers() {
         let names = ["a", "b", "c"];
         let cases: [(&[&str], Key); 5] = [
             (&["q0", "q1", "q2"], Key::Number(0)),
@@ -349,5 +406,44 @@ mod tests {
         for headers in [&["q0", "q1", "q2", "q3"][..], &["q1", "q2"], &["q1", "q3", "q5"]] {
             assert!(found(headers, &names).iter().all(|f| f.2.is_none()), "{headers:?}");
         }
+    }
+
+    fn components(texts: &[&str], kind: Kind) -> Vec<Vec<Option<usize>>> {
+        let headers: Vec<Header> = texts.iter().enumerate().map(|(i, t)| Header::new(i, t, None)).collect();
+        by_component(&headers, kind, &[]).into_iter().map(|family| family.columns).collect()
+    }
+
+    #[test]
+    fn quaternions_differ_by_their_letters() {
+        let cases: [[&str; 4]; 7] = [
+            ["qw", "qx", "qy", "qz"],
+            ["quat_w", "quat_x", "quat_y", "quat_z"],
+            ["pose.orientation.w", "pose.orientation.x", "pose.orientation.y", "pose.orientation.z"],
+            ["q_base_qw", "q_base_qx", "q_base_qy", "q_base_qz"],
+            [
+                "/odom/pose/pose/orientation/w",
+                "/odom/pose/pose/orientation/x",
+                "/odom/pose/pose/orientation/y",
+                "/odom/pose/pose/orientation/z",
+            ],
+            ["Rotation W", "Rotation X", "Rotation Y", "Rotation Z"],
+            ["q_w", "q_x", "q_y", "q_z"],
+        ];
+        for texts in cases {
+            assert_eq!(
+                components(&texts, Kind::Attitude),
+                [[Some(1), Some(2), Some(3), Some(0)]],
+                "{texts:?}"
+            );
+            assert!(components(&texts, Kind::Place).is_empty(), "{texts:?}");
+        }
+    }
+
+    #[test]
+    fn places_are_neither_velocities_nor_commanded() {
+        let texts = ["x", "y", "z", "dq_base_x", "twist.linear.y", "desired_base_z", "base_x", "px"];
+        assert_eq!(components(&texts, Kind::Place), [[Some(0), Some(1), Some(2)], [Some(6), None, None]]);
+        let headers = [Header::new(0, "roll_deg", None), Header::new(1, "desired_yaw", None)];
+        assert_eq!(angles(&headers), ["roll_deg"]);
     }
 }
