@@ -27,14 +27,7 @@ mod runs;
 mod recording;
 
 #[cfg(test)]
-mod testing;
-
-#[cfg(test)]
-mod printed;
-#[cfg(test)]
-mod refusals;
-#[cfg(test)]
-mod styles;
+mod tests;
 
 pub use columns::{ColumnGuess, ColumnLabels, ColumnOptions, Labels};
 pub(crate) use finding::GEAR_DOUBTFUL;

@@ -3,9 +3,9 @@
 use super::super::super::error::{IdentificationError, Result};
 use super::super::super::run::Effort;
 use super::families::Targets;
-use super::finder::{Choice, Finder};
+use super::finder::Finder;
 use super::found::Found;
-use super::pattern::Pattern;
+use super::pattern::{Chosen, Pattern};
 use super::table::Kind;
 
 impl Finder<'_> {
@@ -55,7 +55,7 @@ impl Finder<'_> {
     }
 
     /// The columns that the user names. Robots with quaternions need those of inputs at frames alone.
-    fn named_efforts(&self, pattern: &Pattern, effort: Effort) -> Result<(Effort, &Targets, Choice)> {
+    fn named_efforts(&self, pattern: &Pattern, effort: Effort) -> Result<(Effort, &Targets, Chosen)> {
         let frames = &self.robot.frame_inputs;
         let all = self.targets_of(effort);
         match self.by_pattern(pattern, all) {
@@ -69,7 +69,7 @@ impl Finder<'_> {
     }
 
     /// The columns of a robot without quaternions.
-    fn best_efforts(&self, stated: Option<Effort>) -> Result<(Effort, &Targets, Choice)> {
+    fn best_efforts(&self, stated: Option<Effort>) -> Result<(Effort, &Targets, Chosen)> {
         let tried: &[(Effort, &[Kind])] = match stated {
             Some(Effort::Joint) => &[(Effort::Joint, &[Kind::Torque, Kind::Input])],
             Some(Effort::Input) => &[(Effort::Input, &[Kind::Input, Kind::Torque])],
@@ -91,7 +91,7 @@ impl Finder<'_> {
             }
         }
         // Commanded columns are the last choice: a commanded torque says less than a measured current.
-        let best = found.iter().position(|(.., choice)| !self.is_commanded(choice));
+        let best = found.iter().position(|(.., choice)| !self.is_commanded(&choice.columns));
         match best.or((!found.is_empty()).then_some(0)) {
             Some(best) => Ok(found.swap_remove(best)),
             None => Err(self.missing(&[Kind::Torque, Kind::Input, Kind::Current], &self.robot.joints)),
@@ -99,7 +99,7 @@ impl Finder<'_> {
     }
 
     /// The columns of a robot with quaternions: torques at the joints, all inputs, or those at frames.
-    fn efforts_or_frames(&self, wanted: Option<Effort>) -> Result<(Effort, &Targets, Choice)> {
+    fn efforts_or_frames(&self, wanted: Option<Effort>) -> Result<(Effort, &Targets, Chosen)> {
         let robot = self.robot;
         if wanted != Some(Effort::Input)
             && !self.has_frames()

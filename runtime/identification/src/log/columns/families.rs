@@ -226,12 +226,8 @@ fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -
         let stems = by_stem(&groups);
         families.extend(groups.iter().chain(&stems).filter_map(|((_, rest), members)| {
             let meaning = headers[members[0]].meaning(rest)?;
-            numbered(headers, (members, slot), targets, listed).map(|(key, columns, numbers)| Family {
-                meaning,
-                key,
-                columns,
-                numbers,
-            })
+            let number = |member: &usize| Some((headers[*member].words.get(slot)?.parse().ok()?, *member));
+            numbered(meaning, members.iter().map(number).collect::<Option<_>>()?, targets, listed)
         }));
     }
     families
@@ -249,19 +245,13 @@ fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usiz
     slots.max_by_key(|slot| values(*slot)).unwrap_or(0)
 }
 
-type Numbered = (Key, Vec<Option<usize>>, Vec<u64>);
-
 /// Columns by their numbers.
 fn numbered(
-    headers: &[Header],
-    (members, slot): (&[usize], usize),
+    meaning: Meaning,
+    mut sorted: Vec<(u64, usize)>,
     targets: &Targets,
     listed: Option<&[String]>,
-) -> Option<Numbered> {
-    let mut sorted: Vec<(u64, usize)> = Vec::new();
-    for member in members {
-        sorted.push((headers[*member].words.get(slot)?.parse().ok()?, *member));
-    }
+) -> Option<Family> {
     sorted.sort_unstable();
     let numbers: Vec<u64> = sorted.iter().map(|s| s.0).collect();
     if numbers.windows(2).any(|w| w[0] == w[1]) {
@@ -273,13 +263,13 @@ fn numbered(
         for (name, (_, member)) in listed.iter().zip(&sorted) {
             targets.named(name).into_iter().for_each(|joint| columns[joint] = Some(*member));
         }
-        return Some((Key::Listed, columns, numbers));
+        return Some(Family { meaning, key: Key::Listed, columns, numbers });
     }
     // More numbers than joints: which of them are the robot's is not known.
     if numbers.len() <= columns.len() {
         columns = targets.by_number(&sorted);
     }
-    Some((Key::Number(first), columns, numbers))
+    Some(Family { meaning, key: Key::Number(first), columns, numbers })
 }
 
 fn alone(headers: &[Header]) -> Vec<Family> {

@@ -6,34 +6,37 @@ use super::super::sheet::{Sheet, shortened};
 use super::super::units::{self, GRAD, Unit};
 use super::families::{Family, Key, Targets, families};
 use super::found::{Column, Found};
-use super::header::{Header, is_known, is_number, meaning, words};
-use super::pattern::{Chosen, Pattern, is_spellable};
+use super::header::{Header, is_known, is_number, words};
+use super::pattern::{Chosen, ColumnOptions, Pattern, is_spellable};
 use super::robot::RobotColumns;
 use super::table::{Kind, Origin};
 
 /// What finding columns needs.
 pub(super) struct Finder<'a> {
     pub sheet: &'a Sheet<'a>,
-    pub headers: &'a [Header],
+    pub headers: Vec<Header>,
     pub robot: &'a RobotColumns,
-    pub patterns: &'a [Pattern],
+    patterns: Vec<Pattern>,
     /// Names of the joints in the order of the log's messages, if the rows have them.
-    pub listed: Option<Vec<String>>,
-    pub source: &'a str,
+    listed: Option<Vec<String>>,
+    source: &'a str,
     /// End of messages about columns that the table does not decide.
-    pub hint: &'static str,
+    hint: &'static str,
 }
 
-/// Columns of a quantity before they have units.
-#[derive(Default)]
-pub(super) struct Choice {
-    chosen: Chosen,
-    pub remarks: Vec<String>,
-    /// No measured columns are found, and nobody named these.
-    pub is_commanded: bool,
-}
+impl<'a> Finder<'a> {
+    pub(super) fn new(
+        (sheet, robot): (&'a Sheet, &'a RobotColumns),
+        options: &ColumnOptions,
+        (source, hint): (&'a str, &'static str),
+    ) -> Result<Self> {
+        let below = |i: usize| sheet.units.get(i).and_then(Option::as_deref);
+        let headers = sheet.headers.iter().enumerate().map(|(i, text)| Header::new(i, text, below(i)));
+        let headers: Vec<Header> = headers.collect();
+        let listed = listed_names(sheet, &headers, robot);
+        Ok(Self { sheet, headers, robot, patterns: options.patterns()?, listed, source, hint })
+    }
 
-impl Finder<'_> {
     pub(super) fn fault(&self, message: String) -> IdentificationError {
         IdentificationError::File { place: self.source.into(), message }
     }
@@ -73,19 +76,18 @@ impl Finder<'_> {
         let named = named.map(|(text, name)| text.replacen(name.as_str(), "{name}", 1));
         let named = named.filter(|text| text.contains("{name}"));
         let names_them = |text: &String| {
-            let chosen = Pattern::new(Kind::Position, text).resolve(self.headers, self.sheet.width, targets);
+            let chosen = Pattern::new(Kind::Position, text).resolve(&self.headers, self.sheet.width, targets);
             chosen.is_ok_and(|chosen| chosen.columns == columns)
         };
         named.into_iter().chain(numbered_patterns(&texts)).find(names_them).unwrap_or(list)
     }
 
-    pub(super) fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Choice> {
-        let chosen = pattern.resolve(self.headers, self.sheet.width, targets)?;
-        Ok(Choice { chosen, ..Choice::default() })
+    pub(super) fn by_pattern(&self, pattern: &Pattern, targets: &Targets) -> Result<Chosen> {
+        pattern.resolve(&self.headers, self.sheet.width, targets)
     }
 
     pub(super) fn families(&self, kinds: &[Kind], targets: &Targets) -> Vec<Family> {
-        let mut all = families(self.headers, targets, self.listed.as_deref());
+        let mut all = families(&self.headers, targets, self.listed.as_deref());
         all.retain(|f| kinds.contains(&f.meaning.kind));
         all.sort_by_key(|f| (kinds.iter().position(|k| *k == f.meaning.kind), f.rank()));
         all
@@ -95,7 +97,7 @@ impl Finder<'_> {
     ///
     /// # Errors
     /// Two that are equally good.
-    pub(super) fn best(&self, kinds: &[Kind], targets: &Targets) -> Result<Option<Choice>> {
+    pub(super) fn best(&self, kinds: &[Kind], targets: &Targets) -> Result<Option<Chosen>> {
         let mut complete: Vec<(Family, Vec<usize>)> = Vec::new();
         for family in self.families(kinds, targets) {
             if let Some(columns) = family.complete()
@@ -120,12 +122,11 @@ impl Finder<'_> {
         }
         remarks.extend(order_of(family, plural));
         let is_commanded = family.meaning.origin == Origin::Commanded;
-        let chosen = Chosen { units: vec![None; columns.len()], columns: columns.clone() };
-        Ok(Some(Choice { chosen, remarks, is_commanded }))
+        Ok(Some(Chosen { remarks, is_commanded, ..Chosen::alike(columns.clone(), None) }))
     }
 
     /// By the user's pattern, or the best family.
-    pub(super) fn optional(&self, kind: Kind, targets: &Targets) -> Result<Option<Choice>> {
+    pub(super) fn optional(&self, kind: Kind, targets: &Targets) -> Result<Option<Chosen>> {
         match self.pattern(|k| k == kind) {
             Some(pattern) => self.by_pattern(pattern, targets).map(Some),
             None => self.best(&[kind], targets),
@@ -136,26 +137,21 @@ impl Finder<'_> {
     ///
     /// # Errors
     /// Units that are not known, or that are none of the quantity.
-    pub(super) fn found(&self, choice: Choice, kind: Kind, targets: &Targets) -> Result<Found> {
-        let Choice { chosen, remarks, is_commanded } = choice;
-        let mut columns = Vec::with_capacity(chosen.columns.len());
-        for (i, (&index, stated)) in chosen.columns.iter().zip(chosen.units).enumerate() {
-            let units = if matches!(kind, Kind::Input | Kind::Current) {
-                &self.robot.input_units
-            } else {
-                &self.robot.units
-            };
-            let is_linear = units.get(targets.places[i]) == Some(&"m");
-            columns.push(self.column(index, kind, is_linear, stated)?);
-        }
+    pub(super) fn found(&self, chosen: Chosen, kind: Kind, targets: &Targets) -> Result<Found> {
+        let of_inputs = matches!(kind, Kind::Input | Kind::Current);
+        let units = if of_inputs { &self.robot.input_units } else { &self.robot.units };
+        let all = chosen.columns.iter().zip(&chosen.units).zip(&targets.places);
+        let column = |((index, stated), place): ((&usize, &Option<Unit>), &usize)| {
+            self.column(*index, kind, units.get(*place) == Some(&"m"), *stated)
+        };
         Ok(Found {
             kind,
             pattern: self.pattern_of(&chosen.columns, targets),
-            columns,
+            columns: all.map(column).collect::<Result<_>>()?,
             names: targets.names.clone(),
             places: targets.places.clone(),
-            remarks,
-            is_commanded,
+            remarks: chosen.remarks,
+            is_commanded: chosen.is_commanded,
         })
     }
 
@@ -206,7 +202,7 @@ impl Finder<'_> {
 
     /// Whether words are the name of a joint or an input: `tau_turn` of a joint `turn` is in no revolutions.
     fn is_named(&self, spelled: &[String]) -> bool {
-        self.robot.joints.mentions(spelled) || self.robot.inputs.mentions(spelled)
+        self.robot.all_joints.mentions(spelled) || self.robot.inputs.mentions(spelled)
     }
 
     /// A unit that ends the words: `q1_deg`, `vel_2_deg_s`.
@@ -286,26 +282,9 @@ impl Finder<'_> {
     }
 
     /// Whether columns are commanded by the header of the first one.
-    pub(super) fn is_commanded(&self, choice: &Choice) -> bool {
-        let header = choice.chosen.columns.first().and_then(|c| self.headers.get(*c));
-        header.and_then(|h| meaning(&h.plain_words())).is_some_and(|m| m.origin == Origin::Commanded)
-    }
-}
-
-impl Choice {
-    pub(super) fn of(columns: Vec<usize>) -> Self {
-        Self { chosen: Chosen { units: vec![None; columns.len()], columns }, ..Self::default() }
-    }
-
-    /// The columns of several joints, `width` for each.
-    pub(super) fn split(self, width: usize) -> Vec<Self> {
-        let Chosen { columns, units } = self.chosen;
-        let parts = columns.chunks(width).zip(units.chunks(width));
-        let part = |(columns, units): (&[usize], &[Option<Unit>])| Chosen {
-            columns: columns.to_vec(),
-            units: units.to_vec(),
-        };
-        parts.map(|of| Self { chosen: part(of), ..Self::default() }).collect()
+    pub(super) fn is_commanded(&self, columns: &[usize]) -> bool {
+        let header = columns.first().and_then(|column| self.headers.get(*column));
+        header.and_then(Header::own_meaning).is_some_and(|m| m.origin == Origin::Commanded)
     }
 }
 
@@ -370,4 +349,18 @@ fn order_of(family: &Family, plural: &str) -> Option<String> {
         Key::Listed => Some(format!("The {plural} are in the order of the names in the log's rows.")),
         _ => None,
     }
+}
+
+/// Joints in the order of a message that names them in its rows: `field.name0`, … or one list of names.
+fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Option<Vec<String>> {
+    let is_name = |h: &&Header| h.own_meaning().is_some_and(|m| m.kind == Kind::Name);
+    let columns: Vec<&Header> = headers.iter().filter(is_name).collect();
+    let value = |h: &&Header| sheet.first.get(h.index).map(|text| text.trim().to_owned());
+    let names: Vec<String> = match columns.as_slice() {
+        [only] => value(only)?.split(['\'', '"']).skip(1).step_by(2).map(str::to_owned).collect(),
+        several => several.iter().filter_map(value).collect(),
+    };
+    let listed: Vec<Option<usize>> = names.iter().map(|name| robot.joints.named(name)).collect();
+    let all = (0..robot.joints.names.len()).all(|j| listed.contains(&Some(j)));
+    (all && !names.is_empty()).then_some(names)
 }

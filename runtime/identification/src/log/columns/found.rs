@@ -38,7 +38,7 @@ pub(in crate::log) struct Found {
 /// The names that a log has for the columns of a quantity, for messages and for `--columns`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ColumnLabels {
-    /// Header of the column of each joint or input, or its number.
+    /// Header of the column of each joint or input, or its number; `none` if the log has no such column.
     pub columns: Vec<String>,
     /// All of them as `--columns` takes them, as `q{}`.
     pub pattern: String,
@@ -89,8 +89,15 @@ impl Found {
         Some(format!("{what}: `{}`{whose}", self.pattern))
     }
 
-    pub(super) fn labels(&self) -> ColumnLabels {
-        let columns = self.columns.iter().map(|column| column.label.clone()).collect();
+    /// The columns of all joints or inputs, by their places.
+    ///
+    /// - `count`: of the joints or inputs
+    pub(super) fn labels(&self, count: usize) -> ColumnLabels {
+        let mut columns = vec!["none".to_owned(); count];
+        self.places
+            .iter()
+            .zip(&self.columns)
+            .for_each(|(place, column)| columns[*place].clone_from(&column.label));
         ColumnLabels { columns, pattern: self.pattern.clone() }
     }
 

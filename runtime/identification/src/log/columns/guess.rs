@@ -5,7 +5,7 @@ use super::super::sheet::Sheet;
 use super::super::units::Unit;
 use super::finder::Finder;
 use super::found::{Column, Found};
-use super::mapping::{Parts, with_finder};
+use super::mapping::Parts;
 use super::pattern::ColumnOptions;
 use super::robot::RobotColumns;
 
@@ -30,14 +30,13 @@ pub(in crate::log) fn guess(
     options: &ColumnOptions,
     source: &str,
 ) -> Result<ColumnGuess> {
-    with_finder((sheet, robot), options, (source, ""), |finder| {
-        let mut guess = finder.guess(finder.parts(options.effort));
-        guess.columns = if sheet.headers.is_empty() { sheet.first.clone() } else { sheet.headers.clone() };
-        if let Err(fault) = finder.require_header() {
-            guess.faults = vec![fault.to_string()];
-        }
-        guess
-    })
+    let finder = Finder::new((sheet, robot), options, (source, ""))?;
+    let mut guess = finder.guess(finder.parts(options.effort));
+    guess.columns = if sheet.headers.is_empty() { sheet.first.clone() } else { sheet.headers.clone() };
+    if let Err(fault) = finder.require_header() {
+        guess.faults = vec![fault.to_string()];
+    }
+    Ok(guess)
 }
 
 /// Columns of a quantity, and the part of the line that names them.

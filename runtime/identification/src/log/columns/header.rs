@@ -38,9 +38,9 @@ impl Header {
         Self { index, text: text.to_owned(), words: words(&rest), unit, odd, is_translated }
     }
 
-    /// Words that are no numbers.
-    pub(super) fn plain_words(&self) -> Vec<&str> {
-        self.words.iter().map(String::as_str).filter(|word| !is_number(word)).collect()
+    /// The meaning of all words.
+    pub(super) fn own_meaning(&self) -> Option<Meaning> {
+        meaning(&self.words)
     }
 
     /// The meaning of the header without the words that name its joint: that of these words, or of the unit in brackets if they have none
@@ -48,18 +48,14 @@ impl Header {
     ///
     /// - `rest`: the other words; `#` stands for a number
     pub(super) fn meaning(&self, rest: &[String]) -> Option<Meaning> {
-        let said = || {
-            let words: Vec<&str> = rest.iter().map(String::as_str).collect();
-            meaning(&words.into_iter().filter(|w| !is_number(w) && *w != "#").collect::<Vec<_>>())
-        };
-        let Some(kind) = self.kind_of_unit() else { return said() };
+        let Some(kind) = self.kind_of_unit() else { return meaning(rest) };
         // `a` is an axis as often as an acceleration.
         let is_silent =
             rest.iter().all(|w| is_number(w) || w == "#" || w == "a" || is_plain(w) && w.len() > 1);
         if is_silent {
             return Some(Meaning { kind, origin: Origin::Unsaid, doubt: 1 });
         }
-        let meaning = said()?;
+        let meaning = meaning(rest)?;
         // An `effort` in ampere is a current.
         let is_current = meaning.kind.is_effort() && kind == Kind::Current;
         Some(if is_current { Meaning { kind, ..meaning } } else { meaning })
@@ -177,9 +173,9 @@ fn without_accent(letter: char) -> impl Iterator<Item = char> {
     plain.is_none().then_some(letter).into_iter().chain(plain.unwrap_or_default().chars())
 }
 
-/// The meaning of words without names, numbers and units; `None` if they have none or contradict each other.
-pub(super) fn meaning(words: &[&str]) -> Option<Meaning> {
-    let joined = join_derivatives(words);
+/// The meaning of words without names and units; `None` if they have none or contradict each other.
+fn meaning(words: &[String]) -> Option<Meaning> {
+    let joined = join_derivatives(words.iter().filter(|w| !is_number(w) && *w != "#"));
     let all: Vec<Option<Known>> = joined.iter().map(|word| known(word)).collect();
     let has = |role: Role| all.iter().flatten().any(|known| known.role == role);
     if has(Role::Other) || has(Role::Body) {
@@ -208,13 +204,13 @@ pub(super) fn meaning(words: &[&str]) -> Option<Meaning> {
 }
 
 /// `q dot`, `q dot dot` and `q ddot` as one word.
-fn join_derivatives(words: &[&str]) -> Vec<String> {
+fn join_derivatives<'w>(words: impl Iterator<Item = &'w String>) -> Vec<String> {
     let mut joined: Vec<String> = Vec::new();
     for word in words {
         match joined.last_mut() {
-            Some(last) if *word == "dot" => last.push_str("dot"),
-            Some(last) if *word == "ddot" => last.push_str("dotdot"),
-            _ => joined.push((*word).to_owned()),
+            Some(last) if word == "dot" => last.push_str("dot"),
+            Some(last) if word == "ddot" => last.push_str("dotdot"),
+            _ => joined.push(word.clone()),
         }
     }
     joined
@@ -281,7 +277,7 @@ mod tests {
 
     fn said(text: &str) -> Option<(Kind, Origin)> {
         let header = Header::new(0, text, None);
-        meaning(&header.plain_words()).map(|m| (m.kind, m.origin))
+        header.own_meaning().map(|m| (m.kind, m.origin))
     }
 
     #[test]

@@ -3,11 +3,11 @@
 use super::super::super::error::Result;
 use super::super::super::run::Effort;
 use super::super::sheet::{Sheet, shortened};
-use super::families::Targets;
-use super::finder::{Choice, Finder};
+use super::families::{Family, Key, Targets};
+use super::finder::Finder;
 use super::found::{Found, Labels};
-use super::header::{Header, meaning};
-use super::pattern::{ColumnOptions, Pattern};
+use super::header::Header;
+use super::pattern::{Chosen, ColumnOptions, Pattern};
 use super::robot::RobotColumns;
 use super::table::{Kind, Origin};
 use super::time::TimeColumn;
@@ -64,26 +64,10 @@ pub(in crate::log) fn resolve(
     options: &ColumnOptions,
     source: &str,
 ) -> Result<Mapping> {
-    with_finder((sheet, robot), options, (source, HINT), |finder| {
-        finder.require_header()?;
-        finder.require_absent()?;
-        finder.mapping(finder.parts(options.effort))
-    })?
-}
-
-/// Calls a function with all that finding columns needs.
-pub(super) fn with_finder<T>(
-    (sheet, robot): (&Sheet, &RobotColumns),
-    options: &ColumnOptions,
-    (source, hint): (&str, &'static str),
-    then: impl FnOnce(&Finder) -> T,
-) -> Result<T> {
-    let patterns = options.patterns()?;
-    let below = |i: usize| sheet.units.get(i).and_then(Option::as_deref);
-    let headers = sheet.headers.iter().enumerate().map(|(i, text)| Header::new(i, text, below(i)));
-    let headers: Vec<Header> = headers.collect();
-    let listed = listed_names(sheet, &headers, robot);
-    Ok(then(&Finder { sheet, headers: &headers, robot, patterns: &patterns, listed, source, hint }))
+    let finder = Finder::new((sheet, robot), options, (source, HINT))?;
+    finder.require_header()?;
+    finder.require_absent()?;
+    finder.mapping(finder.parts(options.effort))
 }
 
 impl Finder<'_> {
@@ -108,13 +92,21 @@ impl Finder<'_> {
 
     /// Joints of which the log has columns are not held.
     fn require_absent(&self) -> Result<()> {
-        let held = &self.robot.held_joints;
-        let families = self.families(&[Kind::Position, Kind::Torque, Kind::Input, Kind::Current], held);
-        let named = families.iter().flat_map(|f| f.columns.iter().zip(&held.names));
-        match named.filter_map(|(column, name)| Some((column.as_ref()?, name))).next() {
-            Some((column, name)) => Err(self.fault(format!(
+        let (all, held) = (&self.robot.all_joints, &self.robot.held);
+        let own = |family: Family| {
+            let is_sure = family.key == Key::Name || family.complete().is_some();
+            let columns = family
+                .columns
+                .into_iter()
+                .enumerate()
+                .filter(move |(joint, _)| is_sure && held[*joint].is_some());
+            columns.filter_map(|(joint, column)| Some((&all.names[joint], column?)))
+        };
+        let kinds = [Kind::Position, Kind::Torque, Kind::Input, Kind::Current];
+        match self.families(&kinds, all).into_iter().flat_map(own).next() {
+            Some((name, column)) => Err(self.fault(format!(
                 "joint `{name}` is held, but column {} is its own: leave out --hold {name}",
-                self.label(*column)
+                self.label(column)
             ))),
             None => Ok(()),
         }
@@ -143,6 +135,7 @@ impl Finder<'_> {
         let all = [Some(&positions), velocities.as_ref(), Some(&efforts), desired.as_ref()];
         used.extend(all.into_iter().flatten().chain(&poses).flat_map(Found::indices));
         self.require_distinct(&used)?;
+        let joints = self.robot.held.len();
         let mut mapping = Mapping {
             // Without quaternions a force at the joint and an input are the same where B = 1.
             effort: match effort {
@@ -151,8 +144,12 @@ impl Finder<'_> {
             },
             labels: Labels {
                 time: time.text.clone(),
-                positions: positions.labels(),
-                efforts: efforts.labels(),
+                positions: positions.labels(joints),
+                efforts: efforts.labels(if effort == Effort::Joint {
+                    joints
+                } else {
+                    self.robot.input_units.len()
+                }),
             },
             brief: Vec::new(),
             warnings: time
@@ -214,13 +211,12 @@ impl Finder<'_> {
         let mut sentences = vec![time.sentence.clone()];
         for pose in poses {
             let labels: Vec<&str> = pose.columns.iter().map(|column| column.label.as_str()).collect();
-            let (components, joint) =
-                (pose.kind.row().components.join(", "), pose.names[0].split_once(" of "));
             sentences.push(format!(
-                "Columns {} are the {} {components} of {}.",
+                "Columns {} are the {} {} of {}.",
                 labels.join(", "),
                 pose.kind.singular(),
-                joint.map_or("", |(_, joint)| joint)
+                pose.kind.row().components.join(", "),
+                pose.names[0]
             ));
         }
         let all = [Some(positions), velocities.as_ref(), Some(efforts)].into_iter().flatten();
@@ -255,13 +251,10 @@ impl Finder<'_> {
 
     fn run(&self) -> Result<Option<usize>> {
         if let Some(pattern) = self.pattern(|k| k == Kind::Run) {
-            let chosen = pattern.resolve(self.headers, self.sheet.width, &Targets::one("run"))?;
+            let chosen = pattern.resolve(&self.headers, self.sheet.width, &Targets::one("run"))?;
             return Ok(chosen.columns.first().copied());
         }
-        let is_run = |h: &&Header| {
-            let words: Vec<&str> = h.words.iter().map(String::as_str).collect();
-            meaning(&words).is_some_and(|m| m.kind == Kind::Run && m.doubt < 2)
-        };
+        let is_run = |h: &&Header| h.own_meaning().is_some_and(|m| m.kind == Kind::Run && m.doubt < 2);
         let mut runs = self.headers.iter().filter(is_run);
         match (runs.next(), runs.next()) {
             (Some(a), Some(b)) => Err(self.undecided(format!(
@@ -275,7 +268,7 @@ impl Finder<'_> {
     fn positions(&self) -> Result<Found> {
         let joints = &self.robot.joints;
         let choice = match joints.names.is_empty() {
-            true => Choice::default(),
+            true => Chosen::default(),
             false => self
                 .optional(Kind::Position, joints)?
                 .ok_or_else(|| self.missing(&[Kind::Position], joints))?,
@@ -311,9 +304,9 @@ impl Finder<'_> {
     }
 
     /// The only best family of commanded positions next to measured ones.
-    fn commanded(&self, position: &Found) -> Option<Choice> {
+    fn commanded(&self, position: &Found) -> Option<Chosen> {
         let columns: Vec<usize> = position.indices().collect();
-        if self.is_commanded(&Choice::of(columns.clone())) {
+        if self.is_commanded(&columns) {
             return None;
         }
         let mut families = self.families(&[Kind::Position], &self.robot.joints);
@@ -325,20 +318,6 @@ impl Finder<'_> {
             return self.by_pattern(&Pattern::new(Kind::Desired, "desired_{name}"), &self.robot.joints).ok();
         };
         let is_only = complete.iter().all(|(other, others)| other != rank || others == columns);
-        is_only.then(|| Choice::of(columns.clone()))
+        is_only.then(|| Chosen::alike(columns.clone(), None))
     }
-}
-
-/// Joints in the order of a message that names them in its rows: `field.name0`, … or one list of names.
-fn listed_names(sheet: &Sheet, headers: &[Header], robot: &RobotColumns) -> Option<Vec<String>> {
-    let is_name = |h: &&Header| meaning(&h.plain_words()).is_some_and(|m| m.kind == Kind::Name);
-    let columns: Vec<&Header> = headers.iter().filter(is_name).collect();
-    let value = |h: &&Header| sheet.first.get(h.index).map(|text| text.trim().to_owned());
-    let names: Vec<String> = match columns.as_slice() {
-        [only] => value(only)?.split(['\'', '"']).skip(1).step_by(2).map(str::to_owned).collect(),
-        several => several.iter().filter_map(value).collect(),
-    };
-    let listed: Vec<Option<usize>> = names.iter().map(|name| robot.joints.named(name)).collect();
-    let all = (0..robot.joints.names.len()).all(|j| listed.contains(&Some(j)));
-    (all && !names.is_empty()).then_some(names)
 }

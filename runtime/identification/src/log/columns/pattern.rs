@@ -30,6 +30,8 @@ pub struct ColumnOptions {
 
 /// The name of held joints in the line.
 const HOLD: &str = "hold";
+/// The part of the line that asks for the columns.
+const ASKED: &str = "?";
 
 /// One `QUANTITY=COLUMNS`.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,17 +41,28 @@ pub(super) struct Pattern {
     text: String,
 }
 
-/// Columns that a pattern names, each with its unit if the pattern has one.
+/// Columns of a quantity, each with the unit that the user names.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Chosen {
     pub columns: Vec<usize>,
     pub units: Vec<Option<Unit>>,
+    /// Sentences about the choice.
+    pub remarks: Vec<String>,
+    /// No measured columns are found, and nobody named these.
+    pub is_commanded: bool,
 }
 
 impl Chosen {
     /// Columns in one unit.
-    fn alike(columns: Vec<usize>, unit: Option<Unit>) -> Self {
-        Self { units: vec![unit; columns.len()], columns }
+    pub(super) fn alike(columns: Vec<usize>, unit: Option<Unit>) -> Self {
+        Self { units: vec![unit; columns.len()], columns, ..Self::default() }
+    }
+
+    /// The columns of several joints, `width` for each.
+    pub(super) fn split(&self, width: usize) -> Vec<Self> {
+        let parts = self.columns.chunks(width).zip(self.units.chunks(width));
+        let part = |(columns, units): (&[usize], &[Option<Unit>])| (columns.to_vec(), units.to_vec());
+        parts.map(part).map(|(columns, units)| Self { columns, units, ..Self::default() }).collect()
     }
 }
 
@@ -69,6 +82,11 @@ impl ColumnOptions {
             patterns.push(Pattern { kind, key, text: text.to_owned() });
         }
         Ok(patterns)
+    }
+
+    /// Whether the line has a `?`, which asks for the columns that are found.
+    pub fn asks(&self) -> bool {
+        parts(self.columns.as_deref().unwrap_or("")).contains(&ASKED)
     }
 
     /// Whether columns are named. Joints that are held have none.
@@ -109,7 +127,8 @@ impl ColumnOptions {
                 "this is not `QUANTITY=COLUMNS`, as in `position=q{},torque=tau{},time=t`".into(),
             )),
         };
-        parts(self.columns.as_deref().unwrap_or("")).into_iter().map(split).collect()
+        let parts = parts(self.columns.as_deref().unwrap_or("")).into_iter();
+        parts.filter(|part| *part != ASKED).map(split).collect()
     }
 }
 
@@ -254,7 +273,7 @@ fn each(text: &str, headers: &[Header], width: usize) -> Option<Chosen> {
     };
     let items: Option<Vec<(usize, Option<Unit>)>> = text.split('|').map(item).collect();
     let (columns, units) = items?.into_iter().unzip();
-    Some(Chosen { columns, units })
+    Some(Chosen { columns, units, ..Chosen::default() })
 }
 
 /// A header, or the number of a column.

@@ -4,9 +4,10 @@ use super::super::super::error::{IdentificationError, Result};
 use super::super::super::pose::QuaternionJoint;
 use super::super::sheet::shortened;
 use super::families::{Family, Targets, angles, by_component};
-use super::finder::{Choice, Finder};
+use super::finder::Finder;
 use super::found::Found;
 use super::header::words;
+use super::pattern::Chosen;
 use super::table::Kind;
 
 impl Finder<'_> {
@@ -46,10 +47,8 @@ impl Finder<'_> {
                 "--columns names a place or a quaternion, but no joint of this robot is spherical or floating".into(),
             ));
         }
-        let named = |joint: &QuaternionJoint| {
-            letters.iter().map(|l| format!("{l} of {}", joint.name)).collect::<Vec<_>>()
-        };
-        let targets: Vec<Targets> = joints.iter().map(|joint| Targets::new(&named(joint), &[])).collect();
+        let targets = joints.iter().map(|joint| Targets::new(&vec![joint.name.clone(); letters.len()], &[]));
+        let targets: Vec<Targets> = targets.collect();
         let choices = match self.pattern(|k| k == kind) {
             Some(pattern) => {
                 let all: Vec<String> = targets.iter().flat_map(|of| of.names.clone()).collect();
@@ -61,10 +60,10 @@ impl Finder<'_> {
     }
 
     /// The only family of columns that is nearest to the joint's name.
-    fn nearest(&self, joint: &QuaternionJoint, kind: Kind) -> Result<Choice> {
+    fn nearest(&self, joint: &QuaternionJoint, kind: Kind) -> Result<Chosen> {
         // Of several joints each has to be named.
         let farthest = if self.robot.quaternions.len() > 1 { 0 } else { 2 };
-        let mut near = by_component(self.headers, kind, &words(&joint.name));
+        let mut near = by_component(&self.headers, kind, &words(&joint.name));
         near.retain(|family| family.meaning.doubt <= farthest);
         near.sort_by_key(|family| (family.complete().is_none(), family.meaning.doubt));
         let Some(first) = near.first() else { return Err(self.no_pose(joint, kind)) };
@@ -93,13 +92,13 @@ impl Finder<'_> {
                 labels(other),
                 remedy(kind)
             ))),
-            None => Ok(Choice::of(columns)),
+            None => Ok(Chosen::alike(columns, None)),
         }
     }
 
     fn no_pose(&self, joint: &QuaternionJoint, kind: Kind) -> IdentificationError {
         let (what, name) = (kind.singular(), &joint.name);
-        let angles = angles(self.headers);
+        let angles = angles(&self.headers);
         if kind == Kind::Attitude && !angles.is_empty() {
             return self.fault(format!(
                 "no columns are known as the quaternion of `{name}`, but {} look like angles. Attitudes are read as \

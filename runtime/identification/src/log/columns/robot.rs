@@ -21,8 +21,8 @@ pub(in crate::log) struct RobotColumns {
     pub quaternions: Vec<QuaternionJoint>,
     /// Positions of the joints that are held, `None` for the others.
     pub held: Vec<Option<f64>>,
-    /// The joints that are held.
-    pub held_joints: Targets,
+    /// All joints, held or not.
+    pub all_joints: Targets,
     /// `rad` or `m`, of each joint.
     pub units: Vec<&'static str>,
     /// Unit of the position of the joint that an input drives if it is one.
@@ -64,7 +64,7 @@ impl RobotColumns {
         Ok(Self {
             joints: all_joints.only(|j| held[j].is_none()),
             torques: all_joints.only(|j| held[j].is_none() && !unmeasured[lines[j]]),
-            held_joints: all_joints.only(|j| held[j].is_some()),
+            all_joints,
             frame_inputs: all_inputs.only(|input| at_frames[input]),
             inputs: all_inputs.only(|input| !only_held(input)),
             input_units: driven.into_iter().map(|j| j.map_or("rad", |j| units[j])).collect(),
@@ -83,7 +83,11 @@ impl RobotColumns {
 
     /// Names and positions of the joints that are held.
     pub(super) fn held_values(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.held_joints.names.iter().map(String::as_str).zip(self.held.iter().flatten().copied())
+        self.all_joints
+            .names
+            .iter()
+            .zip(&self.held)
+            .filter_map(|(name, value)| Some((name.as_str(), (*value)?)))
     }
 
     /// Adds the columns that the log does not have: positions of held joints, and NaN for efforts that were not measured.

@@ -68,7 +68,7 @@ impl Finder<'_> {
     /// No column or several equally good ones.
     pub(super) fn time(&self) -> Result<TimeColumn> {
         if let Some(pattern) = self.pattern(|kind| kind == Kind::Time) {
-            if let Some(period) = pattern.counts_rows(self.headers) {
+            if let Some(period) = pattern.counts_rows(&self.headers) {
                 let sentence = format!("Rows are counted as the time, every {period} s.");
                 let unit = Some(period);
                 return Ok(TimeColumn {
@@ -79,8 +79,8 @@ impl Finder<'_> {
                     ..TimeColumn::default()
                 });
             }
-            let Chosen { columns, units } =
-                pattern.resolve(self.headers, self.sheet.width, &Targets::one("time"))?;
+            let Chosen { columns, units, .. } =
+                pattern.resolve(&self.headers, self.sheet.width, &Targets::one("time"))?;
             return Ok(self.time_column(columns[0], units[0]));
         }
         let is_first = |h: &&Header| !self.headers.iter().any(|other| are_pair(other, h));

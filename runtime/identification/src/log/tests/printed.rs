@@ -1,9 +1,9 @@
 //! Lines about the columns of a log.
 
-use super::recording::guess_columns_of;
+use super::super::recording::guess_columns_of;
+use super::super::{ColumnOptions, Recording, runs_of};
 use super::styles::logs;
 use super::testing::Fake;
-use super::{ColumnOptions, Recording, runs_of};
 use gelenk_findings::Severity;
 
 fn read(header: &str, first: &str, columns: Option<&str>) -> Recording {
@@ -107,6 +107,30 @@ fn guesses_are_read_as_the_log_is() {
     }
 }
 
+/// Poses are named in all ways in which the tests of floating robots name them.
+#[test]
+fn guesses_of_poses_are_read_as_the_log_is() {
+    let inputs = "u_front_right,u_rear_left,u_front_left,u_rear_right";
+    let pose = "pose.position.x,pose.position.y,pose.position.z,pose.orientation.w,pose.orientation.x,pose.orientation.y,pose.orientation.z";
+    let cases = [
+        (format!("time,q_base_x,q_base_y,q_base_z,q_base_qw,q_base_qx,q_base_qy,q_base_qz,{inputs}"), ""),
+        (format!("time,{pose},{inputs}"), ""),
+        ("t,x [mm],y [mm],z [mm],qw,qx,qy,qz,u0,u1,u2,u3".into(), ""),
+        ("t [s],a,b,c,d,e,f,g,h,i,j,k".into(), "place=2..4[mm],wxyz=5..8,input=9..12"),
+    ];
+    let robot = Fake::floating();
+    for (header, columns) in cases {
+        let rows: String = (0..4).map(|i| format!("{i},1,2,3,0.5,0.5,0.5,0.5,5,6,7,8\n")).collect();
+        let text = format!("{header}\n{rows}").into_bytes();
+        let options = ColumnOptions { columns: Some(columns.into()), ..ColumnOptions::default() };
+        let guess = guess_columns_of(&text, "log.csv", &robot, &options).unwrap();
+        assert_eq!(guess.faults, [""; 0], "{}", guess.line);
+        let again = ColumnOptions { columns: Some(guess.line.clone()), ..ColumnOptions::default() };
+        let read = |options| runs_of(&text, "log.csv", &robot, options).unwrap();
+        assert_eq!(read(&options).runs, read(&again).runs, "{}", guess.line);
+    }
+}
+
 #[test]
 fn incomplete_guesses_have_marks() {
     let text = b"clock_in,q1,q2,tau_1 [Nm],x\n0,1,2,3,4\n1,1,2,3,4\n";
@@ -137,4 +161,41 @@ fn guesses_survive_odd_headers() {
     let again = ColumnOptions { columns: Some(guess.line), ..ColumnOptions::default() };
     let read = |options| runs_of(text.as_bytes(), "log.csv", &Fake::numbered(2), options).unwrap().runs;
     assert_eq!(read(&options), read(&again));
+}
+
+/// A log without a joint is that of the others, however its columns are named; the efforts of what is held are unknown.
+#[test]
+fn held_joints_have_no_columns() {
+    let read = |header: &str, columns: &str| {
+        let text = format!("{header}\n0,1,3,10,30\n1,2,4,20,40\n");
+        let options = ColumnOptions { columns: Some(columns.into()), ..ColumnOptions::default() };
+        runs_of(text.as_bytes(), "log.csv", &Fake::numbered(3), &options)
+            .map(|mut recording| recording.runs.remove(0))
+    };
+    let cases = [
+        ("t,q1,q3,tau1,tau3", "hold=joint_2=0.5"),
+        ("t,q1,q2,tau1,tau2", "hold=joint_2=0.5"),
+        (
+            "t,joint_3_effort,joint_3_pos,joint_1_effort,joint_1_pos",
+            "hold=*2=0.5,position=5|3,torque={name}_effort",
+        ),
+        ("t,q1,q3,u1,u3", "position=q{},input=u{},hold=joint_2=0.5"),
+        ("t,q1,q3,tau1,tau3", "torque=2..3,position=4..5,hold=joint_2=0.5"),
+    ];
+    for (header, columns) in cases {
+        let run = read(header, columns).unwrap();
+        let known: Vec<f64> =
+            [0, 2].iter().flat_map(|j| [&run.positions[*j], &run.efforts[*j]]).flatten().copied().collect();
+        let mut sorted = known.clone();
+        sorted.sort_by(f64::total_cmp);
+        assert_eq!(sorted, [1.0, 2.0, 3.0, 4.0, 10.0, 20.0, 30.0, 40.0], "{header}");
+        assert_eq!(run.positions[1], [0.5, 0.5], "{header}");
+        assert!(run.velocities[1].is_none() && run.efforts[1].iter().all(|u| u.is_nan()), "{header}");
+    }
+    for header in ["t,q1,q2,q3,tau1", "t,joint_1_pos,joint_2_pos,joint_3_pos,joint_2_effort"] {
+        let fault = read(header, "hold=joint_2").unwrap_err().to_string();
+        assert!(fault.contains("joint `joint_2` is held, but column"), "{header}: {fault}");
+    }
+    let fault = read("t,joint_1_pos,joint_3_pos,u1,u2", "").unwrap_err().to_string();
+    assert!(fault.contains("held at their positions: --hold joint_2=0"), "{fault}");
 }

@@ -1,9 +1,9 @@
 //! Styles of logs: the same motion, as different programs write it.
 
-use super::super::robot::FollowerLimits;
-use super::super::run::Effort;
+use super::super::super::robot::FollowerLimits;
+use super::super::super::run::Effort;
+use super::super::{ColumnOptions, Recording, runs_of};
 use super::testing::{Fake, message};
-use super::{ColumnOptions, Recording, runs_of};
 use gelenk_findings::Finding;
 use std::fmt::Write;
 
@@ -429,7 +429,7 @@ fn several_logs_are_one_recording() {
     let robot = Fake::numbered(2);
     let read = |paths: &[&std::path::PathBuf]| {
         let paths: Vec<std::path::PathBuf> = paths.iter().map(|p| (*p).clone()).collect();
-        super::runs(&paths, &robot, &ColumnOptions::default())
+        super::super::runs(&paths, &robot, &ColumnOptions::default())
     };
     let recording = read(&[&one, &two]).unwrap();
     let names: Vec<(&str, usize)> = recording.runs.iter().map(|r| (r.name.as_str(), r.times.len())).collect();
