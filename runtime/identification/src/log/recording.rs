@@ -17,18 +17,18 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::slice;
 
-/// What several logs hold of one robot.
+/// The runs of several logs of one robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// Runs in the order of the files and rows.
     pub runs: Vec<Run>,
-    /// What the runs' efforts are, the same in all logs.
+    /// The kind of the runs' efforts, the same in all logs.
     pub effort: Effort,
-    /// What is suspicious in the logs, or was repaired.
+    /// Suspicious or repaired values.
     pub findings: Vec<Finding>,
-    /// What the first log calls its columns.
+    /// Names of the columns in the first log.
     pub labels: Labels,
-    /// What the columns were taken for: one line for each quantity.
+    /// The columns that were taken: one line for each quantity.
     pub columns: Vec<String>,
     /// One sentence for each column that is used, then what was assumed.
     pub mapping: Vec<String>,
@@ -128,7 +128,7 @@ impl Recording {
         self.findings.push(LEFT_OUT.found(message));
     }
 
-    /// What the columns were taken for, one note for each quantity, and one for the columns that nothing uses.
+    /// The columns that were taken, one note for each quantity, and one note for the columns that nothing uses.
     pub fn columns_found(&self) -> Vec<Finding> {
         let shown: Vec<String> =
             self.unused.iter().take(MOST_UNUSED).map(|header| format!("`{header}`")).collect();

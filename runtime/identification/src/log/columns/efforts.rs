@@ -31,7 +31,7 @@ impl Finder<'_> {
         Ok((effort, found))
     }
 
-    /// What of a kind of effort a log may have.
+    /// The joints or inputs of which a log may have efforts of this kind.
     fn targets_of(&self, effort: Effort) -> &Targets {
         if effort == Effort::Joint { &self.robot.torques } else { &self.robot.inputs }
     }

@@ -1,11 +1,11 @@
-//! Columns that belong together: one quantity of all joints, told apart by the joints' names or by numbers.
+//! Columns that belong together: one quantity of all joints, one column for each name or number.
 
 use super::super::units;
 use super::header::{Header, Meaning, is_number, is_plain, words};
 use super::table::{Kind, Known, Origin, Role, known};
 use std::collections::BTreeMap;
 
-/// By which the columns of a family differ. Families are preferred in this order.
+/// The difference between the columns of a family. Families are preferred in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Key {
     /// The names of the joints or inputs.
@@ -38,7 +38,7 @@ impl Family {
     }
 
     pub(super) fn rank(&self) -> (Origin, u8, Key) {
-        // Which number is the first is no reason to prefer a family.
+        // The first number does not matter.
         let key = if let Key::Number(_) = self.key { Key::Number(0) } else { self.key };
         (self.meaning.origin, self.meaning.doubt, key)
     }
@@ -189,7 +189,7 @@ fn by_stem(groups: &Groups) -> Groups {
     stems.into_iter().filter(|(_, (parts, _))| *parts > 1).map(|(phrase, (_, all))| (phrase, all)).collect()
 }
 
-/// The joints' names are numbers from 1 on, and the columns have a 0 besides: their 1 may be the second joint.
+/// The joints' names count from 1, and the columns also have a 0: their 1 may be the second joint.
 fn counts_from_zero(headers: &[Header], columns: &[Option<usize>], targets: &Targets) -> bool {
     let Some(first) = columns.iter().flatten().next() else { return false };
     let zero = |word: &String| if is_number(word) { "0".into() } else { word.clone() };

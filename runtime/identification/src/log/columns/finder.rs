@@ -11,7 +11,7 @@ use super::pattern::{Chosen, ColumnOptions, Pattern, is_spellable};
 use super::robot::RobotColumns;
 use super::table::{Kind, Origin};
 
-/// What finding columns needs.
+/// A sheet, the joints of a robot, and the line of the user.
 pub(super) struct Finder<'a> {
     pub sheet: &'a Sheet<'a>,
     pub headers: Vec<Header>,
@@ -125,7 +125,7 @@ impl<'a> Finder<'a> {
         Ok(Some(Chosen { remarks, is_commanded, ..Chosen::alike(columns.clone(), None) }))
     }
 
-    /// By the user's pattern, or the best family.
+    /// The columns that the user names, or the best family.
     pub(super) fn optional(&self, kind: Kind, targets: &Targets) -> Result<Option<Chosen>> {
         match self.pattern(|k| k == kind) {
             Some(pattern) => self.by_pattern(pattern, targets).map(Some),
@@ -194,7 +194,7 @@ impl<'a> Finder<'a> {
         Ok(Column { index, label, unit, unit_words, is_stated: stated.is_some() })
     }
 
-    /// Text in brackets that is no unit: words of headers, or a joint's name.
+    /// Text in brackets that is not a unit: words of headers, or a joint's name.
     pub(super) fn is_described(&self, text: &str) -> bool {
         let spelled = words(text);
         is_known(&spelled) || self.is_named(&spelled)
@@ -339,7 +339,7 @@ fn reason(family: &Family, other: &Family) -> String {
     "names of joints go before numbers".into()
 }
 
-/// By which order columns belong to joints if not by their names.
+/// The order of the columns if they are not found by names.
 fn order_of(family: &Family, plural: &str) -> Option<String> {
     match family.key {
         Key::Number(first) if family.columns.len() > 1 => Some(format!(

@@ -71,7 +71,7 @@ pub(in crate::log) fn resolve(
 }
 
 impl Finder<'_> {
-    /// A row of numbers is no header.
+    /// A row of numbers is not a header.
     pub(super) fn require_header(&self) -> Result<()> {
         let is_named = |kind: fn(Kind) -> bool| self.pattern(kind).is_some();
         let all =

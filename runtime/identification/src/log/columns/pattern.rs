@@ -1,4 +1,4 @@
-//! What a user states about the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
+//! Statements of the user about the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
 
 use super::super::super::error::{IdentificationError, Result};
 use super::super::super::run::Effort;
@@ -8,7 +8,7 @@ use super::families::Targets;
 use super::header::{Header, words};
 use super::table::Kind;
 
-/// What is stated about the columns of a log; nothing by default.
+/// Statements about the columns of a log; none by default.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ColumnOptions {
     /// `QUANTITY=COLUMNS,…`; quantities that are not named are looked for.
@@ -24,7 +24,7 @@ pub struct ColumnOptions {
     pub columns: Option<String>,
     /// Field separator, where it is not found.
     pub separator: Option<char>,
-    /// What the efforts are, where their names do not say it.
+    /// The kind of the efforts if their names do not say it.
     pub effort: Option<Effort>,
 }
 
@@ -107,7 +107,7 @@ impl ColumnOptions {
             let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
             let place =
                 |message: String| IdentificationError::File { place: format!("--hold `{pattern}`"), message };
-            let value = value.ok_or_else(|| place("the value is no number of rad or m".into()))?;
+            let value = value.ok_or_else(|| place("the value is not a number (rad or m)".into()))?;
             let matching: Vec<usize> =
                 (0..joints.len()).filter(|j| matches(glob.trim(), &joints[*j])).collect();
             if matching.is_empty() {
@@ -141,10 +141,11 @@ fn twice(kind: Kind) -> String {
 
 /// Whether a name matches a pattern in which `*` stands for any text.
 fn matches(pattern: &str, name: &str) -> bool {
-    let Some((head, rest)) = pattern.split_once('*') else { return pattern == name };
-    let Some(tail) = name.strip_prefix(head) else { return false };
-    let mut ends = tail.char_indices().map(|(at, _)| at).chain([tail.len()]);
-    ends.any(|at| matches(rest, &tail[at..]))
+    let mut parts = pattern.split('*');
+    let Some(rest) = name.strip_prefix(parts.next().unwrap_or_default()) else { return false };
+    let Some(last) = parts.next_back() else { return rest.is_empty() };
+    let Some(mut rest) = rest.strip_suffix(last) else { return false };
+    parts.all(|part| rest.split_once(part).map(|(_, after)| rest = after).is_some())
 }
 
 /// Parts between commas that a `QUANTITY=` follows; other commas belong to headers.
@@ -359,11 +360,13 @@ mod tests {
         assert_eq!(held("time=t,hold=wrist_*").unwrap(), [None, Some(0.0), Some(0.0)]);
         assert_eq!(held("hold=*_1=0.5|shoulder=-1e-1").unwrap(), [Some(-0.1), Some(0.5), None]);
         assert_eq!(held("hold=*r*").unwrap(), [Some(0.0); 3]);
+        assert_eq!(held("hold=s*l*r|wrist*_*2").unwrap(), [Some(0.0), None, Some(0.0)]);
+        assert!(["hold=shoulder*r", "hold=wrist_1*_*", "hold=w*w*"].iter().all(|line| held(line).is_err()));
         assert_eq!(held("").unwrap(), [None; 3]);
         let message = |line: &str| held(line).unwrap_err().to_string();
         assert!(
             message("hold=elbow").contains("--hold `elbow`: no joint has such a name. There are shoulder")
         );
-        assert!(message("hold=wrist_1=up").contains("the value is no number"));
+        assert!(message("hold=wrist_1=up").contains("the value is not a number"));
     }
 }

@@ -156,7 +156,7 @@ static WORDS: [(Role, &str, &str); 27] = [
     (Other, "wrench ft imu accelerometer twist gyro mag covariance", ""),
 ];
 
-/// What the table has of a word.
+/// The row of a word.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub role: Role,
@@ -180,7 +180,7 @@ fn rows() -> impl Iterator<Item = Row> {
         .chain(WORDS.iter().map(|(role, english, others)| (*role, 0, *english, *others)))
 }
 
-/// All words with what the table has of them.
+/// All words with their rows.
 static INDEX: LazyLock<BTreeMap<&str, Known>> = LazyLock::new(|| {
     let of = |(role, doubt, english, others): Row| {
         let first = english.split(' ').next();
@@ -190,7 +190,7 @@ static INDEX: LazyLock<BTreeMap<&str, Known>> = LazyLock::new(|| {
     rows().flat_map(of).filter(|(word, _)| !word.is_empty()).collect()
 });
 
-/// What the table has of a word in lower case.
+/// The row of a word in lower case.
 pub(super) fn known(word: &str) -> Option<Known> {
     INDEX.get(word).copied()
 }
