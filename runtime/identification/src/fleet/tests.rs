@@ -125,6 +125,26 @@ fn merged(moments: &LogMoments, settings: &IdentificationSettings) -> Result<Ide
     identify_moments(&Arm, DESCRIPTION, moments, settings, &mut |_| ())
 }
 
+/// The arm waits a second before it moves: the samples of the wait count nowhere.
+#[test]
+fn moments_of_a_log_with_a_rest_are_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let moving = log(1, false);
+    let (header, rows) = moving.split_once('\n').unwrap();
+    let fields = |row: &str| -> Vec<f64> { row.split(',').map(|field| field.parse().unwrap()).collect() };
+    let first = fields(rows.lines().next().unwrap());
+    let rest = (0..50).map(|i| format!("{:.4},{:.6},{:.5}\n", 0.02 * f64::from(i), first[1], first[2]));
+    let later = |row: &str| {
+        let row = fields(row);
+        format!("{:.4},{:.6},{:.5}\n", row[0] + 1.0, row[1], row[2])
+    };
+    let text: String =
+        std::iter::once(format!("{header}\n")).chain(rest).chain(rows.lines().map(later)).collect();
+    let moments = reduced(folder.path(), "waits.csv", &text, &settings()).unwrap();
+    let read = LogMoments::from_bytes(&moments.bytes(), "waits.moments").unwrap();
+    assert!(read.bytes() == moments.bytes() && read.samples() > 0);
+}
+
 #[test]
 fn any_order_and_any_tree_give_the_same_bytes() {
     let (_, _, all) = fleet();
