@@ -50,6 +50,32 @@ fn lost_bits_of_an_effort_are_left_out_and_said() {
     assert!(done.status.success() && text.contains(said), "{text}");
 }
 
+/// A channel that holds something else than the joint's effort: the other joints have their laws.
+#[test]
+fn a_joint_that_nothing_explains_keeps_its_description() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    rewrite(&arm, "log.csv", "dead.csv", |row, fields| {
+        fields[6] = (((row * 7919) % 613) as f64 / 100.0).to_string();
+    });
+    let whole = arm.identify(&["log.csv", "--effort", "joint", "--output", "whole.toml"]);
+    let found = arm.identify(&["dead.csv", "--effort", "joint", "--output", "found.toml"]);
+    let codes: Vec<&str> =
+        found["findings"].as_array().unwrap().iter().filter_map(|finding| finding["code"].as_str()).collect();
+    assert!(codes.contains(&"joint-left-out"), "{codes:?}");
+    assert_eq!(found["joints"][2]["friction"], "–");
+    for joint in 0..2 {
+        let [with, without] = [&whole, &found].map(|found| {
+            let law = found["joints"][joint]["friction"].as_str().unwrap();
+            law.split('*').next().unwrap().parse::<f64>().unwrap()
+        });
+        assert!((without / with - 1.0).abs() < 0.1, "{with} {without}");
+    }
+    let text = fs::read_to_string(arm.at("found.toml")).unwrap();
+    let reach = text.split("[[joints]]").find(|table| table.contains("name = \"reach\""));
+    assert!(reach.is_none_or(|table| !table.contains("friction")), "{text}");
+}
+
 /// R² of a law that was asked for, and not of the terms that explain the data.
 #[test]
 fn numbers_are_those_of_the_law_that_is_written() {

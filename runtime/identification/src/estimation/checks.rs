@@ -62,6 +62,8 @@ pub(super) struct Checked<'a> {
     pub(super) runs: &'a [PreparedRun],
     pub(super) forces: &'a Forces,
     pub(super) correlation_time: f64,
+    /// Joints whose efforts are not used.
+    pub(super) left_out: &'a [usize],
     /// Whether friction under load is part of the fit, or the rigid forces are without gravity and no loads.
     pub(super) loads_are_known: bool,
 }
@@ -70,7 +72,7 @@ impl Checked<'_> {
     /// Doubts about each moving joint, and which joints do not move.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let of = |joint: usize| {
-            if self.robot.unmeasured()[joint] {
+            if self.robot.unmeasured()[joint] || self.left_out.contains(&joint) {
                 Vec::new()
             } else if !self.layout.measured[joint] {
                 vec![no_effort(self.robot, joint)]

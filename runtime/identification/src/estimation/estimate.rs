@@ -7,9 +7,9 @@ use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::endogeneity::endogeneity;
-use super::estimated::{Estimated, require_explained, unexplained};
+use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
-use super::hypotheses::{Doubts, other_delays, other_explanations, other_factors, other_order};
+use super::hypotheses::{Doubts, is_driving, other_delays, other_explanations, other_factors, other_order};
 use super::intervals::{Fitted, correlation_time, covariance, scores};
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
@@ -32,6 +32,12 @@ use nalgebra::DVector;
 /// Fixture: `estimation/tests/load.rs`.
 const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 
+/// Sees: a joint whose effort is hardly explained, next to others that are.
+/// Matters: it keeps its described friction and drive.
+/// Example: a dead channel of one effort.
+/// Fixture: `codegen/tests/external_arm/doubts.rs`.
+const LEFT_OUT: Rule = Rule::warning("joint-left-out");
+
 /// Inertial parameters, friction, offsets and gains of a robot from its runs.
 ///
 /// For each joint j the fit explains the measured force, with weights 1/σⱼ² that follow from the residuals:
@@ -51,7 +57,7 @@ const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 /// # Errors
 /// Data of the wrong shape or not finite (efforts that are NaN throughout were not measured: their joints keep what is
 /// described), no measured efforts at all, settings out of range, and a fit that explains less of a moving joint
-/// than [`EstimationSettings::least_r_squared`] on held-out data. Friction under load that is asked for where no joint
+/// than [`EstimationSettings::least_r_squared`] on held-out data, if a remedy is known or no other joint is left. Friction under load that is asked for where no joint
 /// has an input of its own.
 pub fn estimate(
     robot: &dyn Robot,
@@ -61,6 +67,59 @@ pub fn estimate(
 ) -> Result<Estimate> {
     settings.check()?;
     require_finite("the description's inertial parameters", &robot.parameters())?;
+    let mut settings = settings.clone();
+    let (mut findings, mut first) = (Vec::new(), None);
+    loop {
+        let error = match estimate_of(robot, runs, &settings, progress) {
+            Ok(mut found) => {
+                found.findings.splice(0..0, findings);
+                return Ok(found);
+            }
+            Err(error) => error,
+        };
+        let untold = untold(robot, &error).filter(|(joint, _)| has_others(robot, runs, &settings, *joint));
+        let Some((joint, finding)) = untold else { return Err(first.unwrap_or(error)) };
+        settings.without.push(joint);
+        findings.push(finding);
+        first.get_or_insert(error);
+    }
+}
+
+/// The joint whose effort nothing explains that was tried, and what is said of it.
+fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Finding)> {
+    let IdentificationError::Unexplained { subject, r_squared, least, reasons } = error else { return None };
+    let (reason, remedy) = match reasons.iter().find(|reason| is_driving(reason)) {
+        Some(driving) => (driving.message.clone(), driving.remedy.clone()),
+        None if !reasons.iter().any(is_unexplained) => return None,
+        None => {
+            let hardly = "its effort is hardly explained";
+            (
+                format!("{hardly}: R² is {r_squared:.3} on held-out data, and at least {least} is asked for"),
+                None,
+            )
+        }
+    };
+    let kept =
+        "It is left out: friction, drive, and what other joints do not tell of its bodies stay as described";
+    let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(subject.clone());
+    let joint = (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == *subject)?;
+    Some((joint, Finding { remedy, ..finding }))
+}
+
+/// Whether another joint moves whose effort is used.
+fn has_others(robot: &dyn Robot, runs: &[PreparedRun], settings: &EstimationSettings, joint: usize) -> bool {
+    let without = [&settings.without[..], &[joint]].concat();
+    layout_of(robot, runs, &EstimationSettings { without, ..settings.clone() }, (None, false))
+        .is_ok_and(|layout| layout.rubbing().next().is_some())
+}
+
+/// The estimate of all joints but those that are left out.
+fn estimate_of(
+    robot: &dyn Robot,
+    runs: &[PreparedRun],
+    settings: &EstimationSettings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Estimate> {
     if settings.load_friction {
         return under_load(robot, runs, settings, progress);
     }
@@ -75,7 +134,7 @@ fn layout_of(
     settings: &EstimationSettings,
     (steepness, loads): (Option<&[f64]>, bool),
 ) -> Result<Layout> {
-    let layout = Layout::new(robot, runs, steepness, loads)?;
+    let layout = Layout::new(robot, runs, steepness, loads)?.without(&settings.without);
     match &settings.delays {
         Some(delays) => layout.with_delays(delays),
         None => Ok(layout),
@@ -324,6 +383,7 @@ impl Task<'_> {
             runs: self.runs,
             forces,
             correlation_time,
+            left_out: &self.settings.without,
             loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
         };
         let accept_poor = self.settings.accept_poor;
@@ -332,7 +392,7 @@ impl Task<'_> {
         doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
         other_factors(self, judged.0, held_out, &mut doubts)?;
         let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
-        other_order(self, judged, &mut doubts, has_other_unit)?;
+        other_order(self, judged.0, &mut doubts, has_other_unit)?;
         let refusals = doubts.refusals();
         if !refusals.is_empty() && !accept_poor {
             return Err(IdentificationError::Found { findings: refusals });
@@ -349,8 +409,8 @@ impl Task<'_> {
     /// Refuses a fit that explains too little, with what may be the reason.
     fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
         let reasons = |joint: usize| {
-            let reasons: Vec<Finding> = doubts.of_all.iter().cloned().chain(checked.joint(joint)).collect();
-            if reasons.is_empty() { vec![unexplained(self.robot, joint)] } else { reasons }
+            let reasons = doubts.of_all.iter().cloned().chain(checked.joint(joint));
+            reasons.chain([unexplained(self.robot, joint)]).collect()
         };
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
     }

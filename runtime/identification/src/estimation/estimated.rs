@@ -347,6 +347,11 @@ pub(super) fn unexplained(robot: &dyn Robot, joint: usize) -> Finding {
     UNEXPLAINED.found("nothing that was tried explains its effort").of(robot.subject(joint)).help(remedy)
 }
 
+/// Whether a finding is that of [`unexplained`].
+pub(super) fn is_unexplained(finding: &Finding) -> bool {
+    finding.code == UNEXPLAINED.code
+}
+
 /// Refuses a fit that explains too little of a moving joint, or another sign better.
 ///
 /// - `held_out`: R² of each joint on held-out data; `doubts`: about the signs of their efforts

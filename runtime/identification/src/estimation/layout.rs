@@ -142,6 +142,14 @@ impl Layout {
         Ok(self)
     }
 
+    /// The layout without the equations of some joints.
+    pub(super) fn without(mut self, joints: &[usize]) -> Self {
+        for &joint in joints {
+            (self.measured[joint], self.moves[joint]) = (false, false);
+        }
+        self
+    }
+
     /// The layout with more parameters of every joint, behind the others.
     pub(super) fn with_more_parameters(&self, more: usize) -> Self {
         let count = self.parameters;

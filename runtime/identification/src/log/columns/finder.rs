@@ -1,7 +1,7 @@
 //! The search for columns: by the user's pattern, or by the best family of headers.
 
-use super::super::super::numeric::digits::plain;
 use super::super::super::error::{IdentificationError, Result};
+use super::super::super::numeric::digits::plain;
 use super::super::sheet::{Sheet, shortened};
 use super::super::units::{self, GRAD, Unit};
 use super::families::{Family, Key, Targets, families};
