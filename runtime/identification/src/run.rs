@@ -118,6 +118,11 @@ impl PreparedRun {
         Self { efforts, ..self }
     }
 
+    /// How many of the samples are in motion.
+    pub(crate) fn count_moving(&self, samples: Range<usize>) -> usize {
+        samples.filter(|sample| self.is_moving(*sample)).count()
+    }
+
     /// Whether some joint moves at a sample.
     pub(crate) fn is_moving(&self, sample: usize) -> bool {
         (0..self.positions.len()).any(|joint| !self.rests(joint, sample))

@@ -57,8 +57,8 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 /// # Errors
 /// Data of the wrong shape or not finite (efforts that are NaN throughout were not measured: their joints keep what is
 /// described), no measured efforts at all, settings out of range, and a fit that explains less of a moving joint
-/// than [`EstimationSettings::least_r_squared`] on held-out data, if a remedy is known or no other joint is left. Friction under load that is asked for where no joint
-/// has an input of its own.
+/// than [`EstimationSettings::least_r_squared`] on held-out data, if a remedy is known or no other joint is left; else the joint
+/// is left out with a warning. Friction under load that is asked for where no joint has an input of its own.
 pub fn estimate(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -92,11 +92,8 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
         Some(driving) => (driving.message.clone(), driving.remedy.clone()),
         None if !reasons.iter().any(is_unexplained) => return None,
         None => {
-            let hardly = "its effort is hardly explained";
-            (
-                format!("{hardly}: R² is {r_squared:.3} on held-out data, and at least {least} is asked for"),
-                None,
-            )
+            let poor = format!("R² is {r_squared:.3} on held-out data, and at least {least} is asked for");
+            (format!("its effort is hardly explained: {poor}"), None)
         }
     };
     let kept =

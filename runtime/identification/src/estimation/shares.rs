@@ -181,7 +181,7 @@ impl Columns {
         let square =
             |(sums, q): (&Vec<f64>, &usize)| DMatrix::from_fn(*q, *q, |i, j| sums[i.max(j) * q + i.min(j)]);
         ShareSums {
-            samples: piece.clone().filter(|sample| run.is_moving(*sample)).count(),
+            samples: run.count_moving(piece.clone()),
             weights: weights.iter().map(|weights| weights[piece.clone()].iter().sum()).collect(),
             products: products.iter().zip(&widths).map(square).collect(),
             lost,

@@ -69,7 +69,7 @@ pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
 /// Contiguous parts of all runs together, each with as many samples in which something moves: number of the run, of the
 /// part, and the rows.
 fn parts(runs: &[PreparedRun], count: usize) -> Vec<(usize, usize, Range<usize>)> {
-    let moving = |run: &PreparedRun| (0..run.times.len()).filter(|i| run.is_moving(*i)).count();
+    let moving = |run: &PreparedRun| run.count_moving(0..run.times.len());
     let blocks: Vec<Range<usize>> = contiguous_blocks(runs.iter().map(moving).sum(), count).collect();
     let mut parts: Vec<(usize, usize, Range<usize>)> = Vec::new();
     let mut before = 0;
