@@ -38,11 +38,11 @@ OF_ANOTHER_FUNCTION = {
     "load": {"output", "language", "for", "self_test", "control_model"},
     "report": set(),
     "identify": {"plan", "reduce", *OF_PLANS},
-    "plan": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
+    "plan": {"plan", "reduce", "merge", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
              "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor"},
     "reduce": {"plan", "reduce", "merge", "report", "validate", "payload", "payload_on", "load_friction", "friction",
                *OF_PLANS},
-    "merge": {"plan", "reduce", "merge", "report", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
+    "merge": {"plan", "reduce", "merge", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
               "validate", "payload", "payload_on", "load_friction", "friction", "accept_poor", *OF_PLANS},
 }
 
@@ -100,6 +100,22 @@ def test_what_was_identified_is_loaded_again(tmp_path: Path) -> None:
     torques = truth.inverse_dynamics(y, v, a)
     assert np.abs(again.inverse_dynamics(y, v, a) - torques).max() < 0.05 * np.abs(torques).max()
     assert again.friction_torques(np.array([0.0, 1.0]))[1] == pytest.approx(0.7, rel=0.05)
+
+
+def test_joints_that_a_log_leaves_out_are_held(tmp_path: Path) -> None:
+    guess = _described(tmp_path / "arm.toml", friction=0.2)
+    full = _simulated_log(tmp_path, friction=0.7, seed=4)
+    y, v, a = _planned(tmp_path / "plan.csv")
+    truth = gelenk.load(tmp_path / "truth.toml", functions=["inverse_dynamics"])
+    held = np.array([1.0, 0.0])
+    torques = truth.inverse_dynamics(y * held + [0, 0.3], v * held, a * held)
+    time = np.loadtxt(full, delimiter=",", skiprows=1)[:, 0]
+    log = tmp_path / "shoulder.csv"
+    table = np.column_stack([time, y[:, 0], torques[:, 0]])
+    np.savetxt(log, table, delimiter=",", comments="", header="time,position_shoulder,torque_shoulder")
+    found = gelenk.identify(guess, log, tmp_path / "found.toml", effort="joint", hold={"elbow": 0.3})
+    again = gelenk.load(found.description, functions=["friction_torques"])
+    assert again.friction_torques(np.array([1.0, 1.0])) == pytest.approx([0.7, 0.2], rel=0.05)
 
 
 def _simulated_log(folder: Path, friction: float, seed: int) -> Path:

@@ -100,6 +100,7 @@ def identify(
     payload: PathLike | Iterable[PathLike] = (),
     payload_on: str | None = None,
     columns: str | Mapping[str, str] | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
     separator: str | None = None,
     effort: str | None = None,
     gravity_compensated: bool = False,
@@ -122,6 +123,7 @@ def identify(
     - `output`: where the description goes; by default <name>_identified.toml in the current folder
     - `payload`: logs with a load in the robot's hand, `logs` being those without: the description has the load as a body
     - `columns`: which columns are what, `{"position": "pos_{}", "torque": "tau_{}"}`
+    - `hold`: joints that the logs leave out, at rest at a position in rad or m, `{"finger_*": 0.02}`
     - `friction`: terms that friction laws are chosen from, `["viscous", "coulomb", "tanh(50*v)"]`, or `"stribeck"`
     - `merge`: `logs` are files of moments, which `reduce` wrote
     - all others: as `gelenk identify --help` says
@@ -139,7 +141,7 @@ def identify(
     }
     held_out = [f"--validate={os.fspath(log)}" for log in _paths(validate)]
     loaded = [f"--payload={os.fspath(log)}" for log in _paths(payload)]
-    found = _program.run(["identify", description, *_paths(logs), *held_out, *loaded, *_program.switches(options)])
+    found = _program.run(["identify", description, *_paths(logs), *held_out, *loaded, *_held(hold), *_program.switches(options)])
     return Identified(Path(found["description"]), tuple(map(Path, found["files"])), found)
 
 
@@ -182,6 +184,7 @@ def reduce(
     output: PathLike,
     *,
     columns: str | Mapping[str, str] | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
     separator: str | None = None,
     effort: str | None = None,
     gravity_compensated: bool = False,
@@ -207,7 +210,7 @@ def reduce(
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
         "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
     }
-    found = _program.run(["identify", "--reduce", description, *_paths(logs), *_program.switches(options)])
+    found = _program.run(["identify", "--reduce", description, *_paths(logs), *_held(hold), *_program.switches(options)])
     return Path(found["moments"])
 
 
@@ -251,6 +254,12 @@ def _patterns(columns: str | Mapping[str, str] | None) -> str | None:
     if isinstance(columns, Mapping):
         return ",".join(f"{what}={pattern}" for what, pattern in columns.items())
     return columns
+
+
+def _held(hold: Mapping[str, float] | Iterable[str]) -> list[str]:
+    if isinstance(hold, Mapping):
+        return [f"--hold={pattern}={position}" for pattern, position in hold.items()]
+    return [f"--hold={pattern}" for pattern in ([hold] if isinstance(hold, str) else hold)]
 
 
 def _paths(one_or_several: PathLike | Iterable[PathLike]) -> list[PathLike]:
