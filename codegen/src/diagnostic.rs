@@ -14,7 +14,7 @@ use std::fmt;
 pub struct Diagnostics(Vec<Diagnostic>);
 
 /// Most entries that are printed; a hostile file may have a million.
-pub(crate) const SHOWN: usize = 100;
+const SHOWN: usize = 100;
 
 impl Diagnostics {
     /// Sorted by place; what has none comes first. Repetitions are dropped.

@@ -8,9 +8,12 @@ use serde_json::{Value, json};
 
 use super::arguments::Format;
 use super::failure::Failure;
-use crate::diagnostic::{Diagnostic, Diagnostics, SHOWN};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::program::cost::Cost;
 use crate::wording::as_written;
+
+/// Lines of findings: with steps and a table of 20 joints they make 120.
+const ROOM: usize = 84;
 
 /// From here on zeros are counted by an exponent.
 const MILLION: f64 = 1e6;
@@ -62,11 +65,27 @@ pub(super) fn findings(all: &[Diagnostic]) -> Value {
     all.iter().map(diagnostic).collect()
 }
 
-/// Findings as text, a line or two each.
+/// Findings as text, a line or two each. If they need more than [`ROOM`], the gravest are shown.
 pub(super) fn lines(all: &[Diagnostic]) -> String {
-    let shown = all.iter().take(SHOWN).map(|finding| format!("{finding}\n"));
-    let more = all.len().checked_sub(SHOWN).filter(|more| *more > 0);
-    shown.chain(more.map(|more| format!("… and {more} more findings\n"))).collect()
+    let texts: Vec<String> = all.iter().map(|finding| format!("{finding}\n")).collect();
+    let count = |text: &String| text.lines().count();
+    if texts.iter().map(count).sum::<usize>() <= ROOM {
+        return texts.concat();
+    }
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by_key(|i| all[*i].severity);
+    let mut used = 0;
+    let mut shown: Vec<usize> = order
+        .into_iter()
+        .take_while(|i| {
+            used += count(&texts[*i]);
+            used < ROOM
+        })
+        .collect();
+    shown.sort_unstable();
+    let more = all.len() - shown.len();
+    let shown: String = shown.into_iter().map(|i| texts[i].as_str()).collect();
+    format!("{shown}… and {more} more findings; --format json has all\n")
 }
 
 /// The result, or the findings before it on standard error: an error may have its reason in them.
@@ -178,6 +197,7 @@ pub(super) fn table(rows: &[Vec<String>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gelenk_findings::Severity;
 
     #[test]
     fn numbers_are_written_as_people_do() {
@@ -186,6 +206,21 @@ mod tests {
         for (x, expected) in cases {
             assert_eq!(number(x), expected);
         }
+    }
+
+    #[test]
+    fn the_gravest_of_many_findings_are_shown() {
+        let warning = Diagnostic::warning("late", "comes late");
+        let note = Diagnostic { severity: Severity::Note, ..Diagnostic::warning("read", "was read") };
+        let few = vec![note.clone(); ROOM];
+        assert_eq!(lines(&few).lines().count(), ROOM);
+        let many = [vec![note; 2 * ROOM], vec![warning]].concat();
+        let text = lines(&many);
+        assert!(text.lines().count() == ROOM && text.contains("comes late"), "{text}");
+        assert!(
+            text.ends_with(&format!("… and {} more findings; --format json has all\n", ROOM + 2)),
+            "{text}"
+        );
     }
 
     #[test]

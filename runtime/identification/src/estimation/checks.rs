@@ -62,6 +62,8 @@ pub(super) struct Checked<'a> {
     pub(super) runs: &'a [PreparedRun],
     pub(super) forces: &'a Forces,
     pub(super) correlation_time: f64,
+    /// Joints whose efforts are not used.
+    pub(super) left_out: &'a [usize],
     /// Whether friction under load is part of the fit, or the rigid forces are without gravity and no loads.
     pub(super) loads_are_known: bool,
 }
@@ -70,7 +72,7 @@ impl Checked<'_> {
     /// Doubts about each moving joint, and which joints do not move.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let of = |joint: usize| {
-            if self.robot.unmeasured()[joint] {
+            if self.robot.unmeasured()[joint] || self.left_out.contains(&joint) {
                 Vec::new()
             } else if !self.layout.measured[joint] {
                 vec![no_effort(self.robot, joint)]
@@ -109,12 +111,6 @@ impl Checked<'_> {
             squares.sqrt()
         };
         [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of))
-    }
-
-    /// Whether the forces of a joint are several times the described ones or a fraction of them.
-    pub(super) fn has_other_unit(&self) -> bool {
-        let told = self.layout.told();
-        (0..self.layout.joints).any(|joint| told[joint] && unit_doubt(self.sizes(joint)).is_some())
     }
 
     /// The factor between estimated and described forces of the robot as a whole.

@@ -6,10 +6,11 @@ use super::super::run::PreparedRun;
 use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::endogeneity::endogeneity;
-use super::estimated::{Estimated, require_explained, unexplained};
+use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::hypotheses::{Doubts, other_delays, other_explanations, other_factors, other_order};
-use super::intervals::{Fitted, correlation_time, covariance, scores};
+use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
+use super::joint_prior::JointPrior;
 use super::late::Late;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
@@ -32,6 +33,12 @@ use nalgebra::DVector;
 /// Fixture: `estimation/tests/load.rs`.
 const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 
+/// Sees: a joint whose effort is hardly explained, next to others that are.
+/// Matters: it keeps its described friction and drive.
+/// Example: a dead channel of one effort.
+/// Fixture: `codegen/tests/strangers_arm/doubts.rs`.
+const LEFT_OUT: Rule = Rule::warning("joint-left-out");
+
 /// Inertial parameters, friction, offsets and gains of a robot from its runs.
 ///
 /// For each joint j the fit explains the measured force, with weights 1/σⱼ² that follow from the residuals:
@@ -51,7 +58,7 @@ const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 /// # Errors
 /// Data of the wrong shape or not finite (efforts that are NaN throughout were not measured: their joints keep what is
 /// described), no measured efforts at all, settings out of range, and a fit that explains less of a moving joint
-/// than [`EstimationSettings::least_r_squared`] on held-out data. Friction under load that is asked for where no joint
+/// than [`EstimationSettings::least_r_squared`] on held-out data, if a remedy is known or no other joint is left. Friction under load that is asked for where no joint
 /// has an input of its own.
 pub fn estimate(
     robot: &dyn Robot,
@@ -61,6 +68,52 @@ pub fn estimate(
 ) -> Result<Estimate> {
     settings.check()?;
     require_finite("the description's inertial parameters", &robot.parameters())?;
+    let mut settings = settings.clone();
+    let (mut left_out, mut first) = (Vec::new(), None);
+    loop {
+        let error = match estimate_of(robot, runs, &settings, progress) {
+            Ok(mut found) => {
+                found.findings.splice(0..0, left_out);
+                return Ok(found);
+            }
+            Err(error) => error,
+        };
+        let joint = untold(robot, &error).filter(|joint| has_others(robot, runs, &settings, *joint));
+        let Some(joint) = joint else { return Err(first.unwrap_or(error)) };
+        settings.without.push(joint);
+        left_out.push(LEFT_OUT.found(left_out_said(&error)).of(robot.subject(joint)));
+        first.get_or_insert(error);
+    }
+}
+
+/// The joint whose effort nothing explains that was tried.
+fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<usize> {
+    let IdentificationError::Unexplained { subject, reasons, .. } = error else { return None };
+    let is_untold = reasons.iter().any(is_unexplained);
+    (0..robot.joint_names().len()).find(|joint| is_untold && robot.subject(*joint) == *subject)
+}
+
+/// Whether another joint moves whose effort is used.
+fn has_others(robot: &dyn Robot, runs: &[PreparedRun], settings: &EstimationSettings, joint: usize) -> bool {
+    let without = [&settings.without[..], &[joint]].concat();
+    layout_of(robot, runs, &EstimationSettings { without, ..settings.clone() }, (None, false))
+        .is_ok_and(|layout| layout.rubbing().next().is_some())
+}
+
+fn left_out_said(error: &IdentificationError) -> String {
+    let IdentificationError::Unexplained { r_squared, least, .. } = error else { return error.to_string() };
+    format!(
+        "its effort is hardly explained: R² is {r_squared:.3} on held-out data, and at least {least} is asked for. It is left out: friction,          drive, and what other joints do not tell of its bodies stay as described"
+    )
+}
+
+/// The estimate of all joints but those that are left out.
+fn estimate_of(
+    robot: &dyn Robot,
+    runs: &[PreparedRun],
+    settings: &EstimationSettings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Estimate> {
     if settings.load_friction {
         return under_load(robot, runs, settings, progress);
     }
@@ -75,7 +128,7 @@ fn layout_of(
     settings: &EstimationSettings,
     (steepness, loads): (Option<&[f64]>, bool),
 ) -> Result<Layout> {
-    let layout = Layout::new(robot, runs, steepness, loads)?;
+    let layout = Layout::new(robot, runs, steepness, loads)?.without(&settings.without);
     match &settings.delays {
         Some(delays) => layout.with_delays(delays),
         None => Ok(layout),
@@ -119,7 +172,7 @@ fn pass(
     (layout, loads): (&Layout, Option<&Loads>),
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Estimate, Vec<f64>)> {
-    let prior = Prior::new(&robot.parameters(), robot.bodies());
+    let prior = Prior::new(&robot.parameters(), robot.bodies(), JointPrior::all(robot, layout, runs));
     let pieces = cut(runs, settings.folds);
     let gravity = Gravity::of(settings.gravity_compensated);
     let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, late: None };
@@ -137,16 +190,21 @@ fn pass(
     };
     progress("Terms, offsets and the weight of the description are chosen by the held-out error.");
     let mut outlier = vec![f64::INFINITY; layout.joints];
+    let mut times = vec![1.0; layout.joints];
     let mut robust = first.clone();
     for pass in 0..settings.robust_passes {
         let chosen = task.choose(&robust)?;
         progress(&format!("Outliers lose weight, pass {} of {}.", pass + 1, settings.robust_passes));
         let offsets = chosen.offsets();
-        outlier = robust_deviations(layout, runs, &task.forces(&chosen.values, &offsets));
+        let forces = task.forces(&chosen.values, &offsets);
+        outlier = robust_deviations(layout, runs, &forces);
+        times = task.correlation_times(&forces);
         let sums = task.sums(Some((&chosen.values, &offsets, &outlier)));
         drop(chosen);
         robust = sums;
     }
+    let prior = prior.clone().with_times(&times);
+    let task = Task { prior: &prior, ..task };
     let chosen = task.choose(&robust)?;
     let widths = layout.steepness.iter().zip(&chosen.model.coulomb);
     let steepness = widths.map(|(steepness, width)| steepness[*width]).collect();
@@ -193,7 +251,7 @@ impl Task<'_> {
         }
         let resting = self.sums_of(&resting);
         let all = judged.centred.sums.with(&resting);
-        let whole = Centred::new(self.layout, &all, judged.model.offsets);
+        let whole = Centred::new(self.layout, &all, judged.model.offsets, judged.centred.zeros.clone());
         let share = |joint: usize| {
             let at_rest = errors.values.iter().enumerate();
             let at_rest =
@@ -264,7 +322,9 @@ impl Task<'_> {
         let offsets = offsets_of(centred, &solved.values);
         progress("Intervals are computed under correlated residuals.");
         let forces = self.forces(&solved.values, &offsets);
-        let time = self.correlation_time(&forces);
+        let times = self.correlation_times(&forces);
+        let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);
+        let time = measured.map(|(time, _)| *time).fold(1.0, f64::max);
         let fitted = Fitted {
             centred,
             solved: &solved,
@@ -275,6 +335,8 @@ impl Task<'_> {
         };
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
+        let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);
+        let offset_errors: RunOffsets = (0..self.layout.joints).map(errors).collect();
         let endogeneity = endogeneity(self, &fitted, covariance.spread, time)?;
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
@@ -298,6 +360,7 @@ impl Task<'_> {
             runs: self.runs,
             forces: &forces,
             offsets: &offsets,
+            offset_errors: &offset_errors,
             held_out: &held_out,
             with_rest: with_rest.as_deref().unwrap_or(&held_out),
             endogeneity: endogeneity.as_ref(),
@@ -324,6 +387,7 @@ impl Task<'_> {
             runs: self.runs,
             forces,
             correlation_time,
+            left_out: &self.settings.without,
             loads_are_known: self.loads.is_some() || self.settings.gravity_compensated,
         };
         let accept_poor = self.settings.accept_poor;
@@ -331,8 +395,7 @@ impl Task<'_> {
         let mut doubts = other_explanations(self, judged, ratio.as_ref().map(CommonRatio::factor))?;
         doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
         other_factors(self, judged.0, held_out, &mut doubts)?;
-        let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
-        other_order(self, judged, &mut doubts, has_other_unit)?;
+        other_order(self, judged.0, &mut doubts)?;
         let refusals = doubts.refusals();
         if !refusals.is_empty() && !accept_poor {
             return Err(IdentificationError::Found { findings: refusals });
@@ -349,13 +412,14 @@ impl Task<'_> {
     /// Refuses a fit that explains too little, with what may be the reason.
     fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
         let reasons = |joint: usize| {
-            let reasons: Vec<Finding> = doubts.of_all.iter().cloned().chain(checked.joint(joint)).collect();
-            if reasons.is_empty() { vec![unexplained(self.robot, joint)] } else { reasons }
+            let reasons = doubts.of_all.iter().cloned().chain(checked.joint(joint));
+            reasons.chain([unexplained(self.robot, joint)]).collect()
         };
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
     }
 
-    fn correlation_time(&self, forces: &Forces) -> f64 {
+    /// Samples after which the residual of each joint forgets.
+    fn correlation_times(&self, forces: &Forces) -> Vec<f64> {
         let time = |j: usize| {
             let of_run = |(run, forces): (&PreparedRun, &Vec<Vec<f64>>)| {
                 let stretches = self.layout.stretches(run, j).into_iter();
@@ -364,7 +428,7 @@ impl Task<'_> {
             let series: Vec<Vec<f64>> = self.runs.iter().zip(&forces.residual).flat_map(of_run).collect();
             correlation_time(&series.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
-        (0..self.layout.joints).filter(|&j| self.layout.measured[j]).map(time).fold(1.0, f64::max)
+        (0..self.layout.joints).map(time).collect()
     }
 }
 

@@ -7,13 +7,15 @@ use super::super::run::{Effort, PreparedRun};
 use super::checks::Checked;
 use super::choice::Chosen;
 use super::factors::factor;
-use super::fit::{HeldOut, held_out};
+use super::fit::{HeldOut, Weighting, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
+use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::sums::{moving, sum};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule, Severity, Subject};
+use nalgebra::DVector;
 
 /// A hypothesis counts as better where it lowers the held-out error by this share and by two standard errors, and where no joint's
 /// error grows by this share: what is wrong in one place is explained in part by changes elsewhere.
@@ -95,10 +97,6 @@ impl Doubts {
         self.of_all.into_iter().chain(self.of_joints.into_iter().flatten()).map(Finding::accepted).collect()
     }
 
-    fn is_empty(&self) -> bool {
-        self.of_all.is_empty() && self.of_joints.iter().all(Option::is_none)
-    }
-
     /// Findings about the whole robot that refuse a result.
     pub(super) fn refusals(&self) -> Vec<Finding> {
         self.of_all.iter().filter(|finding| finding.severity == Severity::Error).cloned().collect()
@@ -146,22 +144,16 @@ pub(super) fn other_explanations(
     Ok(Doubts { of_all, of_joints })
 }
 
-/// Where something is doubted, tries the columns in other orders. One that is better than all other hypotheses explains them, too.
-///
-/// - `is_doubted`: whether there are other doubts
-pub(super) fn other_order(
-    task: &Task,
-    (chosen, own): (&Chosen, &HeldOut),
-    doubts: &mut Doubts,
-    is_doubted: bool,
-) -> Result<()> {
-    if (doubts.is_empty() && !is_doubted) || too_short(task).is_some() {
+/// Tries the columns in other orders. One that is better than all other hypotheses explains them, too.
+pub(super) fn other_order(task: &Task, chosen: &Chosen, doubts: &mut Doubts) -> Result<()> {
+    let orders = orders(task);
+    if orders.is_empty() || too_short(task).is_some() {
         return Ok(());
     }
-    let own = by_column(own, &chosen.values.gains, None);
+    let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let mut best: Option<(Vec<usize>, f64)> = None;
-    for order in orders(task) {
-        let Some(other) = in_order(task, chosen, &order)? else { continue };
+    for order in orders {
+        let other = in_order(task, chosen, &order)?;
         let Some(share) = gain(&own, &other) else { continue };
         if best.as_ref().is_none_or(|(_, most)| share > *most) {
             best = Some((order, share));
@@ -217,40 +209,45 @@ fn orders(task: &Task) -> Vec<Vec<usize>> {
     distinct
 }
 
-/// Errors of the fit to columns in another order; `None` where there is no such fit.
-fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<Option<HeldOut>> {
-    let of =
-        |columns: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { order.iter().map(|k| columns[*k].clone()).collect() };
+/// Errors of the described bodies with columns in another order, by column: free bodies would take up much of what the order
+/// makes. Friction moves with its columns.
+fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
+    fn moved_by<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
+        order.iter().map(|k| values[*k].clone()).collect()
+    }
+    let of = |columns: &Vec<Vec<f64>>| moved_by(order, columns);
     let moved = |run: &PreparedRun| PreparedRun {
         positions: of(&run.positions),
         velocities: of(&run.velocities),
         accelerations: of(&run.accelerations),
         efforts: of(&run.efforts),
-        resting: if run.resting.is_empty() {
-            Vec::new()
-        } else {
-            order.iter().map(|k| run.resting[*k].clone()).collect()
-        },
+        resting: if run.resting.is_empty() { Vec::new() } else { moved_by(order, &run.resting) },
         ..run.clone()
     };
     let runs: Vec<PreparedRun> = task.runs.iter().map(moved).collect();
     let layout = Layout::new(task.robot, &runs, task.settings.steepness.as_deref(), false)?;
     let other = Task { runs: &runs, layout: &layout, late: None, ..task.clone() };
     let sums = other.sums_of(&moving);
-    let Ok(mut fitted) = other.choose(&sums) else { return Ok(None) };
-    // Errors can be compared where they are in the same units.
-    fitted.weighting.sigma = order.iter().map(|k| chosen.weighting.sigma[*k]).collect();
-    let errors = fitted.held_out(task.prior)?;
-    Ok(Some(by_column(&errors, &fitted.values.gains, Some(order))))
-}
-
-/// The errors with sums of squares by column, in the columns' units.
-fn by_column(errors: &HeldOut, gains: &[f64], order: Option<&[usize]>) -> HeldOut {
+    let model = Model {
+        coulomb: moved_by(order, &chosen.model.coulomb),
+        asymmetry: moved_by(order, &chosen.model.asymmetry),
+        armature: moved_by(order, &chosen.model.armature),
+        load: moved_by(order, &chosen.model.load),
+        ..chosen.model.clone()
+    };
+    let zeros = moved_by(order, &chosen.centred.zeros);
+    let fitted = Chosen {
+        weighting: Weighting { sigma: moved_by(order, &chosen.weighting.sigma), ..chosen.weighting.clone() },
+        values: Values { unknowns: DVector::zeros(layout.len()), gains: vec![1.0; layout.joints] },
+        gains: moved_by(order, &chosen.gains),
+        centred: Centred::new(&layout, &sums, model.offsets, zeros),
+        model,
+        tried: Vec::new(),
+    };
+    let errors = as_described(fitted, task.prior)?;
     let mut rss = errors.rss.clone();
-    for (joint, of_joint) in errors.rss.iter().enumerate() {
-        rss[order.map_or(joint, |order| order[joint])] = of_joint / gains[joint].powi(2);
-    }
-    HeldOut { rss, ..errors.clone() }
+    order.iter().zip(&errors.rss).for_each(|(column, of_joint)| rss[*column] = *of_joint);
+    Ok(HeldOut { rss, ..errors })
 }
 
 /// Delays that the residual follows, where delays are stated and the effort is better explained with another one. Delays that are not stated

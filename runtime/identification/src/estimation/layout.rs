@@ -141,6 +141,14 @@ impl Layout {
         Ok(self)
     }
 
+    /// The layout without the equations of some joints.
+    pub(super) fn without(mut self, joints: &[usize]) -> Self {
+        for &joint in joints {
+            (self.measured[joint], self.moves[joint]) = (false, false);
+        }
+        self
+    }
+
     /// The layout with more parameters of every joint, behind the others.
     pub(super) fn with_more_parameters(&self, more: usize) -> Self {
         let count = self.parameters;
@@ -187,6 +195,12 @@ impl Layout {
     /// Global number of a candidate term.
     pub(super) fn term(&self, joint: usize, term: usize) -> usize {
         self.parameters + joint * self.terms + term
+    }
+
+    /// The joint and the number of a candidate term.
+    pub(super) fn joint_and_term(&self, global: usize) -> Option<(usize, usize)> {
+        let place = global.checked_sub(self.parameters)?;
+        (!self.is_delay(global)).then(|| (place / self.terms, place % self.terms))
     }
 
     /// The joints whose friction is estimated.
@@ -345,10 +359,15 @@ fn span(runs: &[PreparedRun], joint: usize) -> f64 {
 
 /// Factors of the Coulomb candidates, with two digits, so that the printed expression is the one fitted.
 fn steepness(runs: &[PreparedRun], joint: usize) -> [f64; WIDTHS.len()] {
+    let fast = fast_speed(runs, joint);
+    WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
+}
+
+/// The speed that 95 % of the samples do not exceed; 1 for a joint that stands still.
+pub(super) fn fast_speed(runs: &[PreparedRun], joint: usize) -> f64 {
     let mut speeds: Vec<f64> =
         runs.iter().flat_map(|run| run.velocities[joint].iter().step_by(7)).map(|v| v.abs()).collect();
     let at = (speeds.len() * 95 / 100).min(speeds.len() - 1);
     let (_, fast, _) = speeds.select_nth_unstable_by(at, f64::total_cmp);
-    let fast = if *fast > 0.0 { *fast } else { 1.0 };
-    WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
+    if *fast > 0.0 { *fast } else { 1.0 }
 }

@@ -14,6 +14,7 @@ mod gains;
 mod hypotheses;
 mod instruments;
 mod intervals;
+mod joint_prior;
 mod late;
 mod layout;
 mod loads;

@@ -37,6 +37,8 @@ pub struct EstimationSettings {
     pub confidence: f64,
     /// Least R² on held-out data, centred, that a moving joint's fit must have.
     pub least_r_squared: f64,
+    /// Numbers of joints whose efforts are not used: they keep what is described.
+    pub without: Vec<usize>,
     /// Returns the estimate even where a joint's R² is below the least one.
     pub accept_poor: bool,
 }
@@ -56,6 +58,7 @@ impl Default for EstimationSettings {
             delays: None,
             confidence: 0.9,
             least_r_squared: 0.3,
+            without: Vec::new(),
             accept_poor: false,
         }
     }

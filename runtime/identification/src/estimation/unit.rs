@@ -88,7 +88,7 @@ impl CommonRatio {
     /// [`IdentificationError::Found`] with the factor and what it may come from, where bodies need far more or less than
     /// described and this is not accepted.
     pub(crate) fn judged(&self, accept_poor: bool) -> Result<Option<Finding>> {
-        if !self.is_other() {
+        if self.is_within(OTHER_UNIT) {
             return Ok(None);
         }
         if self.is_within(ANOTHER_UNIT) || accept_poor {
@@ -100,11 +100,6 @@ impl CommonRatio {
     /// Estimated over described forces.
     pub(super) fn factor(&self) -> f64 {
         self.factor
-    }
-
-    /// Whether efforts may be in another unit.
-    pub(super) fn is_other(&self) -> bool {
-        !self.is_within(OTHER_UNIT)
     }
 
     fn is_within(&self, factor: f64) -> bool {

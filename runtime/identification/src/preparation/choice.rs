@@ -190,7 +190,7 @@ impl<'a> Recorded<'a> {
         };
         let speeds: Vec<Option<Speeds>> = self.quality.iter().enumerate().map(speeds).collect();
         for (run, piece) in &pieces {
-            self.signals[*run].rests.add(piece, &speeds, bandwidth, how.cut);
+            self.signals[*run].rests.add(piece, &speeds, how.cut);
         }
         Ok(())
     }

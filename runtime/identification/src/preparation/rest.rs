@@ -1,7 +1,8 @@
-//! Stretches in which a joint rests.
+//! Stretches in which a joint rests or reverses.
 //!
 //! Dry friction at rest takes any value up to the static one: it balances what the drive and the rigid body do not. So
-//! the effort of a resting joint says nothing about the law over the speed, about the delay, nor about the filter.
+//! the effort of a resting joint says nothing about the law over the speed, about the delay, nor about the filter. The filter
+//! mixes the efforts of a rest or a reversal with those of its neighbourhood, as far as the main lobe of its kernel reaches.
 
 use super::super::run::PreparedRun;
 
@@ -14,16 +15,13 @@ const NOISE: f64 = 4.0;
 /// Share of the largest speed that noise of the speed may make of this limit: beyond it nothing is told apart.
 const MOST: f64 = 0.1;
 
-/// Least duration of a rest [s]; shorter ones are reversals, whose shape friction shows.
-const SHORTEST: f64 = 0.25;
+/// Part of the bandwidth's period by which a rest or a reversal reaches into its neighbourhood.
+const LOBE: f64 = 1.0;
 
-/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: half the main lobe of the filter.
-const LOBE: f64 = 0.5;
-
-/// First and last time of a rest [s].
+/// First and last time of a rest or a reversal [s].
 type Stretch = [f64; 2];
 
-/// The rests of one run, for each joint in the order of time.
+/// The rests and reversals of one run, for each joint in the order of time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Rests {
     joints: Vec<Vec<Stretch>>,
@@ -46,13 +44,12 @@ impl Speeds {
 }
 
 impl Rests {
-    /// Adds the rests of a smoothed piece of the run.
+    /// Adds those of a smoothed piece of the run.
     ///
     /// - `speeds`: of each joint; none where it never rests
     /// - `cut`: what was cut off at the piece's ends [s]; a rest there goes on
-    pub fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], bandwidth: f64, cut: f64) {
+    pub fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], cut: f64) {
         self.joints.resize(speeds.len(), Vec::new());
-        let shortest = SHORTEST.max(1.0 / bandwidth);
         let (Some(first), Some(last)) = (piece.times.first(), piece.times.last()) else { return };
         let widened = |[start, end]: Stretch| {
             [if start <= *first { start - cut } else { start }, if end >= *last { end + cut } else { end }]
@@ -60,12 +57,11 @@ impl Rests {
         let joints = self.joints.iter_mut().zip(&piece.velocities).zip(speeds);
         for ((rests, velocities), speeds) in joints {
             let Some(limit) = speeds.map(|speeds| speeds.limit()) else { continue };
-            let slow = slow_stretches(&piece.times, velocities, limit).into_iter().map(widened);
-            rests.extend(slow.filter(|[start, end]| end - start >= shortest));
+            rests.extend(slow_stretches(&piece.times, velocities, limit).into_iter().map(widened));
         }
     }
 
-    /// For each joint, which of the times are in a rest or nearer to one than the filter tells apart.
+    /// For each joint, which of the times are in a rest or a reversal, or nearer to one than the filter tells apart.
     pub fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
         let near = LOBE / bandwidth;
         let of_joint = |rests: &Vec<Stretch>| {
@@ -76,18 +72,23 @@ impl Rests {
     }
 }
 
-/// First and last times of the stretches without a speed above the limit.
+/// First and last times of the stretches without a speed above the limit, and of steps over which the speed changes its sign.
 fn slow_stretches(times: &[f64], velocities: &[f64], limit: f64) -> Vec<Stretch> {
     let mut stretches: Vec<Stretch> = Vec::new();
-    let mut before = false;
-    for (t, v) in times.iter().zip(velocities) {
-        let slow = v.abs() <= limit;
-        match stretches.last_mut() {
-            Some(stretch) if slow && before => stretch[1] = *t,
-            _ if slow => stretches.push([*t, *t]),
-            _ => {}
+    let mut before: Option<(f64, f64)> = None;
+    for (t, v) in times.iter().copied().zip(velocities.iter().copied()) {
+        let start = match before {
+            Some((last, other)) if v * other < 0.0 => Some(last),
+            _ => (v.abs() <= limit).then_some(t),
+        };
+        if let Some(start) = start {
+            let last = before.map(|(last, _)| last);
+            match stretches.last_mut() {
+                Some(stretch) if last == Some(stretch[1]) => stretch[1] = t,
+                _ => stretches.push([start, t]),
+            }
         }
-        before = slow;
+        before = Some((t, v));
     }
     stretches
 }
@@ -117,19 +118,21 @@ mod tests {
     }
 
     #[test]
-    fn rests_at_the_ends_are_found_and_a_reversal_is_none() {
+    fn rests_at_the_ends_and_a_reversal_are_found() {
         let mut rests = Rests::default();
         let speeds = Some(Speeds { largest: 1.0, noise: 1e-4 });
-        rests.add(&piece(), &[speeds], 5.0, 0.2);
-        let times = [-0.1, 0.5, 1.05, 1.2, 2.5, 3.8, 3.95, 4.5, 5.1];
-        let resting = [true, true, true, false, false, false, true, true, true];
+        rests.add(&piece(), &[speeds], 0.2);
+        let times = [-0.1, 0.5, 1.15, 1.25, 2.25, 2.35, 2.65, 2.75, 3.75, 3.85, 4.5, 5.1];
+        let resting = [true, true, true, false, false, true, true, false, false, true, true, true];
         assert_eq!(rests.at(&times, 5.0), [resting]);
-        // Noise that hides the motion hides a reversal too, but no speed above a tenth of the largest.
+        // Noise that hides the motion hides no speed above a tenth of the largest.
         let mut noisy = Rests::default();
-        noisy.add(&piece(), &[Some(Speeds { largest: 1.0, noise: 1.0 })], 20.0, 0.2);
-        assert_eq!(noisy.at(&[2.35, 2.45], 20.0), [[false, false]]);
+        noisy.add(&piece(), &[Some(Speeds { largest: 1.0, noise: 1.0 })], 0.2);
+        assert_eq!(noisy.at(&[2.34, 2.36], 20.0), [[false, true]]);
+        // A reversal between two samples.
+        assert_eq!(slow_stretches(&[0.0, 1.0, 2.0, 3.0], &[1.0, 0.5, -0.5, -1.0], 0.01), [[1.0, 2.0]]);
         let mut never = Rests::default();
-        never.add(&piece(), &[None], 5.0, 0.2);
-        assert_eq!(never.at(&times, 5.0), [[false; 9]]);
+        never.add(&piece(), &[None], 0.2);
+        assert_eq!(never.at(&times, 5.0), [[false; 12]]);
     }
 }
