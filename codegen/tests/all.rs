@@ -19,6 +19,8 @@ mod drawn_forces;
 mod driven_joints;
 mod elementary_functions;
 mod emitted_code;
+#[path = "external_arm/main.rs"]
+mod external_arm;
 #[path = "findings/main.rs"]
 mod findings;
 #[path = "floating_identification/main.rs"]
@@ -34,8 +36,6 @@ mod reference;
 mod self_test;
 mod shown_forces;
 mod stages;
-#[path = "strangers_arm/main.rs"]
-mod strangers_arm;
 mod torque_speed;
 mod wild_urdf;
 mod words;

@@ -5,8 +5,8 @@
 
 use gelenk_codegen::formula::{Formula, FrictionLaw as Described, FrictionPart, FrictionTerm as Term};
 use gelenk_codegen::model::{FrictionTerm as Read, Joint, Model, ReadOptions, from_toml};
-use gelenk_identification::description::description_toml;
-use gelenk_identification::library::Library;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::result::description::description_toml;
 use gelenk_identification::result::{FrictionLaw, FrictionResult, FrictionTerm};
 
 const ARM: &str =

@@ -10,17 +10,17 @@ mod methods;
 #[path = "../tests/support/named_robot.rs"]
 mod named_robot;
 
-use gelenk_identification::cross_validation::CrossValidation;
-use gelenk_identification::differentiation::{TotalVariation, quantization_noise};
-use gelenk_identification::lasso::Lasso;
-use gelenk_identification::least_squares::Reduced;
-use gelenk_identification::library::Library;
 use gelenk_identification::log::{ColumnOptions, runs_of};
-use gelenk_identification::moments::{Moments, Samples};
-use gelenk_identification::random::SplitMix64;
+use gelenk_identification::methods::cross_validation::CrossValidation;
+use gelenk_identification::methods::differentiation::{TotalVariation, quantization_noise};
+use gelenk_identification::methods::lasso::Lasso;
+use gelenk_identification::methods::least_squares::Reduced;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::{Moments, Samples};
+use gelenk_identification::methods::stribeck::{StribeckRegression, stribeck_torque};
+use gelenk_identification::methods::thresholding::Thresholding;
+use gelenk_identification::numeric::random::SplitMix64;
 use gelenk_identification::run::Run;
-use gelenk_identification::stribeck::{StribeckRegression, stribeck_torque};
-use gelenk_identification::thresholding::Thresholding;
 use methods::kalman::KalmanSmoother;
 use named_robot::NamedRobot;
 use std::error::Error;

@@ -25,8 +25,8 @@
 //! folder for temporary files).
 
 use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
-use gelenk_identification::preparation::{PreparationSettings, prepare};
-use gelenk_identification::random::SplitMix64;
+use gelenk_identification::numeric::random::SplitMix64;
+use gelenk_identification::preparation::{PreparationSettings, prepare_all};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_report::{Axis, Figure, Marks, Plot};
 use lifting::{Lifting, Log, PERIOD};
@@ -131,7 +131,7 @@ fn prepared(log: &Log) -> Outcome<Vec<Sample>> {
         delay: Some(0.0),
         ..PreparationSettings::default()
     };
-    let smooth = prepare(&run, &settings)?.run;
+    let smooth = &prepare_all(std::slice::from_ref(&run), None, &settings)?.0[0];
     let at = |columns: &[Vec<f64>], k: usize| -> [f64; N] { std::array::from_fn(|i| columns[i][k]) };
     let sample = |k: usize| {
         let row = smooth.rows[k];

@@ -2,7 +2,7 @@
 
 use crate::allocations;
 use crate::methods::recursive::{RecursiveLeastSquares, RecursiveSettings};
-use gelenk_identification::library::Library;
+use gelenk_identification::methods::library::Library;
 
 #[test]
 fn recursive_updates_do_not_allocate() {

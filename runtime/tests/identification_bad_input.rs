@@ -4,16 +4,16 @@
 
 use crate::methods::kalman::KalmanSmoother;
 use crate::support::named_robot::NamedRobot;
-use gelenk_identification::cross_validation::{CrossValidation, refit};
 use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice, Offsets,
 };
-use gelenk_identification::lasso::Lasso;
-use gelenk_identification::library::Library;
 use gelenk_identification::log::{ColumnOptions, Recording, runs_of};
-use gelenk_identification::moments::{Moments, Samples};
-use gelenk_identification::stribeck::StribeckRegression;
-use gelenk_identification::thresholding::Thresholding;
+use gelenk_identification::methods::cross_validation::{CrossValidation, refit};
+use gelenk_identification::methods::lasso::Lasso;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::{Moments, Samples};
+use gelenk_identification::methods::stribeck::StribeckRegression;
+use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_identification::{IdentificationError, Result};
 
 fn read(text: &str) -> Result<Recording> {
@@ -162,12 +162,12 @@ fn lambda_and_threshold_that_remove_everything() {
     let samples = Samples::from_library(&friction, vec![&v], vec![&torque]).expect("samples");
     let moments = Moments::new(&samples).expect("sums");
     let lasso = Lasso::default();
-    let largest = lasso.largest_lambda(&moments, 0).expect("a bound");
+    let largest = lasso.lambda_grid(&moments, 0, 2, 0.5).expect("a bound")[0];
     let text = message(lasso.fit(&moments, 0, 2.0 * largest));
     assert!(text.contains("removes every term: the largest value that keeps one"), "{text}");
     let folds = Moments::blocks(&samples, 4).expect("folds");
     let path = CrossValidation::new(&lasso, &folds, 0, &[2.0 * largest]).expect("a path").path;
-    let reduced = gelenk_identification::least_squares::Reduced::new(&samples);
+    let reduced = gelenk_identification::methods::least_squares::Reduced::new(&samples);
     let text = message(refit(&reduced.expect("sums"), 0, &path, 0));
     assert!(text.starts_with("lambda = "), "{text}");
 }

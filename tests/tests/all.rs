@@ -48,6 +48,7 @@ mod robustness;
 mod second_order;
 mod snapshots_of_text;
 mod structure;
+mod surface;
 mod verified;
 
 /// A file that no list has would never run.

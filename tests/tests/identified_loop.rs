@@ -11,11 +11,11 @@ use std::fs;
 use std::path::Path;
 
 use gelenk_generated::powercube;
-use gelenk_identification::description::description_toml;
-use gelenk_identification::differentiation::quantization_noise;
 use gelenk_identification::friction::{FrictionData, FrictionIdentification, FrictionMethod};
+use gelenk_identification::methods::differentiation::quantization_noise;
+use gelenk_identification::methods::stribeck::StribeckRegression;
+use gelenk_identification::result::description::description_toml;
 use gelenk_identification::result::{FrictionLaw, FrictionResult};
-use gelenk_identification::stribeck::StribeckRegression;
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_tests::cargo::{cargo, lock_like_here, success};
 use gelenk_tests::packages::use_published;

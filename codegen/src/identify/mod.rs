@@ -24,7 +24,7 @@ pub use terms::terms_as_json;
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use gelenk_identification::description::{Identified, identified_toml};
+    use gelenk_identification::result::description::{Identified, identified_toml};
     use gelenk_identification::robot::Robot;
 
     use super::*;

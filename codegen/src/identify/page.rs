@@ -1,12 +1,12 @@
 //! The page of an identification.
 
 use gelenk_findings::{Severity, texts};
-use gelenk_identification::digits;
 use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
 use gelenk_identification::identify::{Identification, JointFriction};
+use gelenk_identification::methods::subset::{SubsetValidation, ValidatedSubset};
+use gelenk_identification::numeric::digits;
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::PreparedRun;
-use gelenk_identification::subset::{SubsetValidation, ValidatedSubset};
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, plain, text};
 
 use super::terms;

@@ -4,10 +4,10 @@
 //! could exist still can, and the written bodies explain the data as well. Where they would not, a body gets more digits.
 //! A value that these digits do not tell from the described one is written as it was described.
 
-use gelenk_identification::digits::rounded;
 use gelenk_identification::estimation::Estimate;
 use gelenk_identification::inertial::margin;
 use gelenk_identification::inertial::payload::Payload;
+use gelenk_identification::numeric::digits::rounded;
 use nalgebra::{DMatrix, DVector};
 
 use super::bodies::{BodyValues, LinkBodies};

@@ -1,7 +1,7 @@
 //! Drives on several joints: whose shafts' friction is identified, and as a description writes them.
 
-use gelenk_identification::description::{comment_lines, friction_value};
 use gelenk_identification::result::FrictionResult;
+use gelenk_identification::result::description::{comment_lines, friction_value};
 use gelenk_identification::shafts::{JointTerm, Shaft, seats};
 
 use super::drives::{entries, found_rotor, joint_friction};

@@ -1,8 +1,8 @@
 //! Friction terms with what speaks for each, for the page and for JSON.
 
-use gelenk_identification::digits::significant;
 use gelenk_identification::friction::{Candidate, FrictionReport};
 use gelenk_identification::identify::Identification;
+use gelenk_identification::numeric::digits::significant;
 use gelenk_report::{Cell, Table};
 use serde_json::{Value, json};
 

@@ -83,7 +83,9 @@ fn from_moments(
     let mut sum = Sum::default();
     for log in logs {
         let moments = reduce(robot, DESCRIPTION, log, settings, &mut |_| ()).unwrap();
-        let copied = LogMoments::from_bytes(&moments.bytes(), "log").unwrap();
+        let file = log.with_extension("moments");
+        moments.write(&file).unwrap();
+        let copied = LogMoments::read(&file).unwrap();
         sum.add(copied, &log.display().to_string()).unwrap();
     }
     identify_moments(robot, DESCRIPTION, &sum.total().unwrap(), settings, &mut |_| ()).unwrap()

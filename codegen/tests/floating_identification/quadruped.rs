@@ -257,7 +257,9 @@ fn moments_hold_the_rows_of_the_base_alone() {
     let settings = IdentificationSettings::new().unwrap();
     let parts: &[&[u8]] = &[b"feet"];
     let moments = reduce(&described, parts, &path, &settings, &mut |_| ()).unwrap();
-    let copied = LogMoments::from_bytes(&moments.bytes(), "log").unwrap();
+    let file = folder.path().join("log.moments");
+    moments.write(&file).unwrap();
+    let copied = LogMoments::read(&file).unwrap();
     let found = identify_moments(&described, parts, &copied, &settings, &mut |_| ()).unwrap().estimate;
     let [before, after] = base_errors(&described, &truth, &found);
     println!("moments of base rows alone: {before:.4} as described, {after:.4} as estimated");

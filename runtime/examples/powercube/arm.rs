@@ -3,7 +3,7 @@
 
 use crate::study::Outcome;
 use gelenk_generated::powercube_parameters::Parameters;
-use gelenk_identification::library::Library;
+use gelenk_identification::methods::library::Library;
 use gelenk_runtime::plant::PlantOptions;
 use gelenk_runtime::trajectory::{Columns, Recording, Sampled, Smoothing};
 

@@ -5,7 +5,7 @@ use crate::quadruped::{
     ACROSS, FEET, HIP, LENGTH, Wrenches, at_feet, standing, used_friction, used_torque, within_limits,
 };
 use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
-use gelenk_identification::random::SplitMix64;
+use gelenk_identification::numeric::random::SplitMix64;
 use std::f64::consts::TAU;
 
 /// Time between two rows of a log [s].

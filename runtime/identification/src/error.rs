@@ -1,6 +1,6 @@
 //! Errors of data and settings, each with the numbers that show it.
 
-use super::digits::plain;
+use super::numeric::digits::plain;
 use gelenk_findings::{Finding, Subject};
 use thiserror::Error;
 

@@ -1,17 +1,17 @@
 //! From logs to an identified robot, in one call.
 
+use super::doubts::range::far_beyond;
+use super::doubts::written;
 use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, repeated_motions};
+use super::friction::joint_samples::JointSamples;
 use super::friction::{CommonTerms, FrictionIdentification, FrictionMethod, FrictionReport};
-use super::joint_samples::JointSamples;
 use super::log::{ColumnOptions, GEAR_DOUBTFUL, Recording, runs_noting};
 use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
-use super::range::far_beyond;
 use super::result::FrictionTerm;
 use super::robot::{Robot, require_no_quaternions};
 use super::run::PreparedRun;
 use super::shafts::{RobotRows, ShaftRows};
-use super::written;
 use gelenk_findings::{Finding, Rule, Severity, distinct};
 use nalgebra::DVector;
 use std::path::PathBuf;

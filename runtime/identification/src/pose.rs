@@ -19,12 +19,12 @@ pub struct QuaternionJoint {
 
 impl QuaternionJoint {
     /// Its position entries.
-    pub fn positions(&self) -> std::ops::Range<usize> {
+    pub(crate) fn positions(&self) -> std::ops::Range<usize> {
         self.position..self.position + if self.is_floating { 7 } else { 4 }
     }
 
     /// Its velocity entries.
-    pub fn velocities(&self) -> std::ops::Range<usize> {
+    pub(crate) fn velocities(&self) -> std::ops::Range<usize> {
         self.velocity..self.velocity + if self.is_floating { 6 } else { 3 }
     }
 

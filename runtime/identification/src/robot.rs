@@ -175,7 +175,7 @@ pub struct TorqueSpeedLine {
 impl TorqueSpeedLine {
     /// Lowest and highest input at velocities ẏ.
     #[must_use]
-    pub fn range(&self, v: &[f64]) -> [f64; 2] {
+    pub(crate) fn range(&self, v: &[f64]) -> [f64; 2] {
         let taken: f64 = self.slopes.iter().zip(v).map(|(slope, v)| slope * v).sum();
         [-self.limit - taken, self.limit - taken]
     }
@@ -288,7 +288,7 @@ pub struct JointLimits {
 
 impl JointLimits {
     /// Nothing is described.
-    pub const NONE: Self =
+    pub(crate) const NONE: Self =
         Self { position: [f64::NEG_INFINITY, f64::INFINITY], velocity: f64::INFINITY, effort: f64::INFINITY };
 }
 

@@ -1,6 +1,6 @@
 //! Recorded motions, joint by joint: as they were measured, and prepared for the regression.
 
-use super::shifted::{shifted, slope};
+use super::numeric::shifted::{shifted, slope};
 use std::ops::Range;
 
 /// A part of a log without interruption: all joints' samples at the same times.
@@ -71,17 +71,17 @@ pub struct PreparedRun {
 
 impl PreparedRun {
     /// The entries of y, which are the joints' positions where there is no quaternion.
-    pub fn coordinates(&self) -> &[Vec<f64>] {
+    pub(crate) fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
     }
 
     /// Whether a joint rests at a sample.
-    pub fn rests(&self, joint: usize, sample: usize) -> bool {
+    pub(crate) fn rests(&self, joint: usize, sample: usize) -> bool {
         self.resting.get(joint).and_then(|rests| rests.get(sample)).copied().unwrap_or(false)
     }
 
     /// The samples of a joint without its rests, in contiguous stretches.
-    pub fn moving(&self, joint: usize) -> Vec<Range<usize>> {
+    pub(crate) fn moving(&self, joint: usize) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
         for i in (0..self.times.len()).filter(|i| !self.rests(joint, *i)) {
             match stretches.last_mut() {
@@ -119,7 +119,7 @@ impl PreparedRun {
     }
 
     /// Whether some joint moves at a sample.
-    pub fn is_moving(&self, sample: usize) -> bool {
+    pub(crate) fn is_moving(&self, sample: usize) -> bool {
         (0..self.positions.len()).any(|joint| !self.rests(joint, sample))
     }
 }

@@ -1,12 +1,12 @@
 //! How well an identified robot predicts logs that it was not identified from.
 
+use super::doubts::range::far_beyond;
 use super::error::Result;
 use super::estimation::Gravity;
 use super::friction::FrictionReport;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
 use super::preparation::{Filter, PreparationSettings, prepare_all};
-use super::range::far_beyond;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
 use gelenk_findings::{Finding, Rule};
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Sees: a log to validate that was fitted, too.
 /// Matters: R² of it says nothing of other data.
 /// Example: the same file twice on the command line.
-/// Fixture: `codegen/tests/strangers_arm/said.rs`.
+/// Fixture: `codegen/tests/external_arm/said.rs`.
 const FITTED: Rule = Rule::warning("fitted-log");
 
 /// Prediction of a joint's efforts in logs that nothing was fitted to.

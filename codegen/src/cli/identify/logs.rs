@@ -5,13 +5,13 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_findings::{Finding, Rule};
-use gelenk_identification::description::{Identified, write_identified};
-use gelenk_identification::digits::plain;
 use gelenk_identification::estimation::JointEstimate;
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
+use gelenk_identification::numeric::digits::plain;
 use gelenk_identification::result::FrictionResult;
+use gelenk_identification::result::description::{Identified, write_identified};
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::Effort;
 use gelenk_identification::shafts::ShaftRows;

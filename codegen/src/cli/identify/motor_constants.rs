@@ -1,8 +1,8 @@
 //! Motor constants that logs of currents give.
 
-use gelenk_identification::digits::{plain, rounded};
 use gelenk_identification::estimation::Uncertain;
 use gelenk_identification::identify::Identification;
+use gelenk_identification::numeric::digits::{plain, rounded};
 use serde_json::{Value, json};
 
 use crate::model::{Drive, Input, Model};
@@ -11,13 +11,13 @@ use gelenk_findings::{Finding, Rule};
 /// Sees: motor constants that logs of currents give.
 /// Matters: they are right if the described masses are.
 /// Example: 0.12 N·m/A.
-/// Fixture: `codegen/tests/strangers_arm/main.rs`.
+/// Fixture: `codegen/tests/external_arm/main.rs`.
 const ESTIMATED: Rule = Rule::note("motor-constant");
 
 /// Sees: a motor constant that is negative, far from the described one, or none that motors have.
 /// Matters: the current is in another unit, or the masses are described wrong.
 /// Example: 300 N·m/A.
-/// Fixture: `codegen/tests/strangers_arm/units.rs`.
+/// Fixture: `codegen/tests/external_arm/units.rs`.
 const DOUBTFUL_CONSTANT: Rule = Rule::warning("motor-constant-doubtful");
 
 /// The motor constant of a drive [N m/A].

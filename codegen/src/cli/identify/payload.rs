@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use gelenk_findings::{Severity, texts};
 use gelenk_identification::carried::{CarriedLoad, identify_load};
-use gelenk_identification::description::{Identified, write_identified};
-use gelenk_identification::digits::{plain, rounded};
 use gelenk_identification::inertial::payload::{Estimate, Payload, PayloadSettings};
+use gelenk_identification::numeric::digits::{plain, rounded};
+use gelenk_identification::result::description::{Identified, write_identified};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 

@@ -7,7 +7,7 @@ use super::show;
 use crate::arm::{self, Arm, Friction, GEAR, JOINTS, PERIOD, Regime, arm};
 use crate::methods::recursive::{RecursiveLeastSquares, RecursiveSettings};
 use crate::study::{Outcome, Part, Study};
-use gelenk_identification::differentiation::quantization_noise;
+use gelenk_identification::methods::differentiation::quantization_noise;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
 use gelenk_runtime::dynamics::Dynamics;

@@ -5,10 +5,10 @@ use crate::arm::{Arm, Friction, PERIOD, Regime, arm};
 use crate::methods::kalman::KalmanSmoother;
 use crate::methods::torque::{Motion, friction_torques};
 use crate::study::Outcome;
-use gelenk_identification::differentiation::quantization_noise;
-use gelenk_identification::least_squares::Reduced;
-use gelenk_identification::moments::Samples;
-use gelenk_identification::thresholding::Thresholding;
+use gelenk_identification::methods::differentiation::quantization_noise;
+use gelenk_identification::methods::least_squares::Reduced;
+use gelenk_identification::methods::moments::Samples;
+use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_runtime::trajectory::{IdentificationSine, Sampled};
 
 /// Encoders while the motion is recorded [rad].

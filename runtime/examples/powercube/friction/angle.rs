@@ -9,9 +9,9 @@ use super::law::{Method, curve, curve_error, true_curve};
 use crate::arm::{Friction, heavier};
 use crate::study::{Outcome, Part, Study};
 use gelenk_identification::excitation::FourierMotion;
-use gelenk_identification::least_squares::Reduced;
-use gelenk_identification::library::Library;
-use gelenk_identification::moments::Samples as Columns;
+use gelenk_identification::methods::least_squares::Reduced;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::Samples as Columns;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
 /// Gravity of the identifying model is too large by this share.

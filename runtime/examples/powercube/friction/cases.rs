@@ -8,8 +8,8 @@ use super::law::{Method, curve_error};
 use super::plants::MoreFriction;
 use crate::arm::{Friction, PERIOD, TERMS, arm, heavier};
 use crate::study::Outcome;
+use gelenk_identification::methods::stribeck::stribeck_torque;
 use gelenk_identification::result::FrictionLaw;
-use gelenk_identification::stribeck::stribeck_torque;
 
 /// Speeds over which all curves are judged [rad/s].
 pub const FASTEST: f64 = 0.5;

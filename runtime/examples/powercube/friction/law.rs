@@ -6,11 +6,11 @@ use crate::study::Outcome;
 use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice, Offsets,
 };
-use gelenk_identification::lasso::Lasso;
-use gelenk_identification::library::Library;
+use gelenk_identification::methods::lasso::Lasso;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::stribeck::StribeckRegression;
+use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_identification::result::FrictionLaw;
-use gelenk_identification::stribeck::StribeckRegression;
-use gelenk_identification::thresholding::Thresholding;
 
 /// How a law is found.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,12 +5,12 @@ use super::data::{Samples, beta_alone, opposed};
 use super::law::{Method, curve_error, standardized};
 use crate::arm::Friction;
 use crate::study::{Outcome, Part, Study};
-use gelenk_identification::cross_validation::{CrossValidation, pareto_front};
 use gelenk_identification::friction::FrictionReport;
-use gelenk_identification::least_squares::Reduced;
-use gelenk_identification::library::Library;
-use gelenk_identification::moments::{Moments, Samples as Columns};
-use gelenk_identification::thresholding::Thresholding;
+use gelenk_identification::methods::cross_validation::{CrossValidation, pareto_front};
+use gelenk_identification::methods::least_squares::Reduced;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::{Moments, Samples as Columns};
+use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 
 /// Folds of the cross-validation.
@@ -39,7 +39,7 @@ pub struct Fineness {
 pub fn fineness(library: &Library, samples: &Samples) -> Outcome<Fineness> {
     let columns = columns(library, samples)?;
     let folds = Moments::blocks(&columns, FOLDS)?;
-    let all: Vec<usize> = (0..library.len()).collect();
+    let all: Vec<usize> = (0..library.terms().len()).collect();
     let (mut squares, mut count) = (0.0, 0);
     for (k, left_out) in folds.iter().enumerate() {
         let others = folds.iter().enumerate().filter(|(i, _)| *i != k);
@@ -91,7 +91,7 @@ fn fronts(samples: &Samples) -> Outcome<[Front; 2]> {
         .filter(|point| !point.active.is_empty())
         .map(|point| (point.active.len(), point.refit_error * samples.len() as f64));
     let front = |models: Vec<(usize, f64)>| -> Front {
-        (1..=library.len())
+        (1..=library.terms().len())
             .filter_map(|size| {
                 let squares = models.iter().filter(|(n, _)| *n == size).map(|(_, r)| *r);
                 let least = squares.fold(f64::INFINITY, f64::min);
@@ -230,7 +230,7 @@ fn correlation_table(samples: &Samples) -> Outcome<Table> {
         table = table.column(term, term.clone(), "");
     }
     for (i, term) in library.terms().iter().enumerate() {
-        let cosines = (0..library.len()).map(|j| Cell::Rounded(correlation[(i, j)], 4));
+        let cosines = (0..library.terms().len()).map(|j| Cell::Rounded(correlation[(i, j)], 4));
         table = table.row(std::iter::once(Cell::Code(term.clone())).chain(cosines));
     }
     Ok(table)

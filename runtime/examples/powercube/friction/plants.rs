@@ -4,10 +4,10 @@
 use super::data::Samples;
 use crate::arm::Arm;
 use crate::study::Outcome;
-use gelenk_identification::least_squares::Reduced;
-use gelenk_identification::library::Library;
-use gelenk_identification::moments::Samples as Columns;
-use gelenk_identification::stribeck::stribeck_torque;
+use gelenk_identification::methods::least_squares::Reduced;
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::Samples as Columns;
+use gelenk_identification::methods::stribeck::stribeck_torque;
 use gelenk_runtime::dynamics::{Dynamics, Limits};
 
 /// Slope of the load's friction at rest [s/rad].

@@ -4,10 +4,10 @@
 use super::data::{MEASURED, beta_alone, controller_arm, published_arm, record, rms};
 use crate::arm::{PERIOD, Regime};
 use crate::study::{Outcome, Part, Study};
-use gelenk_identification::differentiation::{
+use gelenk_identification::methods::differentiation::{
     Regularization, TotalVariation, central_differences, quantization_noise,
 };
-use gelenk_identification::random::SplitMix64;
+use gelenk_identification::numeric::random::SplitMix64;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use std::f64::consts::TAU;
 

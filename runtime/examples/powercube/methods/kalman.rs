@@ -4,10 +4,10 @@
 //! filters, the backward pass smooths. Inside, time counts in mean sampling steps, which keeps the
 //! covariances well scaled.
 
-use gelenk_identification::differentiation::{
+use gelenk_identification::error::{IdentificationError, Result, require_setting};
+use gelenk_identification::methods::differentiation::{
     Derivatives, by_discrepancy, require_noise, require_signal, residual_bound, rms_difference,
 };
-use gelenk_identification::error::{IdentificationError, Result, require_setting};
 use nalgebra::{Matrix4, Vector4};
 use std::ops::Range;
 
@@ -246,8 +246,8 @@ fn smoother_gain(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gelenk_identification::differentiation::central_differences;
-    use gelenk_identification::random::SplitMix64;
+    use gelenk_identification::methods::differentiation::central_differences;
+    use gelenk_identification::numeric::random::SplitMix64;
     use nalgebra::{DMatrix, DVector};
 
     /// The smoother's optimality, as one dense weighted least-squares problem over all states.

@@ -169,7 +169,7 @@ fn eliminate<const N: usize>(w: &mut SVector<f64, N>, p: &mut SMatrix<f64, N, N>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gelenk_identification::random::SplitMix64;
+    use gelenk_identification::numeric::random::SplitMix64;
     use nalgebra::{DMatrix, DVector};
 
     #[test]

@@ -3,9 +3,9 @@
 use gelenk_identification::error::{
     IdentificationError, Result, require_finite, require_length, require_samples,
 };
-use gelenk_identification::least_squares::{Reduced, Solution};
-use gelenk_identification::library::Library;
-use gelenk_identification::moments::Samples;
+use gelenk_identification::methods::least_squares::{Reduced, Solution};
+use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::Samples;
 use gelenk_runtime::dynamics::{Dynamics, Named, load};
 
 /// A recorded motion: one column of samples per joint and input.
@@ -121,7 +121,7 @@ pub fn motor_constant(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gelenk_identification::random::SplitMix64;
+    use gelenk_identification::numeric::random::SplitMix64;
 
     gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 

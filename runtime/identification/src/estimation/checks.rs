@@ -1,6 +1,6 @@
 //! What is left of the efforts, against what the model does not have.
 
-use super::super::digits::plain;
+use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
@@ -116,7 +116,7 @@ impl Checked<'_> {
     /// The factor between estimated and described forces of the robot as a whole.
     pub(super) fn common_ratio(&self) -> Option<CommonRatio> {
         let sizes: Vec<Sizes> = (0..self.layout.joints).map(|joint| self.sizes(joint)).collect();
-        common_ratio(self.robot, self.layout.effort, &self.layout.told(), &sizes)
+        common_ratio(self.robot, self.layout.effort, &self.layout.known_efforts(), &sizes)
     }
 
     /// The delay of a joint's effort \[s\] that its residual shows: a torque that comes late by d is `τ(t − d) ≈ τ − d τ̇`.

@@ -3,8 +3,8 @@
 
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
+use super::super::methods::subset::MOST_ALIKE;
 use super::super::run::Effort;
-use super::super::subset::MOST_ALIKE;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
 use super::gains::{Gain, gains as found_gains};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};

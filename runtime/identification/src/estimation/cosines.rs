@@ -31,7 +31,7 @@ pub(super) fn projections(series: &DMatrix<f64>, cosines: usize) -> DMatrix<f64>
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::*;
 
     #[test]
@@ -40,7 +40,7 @@ mod tests {
         let mut random = SplitMix64::new(1);
         let cosines = count(blocks as f64 * (1.0 - rho) / (1.0 + rho), blocks);
         let mut rejected = 0;
-        let quantile = super::super::super::confidence::quantile(0.9, cosines as f64).unwrap();
+        let quantile = super::super::super::methods::confidence::quantile(0.9, cosines as f64).unwrap();
         for _ in 0..trials {
             let mut state = random.normal() / (1.0 - rho * rho).sqrt();
             let mut draw = || {

@@ -12,13 +12,13 @@
 //! cosines for each.
 
 use super::super::error::Result;
-use super::super::kernel::BLOCK;
-use super::super::spectrum::symmetric_eigen;
+use super::super::numeric::kernel::BLOCK;
+use super::super::numeric::spectrum::symmetric_eigen;
 use super::cosines::{FEWEST, count, projections};
+use super::delays::rates;
 use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};
 use super::intervals::{Fitted, MOST_BLOCKS, column_means, described};
-use super::late::rates;
 use super::layout::Layout;
 use super::normal::{Factor, Values, residual_vector};
 use super::residuals::{forces, huber, residual};
@@ -151,7 +151,7 @@ impl Pass {
     fn new(task: &Task, of: &Fitted, instruments: &Instruments, time: f64) -> Self {
         let layout = task.layout;
         // A delay's column along the instruments' motion: noise of the measured one stands in the other.
-        let rates = task.late.map(|_| {
+        let rates = task.first_fit.map(|_| {
             let forces = forces(&mut task.rows(), layout, &instruments.runs, of.values, of.offsets);
             rates(layout, &instruments.runs, of.values, &forces)
         });

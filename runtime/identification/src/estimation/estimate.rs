@@ -5,13 +5,13 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
+use super::delays::FirstFit;
 use super::endogeneity::endogeneity;
 use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::hypotheses::{Doubts, other_delays, other_explanations, other_factors, other_order};
 use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
-use super::late::Late;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
 use super::normal::{Centred, Values, residual_vector};
@@ -175,14 +175,14 @@ fn pass(
     let prior = Prior::new(&robot.parameters(), robot.bodies(), JointPrior::all(robot, layout, runs));
     let pieces = cut(runs, settings.folds);
     let gravity = Gravity::of(settings.gravity_compensated);
-    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, late: None };
+    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, first_fit: None };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
     progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
     let (task, first) = task.with_its_compensation(progress)?;
-    let late = task.late(&first)?;
-    let (task, first) = match &late {
-        Some(late) => {
-            let task = Task { runs: &late.runs, late: Some(late), ..task };
+    let first_fit = task.first_fit(&first)?;
+    let (task, first) = match &first_fit {
+        Some(fit) => {
+            let task = Task { runs: &fit.runs, first_fit: Some(fit), ..task };
             let sums = task.sums(None);
             (task, sums)
         }
@@ -227,14 +227,14 @@ impl Task<'_> {
         })
     }
 
-    /// What a first fit tells of the delays; `None` where they are known.
-    fn late(&self, sums: &Sums) -> Result<Option<Late>> {
+    /// The first fit of unknown delays; `None` where they are known.
+    fn first_fit(&self, sums: &Sums) -> Result<Option<FirstFit>> {
         if self.layout.delays.is_empty() {
             return Ok(None);
         }
         let chosen = self.choose(sums)?;
         let forces = self.forces(&chosen.values, &chosen.offsets());
-        Ok(Some(Late::new(self.layout, self.runs, &chosen.values, &forces)))
+        Ok(Some(FirstFit::new(self.layout, self.runs, &chosen.values, &forces)))
     }
 
     pub(super) fn sums_of(&self, weights: Weights) -> Sums {
@@ -355,7 +355,7 @@ impl Task<'_> {
                 solved: &solved,
                 covariance: &covariance,
                 instead: endogeneity.as_ref().filter(|found| found.is_counted()),
-                delays: self.late.map_or(&[], |late| &late.delays),
+                delays: self.first_fit.map_or(&[], |fit| &fit.delays),
             },
             runs: self.runs,
             forces: &forces,

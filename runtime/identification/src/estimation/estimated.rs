@@ -1,11 +1,11 @@
 //! What an estimate says, whether it was made of samples or of sums: parameters, friction terms and gains with their
 //! intervals, and the choices in words.
 
-use super::super::confidence::{half_width_around, quantile};
-use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
 use super::super::inertial::PER_BODY;
-use super::super::library::smooth_sign;
+use super::super::methods::confidence::{half_width_around, quantile};
+use super::super::methods::library::smooth_sign;
+use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::endogeneity::Endogeneity;

@@ -4,8 +4,8 @@
 //! Bodies move several joints, so that efforts of other joints tell the factor of one. What a joint alone bears, as its
 //! friction, does not.
 
-use super::super::digits::plain;
 use super::super::error::Result;
+use super::super::numeric::digits::plain;
 use super::super::run::Effort;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};

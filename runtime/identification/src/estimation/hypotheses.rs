@@ -59,7 +59,7 @@ const GRAVITY: Rule = Rule::error("other-gravity");
 /// Sees: an effort that comes later or earlier than `--delay` says.
 /// Matters: inertia and friction take up a part of the delay.
 /// Example: `--delay 0` where efforts are 50 ms early.
-/// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/strangers_arm/main.rs`.
+/// Fixture: `efforts_that_come_early_are_moved` in `codegen/tests/external_arm/main.rs`.
 const DELAY: Rule = Rule::warning("other-delay");
 
 /// Sees: columns that fit better in another order of the joints.
@@ -226,7 +226,7 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
     };
     let runs: Vec<PreparedRun> = task.runs.iter().map(moved).collect();
     let layout = Layout::new(task.robot, &runs, task.settings.steepness.as_deref(), false)?;
-    let other = Task { runs: &runs, layout: &layout, late: None, ..task.clone() };
+    let other = Task { runs: &runs, layout: &layout, first_fit: None, ..task.clone() };
     let sums = other.sums_of(&moving);
     let model = Model {
         coulomb: moved_by(order, &chosen.model.coulomb),

@@ -7,7 +7,7 @@
 //! offsets are given ([`super::joint_prior`]).
 
 use super::super::error::Result;
-use super::super::kernel::BLOCK;
+use super::super::numeric::kernel::BLOCK;
 use super::super::run::PreparedRun;
 use super::cosines;
 use super::fit::{Solved, Weighting, force_weights};

@@ -1,9 +1,9 @@
 //! Which unknown stands in which column, and which columns an equation of a joint has.
 
-use super::super::digits::two_digits;
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
+use super::super::numeric::digits::two_digits;
+use super::super::numeric::random::SplitMix64;
 use super::super::pose::rows_of;
-use super::super::random::SplitMix64;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::result::Offsets;
@@ -60,9 +60,10 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Joints that move, and whose efforts are measured; none where the described bodies calibrate currents.
-    pub(super) fn told(&self) -> Vec<bool> {
-        let told = |joint: usize| self.effort != Effort::Current && self.moves[joint] && self.measured[joint];
-        (0..self.joints).map(told).collect()
+    pub(super) fn known_efforts(&self) -> Vec<bool> {
+        let is_known =
+            |joint: usize| self.effort != Effort::Current && self.moves[joint] && self.measured[joint];
+        (0..self.joints).map(is_known).collect()
     }
 
     /// - `given`: factors of the Coulomb terms of each joint

@@ -4,6 +4,7 @@ mod checks;
 mod choice;
 mod consistent;
 mod cosines;
+mod delays;
 mod described;
 mod endogeneity;
 mod estimate;
@@ -15,7 +16,6 @@ mod hypotheses;
 mod instruments;
 mod intervals;
 mod joint_prior;
-mod late;
 mod layout;
 mod loads;
 mod normal;
@@ -36,9 +36,7 @@ mod unit;
 
 pub use estimate::estimate;
 pub use instruments::InstrumentSource;
-pub use result::{
-    Estimate, EstimatedTerm, Gravity, InstrumentalEstimate, JointEstimate, Offsets, Uncertain, WeightTried,
-};
+pub use result::{Estimate, EstimatedTerm, Gravity, InstrumentalEstimate, JointEstimate, Offsets, Uncertain};
 pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {

@@ -1,6 +1,6 @@
 //! The estimate from samples as it is returned.
 
-use super::super::digits::{self, plain};
+use super::super::numeric::digits::{self, plain};
 use super::super::run::PreparedRun;
 use super::endogeneity::{Endogeneity, Test};
 use super::estimated::{Estimated, JointFit};

@@ -1,8 +1,8 @@
 //! A pass along the runs with given values: residuals, predictions, outliers, and the blocks' scores.
 
-use super::super::kernel::BLOCK;
+use super::super::numeric::kernel::BLOCK;
+use super::super::numeric::statistics::median;
 use super::super::run::PreparedRun;
-use super::super::statistics::median;
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::normal::{Values, residual_vector};
 use super::rows::Rows;

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 /// Held-out error for one weight of the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WeightTried {
+pub(crate) struct WeightTried {
     /// λ.
     pub weight: f64,
     /// Sum over folds and joints of the squared residuals in units of their variance, per equation.
@@ -63,7 +63,7 @@ pub struct Estimate {
     /// Weight of the distance from the description, and the held-out errors it was chosen by.
     pub description_weight: f64,
     /// Held-out error for each weight that was tried.
-    pub weights_tried: Vec<WeightTried>,
+    pub(crate) weights_tried: Vec<WeightTried>,
     /// How many combinations of the inertial parameters the data decide: the trace of `(H + λ R)⁻¹ H` over them.
     pub effective_parameters: f64,
     /// Covariance of the inertial parameters `[P × P]`: zero where the data may not change them.

@@ -1,6 +1,6 @@
 //! The equations of all joints, evaluated block by block along the runs.
 
-use super::super::kernel::BLOCK;
+use super::super::numeric::kernel::BLOCK;
 use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;

@@ -5,8 +5,8 @@
 //! is a fold of the held-out error and a block of the covariance.
 
 use super::super::error::{Result, require_finite};
-use super::super::kernel::{BLOCK, add_products};
-use super::super::library::{slope, smooth_sign};
+use super::super::methods::library::{slope, smooth_sign};
+use super::super::numeric::kernel::{BLOCK, add_products};
 use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
@@ -345,7 +345,7 @@ impl Found<'_> {
     fn common_ratio(&self) -> Option<CommonRatio> {
         let Estimated { robot, layout, .. } = self.fitted;
         let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
-        common_ratio(robot, layout.effort, &layout.told(), &sizes)
+        common_ratio(robot, layout.effort, &layout.known_efforts(), &sizes)
     }
 
     /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean.

@@ -5,8 +5,8 @@
 //! the condition number; this is borne because the unknowns count from the description and the directions that
 //! the squared numbers cannot resolve (singular values below 1e-7 of the largest) are held there.
 
-use super::super::kernel::{BLOCK, add_products};
-use super::super::moments::contiguous_blocks;
+use super::super::methods::moments::contiguous_blocks;
+use super::super::numeric::kernel::{BLOCK, add_products};
 use super::super::run::PreparedRun;
 use super::layout::Layout;
 use super::rows::Rows;

@@ -2,7 +2,7 @@
 
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::late::Late;
+use super::delays::FirstFit;
 use super::layout::Layout;
 use super::loads::Loads;
 use super::normal::Values;
@@ -25,7 +25,7 @@ pub(super) struct Task<'a> {
     pub(super) pieces: Vec<Piece>,
     pub(super) loads: Option<&'a Loads>,
     /// What a first fit told of the delays, where they are not known; the runs are without these then.
-    pub(super) late: Option<&'a Late>,
+    pub(super) first_fit: Option<&'a FirstFit>,
 }
 
 impl Task<'_> {
@@ -35,7 +35,7 @@ impl Task<'_> {
 
     pub(super) fn rows_where(&self, gravity: Gravity) -> Rows<'_> {
         let rows = Rows::new(self.robot, self.layout, gravity, self.settings.filter.as_ref(), self.loads);
-        rows.with_rates(self.late.map(|late| late.rates.as_slice()))
+        rows.with_rates(self.first_fit.map(|fit| fit.rates.as_slice()))
     }
 
     pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {

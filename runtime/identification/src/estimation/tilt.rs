@@ -4,12 +4,12 @@
 //! rest under gravities across it. The angles are fitted beside all else, with bodies that are as good as free: what another
 //! body explains as well is no tilt. Passes repeat from the gravity that was found until it stays (Gauss and Newton).
 
-use super::super::confidence::quantile;
-use super::super::digits::plain;
 use super::super::error::Result;
+use super::super::methods::confidence::quantile;
+use super::super::numeric::digits::plain;
+use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
-use super::super::spectrum::symmetric_eigen;
 use super::choice::Chosen;
 use super::fit::{HeldOut, Weighting, fit};
 use super::hypotheses::{as_described, gain, harms, offered};
@@ -54,7 +54,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
         let turning = Turning { robot: task.robot, described, gravity, across: across(gravity), pi };
         // Angles that do not matter need no interval.
         let found = turning.angles((task, last), (pass > 0).then_some(time))?;
-        let angles = found.told();
+        let angles = found.observable();
         gravity = turning.turned(&angles);
         changes.clone_from(&found.changes);
         if turning.weighs_less_than_nothing(task.runs, &changes) {
@@ -268,7 +268,7 @@ impl Angles {
     }
 
     /// The angles in the directions that the data see.
-    fn told(&self) -> DVector<f64> {
+    fn observable(&self) -> DVector<f64> {
         &self.seen * self.seen.tr_mul(&self.values)
     }
 
@@ -300,8 +300,8 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
         return DMatrix::zeros(2, 0);
     }
     let eigen = symmetric_eigen(variance);
-    let told: Vec<usize> = (0..2).filter(|k| eigen.eigenvalues[*k] < UNTOLD).collect();
-    eigen.eigenvectors.select_columns(&told)
+    let observable: Vec<usize> = (0..2).filter(|k| eigen.eigenvalues[*k] < UNTOLD).collect();
+    eigen.eigenvectors.select_columns(&observable)
 }
 
 /// Sees: weights that another direction of gravity explains.

@@ -3,9 +3,9 @@
 //! A joint by itself says little: one without gravity, behind a gear that rubs, may need ten times the described force
 //! because ten times of nearly nothing is nearly nothing. Joints that carry the robot say what its efforts are.
 
-use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
+use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use gelenk_findings::{Finding, Rule};

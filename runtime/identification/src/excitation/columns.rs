@@ -1,6 +1,6 @@
 //! Columns of the regressor that a plan asks for.
 
-use super::super::random::SplitMix64;
+use super::super::numeric::random::SplitMix64;
 use super::super::robot::Robot;
 use super::chart::Chart;
 use super::{ExcitationLimits, Instant};

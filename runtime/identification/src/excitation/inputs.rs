@@ -5,9 +5,9 @@ use super::motors::Torques;
 use super::smallest_inputs::{SINGULAR, first_outside, smallest_inputs};
 use super::{ExcitationLimits, Instant};
 use crate::error::{IdentificationError, Result};
+use crate::numeric::spectrum::svd;
 use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
-use crate::spectrum::svd;
 use nalgebra::DMatrix;
 
 /// What a planned motion asks of an input, by the described robot without friction.

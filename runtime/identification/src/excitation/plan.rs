@@ -37,7 +37,7 @@ const APPROACH: Rule = Rule::note("approach-beyond-limits");
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The motion; it begins and ends each period at rest. Of a joint with a quaternion it has the place of the origin in the
-    /// parent's frame, where the joint slides, and the rotation vector φ of its attitude exp(φ); [`Plan::instant`] has positions,
+    /// parent's frame, where the joint slides, and the rotation vector φ of its attitude exp(φ); the CSV file has positions,
     /// velocities and accelerations.
     pub motion: FourierMotion,
     /// The way from the given posture to the beginning of the motion.
@@ -163,7 +163,7 @@ impl Plan {
     }
 
     /// Positions y, velocities and accelerations of the motion at time `t` (s).
-    pub fn instant(&self, t: f64) -> Instant {
+    pub(crate) fn instant(&self, t: f64) -> Instant {
         self.chart.instant(&self.motion.instant(t))
     }
 

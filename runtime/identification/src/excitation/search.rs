@@ -1,8 +1,8 @@
 //! The search for a motion.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples, require_setting};
-use super::super::random::SplitMix64;
-use super::super::spectrum::symmetric_eigenvalues;
+use super::super::numeric::random::SplitMix64;
+use super::super::numeric::spectrum::symmetric_eigenvalues;
 use super::{FourierMotion, Instant};
 use nalgebra::DMatrix;
 

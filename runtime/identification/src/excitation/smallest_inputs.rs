@@ -1,8 +1,8 @@
 //! The smallest inputs that have given forces at the joints, within limits where there are more inputs than joints.
 
 use super::Instant;
+use crate::numeric::spectrum::svd;
 use crate::robot::Robot;
-use crate::spectrum::svd;
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Part of the largest force that no inputs need to make up.

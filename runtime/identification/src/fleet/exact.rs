@@ -72,7 +72,7 @@ fn too_large(x: f64) -> IdentificationError {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::*;
 
     fn numbers() -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! Moments as bytes: a line with the version, the values in little-endian order, and the SHA-256 of all of it.
 
-use super::super::description::may_be_replaced;
 use super::super::error::{IdentificationError, Result};
+use super::super::result::description::may_be_replaced;
 use super::super::run::Effort;
 use super::exact::Exact;
 use super::logs::{
@@ -52,7 +52,7 @@ impl LogMoments {
     }
 
     /// The file's bytes: the same for the same logs, in whatever order they were added.
-    pub fn bytes(&self) -> Vec<u8> {
+    pub(crate) fn bytes(&self) -> Vec<u8> {
         let mut bytes = FIRST_LINE.to_vec();
         self.about.write(&mut bytes);
         count(self.logs.len(), &mut bytes);
@@ -73,7 +73,7 @@ impl LogMoments {
     ///
     /// # Errors
     /// Bytes that are no moments, of another version, cut off or changed.
-    pub fn from_bytes(bytes: &[u8], place: &str) -> Result<Self> {
+    pub(crate) fn from_bytes(bytes: &[u8], place: &str) -> Result<Self> {
         let fault =
             |message: &str| IdentificationError::File { place: place.into(), message: message.into() };
         if !bytes.starts_with(MAGIC) {

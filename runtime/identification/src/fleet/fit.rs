@@ -1,5 +1,6 @@
 //! A robot from moments.
 
+use super::super::doubts::written::judge;
 use super::super::error::{IdentificationError, Result};
 use super::super::estimation::{
     Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
@@ -7,12 +8,11 @@ use super::super::estimation::{
 use super::super::friction::{FrictionData, SharedFriction};
 use super::super::identify::{Identification, IdentificationSettings, JointFriction, NO_FIT, unless_refused};
 use super::super::log::{Labels, Recording};
-use super::super::moments::Moments;
+use super::super::methods::moments::Moments;
+use super::super::methods::subset::seen_both_ways;
 use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
 use super::super::shafts::{RobotRows, ShaftRows};
-use super::super::subset::seen_both_ways;
-use super::super::written::judge;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share, hexadecimal};

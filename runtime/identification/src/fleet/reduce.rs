@@ -8,7 +8,7 @@ use super::super::estimation::{
 use super::super::identify::{
     IdentificationSettings, beyond_range, faults, left_of_delays, of_signals, read_and_prepare,
 };
-use super::super::moments::contiguous_blocks;
+use super::super::methods::moments::contiguous_blocks;
 use super::super::preparation::PreparationReport;
 use super::super::robot::{Robot, require_no_driven};
 use super::super::run::{Effort, PreparedRun};

@@ -3,7 +3,7 @@
 use super::super::error::Result;
 use super::super::estimation::{Columns, Gravity, RunPiece, Weighted};
 use super::super::identify::{Identification, IdentificationSettings, identify};
-use super::super::random::SplitMix64;
+use super::super::numeric::random::SplitMix64;
 use super::super::result::FrictionLaw;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
@@ -244,7 +244,7 @@ fn sums_are_those_of_the_centred_columns() {
         assert!((sums.lost[0][0] - lost).abs() < 1e-10);
     }
     let names: Vec<String> = columns.library(0).into_iter().map(|(name, _)| name).collect();
-    let library = super::super::library::Library::joint_friction().unwrap();
+    let library = super::super::methods::library::Library::joint_friction().unwrap();
     assert_eq!(names, library.terms()[1..]);
     let speed = [0.37];
     let expected = library.matrix(&[&speed]).unwrap();

@@ -1,7 +1,7 @@
 //! What a library and a law give at the samples, through the filter of the torques where there is one.
 
 use super::super::error::Result;
-use super::super::library::Library;
+use super::super::methods::library::Library;
 use super::super::result::FrictionLaw;
 use super::task::FrictionData;
 use nalgebra::DMatrix;

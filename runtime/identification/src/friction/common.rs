@@ -6,9 +6,9 @@
 //! its coefficients move by `P d` with the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is least squares again. Where the law
 //! has the terms of the estimate, P is one, and its intervals are those of the estimate.
 
-use super::super::confidence::half_width_around;
 use super::super::error::Result;
-use super::super::library::Library;
+use super::super::methods::confidence::half_width_around;
+use super::super::methods::library::Library;
 use super::super::result::CONFIDENCE;
 use super::design::Design;
 use super::errors::{Errors, rescaled};

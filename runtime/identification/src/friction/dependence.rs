@@ -1,9 +1,9 @@
 //! Residuals that depend on what friction does not know: signs of a wrong rigid body.
 
-use super::super::digits::plain;
 use super::super::estimation::{ACCELERATION, POSITION};
-use super::super::moments::{Moments, Samples};
-use super::super::offset::centre;
+use super::super::methods::moments::{Moments, Samples};
+use super::super::methods::offset::centre;
+use super::super::numeric::digits::plain;
 use super::design::offset_ranges;
 use super::held_out::by_folds;
 use super::selection::Selection;

@@ -4,13 +4,13 @@
 //! (Frisch, Waugh 1933; Lovell 1963). So an offset is separated before anything is asked of the law, and costs
 //! no term of the library.
 
-use super::super::confidence::LongRun;
 use super::super::error::{IdentificationError, Result};
-use super::super::least_squares::Reduced;
-use super::super::library::Library;
-use super::super::moments::{Moments, Samples, contiguous_blocks};
-use super::super::offset::{Offset, centre, mean};
-use super::super::subset::seen_both_ways;
+use super::super::methods::confidence::LongRun;
+use super::super::methods::least_squares::Reduced;
+use super::super::methods::library::Library;
+use super::super::methods::moments::{Moments, Samples, contiguous_blocks};
+use super::super::methods::offset::{Offset, centre, mean};
+use super::super::methods::subset::seen_both_ways;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;

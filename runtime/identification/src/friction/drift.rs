@@ -1,8 +1,8 @@
 //! Friction and offsets that change over the log, as they do while a gear warms up.
 
-use super::super::confidence::{LongRun, quantile};
-use super::super::drift::{Drift, Trend};
-use super::super::offset::{centre, mean};
+use super::super::methods::confidence::{LongRun, quantile};
+use super::super::methods::offset::{centre, mean};
+use super::super::result::{Drift, Trend};
 use super::design::{offset_ranges, runs};
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -31,8 +31,8 @@ pub(super) fn drift(
     let time: Vec<f64> = (0..m).map(|i| (i as f64 + 0.5) / m as f64 - 0.5).collect();
     let mut moving: Vec<f64> = time.iter().zip(law).map(|(t, l)| t * l).collect();
     centre(&mut moving, &offset_ranges(data), data.weights);
-    let taken = Taken::new(gradients, &offset_ranges(data), data.weights)?;
-    let (time, moving) = (taken.off(time), taken.off(moving));
+    let projection = Projection::new(gradients, &offset_ranges(data), data.weights)?;
+    let (time, moving) = (projection.residual(time), projection.residual(moving));
     let whole = 0..m;
     Some(Drift {
         means: parts(data).into_iter().map(|rows| (rows.clone(), mean(&left[rows], None))).collect(),
@@ -46,16 +46,16 @@ fn parts(data: &FrictionData) -> Vec<Range<usize>> {
     if runs.len() > 1 {
         return runs;
     }
-    super::super::moments::contiguous_blocks(data.velocities.len(), PARTS).collect()
+    super::super::methods::moments::contiguous_blocks(data.velocities.len(), PARTS).collect()
 }
 
-/// What least squares on the law's columns takes of a series.
-struct Taken {
+/// Least squares on the law's columns.
+struct Projection {
     columns: DMatrix<f64>,
     factor: Cholesky<f64, Dyn>,
 }
 
-impl Taken {
+impl Projection {
     fn new(mut columns: DMatrix<f64>, runs: &[Range<usize>], weights: Option<&[f64]>) -> Option<Self> {
         let m = columns.nrows();
         for column in columns.as_mut_slice().chunks_exact_mut(m) {
@@ -68,7 +68,7 @@ impl Taken {
         Some(Self { factor: gram.cholesky()?, columns })
     }
 
-    fn off(&self, series: Vec<f64>) -> Vec<f64> {
+    fn residual(&self, series: Vec<f64>) -> Vec<f64> {
         let series = DVector::from_vec(series);
         let left = &series - &self.columns * self.factor.solve(&self.columns.tr_mul(&series));
         left.as_slice().to_vec()

@@ -1,13 +1,13 @@
 //! Standard errors of coefficients whose residuals are correlated: the bread of the normal equations around the
 //! long-run variance of the scores (White 1980; Newey, West 1987).
 
-use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::error::Result;
-use super::super::least_squares::{Reduced, triangular_factor};
-use super::super::moments::Moments;
+use super::super::methods::confidence::{LongRun, covariance_of_sums};
+use super::super::methods::least_squares::{Reduced, triangular_factor};
+use super::super::methods::moments::Moments;
+use super::super::numeric::spectrum;
+use super::super::numeric::statistics::median;
 use super::super::result::FrictionTerm;
-use super::super::spectrum;
-use super::super::statistics::median;
 use super::design::Design;
 use nalgebra::{DMatrix, DVector};
 

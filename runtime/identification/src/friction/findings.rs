@@ -1,7 +1,7 @@
 //! Findings about a law on the way to it: doubts, and reasons to refuse it.
 
-use super::super::digits::plain;
 use super::super::error::Result;
+use super::super::numeric::digits::plain;
 use super::super::result::FrictionLaw;
 use super::task::FrictionData;
 use gelenk_findings::{Finding, Rule};

@@ -1,10 +1,10 @@
 //! R² on data that were left out: the choice of terms and the fit are repeated without each fold in turn.
 
-use super::super::constrained::{breaks, constrained_fit};
 use super::super::error::Result;
-use super::super::least_squares::Reduced;
-use super::super::moments::{Moments, splits};
-use super::super::offset::{centre, mean};
+use super::super::methods::constrained::{breaks, constrained_fit};
+use super::super::methods::least_squares::Reduced;
+use super::super::methods::moments::{Moments, splits};
+use super::super::methods::offset::{centre, mean};
 use super::design::offset_ranges;
 use super::findings::Findings;
 use super::selection::Selection;

@@ -1,9 +1,9 @@
 //! The judgement of a law: its errors, what its residuals depend on, and limits of the description.
 
 use super::super::error::Result;
-use super::super::offset::Offset;
+use super::super::methods::offset::Offset;
+use super::super::methods::stribeck::StribeckWords;
 use super::super::result::{FrictionLaw, FrictionResult};
-use super::super::stribeck::StribeckWords;
 use super::dependence::dependences;
 use super::drift::drift;
 use super::findings::Findings;

@@ -3,7 +3,7 @@
 //!
 //! Order of work: constant torques are separated (`design`), terms are chosen by one of the
 //! [`FrictionMethod`]s and refitted by least squares (`selection`, `terms`), standard errors are taken that hold
-//! for correlated residuals ([`super::confidence`]), and the law is judged on data that were left out
+//! for correlated residuals (`methods::confidence`), and the law is judged on data that were left out
 //! (`judgement`). The printed coefficients are those of the refit, never values that the LASSO has shrunk; the
 //! standard errors belong to them.
 
@@ -16,6 +16,7 @@ mod errors;
 mod filtered;
 mod findings;
 mod held_out;
+pub(crate) mod joint_samples;
 mod judgement;
 mod named;
 mod passivity;
@@ -28,13 +29,10 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-pub use super::drift::{Drift, Trend};
 pub use filtered::{Filtered, FilteredRun};
 pub use report::{Candidate, FrictionReport};
 pub(crate) use shares::SharedFriction;
-pub use task::{
-    CommonTerms, FrictionData, FrictionIdentification, FrictionMethod, LEAST_R_SQUARED, LambdaChoice, Offsets,
-};
+pub use task::{CommonTerms, FrictionData, FrictionIdentification, FrictionMethod, LambdaChoice, Offsets};
 
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,

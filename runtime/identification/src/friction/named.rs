@@ -1,8 +1,8 @@
 //! The terms of a friction law as people name them.
 
 use super::super::error::{IdentificationError, Result};
-use super::super::library::Library;
-use super::super::stribeck::StribeckRegression;
+use super::super::methods::library::Library;
+use super::super::methods::stribeck::StribeckRegression;
 use super::task::{FrictionIdentification, FrictionMethod};
 use std::collections::BTreeMap;
 

@@ -1,12 +1,12 @@
 //! Least squares for the chosen terms: passivity, and what is said of terms that resemble each other.
 
-use super::super::constrained::{breaks, constrained_fit, face, nonnegative_rows, passivity_rows};
-use super::super::digits::plain;
 use super::super::error::Result;
-use super::super::least_squares::{Reduced, Solution};
-use super::super::library::Library;
-use super::super::moments::Moments;
-use super::super::spectrum::symmetric_eigenvalues;
+use super::super::methods::constrained::{breaks, constrained_fit, face, nonnegative_rows, passivity_rows};
+use super::super::methods::least_squares::{Reduced, Solution};
+use super::super::methods::library::Library;
+use super::super::methods::moments::Moments;
+use super::super::numeric::digits::plain;
+use super::super::numeric::spectrum::symmetric_eigenvalues;
 use super::findings::Findings;
 use gelenk_findings::Rule;
 use nalgebra::{DMatrix, DVector};
@@ -116,7 +116,7 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::super::task::{FrictionData, FrictionIdentification, FrictionMethod};
 
     /// The law of a joint that moved slowly, and its speed.

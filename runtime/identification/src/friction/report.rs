@@ -1,11 +1,11 @@
 //! The law of a joint with what it was chosen from.
 
-use super::super::confidence::quantile;
-use super::super::cross_validation::{CrossValidation, ParetoPoint};
-use super::super::ensemble::Ensemble;
 use super::super::error::Result;
+use super::super::methods::confidence::quantile;
+use super::super::methods::cross_validation::CrossValidation;
+use super::super::methods::ensemble::Ensemble;
+use super::super::methods::subset::{ModelAverage, SubsetValidation};
 use super::super::result::{FrictionResult, FrictionTerm};
-use super::super::subset::{ModelAverage, SubsetValidation};
 use nalgebra::{DMatrix, DVector};
 
 /// The law, and what it was chosen from.
@@ -23,15 +23,13 @@ pub struct FrictionReport {
     pub covariance: DMatrix<f64>,
     /// Cross-validated path, for the LASSO.
     pub validation: Option<CrossValidation>,
-    /// Error against number of terms over λ, for the LASSO.
-    pub front: Vec<ParetoPoint>,
     /// The best subset of each size with its error on left-out data, for the best subset.
     pub subsets: Option<SubsetValidation>,
     /// Bootstrap; none without draws.
-    pub ensemble: Option<Ensemble>,
+    pub(crate) ensemble: Option<Ensemble>,
     /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than
     /// twelve terms.
-    pub average: Option<ModelAverage>,
+    pub(crate) average: Option<ModelAverage>,
     /// Torque minus offset minus law at the samples.
     pub residuals: Vec<f64>,
 }
@@ -45,7 +43,7 @@ pub struct Candidate<'a> {
     pub chosen: Option<&'a FrictionTerm>,
     /// Share of the bootstrap draws in which it was chosen.
     pub inclusion: Option<f64>,
-    /// Its probability: the weight of all subsets of the candidates that have it, see [`ModelAverage`].
+    /// Its probability: the weight of all subsets of the candidates that have it.
     pub probability: Option<f64>,
 }
 
@@ -79,7 +77,6 @@ impl FrictionReport {
             condition: f64::NAN,
             covariance: DMatrix::zeros(0, 0),
             validation: None,
-            front: Vec::new(),
             subsets: None,
             ensemble: None,
             average: None,

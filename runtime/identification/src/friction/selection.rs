@@ -1,13 +1,13 @@
 //! The choice of terms, repeatable on other moments: on those of folds and of bootstrap draws.
 
-use super::super::cross_validation::{CrossValidation, refit};
-use super::super::digits::plain;
 use super::super::error::Result;
-use super::super::lasso::{Lasso, active_terms, paper_lambda};
-use super::super::least_squares::{Reduced, Solution};
-use super::super::moments::Moments;
-use super::super::subset::{Conditions, SubsetValidation, best_of_size, requirements};
-use super::super::thresholding::Thresholding;
+use super::super::methods::cross_validation::{CrossValidation, refit};
+use super::super::methods::lasso::{Lasso, active_terms, paper_lambda};
+use super::super::methods::least_squares::{Reduced, Solution};
+use super::super::methods::moments::Moments;
+use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, requirements};
+use super::super::methods::thresholding::Thresholding;
+use super::super::numeric::digits::plain;
 use super::task::{FrictionMethod, LambdaChoice};
 use nalgebra::DMatrix;
 
@@ -95,7 +95,7 @@ pub(super) fn choose(
 fn by_subsets(reduced: &Reduced, folds: &[Moments], rows: Option<&DMatrix<f64>>) -> Result<Chosen> {
     let conditions =
         Conditions { requirements: requirements(reduced.moments().names()), rows: rows.cloned() };
-    let subsets = SubsetValidation::with_conditions(folds, 0, &conditions)?;
+    let subsets = SubsetValidation::new(folds, 0, &conditions)?;
     let best = &subsets.best[subsets.one_standard_error];
     Ok(Chosen {
         selection: Selection::BestOfSize(best.active.len(), conditions),

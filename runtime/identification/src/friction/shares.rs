@@ -1,9 +1,9 @@
 //! The friction law of one joint from sums of products by share, where the samples are gone.
 
 use super::super::error::Result;
-use super::super::least_squares::Reduced;
-use super::super::library::Library;
-use super::super::moments::Moments;
+use super::super::methods::least_squares::Reduced;
+use super::super::methods::library::Library;
+use super::super::methods::moments::Moments;
 use super::super::result::{FrictionLaw, FrictionResult};
 use super::errors::Errors;
 use super::findings::Findings;

@@ -1,10 +1,10 @@
 //! Stribeck laws: nonlinear regression beside the offsets, and the same judgement as for terms.
 
-use super::super::digits::plain;
 use super::super::error::Result;
-use super::super::offset::centre;
+use super::super::methods::offset::centre;
+use super::super::methods::stribeck::{StribeckFit, StribeckRegression, stribeck_torque};
+use super::super::numeric::digits::plain;
 use super::super::result::FrictionLaw;
-use super::super::stribeck::{Robustness, StribeckFit, StribeckRegression, stribeck_torque};
 use super::design::{folds, offset_ranges, offsets};
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
@@ -19,7 +19,7 @@ use std::ops::Range;
 /// Sees: parameters of a Stribeck law that the data do not tell.
 /// Matters: they are guesses.
 /// Example: a Stribeck speed below all speeds in the data.
-/// Fixture: `stribeck/tests.rs`.
+/// Fixture: `methods/stribeck/tests.rs`.
 const PARAMETERS: Rule = Rule::warning("stribeck-parameters");
 
 /// Sees: a fit whose Coulomb friction, static friction or Stribeck speed mean nothing.
@@ -48,9 +48,8 @@ pub(super) fn identify(
     let fit = fit.with_correlated_errors(v, torques, data.weights, &runs);
     let mut findings = Findings::new(data);
     findings.note(format!(
-        "Stribeck law{} by least squares, {}, {} starts, {} passes",
+        "Stribeck law{} by least squares, samples weigh the same, {} starts, {} passes",
         if separate { " beside the offset of each run" } else { "" },
-        weights_said(regression.robustness),
         regression.starts,
         fit.iterations
     ));
@@ -81,13 +80,6 @@ fn judged(data: &FrictionData, fit: &StribeckFit, runs: &[Range<usize>], unseen:
         residuals,
         freedom: fit.freedom as f64,
         stribeck: Some(fit.words()),
-    }
-}
-
-fn weights_said(robustness: Robustness) -> String {
-    match robustness {
-        Robustness::None => "samples weigh the same".into(),
-        Robustness::Huber(k) => format!("outliers weigh less (Huber's k = {k})"),
     }
 }
 
@@ -185,7 +177,7 @@ fn held_out(
 #[cfg(test)]
 mod tests {
     use super::super::super::friction::FrictionMethod;
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::*;
 
     /// A Stribeck law, or viscous and Coulomb friction alone, along sines with noise; the refusals of the fit.

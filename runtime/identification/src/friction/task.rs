@@ -1,11 +1,11 @@
 //! Samples of one joint, and the settings by which its law is found.
 
 use super::super::error::Result;
-use super::super::lasso::Lasso;
-use super::super::library::Library;
+use super::super::methods::lasso::Lasso;
+use super::super::methods::library::Library;
+use super::super::methods::stribeck::StribeckRegression;
+use super::super::methods::thresholding::Thresholding;
 use super::super::robot::JointLimits;
-use super::super::stribeck::StribeckRegression;
-use super::super::thresholding::Thresholding;
 use super::filtered::Filtered;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -13,7 +13,7 @@ use std::ops::Range;
 /// Least R² on data that were left out of a law that may be written. Below 0.05 the law takes away less than
 /// 2.6 % of the torque's root mean square: as a feed-forward it changes nothing that could be measured, and
 /// its terms mean nothing.
-pub const LEAST_R_SQUARED: f64 = 0.05;
+const LEAST_R_SQUARED: f64 = 0.05;
 
 /// Friction samples of one joint.
 #[derive(Debug, Clone, Default)]
@@ -135,7 +135,7 @@ pub struct FrictionIdentification {
 
 impl FrictionIdentification {
     /// [`Library::joint_friction`], thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks,
-    /// passive, refused below [`LEAST_R_SQUARED`].
+    /// passive, refused below a held-out R² of 0.05.
     ///
     /// # Errors
     /// None in practice; the signature is that of [`Library::new`].

@@ -1,13 +1,12 @@
 //! Laws that are sums of terms: choice, least squares, passivity, standard errors.
 
-use super::super::cross_validation::pareto_front;
-use super::super::ensemble::{Ensemble, bootstrap};
 use super::super::error::Result;
-use super::super::least_squares::{Reduced, Solution, Solver};
-use super::super::library::Library;
-use super::super::moments::Moments;
+use super::super::methods::ensemble::{Ensemble, bootstrap};
+use super::super::methods::least_squares::{Reduced, Solution, Solver};
+use super::super::methods::library::Library;
+use super::super::methods::moments::Moments;
+use super::super::methods::subset::{MOST_TERMS, ModelAverage, requirements};
 use super::super::result::{FrictionLaw, FrictionTerm};
-use super::super::subset::{MOST_TERMS, ModelAverage, requirements};
 use super::design::{Design, folds};
 use super::errors::Errors;
 use super::findings::Findings;
@@ -179,15 +178,12 @@ impl Fitted {
         errors: Errors,
         average: Option<ModelAverage>,
     ) -> Result<FrictionReport> {
-        let validation = self.chosen.validation;
-        let front = validation.as_ref().map(|validation| pareto_front(of.reduced, 0, validation));
         Ok(FrictionReport {
             terms: of.library.terms().to_vec(),
             correlation: of.reduced.moments().correlation(),
             condition: of.reduced.condition(),
             covariance: errors.covariance,
-            front: front.transpose()?.unwrap_or_default(),
-            validation,
+            validation: self.chosen.validation,
             subsets: self.chosen.subsets,
             ensemble: self.ensemble,
             average,

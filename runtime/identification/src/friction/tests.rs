@@ -1,12 +1,12 @@
 //! Laws found again in made data, and everything that is said about them.
 
-use super::super::lasso::Lasso;
-use super::super::library::Library;
-use super::super::random::SplitMix64;
+use super::super::methods::lasso::Lasso;
+use super::super::methods::library::Library;
+use super::super::methods::stribeck::StribeckRegression;
+use super::super::methods::thresholding::Thresholding;
+use super::super::numeric::random::SplitMix64;
 use super::super::result::FrictionLaw;
 use super::super::robot::JointLimits;
-use super::super::stribeck::StribeckRegression;
-use super::super::thresholding::Thresholding;
 use super::*;
 use gelenk_findings::{Severity, texts};
 use std::ops::Range;
@@ -70,7 +70,7 @@ fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
     let report = identify(&settings, &v, &torque).unwrap();
     let text = report.result.settings.join("\n");
     assert!(text.contains("in 1/(2N)‖·‖² + λ‖·‖₁") && text.contains("in ‖·‖² + λ‖·‖₁"), "{text}");
-    assert_eq!(report.front.len(), 100);
+    assert_eq!(report.validation.as_ref().unwrap().path.lambdas.len(), 100);
     // The constant of the library belongs to the offset.
     assert_eq!(report.terms[..2], ["v", "sign(v)"]);
     assert_eq!(report.correlation.shape(), (8, 8));
@@ -368,7 +368,7 @@ fn coverage(seeds: Range<u64>) -> [usize; 2] {
         let (v, torque) = correlated_samples(seed);
         let report = identify(&settings, &v, &torque).unwrap();
         let FrictionLaw::Terms(terms) = &report.result.law else { panic!("a law of terms") };
-        let t = super::super::confidence::quantile(0.9, report.result.freedom).unwrap();
+        let t = super::super::methods::confidence::quantile(0.9, report.result.freedom).unwrap();
         // σ/√(ΘᵀΘ) by hand: what least squares says of independent errors, with other terms known.
         let independent = report.result.residual / (v.len() as f64 * 0.28).sqrt();
         for (term, truth) in terms.iter().zip([4.0, 1.5]) {

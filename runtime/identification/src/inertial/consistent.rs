@@ -2,12 +2,12 @@
 //!
 //! `minimize ½ xᵀ H x − gᵀ x` over parameters whose bodies have positive semidefinite pseudo-inertias (Sousa,
 //! Cortesão 2014; Wensing, Kim, Slotine 2017) and whose listed further entries are not negative. For least
-//! squares `H = Wᵀ W` and `g = Wᵀ τ`, plus what [`super::regularized::towards`] returns.
+//! squares `H = Wᵀ W` and `g = Wᵀ τ`, plus what `regularized::towards` returns.
 //!
 //! The method is a primal-dual interior-point method over the 4 × 4 pseudo-inertias; it needs ten to thirty
 //! factorizations of a matrix as large as H. It always returns the global minimum, up to a gap that it states.
 
-pub use super::problem::ConsistentProblem;
+pub(crate) use super::problem::ConsistentProblem;
 
 use super::interior_point::{Cone, Point};
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia, margin, pseudo_inertia};
@@ -16,15 +16,15 @@ use crate::error::{IdentificationError, Result, require_finite, require_length, 
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 /// Smallest [`margin`] of a body in a solution.
-pub const MARGIN: f64 = 1e-6;
+pub(crate) const MARGIN: f64 = 1e-6;
 
 /// Gap and residual of a solution, relative to what the objective gains from zero to its free minimum; larger
 /// ones are an error.
-pub const TOLERANCE: f64 = 1e-8;
+pub(crate) const TOLERANCE: f64 = 1e-8;
 
 /// The minimum, with the numbers that show it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ConsistentSolution {
+pub(crate) struct ConsistentSolution {
     /// x. Each body's [`margin`] is at least [`MARGIN`] (up to rounding); the listed entries are ≥ 0.
     pub parameters: DVector<f64>,
     /// `½ xᵀ H x − gᵀ x`.
@@ -50,7 +50,7 @@ pub struct ConsistentSolution {
 /// # Errors
 /// Shapes that disagree, values that are not finite, an H that is not symmetric or not positive semidefinite,
 /// or an iteration that does not reach [`TOLERANCE`].
-pub fn solve(problem: &ConsistentProblem) -> Result<ConsistentSolution> {
+pub(crate) fn solve(problem: &ConsistentProblem) -> Result<ConsistentSolution> {
     check(problem)?;
     let scaled = Scaled::new(problem)?;
     let cone = Cone {
@@ -190,7 +190,7 @@ mod tests {
     use super::super::is_physically_consistent;
     use super::super::pseudo_inertia::tests::body;
     use super::*;
-    use crate::random::SplitMix64;
+    use crate::numeric::random::SplitMix64;
 
     /// The problem of `reference.py`: bodies from 10 g to 100 kg and from 3 mm to 0.3 m, behind them entries
     /// of several sizes, half of them not negative. Also the sizes.

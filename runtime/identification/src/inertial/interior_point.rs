@@ -9,7 +9,7 @@
 //! same diagonal matrix Λ, with predictor and corrector (Mehrotra 1992). Both take the same step, as a
 //! quadratic objective asks for.
 
-use crate::spectrum;
+use crate::numeric::spectrum;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, Vector4};
 
 /// Entries of a symmetric 4 × 4 block.

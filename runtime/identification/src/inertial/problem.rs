@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 /// Bodies are then near one of a size that H suggests, entries behind them that H does not contain are zero.
 /// Add [`super::regularized::towards`] to decide them with knowledge of the robot.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ConsistentProblem {
+pub(crate) struct ConsistentProblem {
     /// H, `n × n`, symmetric.
     pub hessian: DMatrix<f64>,
     /// g, n entries.

@@ -1,13 +1,13 @@
 //! The pseudo-inertia of a body, and whether the body can exist.
 
-use crate::spectrum::symmetric_eigenvalues;
+use crate::numeric::spectrum::symmetric_eigenvalues;
 use nalgebra::{Matrix3, Matrix4};
 
 /// Parameters per body.
 pub const PER_BODY: usize = 10;
 
 /// Pseudo-inertia of ten parameters [kg, kg m, kg m²].
-pub fn pseudo_inertia(pi: &[f64; PER_BODY]) -> Matrix4<f64> {
+pub(crate) fn pseudo_inertia(pi: &[f64; PER_BODY]) -> Matrix4<f64> {
     let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = *pi;
     let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let sigma = Matrix3::from_diagonal_element(0.5 * inertia.trace()) - inertia;
@@ -22,7 +22,7 @@ pub fn pseudo_inertia(pi: &[f64; PER_BODY]) -> Matrix4<f64> {
 }
 
 /// Ten parameters of a pseudo-inertia; linear in it.
-pub fn from_pseudo_inertia(j: &Matrix4<f64>) -> [f64; PER_BODY] {
+pub(crate) fn from_pseudo_inertia(j: &Matrix4<f64>) -> [f64; PER_BODY] {
     let trace = j[(0, 0)] + j[(1, 1)] + j[(2, 2)];
     [
         j[(3, 3)],
@@ -39,7 +39,8 @@ pub fn from_pseudo_inertia(j: &Matrix4<f64>) -> [f64; PER_BODY] {
 }
 
 /// Whether a body with these parameters can exist.
-pub fn is_physically_consistent(pi: &[f64; PER_BODY]) -> bool {
+#[cfg(test)]
+pub(crate) fn is_physically_consistent(pi: &[f64; PER_BODY]) -> bool {
     pseudo_inertia(pi).cholesky().is_some()
 }
 
@@ -62,7 +63,7 @@ pub fn margin(pi: &[f64; PER_BODY]) -> f64 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::random::SplitMix64;
+    use crate::numeric::random::SplitMix64;
     use nalgebra::Vector4;
 
     /// A body made of point masses [kg] in a box [m]: consistent by construction.

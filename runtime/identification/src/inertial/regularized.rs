@@ -7,8 +7,8 @@
 
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
 use crate::error::{Result, require_finite, require_length, require_setting};
-use crate::spectrum::symmetric_eigen;
-use crate::statistics::median;
+use crate::numeric::spectrum::symmetric_eigen;
+use crate::numeric::statistics::median;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 
 /// Smallest radius of gyration along any direction of a reference body, as a share of the median one of all
@@ -26,7 +26,7 @@ const UNKNOWN_MASS: f64 = 1.0;
 
 /// `weight · Σ ½ tr((J₀⁻¹ (J − J₀))²) = ½ πᵀ H π − gᵀ π + const`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Regularization {
+pub(crate) struct Regularization {
     /// H, `10 bodies × 10 bodies`, one block for each body.
     pub hessian: DMatrix<f64>,
     /// g.
@@ -34,12 +34,12 @@ pub struct Regularization {
     /// The reference bodies, all of which can exist: π₀, and its nearest reference where π₀ cannot.
     pub reference: Vec<f64>,
     /// Bodies whose description cannot exist or is nearly singular, with what was done.
-    pub repaired: Vec<Repair>,
+    pub(crate) repaired: Vec<Repair>,
 }
 
 /// A described body that is no reference as it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Repair {
+pub(crate) struct Repair {
     /// Number of the body, from 0.
     pub body: usize,
     /// What the description lacks.
@@ -48,7 +48,7 @@ pub struct Repair {
 
 /// Why a described body is no reference as it stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub(crate) enum Fault {
     /// The mass is zero or negative: the reference has a hundredth of the median mass, at the frame's origin.
     Massless,
     /// A principal moment exceeds the sum of the others: the spread of mass along that axis was raised to the
@@ -98,7 +98,7 @@ struct Typical {
 ///
 /// # Errors
 /// A length that is no multiple of ten, values that are not finite, or a weight that is not positive.
-pub fn towards(prior: &[f64], weight: f64) -> Result<Regularization> {
+pub(crate) fn towards(prior: &[f64], weight: f64) -> Result<Regularization> {
     let bodies = prior.len() / PER_BODY;
     require_length("parameters, ten per body", bodies * PER_BODY, prior.len())?;
     require_finite("the prior", prior)?;
@@ -190,7 +190,7 @@ mod tests {
     use super::super::pseudo_inertia::tests::body as sample;
     use super::super::{is_physically_consistent, margin};
     use super::*;
-    use crate::random::SplitMix64;
+    use crate::numeric::random::SplitMix64;
     use nalgebra::{Rotation3, Translation3};
 
     fn value(regularization: &Regularization, pi: &[f64]) -> f64 {

@@ -9,7 +9,7 @@ use super::interior_point::{BLOCK, PLACES};
 use super::problem::ConsistentProblem;
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
 use crate::error::{IdentificationError, Result};
-use crate::spectrum::symmetric_eigenvalues;
+use crate::numeric::spectrum::symmetric_eigenvalues;
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
 
 /// A curvature below this share of the largest one is rounding: the direction is not seen.

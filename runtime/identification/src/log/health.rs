@@ -1,6 +1,6 @@
 //! What runs say about their log: joints that stood still, limits, units, velocities that are none.
 
-use super::super::digits::plain;
+use super::super::numeric::digits::plain;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};

@@ -60,7 +60,7 @@ fn crowd(sorted: &[f64]) -> Option<(f64, usize)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::super::super::run::Effort;
     use super::*;
 

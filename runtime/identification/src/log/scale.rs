@@ -1,7 +1,7 @@
 //! Factors of columns to SI, by the unit that the user, the header or the row below it names.
 
-use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
+use super::super::numeric::digits::plain;
 use super::finder::Finder;
 use super::units::{self, Unit};
 use super::vocabulary::{Header, Kind, is_known, is_number, is_translated, words};

@@ -1,7 +1,7 @@
 //! Single efforts that are far beyond all others: values that a driver writes where it has none, and lost bits.
 
-use super::super::digits::plain;
-use super::super::statistics::quantile;
+use super::super::numeric::digits::plain;
+use super::super::numeric::statistics::quantile;
 use super::finding::OUTLIER;
 use gelenk_findings::Finding;
 

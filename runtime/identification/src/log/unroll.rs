@@ -1,7 +1,7 @@
 //! Recorded poses as ways that can be filtered, and inputs as forces in the rows of a robot with quaternions.
 
-use super::super::digits::plain;
 use super::super::error::{IdentificationError, Result};
+use super::super::numeric::digits::plain;
 use super::super::pose::QuaternionJoint;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};

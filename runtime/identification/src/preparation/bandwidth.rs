@@ -84,7 +84,7 @@ pub(super) fn from_positions(joints: &[&PositionQuality], lowest: f64, highest: 
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::*;
 
     fn quality(frequency: f64, sigma: f64, seed: u64) -> PositionQuality {

@@ -1,6 +1,6 @@
 //! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are told apart.
 
-use super::super::statistics::{median, quantile};
+use super::super::numeric::statistics::{median, quantile};
 use std::f64::consts::PI;
 
 /// The samples of a signal that carry information, at their own times.
@@ -28,12 +28,12 @@ const DECADES: usize = 19;
 
 impl Channel {
     /// Informative samples of a signal; `position` also takes out turns by 2π.
-    pub fn new(times: &[f64], signal: &[f64], position: bool) -> Self {
+    pub(crate) fn new(times: &[f64], signal: &[f64], position: bool) -> Self {
         Self::with(times, signal, position, position)
     }
 
     /// Informative samples of the way of a joint with a quaternion, which has no turns to take out.
-    pub fn of_way(times: &[f64], signal: &[f64]) -> Self {
+    pub(crate) fn of_way(times: &[f64], signal: &[f64]) -> Self {
         Self::with(times, signal, false, true)
     }
 
@@ -56,13 +56,13 @@ impl Channel {
     }
 
     /// Median time between informative samples [s]; 0 where there are fewer than two.
-    pub fn step(&self) -> f64 {
+    pub(crate) fn step(&self) -> f64 {
         median_step(&self.times)
     }
 
     /// Changes by at least the resolution per second while the signal moves, which tells how white its
     /// rounding error is.
-    pub fn change_rate(&self) -> f64 {
+    pub(crate) fn change_rate(&self) -> f64 {
         let moving = self.values.windows(2).filter(|w| w[0] != w[1]).count();
         let windows = self.values.windows(2 * WINDOW + 1).step_by(WINDOW);
         let (all, at_rest) = windows.fold((0_usize, 0_usize), |(all, rest), w| {

@@ -1,7 +1,7 @@
 //! The delay between efforts and positions, found where the motion explains the efforts best.
 
+use super::super::numeric::shifted::shifted;
 use super::super::run::PreparedRun;
-use super::super::shifted::shifted;
 use super::regression::{Columns, Problem, Sample, problems, spread};
 use nalgebra::{DMatrix, DVector};
 

@@ -22,7 +22,7 @@ const ENVELOPE: f64 = 4.0;
 ///
 /// Least squares stays consistent when all columns pass the same linear filter (Gautier 1997, parallel
 /// filtering); a friction column such as `sign ẏ`, whose steps the filter rounds, passes it by
-/// [`Filter::apply`].
+/// `Filter::apply`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filter {
     bandwidth: f64,
@@ -36,7 +36,7 @@ impl Filter {
     /// # Errors
     /// A bandwidth or a step that is not positive, or a bandwidth above a quarter of the sample rate, where
     /// the sampled kernel no longer has the stated transfer function.
-    pub fn new(bandwidth: f64, step: f64) -> Result<Self> {
+    pub(crate) fn new(bandwidth: f64, step: f64) -> Result<Self> {
         require_setting("step", step, step > 0.0, "it must be positive")?;
         let most = 0.25 / step;
         let requirement = format!("it must lie between 0 and a quarter of the sample rate, {most} Hz");
@@ -46,30 +46,15 @@ impl Filter {
     }
 
     /// Half-amplitude frequency f_c \[Hz\].
-    pub fn bandwidth(&self) -> f64 {
+    pub(crate) fn bandwidth(&self) -> f64 {
         self.bandwidth
-    }
-
-    /// Time between samples \[s\].
-    pub fn step(&self) -> f64 {
-        self.step
-    }
-
-    /// Half the length of the kernel \[s\]: results this far from the ends see the whole kernel.
-    pub fn reach(&self) -> f64 {
-        reach(self.bandwidth)
-    }
-
-    /// Transfer function `H(f)`, real because the filter has no phase.
-    pub fn gain(&self, frequency: f64) -> f64 {
-        gain(self.bandwidth, frequency)
     }
 
     /// The filtered signal, of the same length.
     ///
-    /// Beyond its ends the signal is continued by point reflection; within [`Self::reach`] of them results
+    /// Beyond its ends the signal is continued by point reflection; within half the length of the kernel of them results
     /// depend on this continuation.
-    pub fn apply(&self, signal: &[f64]) -> Vec<f64> {
+    pub(crate) fn apply(&self, signal: &[f64]) -> Vec<f64> {
         self.apply_within(signal, 0..signal.len())
     }
 
@@ -223,8 +208,7 @@ mod tests {
                 }
             }
         }
-        let filter = Filter::new(4.0, 0.02).unwrap();
-        assert!((filter.gain(4.0) - 0.5).abs() < 1e-6 && filter.gain(8.0) < 1e-4);
+        assert!((gain(4.0, 4.0) - 0.5).abs() < 1e-6 && gain(4.0, 8.0) < 1e-4);
     }
 
     #[test]
@@ -233,7 +217,7 @@ mod tests {
         let parabola: Vec<f64> =
             (0..500).map(|i| 0.01 * f64::from(i)).map(|t| 3.0 - t + 2.0 * t * t).collect();
         let filtered = filter.apply(&parabola);
-        let whole = (filter.reach() / 0.01).ceil() as usize;
+        let whole = (reach(2.0) / 0.01).ceil() as usize;
         for i in whole..500 - whole {
             assert!((filtered[i] - parabola[i]).abs() < 1e-9, "{i}");
         }

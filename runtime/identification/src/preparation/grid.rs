@@ -13,12 +13,12 @@ pub(super) struct Piece {
 
 impl Piece {
     /// Length [s].
-    pub fn duration(&self) -> f64 {
+    pub(crate) fn duration(&self) -> f64 {
         self.end - self.start
     }
 
     /// Times with equal steps, from the start on.
-    pub fn grid(&self, step: f64) -> Vec<f64> {
+    pub(crate) fn grid(&self, step: f64) -> Vec<f64> {
         let count = (self.duration() / step * (1.0 + 1e-12)).floor().max(0.0) as usize;
         (0..=count).map(|i| self.start + step * i as f64).collect()
     }

@@ -28,28 +28,13 @@ mod study;
 mod together;
 
 pub use filter::Filter;
-pub use result::{Delay, JointPreparation, PreparationReport, Prepared, VelocityCheck};
+pub(crate) use result::Delay;
+pub use result::{JointPreparation, PreparationReport};
 pub use settings::PreparationSettings;
 
-use super::error::{IdentificationError, Result};
+use super::error::Result;
 use super::robot::Robot;
 use super::run::{PreparedRun, Run};
-
-/// Prepares one run without gaps, without a robot's regressor.
-///
-/// # Errors
-/// As [`prepare_all`], and a run that a gap splits.
-pub fn prepare(run: &Run, settings: &PreparationSettings) -> Result<Prepared> {
-    let (mut runs, report) = prepare_all(std::slice::from_ref(run), None, settings)?;
-    match (runs.pop(), runs.is_empty()) {
-        (Some(run), true) => Ok(Prepared { run, joints: report.joints, filter: report.filter }),
-        _ => Err(IdentificationError::Shape {
-            what: format!("pieces of run {} without a gap (`prepare_all` returns all of them)", run.name),
-            expected: 1,
-            got: runs.len() + 1,
-        }),
-    }
-}
 
 /// Prepares runs of one robot by one filter and one set of delays; gaps split runs.
 ///

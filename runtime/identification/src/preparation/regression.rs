@@ -1,11 +1,11 @@
 //! Efforts explained by a robot's regressor, with friction and an offset for each joint: the judge of delays and
 //! bandwidths. Here each effort has parameters of its own.
 
-use super::super::moments::contiguous_blocks;
+use super::super::methods::moments::contiguous_blocks;
+use super::super::numeric::spectrum::svd;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
-use super::super::spectrum::svd;
 use super::filter::Filter;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -33,7 +33,7 @@ pub(super) struct Columns<'a> {
 impl<'a> Columns<'a> {
     /// Columns for the efforts of `runs`; a `filter` that rounded the steps of Coulomb friction in the efforts
     /// rounds the signs of the velocities too.
-    pub fn new(
+    pub(crate) fn new(
         robot: &'a dyn Robot,
         runs: &[&PreparedRun],
         (filter, is_compensated): (Option<&Filter>, bool),
@@ -146,7 +146,7 @@ pub(super) struct Equations {
 
 impl Equations {
     /// Those of each effort.
-    pub fn of_efforts(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Self> {
+    pub(crate) fn of_efforts(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Self> {
         let blocks: Vec<DMatrix<f64>> = samples.iter().map(|sample| columns.at(runs, *sample)).collect();
         let Some(first) = blocks.first() else { return Vec::new() };
         let of_effort = |m: usize| {
@@ -185,7 +185,7 @@ impl Problem {
 
     /// Squares of what fits to all samples but those of a fold leave of each target there, for each of so many contiguous
     /// folds; `None` where a fold leaves too little.
-    pub fn held_out(&self, targets: &DMatrix<f64>, folds: usize) -> Option<Vec<Vec<f64>>> {
+    pub(crate) fn held_out(&self, targets: &DMatrix<f64>, folds: usize) -> Option<Vec<Vec<f64>>> {
         let part = |fold: &Range<usize>| self.rows.columns(fold.start, fold.len());
         let of_targets = |fold: &Range<usize>| targets.rows(fold.start, fold.len());
         let (gram, products) = (&self.rows * self.rows.transpose(), &self.rows * targets);
@@ -200,13 +200,13 @@ impl Problem {
     }
 
     /// What the columns cannot explain of `target`.
-    pub fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
         let explained = self.basis.tr_mul(&(&self.basis * target));
         (target - explained).component_mul(&self.moving)
     }
 
     /// Squares of what the columns cannot explain of each column of `targets`.
-    pub fn misfits(&self, targets: &DMatrix<f64>) -> Vec<f64> {
+    pub(crate) fn misfits(&self, targets: &DMatrix<f64>) -> Vec<f64> {
         let explained = &self.basis * targets;
         let squares = targets.column_iter().zip(explained.column_iter());
         squares

@@ -98,7 +98,7 @@ impl Recorded<'_> {
         let mut findings = self.of_runs(how);
         findings.extend(joints.iter().flat_map(remarks));
         findings.extend(self.held());
-        findings.extend(late(&joints, |_| true));
+        findings.extend(delay_findings(&joints, |_| true));
         findings.extend(self.of_rests(smoothed));
         if how.step > 1.5 * self.step {
             let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
@@ -270,10 +270,11 @@ fn remarks(joint: &JointPreparation) -> Vec<Finding> {
 
 /// Delays that are removed, one finding for the joints that share one.
 ///
-/// - `is_told`: whether the delay of a joint with its number is told from none
-fn late(joints: &[JointPreparation], is_told: impl Fn(usize) -> bool) -> Vec<Finding> {
+/// - `is_significant`: whether the delay of a joint with its number differs from zero significantly
+fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) -> bool) -> Vec<Finding> {
     let mut groups: Vec<(String, f64, Vec<&str>)> = Vec::new();
-    for (_, joint) in joints.iter().enumerate().filter(|(j, joint)| joint.delay != 0.0 && is_told(*j)) {
+    for (_, joint) in joints.iter().enumerate().filter(|(j, joint)| joint.delay != 0.0 && is_significant(*j))
+    {
         let seconds = format!("{:.4}", joint.delay);
         match groups.iter_mut().find(|group| group.0 == seconds) {
             Some((.., names)) => names.push(&joint.name),
@@ -297,7 +298,7 @@ fn late(joints: &[JointPreparation], is_told: impl Fn(usize) -> bool) -> Vec<Fin
 }
 
 impl PreparationReport {
-    /// Adds what the common estimate finds left of the delays. One that is not told from none is no finding.
+    /// Adds what the common estimate finds left of the delays. A delay that is not significant gives no finding.
     ///
     /// - `left`: of each effort with its standard error \[s\]; empty where delays are known
     pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
@@ -311,8 +312,8 @@ impl PreparationReport {
         for (joint, delay) in self.joints.iter_mut().zip(&self.delays) {
             joint.delay = delay.removed;
         }
-        let is_told = |j: usize| self.delays.get(j).is_none_or(|d| d.removed.abs() > 2.0 * d.error);
-        let found = late(&self.joints, is_told);
+        let is_significant = |j: usize| self.delays.get(j).is_none_or(|d| d.removed.abs() > 2.0 * d.error);
+        let found = delay_findings(&self.joints, is_significant);
         self.findings.retain(|finding| finding.code != DELAY.code);
         self.findings.extend(found);
     }

@@ -48,7 +48,7 @@ impl Rests {
     ///
     /// - `speeds`: of each joint; none where it never rests
     /// - `cut`: what was cut off at the piece's ends [s]; a rest there goes on
-    pub fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], cut: f64) {
+    pub(crate) fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], cut: f64) {
         self.joints.resize(speeds.len(), Vec::new());
         let (Some(first), Some(last)) = (piece.times.first(), piece.times.last()) else { return };
         let widened = |[start, end]: Stretch| {
@@ -62,7 +62,7 @@ impl Rests {
     }
 
     /// For each joint, which of the times are in a rest or a reversal, or nearer to one than the filter tells apart.
-    pub fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
+    pub(crate) fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
         let near = LOBE / bandwidth;
         let of_joint = |rests: &Vec<Stretch>| {
             let within = |t: &f64| rests.iter().any(|[start, end]| start - near <= *t && *t <= end + near);

@@ -1,19 +1,7 @@
 //! Prepared runs, and what was found on the way.
 
-use super::super::run::PreparedRun;
 use super::filter::Filter;
 use gelenk_findings::Finding;
-
-/// A single prepared run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Prepared {
-    /// The run on an even grid, smoothed.
-    pub run: PreparedRun,
-    /// What was found and chosen, for each joint.
-    pub joints: Vec<JointPreparation>,
-    /// The filter that everything passed.
-    pub filter: Filter,
-}
 
 /// What was found and chosen for all runs together.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,8 +9,8 @@ pub struct PreparationReport {
     /// For each joint.
     pub joints: Vec<JointPreparation>,
     /// Delay of each effort that was removed \[s\], and its standard error.
-    pub delays: Vec<Delay>,
-    /// The filter that positions and efforts passed; regressor columns pass it by [`Filter::apply`].
+    pub(crate) delays: Vec<Delay>,
+    /// The filter that positions and efforts passed; regressor columns pass it by `Filter::apply`.
     pub filter: Filter,
     /// Sample rate of the prepared runs \[Hz\].
     pub sample_rate: f64,
@@ -32,7 +20,7 @@ pub struct PreparationReport {
 
 /// A delay of an effort after the positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Delay {
+pub(crate) struct Delay {
     /// Removed delay \[s\]. The preparation removes none that is not significant; the common estimate adds what it finds left.
     pub removed: f64,
     /// Delay as estimated for this effort alone \[s\]; NaN if it was given or cannot be seen.
@@ -68,7 +56,7 @@ pub struct JointPreparation {
     /// Sample rate \[Hz\].
     pub sample_rate: f64,
     /// Comparison with measured velocities, where the log has them.
-    pub velocity: Option<VelocityCheck>,
+    pub(crate) velocity: Option<VelocityCheck>,
     /// Why the effort with the joint's number is not usable: its columns hold NaN, so that no fit takes it for
     /// measured. `None` if all is well.
     pub fault: Option<Finding>,
@@ -76,7 +64,7 @@ pub struct JointPreparation {
 
 /// Measured velocities against the derivative of the positions, through the same filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VelocityCheck {
+pub(crate) struct VelocityCheck {
     /// Factor between them, near 1: measured = gain · derived.
     pub gain: f64,
     /// Share of the measured velocity's variance that the derived one explains.

@@ -34,7 +34,7 @@ pub(super) struct Signals {
 
 impl Signals {
     /// Channels of a run whose times increase.
-    pub fn new(run: &Run, robot: Option<&dyn Robot>) -> Self {
+    pub(crate) fn new(run: &Run, robot: Option<&dyn Robot>) -> Self {
         let channel = |values: &Vec<f64>, position| Channel::new(&run.times, values, position);
         let quaternions = robot.map(Robot::quaternion_joints).unwrap_or_default();
         let joints = run.positions.len();
@@ -77,7 +77,7 @@ impl Signals {
     }
 
     /// Row of the log nearest to a time.
-    pub fn row(&self, time: f64) -> usize {
+    pub(crate) fn row(&self, time: f64) -> usize {
         let after = self.times.partition_point(|t| *t < time).min(self.times.len().saturating_sub(1));
         let before = after.saturating_sub(1);
         let nearer = if time - self.times[before] < self.times[after] - time { before } else { after };

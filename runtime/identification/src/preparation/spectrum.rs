@@ -34,7 +34,7 @@ struct Band {
 
 impl Spectrum {
     /// No power yet.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { bands: vec![Band::default(); BANDS] }
     }
 
@@ -42,7 +42,7 @@ impl Spectrum {
     ///
     /// Second differences are taken before the Hann taper: positions fall so steeply over frequency that
     /// leakage from their slow part would otherwise cover the fast one.
-    pub fn add(&mut self, positions: &[f64], step: f64) {
+    pub(crate) fn add(&mut self, positions: &[f64], step: f64) {
         let second: Vec<f64> = positions.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect();
         let m = second.len();
         if m < 8 {
@@ -71,7 +71,7 @@ impl Spectrum {
     /// and the noise itself wherever the sampling leaves room above the motion. Half octaves with less than an
     /// eighth of the bins of the fullest are left out: the least of many poor means would be too low. Returns 0
     /// without data.
-    pub fn floor(&self, highest: f64) -> f64 {
+    pub(crate) fn floor(&self, highest: f64) -> f64 {
         let top = band(highest).min(BANDS - 1);
         let sums = |bands: &[Band]| {
             let sum = |of: &dyn Fn(&Band) -> f64| bands.iter().map(of).sum::<f64>();
@@ -89,7 +89,7 @@ impl Spectrum {
     ///
     /// A band holds signal where its power stands clearly above the noise: half as much again, and by four
     /// standard errors of its mean. The rest would add up over the many bands of a fast log, times ω⁴.
-    pub fn accelerations(&self, noise: f64) -> Vec<(f64, f64, f64)> {
+    pub(crate) fn accelerations(&self, noise: f64) -> Vec<(f64, f64, f64)> {
         let used = self.bands.iter().enumerate().filter(|(_, band)| band.bins > 0);
         used.map(|(k, band)| {
             let noise = noise * band.white_acceleration;
@@ -161,7 +161,7 @@ fn reorder(re: &mut [f64], im: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::random::SplitMix64;
+    use super::super::super::numeric::random::SplitMix64;
     use super::*;
 
     #[test]

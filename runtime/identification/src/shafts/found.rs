@@ -1,7 +1,7 @@
 //! Where friction was looked for if shafts take rows.
 
-use super::super::digits::{plain, rounded};
 use super::super::estimation::{Estimate, Uncertain};
+use super::super::numeric::digits::{plain, rounded};
 use super::super::robot::Robot;
 use super::ShaftRows;
 use gelenk_findings::{Finding, Rule};

@@ -55,13 +55,13 @@ impl ShaftRows {
 
     /// The shaft whose row this is; `None` where it is that of the joint.
     #[must_use]
-    pub fn shaft(&self, row: usize) -> Option<&Shaft> {
+    pub(crate) fn shaft(&self, row: usize) -> Option<&Shaft> {
         self.shafts.iter().find(|shaft| shaft.joint == row)
     }
 
     /// Speed of a row for a unit of speed of the joint that turns its shaft most; 1 where it is that of a joint.
     #[must_use]
-    pub fn speed_scale(&self, row: usize) -> f64 {
+    pub(crate) fn speed_scale(&self, row: usize) -> f64 {
         let largest = |ratios: &[f64]| ratios.iter().fold(0.0_f64, |largest, ratio| largest.max(ratio.abs()));
         self.shaft(row).map_or(1.0, |shaft| largest(&shaft.ratios))
     }

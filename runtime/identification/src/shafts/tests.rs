@@ -1,6 +1,6 @@
 //! Rows of robots whose numbers are known.
 
-use super::super::library::Library;
+use super::super::methods::library::Library;
 use super::super::robot::{JointLimits, Robot};
 use super::*;
 use gelenk_findings::Subject;

@@ -1,6 +1,6 @@
 //! Logs of a robot in closed loop: whether least squares is biased by the noise of the positions, and whether it says so.
 
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::result::CONFIDENCE;
 use super::super::super::run::{DesiredMotion, PreparedRun};
 use super::super::{Estimate, EstimationSettings, InstrumentSource, Uncertain, estimate};

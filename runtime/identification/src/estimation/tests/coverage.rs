@@ -1,13 +1,13 @@
-//! Whether intervals hold what they promise, over logs as strangers have them: closed loop, encoders, the whole
+//! Whether intervals hold what they promise, over logs as users have them: closed loop, encoders, the whole
 //! preparation.
 
 use super::super::super::friction::{
     Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
 };
 use super::super::super::identify::common;
-use super::super::super::library::Library;
+use super::super::super::methods::library::Library;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::preparation::{Filter, PreparationSettings, prepare_all};
-use super::super::super::random::SplitMix64;
 use super::super::super::result::FrictionTerm;
 use super::super::super::run::PreparedRun;
 use super::super::{Estimate, EstimationSettings, Uncertain, estimate};

@@ -1,7 +1,7 @@
 //! Currents tell forces up to a scale, which is that of the description.
 
 use super::super::super::inertial::{from_pseudo_inertia, pseudo_inertia};
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, estimate};

@@ -1,6 +1,6 @@
 //! Friction that grows with the load of a gear, beside inertia and friction that do not.
 
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, Uncertain, estimate};

@@ -5,7 +5,7 @@ mod closed_loop;
 mod coverage;
 mod currents;
 mod data;
-mod late;
+mod delays;
 mod load;
 mod measured;
 mod pendulum;

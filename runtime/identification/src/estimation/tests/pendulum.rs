@@ -2,7 +2,7 @@
 //! positions.
 
 use super::super::super::inertial::{PER_BODY, from_pseudo_inertia, pseudo_inertia};
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::{JointLimits, Robot};
 use super::super::super::run::{Effort, PreparedRun, Run};
 use super::data::prepare;

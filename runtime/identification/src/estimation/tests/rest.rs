@@ -1,7 +1,7 @@
 //! Logs with rests, in which stiction holds the joints by any torque.
 
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::preparation::{PreparationSettings, prepare_all};
-use super::super::super::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun, Run};
 use super::super::{Estimate, EstimationSettings, estimate};

@@ -1,7 +1,7 @@
 //! Estimates of a simulated robot whose parameters are known.
 
 use super::super::super::error::IdentificationError;
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, Gravity, Offsets, Uncertain, estimate};

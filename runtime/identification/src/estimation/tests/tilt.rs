@@ -1,6 +1,6 @@
 //! Robots whose base is mounted at an angle that their description does not have.
 
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun};
 use super::super::{Estimate, EstimationSettings, estimate};

@@ -46,7 +46,7 @@ const BALL: f64 = 0.1;
 ///
 /// # Errors
 /// No runs of one kind, shapes that disagree with the robot, joints that something else moves, efforts of different kinds, currents
-/// without gains, settings out of range, too few samples, or as [`solve`].
+/// without gains, settings out of range, too few samples, or no minimum.
 pub fn estimate(
     robot: &dyn Robot,
     without: &[PreparedRun],

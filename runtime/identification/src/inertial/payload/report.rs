@@ -1,6 +1,6 @@
 //! The load's numbers as a reader wants them: centre of mass, moments about it, intervals, warnings.
 
-use super::super::super::digits::plain;
+use super::super::super::numeric::digits::plain;
 use super::result::{Estimate, NAMES, Payload};
 use crate::error::{IdentificationError, Result};
 use crate::inertial::consistent::ConsistentSolution;

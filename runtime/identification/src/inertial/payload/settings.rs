@@ -8,7 +8,7 @@ pub struct PayloadSettings {
     /// K_M of each input [N·m/A or N/A], needed where logs hold currents.
     pub gains: Option<Vec<f64>>,
     /// Cost of a body at distance one from its description, in samples with an error of one standard deviation,
-    /// as in [`towards`](crate::inertial::regularized::towards).
+    /// as in `inertial::regularized::towards`.
     pub weight: f64,
     /// Share of intervals that hold the truth, e.g. 0.95.
     pub confidence: f64,

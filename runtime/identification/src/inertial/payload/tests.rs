@@ -3,7 +3,7 @@
 use super::*;
 use crate::inertial::pseudo_inertia;
 use crate::inertial::pseudo_inertia::tests::body;
-use crate::random::SplitMix64;
+use crate::numeric::random::SplitMix64;
 use crate::robot::JointLimits;
 use crate::run::Effort;
 use gelenk_findings::{Severity, texts};

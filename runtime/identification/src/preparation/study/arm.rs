@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, SMatrix, Unit, Vector3};
 
 /// A joint: where it stands in the frame before it, and its axis there.
 #[derive(Debug, Clone)]
-pub struct Joint {
+pub(crate) struct Joint {
     pub origin: Vector3<f64>,
     pub turned: Rotation3<f64>,
     pub axis: Unit<Vector3<f64>>,
@@ -14,7 +14,7 @@ pub struct Joint {
 /// A chain of bodies; each has m, m c, and Ixx Ixy Ixz Iyy Iyz Izz about its joint's frame; then the rotors'
 /// inertias, which stand on the diagonal.
 #[derive(Debug, Clone)]
-pub struct Arm {
+pub(crate) struct Arm {
     pub joints: Vec<Joint>,
     pub gravity: Vector3<f64>,
     pub parameters: Vec<f64>,
@@ -23,7 +23,7 @@ pub struct Arm {
 type Wrenches = SMatrix<f64, 6, 10>;
 
 impl Joint {
-    pub fn new(origin: [f64; 3], rpy: [f64; 3], axis: [f64; 3]) -> Self {
+    pub(crate) fn new(origin: [f64; 3], rpy: [f64; 3], axis: [f64; 3]) -> Self {
         Self {
             origin: Vector3::from(origin),
             turned: Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]),
@@ -34,7 +34,7 @@ impl Joint {
 
 impl Arm {
     /// Two links that swing in a vertical plane, 0.4 m and 0.3 m long.
-    pub fn pendulum() -> Self {
+    pub(crate) fn pendulum() -> Self {
         let joints = vec![
             Joint::new([0.0; 3], [0.0; 3], [0.0, 1.0, 0.0]),
             Joint::new([0.0, 0.0, 0.4], [0.0; 3], [0.0, 1.0, 0.0]),
@@ -46,7 +46,7 @@ impl Arm {
     }
 
     /// The kinematics of a UR10; its inertias are to be found.
-    pub fn ur10() -> Self {
+    pub(crate) fn ur10() -> Self {
         let right = std::f64::consts::FRAC_PI_2;
         let joints = vec![
             Joint::new([0.0, 0.0, 0.1273], [0.0; 3], [0.0, 0.0, 1.0]),

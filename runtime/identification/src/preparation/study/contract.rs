@@ -1,7 +1,7 @@
-//! What `prepare` and `prepare_all` promise about lengths, gaps, faults and settings.
+//! What `prepare_all` promises about lengths, gaps, faults and settings.
 
 use super::super::super::run::{Effort, Run};
-use super::super::{JointPreparation, PreparationReport, PreparationSettings, prepare, prepare_all};
+use super::super::{JointPreparation, PreparationReport, PreparationSettings, prepare_all};
 use super::arm::Arm;
 use super::simulated::{GOOD, Sampling, log};
 use gelenk_findings::Finding;
@@ -16,8 +16,8 @@ fn message(run: &Run, settings: &PreparationSettings) -> String {
 
 #[test]
 fn a_prepared_run_is_even_and_consistent() {
-    let prepared = prepare(&recorded(), &PreparationSettings::default()).unwrap();
-    let (run, step) = (&prepared.run, prepared.filter.step());
+    let (runs, report) = prepare_all(&[recorded()], None, &PreparationSettings::default()).unwrap();
+    let (run, step) = (&runs[0], runs[0].step());
     let columns = [&run.positions, &run.velocities, &run.accelerations, &run.efforts];
     assert!(columns.iter().all(|c| c.len() == 2 && c.iter().all(|x| x.len() == run.times.len())));
     assert!(run.times.windows(2).all(|t| (t[1] - t[0] - step).abs() < 1e-9));
@@ -34,8 +34,8 @@ fn a_prepared_run_is_even_and_consistent() {
                 a[i]
             );
         }
-        assert_eq!((prepared.joints[j].fault.as_ref(), prepared.joints[j].moves), (None, true));
-        assert!((prepared.joints[j].resolution - 9.587e-5).abs() < 1e-7);
+        assert_eq!((report.joints[j].fault.as_ref(), report.joints[j].moves), (None, true));
+        assert!((report.joints[j].resolution - 9.587e-5).abs() < 1e-7);
     }
 }
 
@@ -46,8 +46,6 @@ fn gaps_split_and_faults_are_named() {
     run.positions[1][300] += 1.0;
     run.efforts[1].fill(0.25);
     run.efforts[0][1599] = f64::NAN;
-    let message = prepare(&run, &PreparationSettings::default()).unwrap_err().to_string();
-    assert!(message.contains("1 expected, 2 given"), "{message}");
     let (runs, report) = prepare_all(&[run], None, &PreparationSettings::default()).unwrap();
     assert_eq!(runs.len(), 2);
     assert!(runs[0].times.last().unwrap() < &3.5 && runs[1].times[0] > 3.8);
@@ -85,9 +83,9 @@ fn settings_hold_or_are_refused_by_name() {
         delay: Some(0.02),
         ..Default::default()
     };
-    let prepared = prepare(&run, &settings).unwrap();
-    assert_eq!((prepared.filter.bandwidth(), prepared.joints[0].delay), (5.0, 0.02));
-    assert!((prepared.joints[0].sample_rate - 40.0).abs() < 1e-6);
+    let (_, report) = prepare_all(std::slice::from_ref(&run), None, &settings).unwrap();
+    assert_eq!((report.filter.bandwidth(), report.joints[0].delay), (5.0, 0.02));
+    assert!((report.joints[0].sample_rate - 40.0).abs() < 1e-6);
     let with = |change: &dyn Fn(&mut PreparationSettings)| {
         let mut settings = PreparationSettings::default();
         change(&mut settings);

@@ -5,10 +5,10 @@ use super::super::super::run::PreparedRun;
 use nalgebra::{DMatrix, DVector};
 
 /// Speed at which the Coulomb term `tanh(v/v_s)` is rounded [rad/s].
-pub const ROUNDING: f64 = 0.02;
+pub(crate) const ROUNDING: f64 = 0.02;
 
 /// Columns of joint torques at one sample: W, then viscous, Coulomb, offset for each joint.
-pub fn columns(robot: &dyn Robot, y: &[f64], v: &[f64], a: &[f64]) -> DMatrix<f64> {
+pub(crate) fn columns(robot: &dyn Robot, y: &[f64], v: &[f64], a: &[f64]) -> DMatrix<f64> {
     let (n, p) = (y.len(), robot.parameters().len());
     let mut w = vec![0.0; n * p];
     robot.inertial_regressor(y, v, a, &mut w);
@@ -34,7 +34,7 @@ fn rows<'a>(
 }
 
 /// Least squares over all joints, each weighed by its efforts' deviation; directions below 1e-4 are cut.
-pub fn fit(robot: &dyn Robot, runs: &[PreparedRun]) -> DVector<f64> {
+pub(crate) fn fit(robot: &dyn Robot, runs: &[PreparedRun]) -> DVector<f64> {
     let n = runs[0].positions.len();
     let p = robot.parameters().len() + 3 * n;
     let weights: Vec<f64> = (0..n).map(|j| 1.0 / deviation(runs, j)).collect();
@@ -71,7 +71,7 @@ fn deviation(runs: &[PreparedRun], j: usize) -> f64 {
 }
 
 /// Centred R² of each joint's efforts in `runs` by parameters found elsewhere.
-pub fn r_squared(robot: &dyn Robot, parameters: &DVector<f64>, runs: &[PreparedRun]) -> Vec<f64> {
+pub(crate) fn r_squared(robot: &dyn Robot, parameters: &DVector<f64>, runs: &[PreparedRun]) -> Vec<f64> {
     let n = runs[0].positions.len();
     let mut squares = vec![0.0; n];
     let mut count = 0.0;

@@ -39,18 +39,18 @@ fn run(name: String, rows: &[(usize, Vec<f64>)], first: usize) -> Run {
     }
 }
 
-pub fn ur10() -> Option<Run> {
+pub(crate) fn ur10() -> Option<Run> {
     Some(run("exciting".into(), &table(&shared("data/ur10/exciting.csv")?), 0))
 }
 
-pub fn schunk() -> Option<Vec<Run>> {
+pub(crate) fn schunk() -> Option<Vec<Run>> {
     let all = table(&shared("data/schunk_lwa4p/runs.csv")?);
     let runs = all.chunk_by(|a, b| a.1[0] == b.1[0]);
     Some(runs.map(|rows| run(format!("run {}", rows[0].1[0]), rows, 1)).collect())
 }
 
 /// The LWA 4P without gravity, which its controller took out of the torques.
-pub struct Schunk;
+pub(crate) struct Schunk;
 
 impl Robot for Schunk {
     fn joint_names(&self) -> Vec<String> {

@@ -1,6 +1,6 @@
 //! Simulated logs: encoders of 10 to 24 bits, 50 Hz to 4 kHz, with repeats, jitter, gaps and delays.
 
-use super::super::super::random::SplitMix64;
+use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;
 use super::super::super::run::{Effort, PreparedRun, Run};
 use super::super::{PreparationReport, PreparationSettings, prepare_all};
@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 /// How a log is taken.
 #[derive(Debug, Clone, Copy)]
-pub struct Sampling {
+pub(crate) struct Sampling {
     /// Encoder at the joint: 2π / 2^bits.
     pub bits: u32,
     /// Rows per second.
@@ -26,12 +26,12 @@ pub struct Sampling {
 }
 
 /// A motion: sums of sines with phases by seed, below 1 Hz; its speed changes sign often.
-pub struct Motion {
+pub(crate) struct Motion {
     waves: Vec<Vec<[f64; 3]>>,
 }
 
 impl Motion {
-    pub fn new(joints: usize, seed: u64) -> Self {
+    pub(crate) fn new(joints: usize, seed: u64) -> Self {
         let mut random = SplitMix64::new(seed);
         let wave = |k: usize, random: &mut SplitMix64| {
             let frequency = 0.1 * (k + 1) as f64 * (1.0 + 0.1 * random.uniform());
@@ -45,7 +45,7 @@ impl Motion {
     }
 
     /// y, ẏ, ÿ at a time.
-    pub fn at(&self, t: f64) -> [Vec<f64>; 3] {
+    pub(crate) fn at(&self, t: f64) -> [Vec<f64>; 3] {
         let sum = |f: &dyn Fn(&[f64; 3]) -> f64| self.waves.iter().map(|w| w.iter().map(f).sum()).collect();
         [
             sum(&|[a, w, p]| a * (w * t + p).sin()),
@@ -56,7 +56,7 @@ impl Motion {
 }
 
 /// Joint torques with Coulomb and viscous friction, exact steps.
-pub fn torques(arm: &Arm, [y, v, a]: &[Vec<f64>; 3]) -> Vec<f64> {
+pub(crate) fn torques(arm: &Arm, [y, v, a]: &[Vec<f64>; 3]) -> Vec<f64> {
     let mut forces = vec![0.0; y.len()];
     arm.rigid_forces(y, v, a, &mut forces);
     for (force, v) in forces.iter_mut().zip(v) {
@@ -84,7 +84,7 @@ fn instants(sampling: &Sampling, duration: f64, random: &mut SplitMix64) -> Vec<
 }
 
 /// A log, and the same instants with the true motion and undelayed, equally noisy efforts.
-pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, PreparedRun) {
+pub(crate) fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, PreparedRun) {
     let n = arm.joints.len();
     let motion = Motion::new(n, seed);
     let mut random = SplitMix64::new(1000 + seed);
@@ -136,7 +136,7 @@ pub fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (Run, Pr
 }
 
 /// What the study measures of one way of sampling.
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// R² on an unseen log, by true derivatives and raw efforts.
     pub truth: Vec<f64>,
     /// The same by prepared logs, fit and unseen.
@@ -148,13 +148,13 @@ pub struct Outcome {
 
 impl Outcome {
     /// How far the prepared R² and the transferred one fall below the true one, at worst.
-    pub fn loss(&self) -> f64 {
+    pub(crate) fn loss(&self) -> f64 {
         let all = self.prepared.iter().zip(&self.transferred).zip(&self.truth);
         all.map(|((p, t), truth)| truth - p.min(*t)).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
-pub fn outcome(arm: &Arm, sampling: &Sampling, duration: f64) -> Outcome {
+pub(crate) fn outcome(arm: &Arm, sampling: &Sampling, duration: f64) -> Outcome {
     let (seen, true_seen) = log(arm, sampling, duration, 1);
     let (unseen, true_unseen) = log(arm, sampling, duration, 2);
     let settings = PreparationSettings::default();
@@ -171,7 +171,8 @@ pub fn outcome(arm: &Arm, sampling: &Sampling, duration: f64) -> Outcome {
     }
 }
 
-pub const GOOD: Sampling = Sampling { bits: 16, rate: 500.0, hold: 1, jitter: 0.0, gaps: false, delay: 0.0 };
+pub(crate) const GOOD: Sampling =
+    Sampling { bits: 16, rate: 500.0, hold: 1, jitter: 0.0, gaps: false, delay: 0.0 };
 
 /// Sampling of the whole study, a row each.
 fn table() -> Vec<Sampling> {

@@ -1,0 +1,228 @@
+//! Whether runs go so far beyond the described limits that a unit must be another one.
+
+use super::super::log::{Recording, SEEN, are_minutes, unit_value};
+use super::super::numeric::digits::plain;
+use super::super::pose::rows_of;
+use super::super::robot::{JointLimits, Robot};
+use super::super::run::{Effort, PreparedRun};
+use gelenk_findings::{Finding, Rule};
+
+/// Sees: positions, speeds or efforts of a joint that are several times their described limit.
+/// Matters: they are in another unit; nothing is estimated.
+/// Example: degrees without a unit in the header.
+/// Fixture: `degrees` in `codegen/tests/findings/arm.rs`.
+const FAR_BEYOND_LIMITS: Rule = Rule::error("far-beyond-limits");
+
+/// Factor beyond a limit of speed or effort that no right log reaches: the least confusion of units is rpm or a gear.
+const FAR_BEYOND: f64 = 3.0;
+/// The same for positions, which may be counted from elsewhere.
+const FAR_AWAY: f64 = 10.0;
+/// Share of values at each end that are outliers.
+const OUTLIERS: usize = 200;
+
+/// Units that columns may be in, as `--columns` calls them.
+const ANGLES: &[&str] = &["deg", "mrad"];
+const LENGTHS: &[&str] = &["cm", "mm", "um"];
+const TORQUES: &[&str] = &["Ncm", "mNm"];
+
+/// Values far beyond the limits, with the column, the factor, and the switch that states the likely unit.
+///
+/// - `prepared`: rows are joints
+pub(crate) fn far_beyond(robot: &dyn Robot, recording: &Recording, prepared: &[PreparedRun]) -> Vec<Finding> {
+    let runs = Runs { robot, recording, prepared };
+    // Positions in another unit have speeds in another unit.
+    let motion = runs.positions().or_else(|| runs.speeds());
+    motion.into_iter().chain(runs.efforts()).collect()
+}
+
+/// The joint that goes farthest.
+struct Worst {
+    joint: usize,
+    largest: f64,
+    limit: f64,
+    /// How many joints go too far.
+    joints: usize,
+    /// Numbers of the runs in which this one does, where it does not in others.
+    runs: Vec<usize>,
+}
+
+struct Runs<'a> {
+    robot: &'a dyn Robot,
+    recording: &'a Recording,
+    prepared: &'a [PreparedRun],
+}
+
+impl Runs<'_> {
+    /// Limits by joint; none where none are described.
+    fn limits(&self) -> impl Fn(usize) -> JointLimits {
+        let limits = self.robot.limits();
+        move |joint| limits.get(joint).copied().unwrap_or(JointLimits::NONE)
+    }
+
+    fn unit(&self, joint: usize) -> &'static str {
+        self.robot.position_units().get(joint).copied().unwrap_or("rad")
+    }
+
+    /// The joint whose values are farthest beyond their limit, if that is too far.
+    fn worst(
+        &self,
+        most: f64,
+        limit: impl Fn(usize) -> f64,
+        values: impl Fn(&PreparedRun, usize) -> Vec<f64>,
+    ) -> Option<Worst> {
+        let exact = rows_of(&self.robot.quaternion_joints(), self.robot.joint_names().len());
+        let judged = (0..exact.len()).filter(|joint| !exact[*joint]);
+        let judged = judged.filter(|joint| limit(*joint).is_finite() && limit(*joint) > 0.0);
+        let far = judged.filter_map(|joint| {
+            let all = self.prepared.iter().map(|run| values(run, joint));
+            let runs = self.far_runs(most * limit(joint), all.clone());
+            let largest = largest(all.flatten().collect())?;
+            (largest > most * limit(joint)).then(|| Worst {
+                joint,
+                largest,
+                limit: limit(joint),
+                joints: 1,
+                runs,
+            })
+        });
+        far.reduce(|a, b| {
+            let joints = a.joints + b.joints;
+            let farther = if b.largest / b.limit > a.largest / a.limit { b } else { a };
+            Worst { joints, ..farther }
+        })
+    }
+
+    /// Numbers of the runs whose values are beyond a bound, where others' are not.
+    fn far_runs(&self, most: f64, values: impl Iterator<Item = Vec<f64>>) -> Vec<usize> {
+        let largest: Vec<Option<f64>> = values.map(largest).collect();
+        let is_far = |run: &usize| largest[*run].is_some_and(|largest| largest > most);
+        let (far, others): (Vec<usize>, Vec<usize>) = (0..largest.len()).partition(is_far);
+        if others.is_empty() { Vec::new() } else { far }
+    }
+
+    fn positions(&self) -> Option<Finding> {
+        let limits = self.limits();
+        let limit = |joint: usize| {
+            let [least, most] = limits(joint).position;
+            least.abs().max(most.abs())
+        };
+        let worst = self.worst(FAR_AWAY, limit, |run, joint| run.positions[joint].clone())?;
+        let labels = &self.recording.labels.positions;
+        let unit = self.unit(worst.joint);
+        let said = self.said(&worst, ("positions", unit), ("column", labels.columns.get(worst.joint)));
+        let known = likely(&worst, if unit == "m" { LENGTHS } else { ANGLES });
+        let pattern = &labels.pattern;
+        let remedy = known.map_or_else(
+            || format!("counts have a factor: --columns 'position={pattern}[0.001 {unit}]'"),
+            |name| format!("they look like {name}: --columns 'position={pattern}[{name}]'"),
+        );
+        Some(self.finding(&worst, said, remedy))
+    }
+
+    fn speeds(&self) -> Option<Finding> {
+        let limits = self.limits();
+        let worst =
+            self.worst(FAR_BEYOND, |j| limits(j).velocity, |run, joint| run.velocities[joint].clone())?;
+        let labels = &self.recording.labels;
+        let unit = self.unit(worst.joint);
+        let said = self.said(
+            &worst,
+            ("speeds", &format!("{unit}/s")),
+            ("slopes of column", labels.positions.columns.get(worst.joint)),
+        );
+        let known = likely(&worst, if unit == "m" { LENGTHS } else { ANGLES });
+        let positions = known.map(|name| {
+            format!("positions are in {name} (--columns 'position={}[{name}]') or ", labels.positions.pattern)
+        });
+        let times = match are_minutes(worst.largest / worst.limit) {
+            true => format!("times are in min (--columns 'time={}[min]')", labels.time),
+            false => format!("times are in another unit (--columns 'time={}[UNIT]')", labels.time),
+        };
+        Some(self.finding(&worst, said, format!("it may be that {}{times}", positions.unwrap_or_default())))
+    }
+
+    fn efforts(&self) -> Option<Finding> {
+        let limits = self.limits();
+        let matrix = self.robot.input_matrix();
+        let inputs = self.robot.input_names().len();
+        let values = |run: &PreparedRun, joint: usize| match run.effort {
+            Effort::Joint => run.efforts.get(joint).cloned().unwrap_or_default(),
+            Effort::Input if !self.robot.has_inputs_at_frames() => {
+                let row = &matrix[joint * inputs..(joint + 1) * inputs];
+                let force = |i: usize| {
+                    row.iter().zip(&run.efforts).filter(|(b, _)| **b != 0.0).map(move |(b, u)| b * u[i])
+                };
+                (0..run.times.len()).map(|i| force(i).sum()).collect()
+            }
+            _ => Vec::new(),
+        };
+        let worst = self.worst(FAR_BEYOND, |j| limits(j).effort, values)?;
+        let is_input = self.recording.effort == Effort::Input;
+        let labels = &self.recording.labels.efforts;
+        let is_force = self.unit(worst.joint) == "m";
+        let unit = if is_force { "N" } else { "N·m" };
+        let column = labels.columns.get(worst.joint).filter(|_| !is_input);
+        let said = self.said(&worst, ("efforts", unit), ("column", column));
+        let (key, pattern) = (if is_input { "input" } else { "torque" }, &labels.pattern);
+        let known = likely(&worst, if is_force { &[] } else { TORQUES });
+        let known = known.map(|name| format!("they may be in {name}: --columns '{key}={pattern}[{name}]'; "));
+        let plain = unit.replace('·', "");
+        let remedy = format!(
+            "{}counts and percents have a factor, as in --columns '{key}={pattern}[0.05 {plain}]'; currents are --effort current, \
+             efforts of the motors --effort input",
+            known.unwrap_or_default()
+        );
+        Some(self.finding(&worst, said, remedy))
+    }
+
+    fn finding(&self, worst: &Worst, message: String, remedy: String) -> Finding {
+        let found = FAR_BEYOND_LIMITS.found(message).joint(&self.robot.joint_names()[worst.joint]);
+        let all = "or correct the description's limits; --accept-poor takes the values as they are";
+        found.with("times the limit", worst.largest / worst.limit, "").help(format!("{remedy}; {all}"))
+    }
+
+    fn said(
+        &self,
+        worst: &Worst,
+        (what, unit): (&str, &str),
+        (of, column): (&str, Option<&String>),
+    ) -> String {
+        let Worst { largest, limit, joints, ref runs, .. } = *worst;
+        let times = largest / limit;
+        let [largest, limit] = [largest, limit].map(|x| plain(x, 4));
+        let column = column.map_or_else(String::new, |column| format!(" ({of} {column})"));
+        let others = match joints - 1 {
+            0 => String::new(),
+            1 => ", and one more joint goes too far".to_owned(),
+            others => format!(", and {others} more joints go too far"),
+        };
+        let names: Vec<&str> = runs.iter().map(|run| self.prepared[*run].name.as_str()).take(3).collect();
+        let alone = match (names.join(", "), runs.len() - names.len()) {
+            (names, _) if names.is_empty() => String::new(),
+            (names, 0) => {
+                format!(", in {names} alone: --columns holds for all logs, bring these to the others' units")
+            }
+            (names, more) => format!(
+                ", in {names} and {more} more runs and not in the others: --columns holds for all logs, bring these to the others' units"
+            ),
+        };
+        format!(
+            "its {what}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}{alone}"
+        )
+    }
+}
+
+/// The largest magnitude without the outermost values.
+fn largest(values: Vec<f64>) -> Option<f64> {
+    let mut sizes: Vec<f64> = values.into_iter().map(f64::abs).filter(|x| x.is_finite()).collect();
+    let last = sizes.len().checked_sub(1)?;
+    let place = last - sizes.len() / OUTLIERS;
+    Some(*sizes.select_nth_unstable_by(place, f64::total_cmp).1)
+}
+
+/// The largest unit in which the values are within their limit, and use a part of it that can be seen.
+fn likely(worst: &Worst, units: &'static [&'static str]) -> Option<&'static str> {
+    let share = worst.largest / worst.limit;
+    let fits = |name: &&&str| unit_value(name).is_some_and(|value| SEEN.contains(&(share * value)));
+    units.iter().find(fits).copied()
+}

@@ -1,0 +1,56 @@
+//! Delays of the efforts that are not known: a first fit, and what it gives to the last one.
+//!
+//! The column of a delay is the rate of an effort. Noise stands in measured rates, which makes a delay and its error come out too
+//! small. So a first fit takes these, and the last one the rates of the forces that the first one predicts, over efforts from which
+//! its delays are taken off.
+
+use super::super::numeric::shifted::slope;
+use super::super::run::PreparedRun;
+use super::layout::Layout;
+use super::normal::Values;
+use super::residuals::Forces;
+
+/// What the first fit gives to the last one.
+pub(super) struct FirstFit {
+    /// By their numbers \[s\].
+    pub(super) delays: Vec<f64>,
+    /// Rates of the efforts at the joints, `[run][joint][sample]`, for gains of one; empty where a joint's efforts have
+    /// several delays.
+    pub(super) rates: Vec<Vec<Vec<f64>>>,
+    /// The runs without the delays.
+    pub(super) runs: Vec<PreparedRun>,
+}
+
+impl FirstFit {
+    /// - `values`, `forces`: of the first fit
+    pub(super) fn new(layout: &Layout, runs: &[PreparedRun], values: &Values, forces: &Forces) -> Self {
+        let left = |number: usize| values.unknowns[layout.delay(number)];
+        let delays: Vec<f64> = (0..layout.delay_count()).map(left).collect();
+        let of_efforts: Vec<f64> = layout.delays.iter().map(|number| delays[*number]).collect();
+        Self {
+            rates: rates(layout, runs, values, forces),
+            runs: runs.iter().map(|run| run.clone().without_delays(&of_efforts)).collect(),
+            delays,
+        }
+    }
+}
+
+/// Rates of the forces that a fit predicts along runs, as in [`FirstFit::rates`].
+pub(super) fn rates(
+    layout: &Layout,
+    runs: &[PreparedRun],
+    values: &Values,
+    forces: &Forces,
+) -> Vec<Vec<Vec<f64>>> {
+    let of_joint = |number: usize, joint: usize| -> Vec<f64> {
+        if layout.late[joint].len() != 1 {
+            return Vec::new();
+        }
+        let pairs = forces.measured[number][joint].iter().zip(&forces.residual[number][joint]);
+        let predicted: Vec<f64> = pairs.map(|(measured, residual)| measured - residual).collect();
+        let unit = runs[number].step() * values.gains[joint];
+        (0..predicted.len()).map(|i| slope(&predicted, i) / unit).collect()
+    };
+    let of_run = |number| (0..layout.joints).map(|joint| of_joint(number, joint)).collect();
+    (0..runs.len()).map(of_run).collect()
+}

@@ -1,0 +1,171 @@
+//! The samples of one joint over all runs, from which its friction law is found.
+
+use super::super::error::Result;
+use super::super::estimation::{Estimate, FEWEST_MOTIONS};
+use super::super::methods::offset::Offset;
+use super::super::numeric::digits::plain;
+use super::super::preparation::PreparationReport;
+use super::super::robot::Robot;
+use super::super::run::PreparedRun;
+use super::{
+    CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets,
+};
+use std::ops::Range;
+
+/// Columns of one joint over all runs.
+pub(crate) struct JointSamples<'a> {
+    joint: usize,
+    pub(crate) name: &'a str,
+    unit: &'a str,
+    /// Offset of the estimate in each run of the samples. The law is fitted to what it leaves.
+    offsets: Vec<Offset>,
+    runs: Vec<Range<usize>>,
+    /// The samples of each motion, where runs repeat motions.
+    motions: Option<Vec<Vec<Range<usize>>>>,
+    /// The runs that samples are of, whole.
+    whole: Vec<FilteredRun<'a>>,
+    positions: Vec<f64>,
+    pub(crate) velocities: Vec<f64>,
+    accelerations: Vec<f64>,
+    pub(crate) torques: Vec<f64>,
+    /// What the common estimate says of the friction.
+    common: Option<CommonTerms>,
+}
+
+impl<'a> JointSamples<'a> {
+    /// - `motions`: number of each run's motion, where runs repeat motions
+    pub(crate) fn new(
+        joint: usize,
+        (prepared, motions): (&'a [PreparedRun], Option<&[usize]>),
+        estimate: &'a Estimate,
+        common: Option<CommonTerms>,
+    ) -> Self {
+        let mut samples = Self {
+            joint,
+            name: &estimate.joints[joint].name,
+            unit: estimate.joints[joint].unit,
+            offsets: Vec::new(),
+            runs: Vec::new(),
+            motions: motions.map(|numbers| vec![Vec::new(); numbers.iter().max().map_or(0, |last| last + 1)]),
+            whole: Vec::new(),
+            positions: Vec::new(),
+            velocities: Vec::new(),
+            accelerations: Vec::new(),
+            torques: Vec::new(),
+            common,
+        };
+        let of_joint = &estimate.joints[joint];
+        for (index, (run, torques)) in prepared.iter().zip(&estimate.friction).enumerate() {
+            let errors = &of_joint.offset_errors;
+            let offset =
+                [of_joint.offsets[index], errors.get(index).or(errors.first()).copied().unwrap_or(0.0)];
+            let motion = motions.map(|numbers| numbers[index]);
+            match estimate.load_friction.get(index) {
+                Some(load) => {
+                    let torques = torques[joint].iter().zip(&load[joint]);
+                    let torques: Vec<f64> = torques.map(|(all, load)| all - load).collect();
+                    samples.extend((run, offset), motion, &torques);
+                }
+                None => samples.extend((run, offset), motion, &torques[joint]),
+            }
+        }
+        samples.keep_motions();
+        samples
+    }
+
+    /// Motions in which the joint moves are folds, where there are enough.
+    fn keep_motions(&mut self) {
+        let Some(motions) = &mut self.motions else { return };
+        motions.retain(|ranges| !ranges.is_empty());
+        if motions.len() < FEWEST_MOTIONS {
+            self.motions = None;
+        }
+    }
+
+    /// Adds the samples of a run in which the joint moves and its torque is known.
+    ///
+    /// - `offset`: of the run, and its standard error
+    fn extend(
+        &mut self,
+        (run, [value, standard_error]): (&'a PreparedRun, [f64; 2]),
+        motion: Option<usize>,
+        torques: &[f64],
+    ) {
+        let start = self.torques.len();
+        let kept: Vec<usize> = kept(run, self.joint, torques).collect();
+        for &i in &kept {
+            self.positions.push(run.positions[self.joint][i]);
+            self.velocities.push(run.velocities[self.joint][i]);
+            self.accelerations.push(run.accelerations[self.joint][i]);
+            self.torques.push(torques[i]);
+        }
+        if self.torques.len() > start {
+            let rows = start..self.torques.len();
+            if let (Some(motions), Some(motion)) = (&mut self.motions, motion) {
+                motions[motion].push(rows.clone());
+            }
+            self.offsets.push(Offset { samples: rows.clone(), value, standard_error: Some(standard_error) });
+            self.runs.push(rows);
+            self.whole.push(FilteredRun { velocities: &run.velocities[self.joint], kept });
+        }
+    }
+
+    /// The friction law of the joint.
+    ///
+    /// # Errors
+    /// As [`FrictionIdentification::identify`].
+    pub(crate) fn law(
+        &mut self,
+        robot: &dyn Robot,
+        settings: &FrictionIdentification,
+        source: &str,
+        preparation: &PreparationReport,
+    ) -> Result<FrictionReport> {
+        let preparations = sentences(preparation);
+        let mut torques = self.torques.clone();
+        for offset in &self.offsets {
+            torques[offset.samples.clone()].iter_mut().for_each(|torque| *torque -= offset.value);
+        }
+        let filtered = Filtered { filter: &preparation.filter, runs: std::mem::take(&mut self.whole) };
+        let data = FrictionData {
+            joint: self.name,
+            unit: self.unit,
+            velocity_unit: if self.unit == "N" { "m/s" } else { "rad/s" },
+            velocities: &self.velocities,
+            torques: &torques,
+            weights: None,
+            folds: self.motions.as_deref(),
+            runs: Some(&self.runs),
+            one_offset: false,
+            filtered: Some(&filtered),
+            positions: Some(&self.positions),
+            accelerations: Some(&self.accelerations),
+            common: self.common.as_ref(),
+            limits: robot.limits().get(self.joint).copied(),
+            data: source,
+            settings: &preparations,
+        };
+        let library = settings.library.scaled(robot.speed_scales()[self.joint])?;
+        let settings = FrictionIdentification { library, offsets: Offsets::Known, ..settings.clone() };
+        let mut report = settings.identify(&data)?;
+        report.result.offsets.clone_from(&self.offsets);
+        Ok(report)
+    }
+}
+
+/// Samples of a run in which a joint moves and its torque is known.
+pub(crate) fn kept(run: &PreparedRun, joint: usize, torques: &[f64]) -> impl Iterator<Item = usize> {
+    (0..torques.len()).filter(move |i| torques[*i].is_finite() && !run.rests(joint, *i))
+}
+
+fn sentences(preparation: &PreparationReport) -> Vec<String> {
+    let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
+    let filter = bandwidth.map(|hertz| {
+        format!(
+            "positions and efforts through one zero-phase filter of {} Hz, {} Hz grid",
+            plain(hertz, 4),
+            plain(preparation.sample_rate, 6)
+        )
+    });
+    filter.into_iter().collect()
+}

@@ -1,0 +1,252 @@
+//! Standard errors that hold where the errors of neighbouring samples are correlated.
+//!
+//! Residuals of a smoothed log are correlated over tenths of a second: independent errors would make the
+//! standard errors several times too small. The variance of a sum is estimated here from the sums over blocks
+//! that overlap (Meketon, Schmeiser 1984; asymptotically Newey and West's estimator, 1987, with a lag of the
+//! block's length). The length is doubled from one sample to a twelfth of the data, and the largest result
+//! counts (blocking; Flyvbjerg, Petersen 1989). A lag from the first autocorrelation (Andrews 1991) is too
+//! short where white noise hides a slow error, which is what logs of robots hold.
+
+use super::super::error::{Result, require_setting};
+use nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::ops::Range;
+
+/// Degrees of freedom from which the first term of the expansion about the normal quantile (Abramowitz and Stegun
+/// 26.7.5) leaves less than 1e-11. statrs searches without an end for 1e9 degrees of freedom.
+const NEARLY_NORMAL: f64 = 1e6;
+
+/// Halvings of a range in which a width is sought: to the last bits.
+const HALVINGS: usize = 52;
+
+/// Fewest blocks from which a variance is estimated.
+const FEWEST_BLOCKS: usize = 12;
+
+/// What is known about the sum of a correlated series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LongRun {
+    /// Variance of the sum.
+    pub variance: f64,
+    /// Length of the blocks that gave it, in samples: beyond it the series is hardly correlated.
+    pub block: usize,
+    /// Degrees of freedom of the variance.
+    pub freedom: f64,
+}
+
+impl LongRun {
+    /// Variance of the sum of `series`, whose expectation is zero.
+    ///
+    /// - `runs`: ranges of samples that follow each other without interruption; nothing is assumed to be
+    ///   correlated between them
+    pub(crate) fn of_sum(series: &[f64], runs: &[Range<usize>]) -> Self {
+        let samples: usize = runs.iter().map(ExactSizeIterator::len).sum();
+        let mut best = Self { variance: 0.0, block: 1, freedom: samples as f64 };
+        let mut block = 1;
+        while block == 1 || block * FEWEST_BLOCKS <= samples {
+            let sums = |rows: &Range<usize>| overlapping(&series[rows.clone()], block);
+            let shared = 1.0 - block as f64 / (samples as f64 + 1.0);
+            let variance = runs.iter().map(sums).sum::<f64>() / shared;
+            if variance > best.variance {
+                // Blocks that overlap tell half as much again as blocks that do not.
+                let overlap = if block == 1 { 1.0 } else { 1.5 };
+                let freedom = (overlap * samples as f64 / block as f64).max(3.0);
+                best = Self { variance, block, freedom };
+            }
+            block *= 2;
+        }
+        best
+    }
+
+    /// Standard error of the sum.
+    pub(crate) fn standard_error(&self) -> f64 {
+        self.variance.sqrt()
+    }
+}
+
+/// Student's two-sided quantile.
+///
+/// # Errors
+/// A level outside (0, 1), or no degree of freedom.
+pub(crate) fn quantile(level: f64, freedom: f64) -> Result<f64> {
+    require_setting("level", level, level > 0.0 && level < 1.0, "it must lie between 0 and 1")?;
+    if freedom >= NEARLY_NORMAL {
+        let z = Normal::standard().inverse_cdf(0.5 * (1.0 + level));
+        return Ok(z + z * (z * z + 1.0) / (4.0 * freedom));
+    }
+    let distribution =
+        StudentsT::new(0.0, 1.0, freedom).map_err(|e| super::super::error::IdentificationError::Setting {
+            name: "degrees of freedom".into(),
+            value: freedom,
+            requirement: e.to_string(),
+        })?;
+    Ok(distribution.inverse_cdf(0.5 * (1.0 + level)))
+}
+
+/// Half the width of the interval about a value that holds at `level` what lies around a place away from it.
+///
+/// The place is `distance` away and has a standard `error` with `freedom` degrees of freedom: w of
+/// `F((w − d)/s) − F((−w − d)/s) = level` with Student's distribution F. Without a distance it is that of [`quantile`];
+/// far away it is the distance and a one-sided quantile.
+///
+/// # Errors
+/// As [`quantile`].
+pub(crate) fn half_width_around(distance: f64, error: f64, level: f64, freedom: f64) -> Result<f64> {
+    // Wide enough in any case: this much beyond the place on one side, and more than it on the other.
+    let mut high = distance.abs() + quantile(level, freedom)? * error;
+    if error.is_nan() || error <= 0.0 || !high.is_finite() {
+        return Ok(high);
+    }
+    let distribution = StudentsT::new(0.0, 1.0, freedom.min(NEARLY_NORMAL)).ok();
+    let share = |x: f64| distribution.map_or(0.5, |distribution| distribution.cdf(x / error));
+    let mut low = 0.0;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let inside = share(middle - distance.abs()) - share(-middle - distance.abs());
+        *if inside < level { &mut low } else { &mut high } = middle;
+    }
+    Ok(high)
+}
+
+/// Covariance of the sums of several series, from blocks of one length.
+pub(crate) fn covariance_of_sums(series: &[Vec<f64>], runs: &[Range<usize>], block: usize) -> DMatrix<f64> {
+    let p = series.len();
+    let mut covariance = DMatrix::zeros(p, p);
+    for rows in runs {
+        let sums: Vec<Vec<f64>> = series.iter().map(|s| block_sums(&s[rows.clone()], block)).collect();
+        let share = rows.len() as f64 / (block.min(rows.len()) as f64 * sums[0].len() as f64);
+        for i in 0..p {
+            for j in 0..=i {
+                let product: f64 = sums[i].iter().zip(&sums[j]).map(|(a, b)| a * b).sum();
+                covariance[(i, j)] += share * product;
+                covariance[(j, i)] = covariance[(i, j)];
+            }
+        }
+    }
+    covariance
+}
+
+/// Variance of the sum of one run from its overlapping blocks; a run shorter than a block is one block.
+fn overlapping(run: &[f64], block: usize) -> f64 {
+    let block = block.min(run.len()).max(1);
+    let sums = block_sums(run, block);
+    let count = sums.len().max(1) as f64;
+    run.len() as f64 / (block as f64 * count) * sums.iter().map(|s| s * s).sum::<f64>()
+}
+
+fn block_sums(run: &[f64], block: usize) -> Vec<f64> {
+    let block = block.min(run.len()).max(1);
+    let mut total = 0.0;
+    let mut before = Vec::with_capacity(run.len() + 1);
+    before.push(0.0);
+    before.extend(run.iter().map(|x| {
+        total += x;
+        total
+    }));
+    before[block..].iter().zip(&before).map(|(end, start)| end - start).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::random::SplitMix64;
+
+    /// Slow errors of a given correlation in white noise.
+    fn series(seed: u64, samples: usize, correlation: f64, white: f64) -> Vec<f64> {
+        let mut random = SplitMix64::new(seed);
+        let mut slow = random.normal();
+        let drive = (1.0 - correlation * correlation).sqrt();
+        let mut next = || {
+            slow = correlation * slow + drive * random.normal();
+            slow + white * random.normal()
+        };
+        (0..samples).map(|_| next()).collect()
+    }
+
+    fn whole(samples: usize) -> [Range<usize>; 1] {
+        let whole = 0..samples;
+        [whole]
+    }
+
+    #[test]
+    fn intervals_of_a_mean_cover_as_often_as_they_say() {
+        for (correlation, white) in [(0.0, 0.0), (0.9, 0.0), (0.98, 2.0)] {
+            let covered = (0..300).filter(|&seed| {
+                let x = series(seed, 3000, correlation, white);
+                let mean = x.iter().sum::<f64>() / 3000.0;
+                let centred: Vec<f64> = x.iter().map(|x| x - mean).collect();
+                let found = LongRun::of_sum(&centred, &whole(3000));
+                mean.abs() <= quantile(0.9, found.freedom).unwrap() * found.standard_error() / 3000.0
+            });
+            // 90 % of 300 is 270 ± 5.2; nothing is promised within a few per cent at strong correlation.
+            let covered = covered.count();
+            assert!((252..=291).contains(&covered), "{correlation} {white}: {covered} of 300");
+        }
+    }
+
+    #[test]
+    fn the_block_is_longer_than_the_correlation() {
+        let found = |correlation: f64| -> Vec<LongRun> {
+            let one = |seed| LongRun::of_sum(&series(seed, 5000, correlation, 0.0), &whole(5000));
+            (0..20).map(one).collect()
+        };
+        let error = |found: &[LongRun]| {
+            let sum: f64 = found.iter().map(|f| (f.variance / 5000.0).sqrt()).sum();
+            sum / found.len() as f64
+        };
+        // The exact variances of the sums are m and m (1 + ρ)/(1 − ρ); the largest of several lengths is above.
+        let (white, slow) = (found(0.0), found(0.9));
+        assert!((1.0..1.25).contains(&error(&white)), "{}", error(&white));
+        assert!((0.95..1.2).contains(&(error(&slow) / 19_f64.sqrt())), "{}", error(&slow));
+        assert!(slow.iter().all(|f| f.block > 20));
+    }
+
+    #[test]
+    fn runs_are_independent_and_short_ones_count_whole() {
+        let x: Vec<f64> = (0..40).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let runs: Vec<Range<usize>> = (0..20).map(|k| 2 * k..2 * k + 2).collect();
+        // Each run sums to zero: only blocks of one sample have a variance.
+        let found = LongRun::of_sum(&x, &runs);
+        assert_eq!(found.block, 1);
+        let equal = vec![1.0; 40];
+        let found = LongRun::of_sum(&equal, &runs);
+        assert_eq!(found.block, 2);
+        assert!((found.variance * (1.0 - 2.0 / 41.0) - 80.0).abs() < 1e-12);
+        let matrix = covariance_of_sums(&[equal.clone(), equal], &runs, 2);
+        assert!((matrix[(0, 1)] - 80.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_interval_reaches_a_place_that_lies_beside_it() {
+        let width = |distance: f64, freedom: f64| half_width_around(distance, 2.0, 0.9, freedom).unwrap();
+        for freedom in [4.0, 30.0, 1e9] {
+            let two_sided = 2.0 * quantile(0.9, freedom).unwrap();
+            assert!((width(0.0, freedom) / two_sided - 1.0).abs() < 1e-9, "{freedom}");
+            // Far away the other end holds nothing: the one-sided quantile is the two-sided one of 80 %.
+            let one_sided = 2.0 * quantile(0.8, freedom).unwrap();
+            let beyond = width(-1e6, freedom) - 1e6;
+            assert!((beyond / one_sided - 1.0).abs() < 1e-3, "{freedom}: {beyond} {one_sided}");
+        }
+        // The share of draws around a place 1.5 errors away that the width holds.
+        let (mut random, reach) = (SplitMix64::new(5), width(3.0, 1e9));
+        let inside = (0..20_000).filter(|_| (3.0 + 2.0 * random.normal()).abs() <= reach).count();
+        assert!((0.893..0.907).contains(&(inside as f64 / 20_000.0)), "{inside}");
+        assert_eq!(half_width_around(3.0, 0.0, 0.9, 9.0).unwrap(), 3.0);
+        assert!(half_width_around(3.0, 1.0, 1.5, 9.0).is_err());
+    }
+
+    #[test]
+    fn faulty_levels_are_refused() {
+        assert!(quantile(1.0, 2.0).unwrap_err().to_string().starts_with("level = 1 is not possible"));
+        assert!((quantile(0.95, 1e6).unwrap() - 1.96).abs() < 1e-3);
+    }
+
+    /// The normal quantile of 97.5 % is 1.959963984540054 (Abramowitz and Stegun, table 26.6). That of Student's
+    /// distribution is from its density, integrated with 30 digits by mpmath.
+    #[test]
+    fn quantiles_go_over_into_those_of_the_normal_distribution() {
+        for freedom in [1e9, 1e15, f64::MAX] {
+            assert!((quantile(0.95, freedom).unwrap() - 1.959_963_984_540_054).abs() < 3e-9);
+        }
+        assert!((quantile(0.95, 1e6).unwrap() - 1.959_966_356_814_107).abs() < 1e-11);
+    }
+}

@@ -1,0 +1,200 @@
+//! Choice of λ: k-fold cross-validation on contiguous blocks, and the Pareto front of error against size.
+//!
+//! Samples of a log are correlated in time; random folds would leak neighbours into the test set, so folds
+//! are contiguous blocks.
+
+use super::super::error::{IdentificationError, Result, require_length, require_setting};
+use super::super::numeric::statistics::{mean_with_error, simplest};
+use super::lasso::{Lasso, LassoPath, active_terms};
+use super::least_squares::{Reduced, Solution};
+use super::moments::{Moments, splits};
+use nalgebra::DVector;
+
+/// Cross-validated LASSO path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrossValidation {
+    /// The path on all samples; its λ follow the convention of [`super::lasso`].
+    pub path: LassoPath,
+    /// Mean squared error on the left-out block, averaged over the folds, for each λ.
+    pub mean_error: Vec<f64>,
+    /// Standard error of that mean over the folds.
+    pub standard_error: Vec<f64>,
+    /// Index of the λ with the least error.
+    pub minimum: usize,
+    /// Index of the largest λ whose error is within one standard error of the least.
+    pub one_standard_error: usize,
+}
+
+impl CrossValidation {
+    /// Solves the path on all folds but one, for each, and on all samples.
+    ///
+    /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
+    ///
+    /// # Errors
+    /// Fewer than two folds, λ that do not descend, or λ without a solution.
+    pub fn new(lasso: &Lasso, folds: &[Moments], target: usize, lambdas: &[f64]) -> Result<Self> {
+        require_setting("number of folds", folds.len() as f64, folds.len() >= 2, "at least two are needed")?;
+        require_setting("number of λ", lambdas.len() as f64, !lambdas.is_empty(), "at least one is needed")?;
+        let descending = lambdas.is_sorted_by(|a, b| a >= b);
+        require_setting(
+            "first λ",
+            lambdas[0],
+            descending,
+            "λ must descend, so that the first models are the simplest",
+        )?;
+        let mut errors = vec![Vec::with_capacity(folds.len()); lambdas.len()];
+        for split in splits(folds) {
+            let (training, held_out) = split?;
+            let path = lasso.path(&training, target, lambdas)?;
+            for (errors, coefficients) in errors.iter_mut().zip(path.coefficients.column_iter()) {
+                let residual = held_out.residual(target, &coefficients.into_owned());
+                errors.push(residual / held_out.samples() as f64);
+            }
+        }
+        let errors: Vec<[f64; 2]> = errors.iter().map(|errors| mean_with_error(errors)).collect();
+        let [minimum, one_standard_error] = simplest(&errors).unwrap_or_default();
+        let [mean_error, standard_error] = [0, 1].map(|k| errors.iter().map(|error| error[k]).collect());
+        let path = lasso.path(&Moments::sum(folds)?, target, lambdas)?;
+        Ok(Self { path, mean_error, standard_error, minimum, one_standard_error })
+    }
+
+    /// Coefficients on the path at `index`, e.g. [`Self::minimum`].
+    pub fn coefficients(&self, index: usize) -> DVector<f64> {
+        self.path.coefficients.column(index).into_owned()
+    }
+}
+
+/// One point of the Pareto front.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParetoPoint {
+    /// λ of the path.
+    pub lambda: f64,
+    /// Chosen terms.
+    pub active: Vec<usize>,
+    /// Mean squared error of the LASSO coefficients on all samples.
+    pub lasso_error: f64,
+    /// Mean squared error after least squares on the chosen terms.
+    pub refit_error: f64,
+    /// Sum of the magnitudes of the LASSO coefficients.
+    pub l1_norm: f64,
+    /// Cross-validated error, where there is one.
+    pub validation_error: Option<f64>,
+}
+
+/// Error against number of terms along a path, from few terms to many.
+///
+/// # Errors
+/// As [`Reduced::fit`].
+pub fn pareto_front(
+    reduced: &Reduced,
+    target: usize,
+    validation: &CrossValidation,
+) -> Result<Vec<ParetoPoint>> {
+    let n = reduced.moments().samples() as f64;
+    let mut points = Vec::with_capacity(validation.path.lambdas.len());
+    for (k, &lambda) in validation.path.lambdas.iter().enumerate() {
+        let coefficients = validation.coefficients(k);
+        let active = active_terms(&coefficients);
+        let refit = if active.is_empty() {
+            reduced.moments().energy(target)
+        } else {
+            reduced.fit(target, &active)?.residual
+        };
+        points.push(ParetoPoint {
+            lambda,
+            lasso_error: reduced.residual(target, &coefficients) / n,
+            refit_error: refit / n,
+            l1_norm: coefficients.lp_norm(1),
+            validation_error: Some(validation.mean_error[k]),
+            active,
+        });
+    }
+    Ok(points)
+}
+
+/// Least squares on the terms that the path chose at `index`.
+///
+/// # Errors
+/// [`IdentificationError::EverythingRemoved`] if it chose none there.
+pub fn refit(reduced: &Reduced, target: usize, path: &LassoPath, index: usize) -> Result<Solution> {
+    if index >= path.lambdas.len() {
+        require_length("λ of the path", index + 1, path.lambdas.len())?;
+    }
+    let active = active_terms(&path.coefficients.column(index).into_owned());
+    if active.is_empty() {
+        let kept = (0..path.lambdas.len()).find(|&k| path.coefficients.column(k).amax() > 0.0);
+        return Err(IdentificationError::EverythingRemoved {
+            what: "lambda".into(),
+            value: path.lambdas[index],
+            largest: kept.map_or(0.0, |k| path.lambdas[k]),
+        });
+    }
+    reduced.fit(target, &active)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::library::Library;
+    use super::super::moments::Samples;
+    use super::*;
+    use crate::numeric::random::SplitMix64;
+
+    fn friction(m: usize, noise: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut random = SplitMix64::new(11);
+        let v: Vec<f64> =
+            (0..m).map(|i| 1.2 * (0.0021 * i as f64).sin() + 0.4 * (0.013 * i as f64).sin()).collect();
+        let y = v.iter().map(|v| 3.0 * v + 0.8 * (10.0 * v).tanh() + noise * random.normal()).collect();
+        (v, y)
+    }
+
+    #[test]
+    fn errors_are_those_of_explicitly_left_out_blocks() {
+        let (v, y) = friction(1003, 0.2);
+        let library = Library::friction().unwrap();
+        let theta = library.matrix(&[&v]).unwrap();
+        let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
+        let folds = Moments::blocks(&samples, 5).unwrap();
+        let lasso = Lasso::default();
+        let grid = lasso.lambda_grid(&Moments::sum(&folds).unwrap(), 0, 12, 1e-3).unwrap();
+        let validation = CrossValidation::new(&lasso, &folds, 0, &grid).unwrap();
+        // Fold 1 holds rows 201..402: 1003 = 3·201 + 2·200.
+        let training = Moments::sum([0, 2, 3, 4].map(|k| &folds[k])).unwrap();
+        let w = lasso.path(&training, 0, &grid).unwrap().coefficients;
+        let mut direct = [0.0; 12];
+        for (k, d) in direct.iter_mut().enumerate() {
+            *d = (201..402).map(|i| (y[i] - (theta.row(i) * w.column(k))[0]).powi(2)).sum::<f64>() / 201.0;
+        }
+        let by_sums: Vec<f64> =
+            (0..12).map(|k| folds[1].residual(0, &w.column(k).into_owned()) / 201.0).collect();
+        for (a, b) in direct.iter().zip(&by_sums) {
+            assert!((a - b).abs() < 1e-12 * a.max(1.0), "{a} {b}");
+        }
+        assert!(validation.one_standard_error <= validation.minimum);
+        let bound = validation.mean_error[validation.minimum] + validation.standard_error[validation.minimum];
+        assert!(validation.mean_error[validation.one_standard_error] <= bound);
+    }
+
+    #[test]
+    fn the_front_falls_with_lambda_and_refitting_never_hurts() {
+        let (v, y) = friction(4000, 0.05);
+        let library = Library::new(&["1", "v", "tanh(10*v)", "v*abs(v)"], &["v"]).unwrap();
+        let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
+        let folds = Moments::blocks(&samples, 8).unwrap();
+        let reduced = Reduced::new(&samples).unwrap();
+        let lasso = Lasso::default();
+        let grid = lasso.lambda_grid(reduced.moments(), 0, 40, 1e-4).unwrap();
+        let validation = CrossValidation::new(&lasso, &folds, 0, &grid).unwrap();
+        let front = pareto_front(&reduced, 0, &validation).unwrap();
+        for pair in front.windows(2) {
+            assert!(pair[1].lasso_error <= pair[0].lasso_error * (1.0 + 1e-9));
+        }
+        for point in &front {
+            assert!(point.refit_error <= point.lasso_error * (1.0 + 1e-9));
+        }
+        let fit = refit(&reduced, 0, &validation.path, validation.one_standard_error).unwrap();
+        assert!(fit.active.contains(&1) && fit.active.contains(&2), "{:?}", fit.active);
+        assert!((fit.coefficients[1] - 3.0).abs() < 0.02);
+        let empty = refit(&reduced, 0, &validation.path, 0).unwrap_err().to_string();
+        assert!(empty.contains("removes every term"), "{empty}");
+    }
+}

@@ -1,0 +1,177 @@
+//! First and second derivative of a sampled, noisy and quantized signal.
+//!
+//! Total-variation regularization suits signals whose acceleration jumps ([`TotalVariation`]). Its one free number is set by hand
+//! or from the noise of the encoder.
+
+mod banded;
+mod total_variation;
+
+pub use total_variation::{Regularization, TotalVariation, TotalVariationResult};
+
+use super::super::error::{
+    IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
+};
+
+/// A smoothed signal and its derivatives at the sampling times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Derivatives {
+    /// Smoothed signal, in its unit.
+    pub value: Vec<f64>,
+    /// First derivative, unit per second.
+    pub first: Vec<f64>,
+    /// Second derivative, unit per second squared.
+    pub second: Vec<f64>,
+    /// Root mean square of signal minus smoothed signal.
+    pub residual: f64,
+    /// The regularization used: γ, or the spectral density of a smoother.
+    pub parameter: f64,
+}
+
+/// Standard deviation of the rounding error of an encoder, `Δ/√12` for resolution Δ.
+///
+/// Holds where the signal moves by more than Δ between samples; a slower signal has correlated rounding
+/// errors.
+pub fn quantization_noise(resolution: f64) -> f64 {
+    resolution / 12.0_f64.sqrt()
+}
+
+/// Central differences, one-sided at the ends: the reference that smoothing must beat.
+///
+/// # Errors
+/// Fewer than three samples, values that are not finite, or times that do not increase.
+pub fn central_differences(times: &[f64], signal: &[f64]) -> Result<Vec<f64>> {
+    require_signal(times, signal, 3)?;
+    let m = signal.len();
+    Ok((0..m)
+        .map(|i| {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(m - 1));
+            (signal[b] - signal[a]) / (times[b] - times[a])
+        })
+        .collect())
+}
+
+/// Fails unless lengths agree, samples are enough, values are finite, and times increase.
+///
+/// # Errors
+/// The first of these that does not hold.
+pub fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
+    require_samples("differentiation", needed, signal.len())?;
+    require_length("times of the signal", signal.len(), times.len())?;
+    require_finite("time", times)?;
+    require_finite("the signal", signal)?;
+    match times.windows(2).position(|w| w[1] <= w[0]) {
+        None => Ok(()),
+        Some(i) => Err(IdentificationError::Time { row: i + 1, before: times[i], after: times[i + 1] }),
+    }
+}
+
+/// Root mean square of a difference.
+pub fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+/// The discrepancy principle (Morozov 1966) by bisection: the number nearest to `beyond`, to within `width`, at which noise
+/// `explains` the residual, as it does at `explained`.
+///
+/// # Errors
+/// As `explains`.
+pub fn by_discrepancy(
+    mut explained: f64,
+    mut beyond: f64,
+    width: f64,
+    mut explains: impl FnMut(f64) -> Result<bool>,
+) -> Result<f64> {
+    while (beyond - explained).abs() > width {
+        let middle = 0.5 * (explained + beyond);
+        if explains(middle)? { explained = middle } else { beyond = middle }
+    }
+    Ok(explained)
+}
+
+/// Residual rms that noise σ explains in n samples: σ plus two standard errors of a sample's rms,
+/// `σ √(1 + 2 √(2/n))`.
+///
+/// Without the margin a log whose noise happens to be a little above σ would hardly be smoothed at all.
+pub fn residual_bound(sigma: f64, samples: usize) -> f64 {
+    sigma * (1.0 + 2.0 * (2.0 / samples as f64).sqrt()).sqrt()
+}
+
+/// Fails unless a noise is positive and finite.
+///
+/// # Errors
+/// [`IdentificationError::Setting`]
+pub fn require_noise(sigma: f64) -> Result<()> {
+    require_setting(
+        "noise σ",
+        sigma,
+        sigma > 0.0,
+        "it must be positive; for an encoder it is its resolution/√12",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::random::SplitMix64;
+
+    pub(super) fn chirp(seed: u64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let mut random = SplitMix64::new(seed);
+        let times: Vec<f64> = (0..2000).map(|i| f64::from(i) * 0.01).collect();
+        let phase = |t: f64| 2.0 * std::f64::consts::PI * (0.1 * t + 0.05 * t * t);
+        let signal = times.iter().map(|&t| phase(t).sin() + 0.01 * random.normal()).collect();
+        let rate = |t: f64| 2.0 * std::f64::consts::PI * (0.1 + 0.1 * t);
+        let first = times.iter().map(|&t| rate(t) * phase(t).cos()).collect();
+        (times, signal, first)
+    }
+
+    /// Error over the inner 90 %, relative to the derivative's rms there.
+    fn inner_error(estimate: &[f64], truth: &[f64]) -> f64 {
+        let inner = truth.len() / 20..truth.len() - truth.len() / 20;
+        let zero = vec![0.0; inner.len()];
+        rms_difference(&estimate[inner.clone()], &truth[inner.clone()]) / rms_difference(&truth[inner], &zero)
+    }
+
+    #[test]
+    fn total_variation_beats_central_differences_on_a_noisy_chirp() {
+        for seed in 1..=20 {
+            let (times, signal, truth) = chirp(seed);
+            let central = inner_error(&central_differences(&times, &signal).unwrap(), &truth);
+            let found = TotalVariation::from_noise(0.01).differentiate(&times, &signal).unwrap();
+            let error = inner_error(&found.first, &truth);
+            println!(
+                "seed {seed}: central {central:.4}, total variation {error:.4} (γ {:.3e})",
+                found.parameter
+            );
+            assert!(central >= 5.0 * error, "{seed}: {central} {error}");
+        }
+    }
+
+    #[test]
+    fn bad_signals_are_refused_with_numbers() {
+        let ok = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let message = |t: &[f64], x: &[f64]| {
+            TotalVariation::with_gamma(1.0).differentiate(t, x).unwrap_err().to_string()
+        };
+        assert!(message(&[], &[]).contains("empty"));
+        assert!(message(&[0.0], &[1.0]).contains("needs at least 4 samples, there are 1"));
+        assert!(
+            message(&[0.0, 1.0, 1.0, 2.0], &ok[..4])
+                .contains("row 2 (counted from 0): 1 s is followed by 1 s")
+        );
+        assert!(message(&ok, &[0.0, 1.0, f64::NAN, 1.0, 1.0, 1.0]).contains("not finite (NaN) at row 2"));
+        assert!(message(&ok, &ok[..5]).contains("5 expected, 6 given"));
+        let negative = TotalVariation::from_noise(-1.0).differentiate(&ok, &ok).unwrap_err().to_string();
+        assert!(negative.contains("noise σ = -1 is not possible"));
+    }
+
+    #[test]
+    fn constant_and_straight_signals_have_constant_derivatives() {
+        let times: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.02).collect();
+        for slope in [0.0, -3.5] {
+            let signal: Vec<f64> = times.iter().map(|t| 7.0 + slope * t).collect();
+            let d = TotalVariation::from_noise(1e-4).differentiate(&times, &signal).unwrap();
+            let is_straight = |i: usize| (d.first[i] - slope).abs() < 1e-3 && d.second[i].abs() < 1e-2;
+            assert!((0..200).all(is_straight), "{} {:?}", d.parameter, d.first);
+        }
+    }
+}

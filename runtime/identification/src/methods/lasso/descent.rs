@@ -1,0 +1,229 @@
+//! One λ: coordinate descent, and a direct solve on the support.
+
+use super::super::least_squares::solve_scaled;
+use super::super::moments::Moments;
+use super::{Lasso, active_terms};
+use crate::error::{IdentificationError, Result, require_length, require_setting};
+use crate::numeric::digits::plain;
+use crate::numeric::spectrum::symmetric_eigen;
+use nalgebra::{DMatrix, DVector};
+
+pub(super) struct Problem {
+    pub(super) gram: DMatrix<f64>,
+    pub(super) b: DVector<f64>,
+    energy: f64,
+    pub(super) samples: f64,
+    pub(super) weights: Vec<f64>,
+    pub(super) nonnegative: Vec<bool>,
+}
+
+/// Coefficients w and the residual correlations c = b − G w.
+pub(super) struct State {
+    pub(super) w: DVector<f64>,
+    c: DVector<f64>,
+}
+
+impl State {
+    pub(super) fn new(problem: &Problem) -> Self {
+        Self { w: DVector::zeros(problem.b.len()), c: problem.b.clone() }
+    }
+}
+
+impl Problem {
+    pub(super) fn new(settings: &Lasso, moments: &Moments, target: usize) -> Result<Self> {
+        if target >= moments.targets() {
+            require_length("targets", target + 1, moments.targets())?;
+        }
+        require_setting("tolerance", settings.tolerance, settings.tolerance > 0.0, "it must be positive")?;
+        moments.require_no_zero_column()?;
+        let (p, samples) = (moments.terms(), moments.samples() as f64);
+        for &i in settings.unpenalized.iter().chain(&settings.nonnegative) {
+            if i >= p {
+                require_length("terms", i + 1, p)?;
+            }
+        }
+        let energy = moments.energy(target);
+        if energy == 0.0 {
+            return Err(IdentificationError::ZeroColumn {
+                term: format!("target {target}"),
+                samples: moments.samples(),
+            });
+        }
+        let gram = moments.gram();
+        let weight = |i: usize| match (settings.unpenalized.contains(&i), settings.standardize) {
+            (true, _) => 0.0,
+            (false, true) => (gram[(i, i)] / samples).sqrt(),
+            (false, false) => 1.0,
+        };
+        Ok(Self {
+            weights: (0..p).map(weight).collect(),
+            nonnegative: (0..p).map(|i| settings.nonnegative.contains(&i)).collect(),
+            b: moments.projection(target),
+            gram,
+            energy,
+            samples,
+        })
+    }
+
+    pub(super) fn unpenalized_fit(&self) -> DVector<f64> {
+        let free: Vec<usize> = (0..self.b.len()).filter(|&i| self.weights[i] == 0.0).collect();
+        let mut w = DVector::zeros(self.b.len());
+        if let Some(small) = solve_scaled(&self.gram, &self.b, &free, 0.0) {
+            for (&i, x) in free.iter().zip(small.iter()) {
+                w[i] = *x;
+            }
+        }
+        w
+    }
+
+    pub(super) fn solve(&self, lambda: f64, state: &mut State, settings: &Lasso) -> Result<(f64, usize)> {
+        let bound = settings.tolerance * self.energy / (2.0 * self.samples);
+        let mut gap = f64::INFINITY;
+        for sweep in 1..=settings.max_sweeps {
+            self.sweep(lambda, state);
+            // The direct solve below ends most λ after the first sweeps; later ones only help hard cases.
+            if sweep <= 3 || sweep % 10 == 0 {
+                self.solve_on_support(lambda, state);
+                gap = self.gap(lambda, state);
+                if gap <= bound {
+                    return Ok((gap, sweep));
+                }
+            }
+        }
+        Err(IdentificationError::NotConverged {
+            what: format!("the LASSO at λ = {}", plain(lambda, 6)),
+            iterations: settings.max_sweeps,
+            detail: format!(
+                "duality gap {}, wanted {}; the terms may be collinear",
+                plain(gap, 3),
+                plain(bound, 3)
+            ),
+        })
+    }
+
+    /// One round of coordinate descent with soft thresholding.
+    fn sweep(&self, lambda: f64, state: &mut State) {
+        for j in 0..state.w.len() {
+            let diagonal = self.gram[(j, j)];
+            let q = state.c[j] + diagonal * state.w[j];
+            let threshold = self.samples * lambda * self.weights[j];
+            let shrunk = if q > threshold {
+                q - threshold
+            } else if q < -threshold && !self.nonnegative[j] {
+                q + threshold
+            } else {
+                0.0
+            };
+            let change = shrunk / diagonal - state.w[j];
+            if change != 0.0 {
+                state.c.axpy(-change, &self.gram.column(j), 1.0);
+                state.w[j] += change;
+                if shrunk == 0.0 {
+                    state.w[j] = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Solves the optimality conditions for the present signs (feature-sign search; Lee et al. 2006).
+    ///
+    /// Where a coefficient would change its sign, the step ends there and that coefficient leaves the
+    /// support.
+    fn solve_on_support(&self, lambda: f64, state: &mut State) {
+        for _ in 0..state.w.len() {
+            let active = active_terms(&state.w);
+            let right = DVector::from_fn(self.b.len(), |j, _| {
+                self.b[j] - self.samples * lambda * self.weights[j] * state.w[j].signum()
+            });
+            let solution = match self.null_direction(&active) {
+                None => solve_scaled(&self.gram, &right, &active, 0.0),
+                Some(direction) => self.along_null_direction(&active, &direction, &state.w),
+            };
+            let Some(solution) = solution else { break };
+            let (fraction, leaving) = self.largest_step(&active, &solution, &state.w);
+            for (&j, x) in active.iter().zip(solution.iter()) {
+                state.w[j] += fraction * (x - state.w[j]);
+            }
+            let Some(leaving) = leaving else { break };
+            state.w[leaving] = 0.0;
+        }
+        state.c = &self.b - &self.gram * &state.w;
+    }
+
+    /// A direction that changes no fitted value, where the active terms are collinear.
+    fn null_direction(&self, active: &[usize]) -> Option<DVector<f64>> {
+        let n = active.len();
+        let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
+        let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
+        // Cholesky's least pivot bounds the least eigenvalue from above and is much cheaper.
+        let regular = scaled.clone().cholesky().is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
+        if regular || n == 0 {
+            return None;
+        }
+        let eigen = symmetric_eigen(scaled);
+        let least = eigen.eigenvalues.imin();
+        let is_null = eigen.eigenvalues[least] <= 1e-12;
+        is_null.then(|| DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
+    }
+
+    /// A far point along a null direction, downhill in the penalty, so that some coefficient reaches zero.
+    fn along_null_direction(
+        &self,
+        active: &[usize],
+        direction: &DVector<f64>,
+        w: &DVector<f64>,
+    ) -> Option<DVector<f64>> {
+        let slope: f64 =
+            (0..active.len()).map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i]).sum();
+        let sign = if slope > 0.0 { -1.0 } else { 1.0 };
+        let ratio = |i: usize| {
+            if sign * direction[i] * w[active[i]] < 0.0 {
+                (w[active[i]] / direction[i]).abs()
+            } else {
+                f64::INFINITY
+            }
+        };
+        let length = (0..active.len()).map(ratio).fold(f64::INFINITY, f64::min);
+        let far = |i: usize| w[active[i]] + sign * 2.0 * length * direction[i];
+        length.is_finite().then(|| DVector::from_fn(active.len(), |i, _| far(i)))
+    }
+
+    /// Share of the step to `solution` that keeps all signs, and the coefficient that ends it.
+    fn largest_step(
+        &self,
+        active: &[usize],
+        solution: &DVector<f64>,
+        w: &DVector<f64>,
+    ) -> (f64, Option<usize>) {
+        let mut step = (1.0, None);
+        for (&j, x) in active.iter().zip(solution.iter()) {
+            let may_change_sign = self.weights[j] == 0.0 && !self.nonnegative[j];
+            if !may_change_sign && x * w[j] <= 0.0 {
+                let share = w[j] / (w[j] - x);
+                if share < step.0 || step.1.is_none() {
+                    step = (share.min(step.0), Some(j));
+                }
+            }
+        }
+        step
+    }
+
+    /// Primal minus dual objective, with the dual point `s (y − Θ w)/N`, s as large as feasibility allows.
+    fn gap(&self, lambda: f64, state: &State) -> f64 {
+        let fitted = self.b.dot(&state.w);
+        let residual_target = self.energy - fitted;
+        let residual = (residual_target - state.c.dot(&state.w)).max(0.0);
+        let mut scale = 1.0_f64;
+        for j in 0..state.w.len() {
+            let c = if self.nonnegative[j] { state.c[j].max(0.0) } else { state.c[j].abs() };
+            let limit = self.samples * lambda * self.weights[j];
+            if self.weights[j] > 0.0 && c > limit {
+                scale = scale.min(limit / c);
+            }
+        }
+        let penalty: f64 = state.w.iter().zip(&self.weights).map(|(w, o)| o * w.abs()).sum();
+        let primal = residual / (2.0 * self.samples) + lambda * penalty;
+        let dual = (2.0 * scale * residual_target - scale * scale * residual) / (2.0 * self.samples);
+        (primal - dual).max(0.0)
+    }
+}

@@ -1,0 +1,142 @@
+//! LASSO on a path of λ, by coordinate descent on the Gram matrix (Friedman, Hastie, Tibshirani 2010).
+//!
+//! Convention of every λ in this crate (glmnet's and scikit-learn's):
+//! `min 1/(2N) ‖y − Θ ξ‖² + λ Σ ωᵢ |ξᵢ|`. The form `‖y − Θ ξ‖² + λ' ‖ξ‖₁` has `λ' = 2 N λ`:
+//! `paper_lambda`.
+
+mod descent;
+#[cfg(test)]
+mod tests;
+
+use super::super::error::{IdentificationError, Result, require_setting};
+use super::moments::Moments;
+use descent::{Problem, State};
+use nalgebra::{DMatrix, DVector};
+
+/// λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁` for the λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁`.
+pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
+    2.0 * samples as f64 * lambda
+}
+
+/// Settings of the LASSO.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lasso {
+    /// Penalize each term in units of its root mean square (`ωᵢ = rms θᵢ`) instead of `ωᵢ = 1`.
+    pub standardize: bool,
+    /// Terms without penalty (`ωᵢ = 0`).
+    pub unpenalized: Vec<usize>,
+    /// Terms whose coefficient must not be negative.
+    pub nonnegative: Vec<usize>,
+    /// Duality gap at which a solve ends, relative to `‖y‖²/(2N)`.
+    pub tolerance: f64,
+    /// Limit of the sweeps over all terms, for each λ.
+    pub max_sweeps: usize,
+}
+
+impl Default for Lasso {
+    fn default() -> Self {
+        Self {
+            standardize: false,
+            unpenalized: Vec::new(),
+            nonnegative: Vec::new(),
+            tolerance: 1e-10,
+            max_sweeps: 100_000,
+        }
+    }
+}
+
+/// Solutions along a path of λ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LassoPath {
+    /// λ, descending.
+    pub lambdas: Vec<f64>,
+    /// Coefficients `[p × number of λ]`.
+    pub coefficients: DMatrix<f64>,
+    /// Duality gap of each solution: an upper bound of its distance to the optimal objective.
+    pub gaps: Vec<f64>,
+    /// Sweeps needed.
+    pub sweeps: Vec<usize>,
+}
+
+impl Lasso {
+    /// Smallest λ at which every penalized coefficient is zero.
+    ///
+    /// # Errors
+    /// A zero target or term, or settings out of range.
+    pub(crate) fn largest_lambda(&self, moments: &Moments, target: usize) -> Result<f64> {
+        let problem = Problem::new(self, moments, target)?;
+        let start = problem.unpenalized_fit();
+        let c = &problem.b - &problem.gram * start;
+        let bound = |j: usize| {
+            let c = if problem.nonnegative[j] { c[j].max(0.0) } else { c[j].abs() };
+            if problem.weights[j] > 0.0 { c / (problem.samples * problem.weights[j]) } else { 0.0 }
+        };
+        // A few units in the last place more, so that rounding leaves no coefficient at this λ.
+        Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
+    }
+
+    /// `count` values from the least that removes every term down to `ratio` times it, evenly spaced in the logarithm.
+    ///
+    /// # Errors
+    /// `ratio` outside (0, 1), no values, or a target or term that is zero.
+    pub fn lambda_grid(
+        &self,
+        moments: &Moments,
+        target: usize,
+        count: usize,
+        ratio: f64,
+    ) -> Result<Vec<f64>> {
+        require_setting("ratio of λ", ratio, ratio > 0.0 && ratio < 1.0, "it must lie between 0 and 1")?;
+        require_setting("number of λ", count as f64, count >= 2, "at least two are needed")?;
+        let largest = self.largest_lambda(moments, target)?;
+        let step = |i: usize| largest * ratio.powf(i as f64 / (count - 1) as f64);
+        Ok((0..count).map(step).collect())
+    }
+
+    /// Solves for each λ, each solve starting from the one before.
+    ///
+    /// # Errors
+    /// λ negative or NaN, a zero target or term, or a gap that stays above the tolerance.
+    pub(crate) fn path(&self, moments: &Moments, target: usize, lambdas: &[f64]) -> Result<LassoPath> {
+        let problem = Problem::new(self, moments, target)?;
+        let mut path = LassoPath {
+            lambdas: lambdas.to_vec(),
+            coefficients: DMatrix::zeros(moments.terms(), lambdas.len()),
+            gaps: Vec::with_capacity(lambdas.len()),
+            sweeps: Vec::with_capacity(lambdas.len()),
+        };
+        let mut state = State::new(&problem);
+        for (column, &lambda) in lambdas.iter().enumerate() {
+            require_setting("λ", lambda, lambda >= 0.0, "it must be finite and not negative")?;
+            let (gap, sweeps) = problem.solve(lambda, &mut state, self)?;
+            path.coefficients.set_column(column, &state.w);
+            path.gaps.push(gap);
+            path.sweeps.push(sweeps);
+        }
+        Ok(path)
+    }
+
+    /// Chosen terms at one λ; an error if there are none.
+    ///
+    /// # Errors
+    /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else
+    /// a negative λ, a zero target or term, or a gap that stays above the tolerance.
+    pub fn fit(&self, moments: &Moments, target: usize, lambda: f64) -> Result<(DVector<f64>, Vec<usize>)> {
+        let path = self.path(moments, target, &[lambda])?;
+        let coefficients = path.coefficients.column(0).into_owned();
+        let active = active_terms(&coefficients);
+        if active.is_empty() {
+            return Err(IdentificationError::EverythingRemoved {
+                what: "lambda".into(),
+                value: lambda,
+                largest: self.largest_lambda(moments, target)?,
+            });
+        }
+        Ok((coefficients, active))
+    }
+}
+
+/// Indices of the coefficients that are not zero.
+pub(crate) fn active_terms(coefficients: &DVector<f64>) -> Vec<usize> {
+    (0..coefficients.len()).filter(|&i| coefficients[i] != 0.0).collect()
+}

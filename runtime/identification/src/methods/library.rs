@@ -1,0 +1,168 @@
+//! The library Θ: terms as declared in a description, evaluated on channels.
+
+use super::super::error::{IdentificationError, Result, require_length};
+use super::super::numeric::digits::two_digits;
+use super::expression::{Kind, Program, Workspace};
+use nalgebra::DMatrix;
+
+/// Candidate terms `θᵢ`, each an expression over named channels (`v`, `y`, a load torque, states and inputs).
+#[derive(Debug, Clone)]
+pub struct Library {
+    terms: Vec<String>,
+    channels: Vec<String>,
+    program: Program,
+}
+
+impl Library {
+    /// Compiles `terms` over `channels`.
+    ///
+    /// # Errors
+    /// No term, a term twice, a term that is no number, or a fault in its text.
+    pub fn new<S: AsRef<str>, C: AsRef<str>>(terms: &[S], channels: &[C]) -> Result<Self> {
+        let terms: Vec<String> = terms.iter().map(|t| t.as_ref().to_string()).collect();
+        let channels: Vec<String> = channels.iter().map(|t| t.as_ref().to_string()).collect();
+        if terms.is_empty() {
+            return Err(IdentificationError::Empty { what: "the library of terms".into() });
+        }
+        let program = Program::new(&terms, &channels)?;
+        for (i, term) in terms.iter().enumerate() {
+            let fault = |message: &str| IdentificationError::Expression {
+                text: term.clone(),
+                message: message.into(),
+            };
+            if program.kind(i) != Some(Kind::Number) {
+                return Err(fault("a library term must be a number, not a truth value"));
+            }
+            if terms[..i].contains(term) {
+                return Err(fault("this term stands twice in the library"));
+            }
+        }
+        Ok(Self { terms, channels, program })
+    }
+
+    /// The friction library of the reference robot: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`.
+    ///
+    /// # Errors
+    /// None in practice; the signature is that of [`Self::new`].
+    pub fn friction() -> Result<Self> {
+        Self::new(&["1", "v", "sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"], &["v"])
+    }
+
+    /// Friction of a joint whose shape is not known: the terms of [`Self::friction`] and what makes them differ
+    /// by direction, `|v|` and `|tanh 20v|`.
+    ///
+    /// With `a v + b |v|` viscous friction is `a + b` forwards and `a − b` backwards; so is the Coulomb friction
+    /// of `a tanh 20v + b |tanh 20v|`. Unlike a constant, both vanish at rest.
+    ///
+    /// # Errors
+    /// None in practice; the signature is that of [`Self::new`].
+    pub fn joint_friction() -> Result<Self> {
+        let asymmetric = ["abs(v)", "abs(tanh(20*v))"].map(String::from);
+        let terms: Vec<String> = Self::friction()?.terms.into_iter().chain(asymmetric).collect();
+        Self::new(&terms, &["v"])
+    }
+
+    /// All monomials of `channels` up to `degree`, constant first, e.g. `1, x, y, x*x, x*y, y*y`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn polynomial<C: AsRef<str>>(channels: &[C], degree: usize) -> Result<Self> {
+        let mut terms = vec!["1".to_string()];
+        let mut last: Vec<(String, usize)> = vec![(String::new(), 0)];
+        for _ in 0..degree {
+            let mut next = Vec::new();
+            for (text, first) in &last {
+                for (i, channel) in channels.iter().enumerate().skip(*first) {
+                    let joint = if text.is_empty() { "" } else { "*" };
+                    next.push((format!("{text}{joint}{}", channel.as_ref()), i));
+                }
+            }
+            terms.extend(next.iter().map(|(text, _)| text.clone()));
+            last = next;
+        }
+        Self::new(&terms, channels)
+    }
+
+    /// The library of some of its terms.
+    ///
+    /// # Errors
+    /// No term.
+    pub(crate) fn only(&self, terms: &[usize]) -> Result<Self> {
+        let terms: Vec<&str> = terms.iter().map(|&i| self.terms[i].as_str()).collect();
+        Self::new(&terms, &self.channels)
+    }
+
+    /// The library for speeds that are `scale` times as fast: terms tanh(k v) with a number k keep their shape. Other terms
+    /// stay as they are.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]: slopes that become the same one.
+    pub(crate) fn scaled(&self, scale: f64) -> Result<Self> {
+        if scale == 1.0 {
+            return Ok(self.clone());
+        }
+        let terms: Vec<String> = self.terms.iter().map(|term| term_over(term, scale)).collect();
+        Self::new(&terms, &self.channels)
+    }
+
+    /// Texts of the terms.
+    pub fn terms(&self) -> &[String] {
+        &self.terms
+    }
+
+    /// Names of the channels.
+    pub(crate) fn channels(&self) -> &[String] {
+        &self.channels
+    }
+
+    /// Number of terms p.
+    pub(crate) fn len(&self) -> usize {
+        self.terms.len()
+    }
+
+    pub(crate) fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// Buffers for [`Self::row`].
+    pub fn workspace(&self) -> Workspace {
+        self.program.workspace()
+    }
+
+    /// One row of Θ, without allocation.
+    ///
+    /// # Errors
+    /// Wrong lengths.
+    pub fn row(&self, channels: &[f64], workspace: &mut Workspace, out: &mut [f64]) -> Result<()> {
+        self.program.evaluate(channels, workspace, out)
+    }
+
+    /// The matrix Θ `[samples × terms]`.
+    ///
+    /// # Errors
+    /// Wrong number or lengths of the channels.
+    pub fn matrix(&self, channels: &[&[f64]]) -> Result<DMatrix<f64>> {
+        require_length("channels of the library", self.channels.len(), channels.len())?;
+        let columns = self.program.evaluate_columns(channels)?;
+        let m = columns[0].len();
+        Ok(DMatrix::from_iterator(m, columns.len(), columns.into_iter().flatten()))
+    }
+}
+
+/// Term of a smooth sign of the velocity, `tanh(k v)`.
+pub(crate) fn smooth_sign(factor: f64) -> String {
+    format!("tanh({factor}*v)")
+}
+
+/// Factor k of a term tanh(k v) of a joint where v is `scale` times as fast, with two digits.
+pub(crate) fn slope(factor: f64, scale: f64) -> f64 {
+    if scale == 1.0 { factor } else { two_digits(factor / scale) }
+}
+
+fn term_over(term: &str, scale: f64) -> String {
+    let parts = term.split_once("tanh(").and_then(|(before, rest)| {
+        let (factor, after) = rest.split_once("*v)")?;
+        Some(format!("{before}{}{after}", smooth_sign(slope(factor.parse().ok()?, scale))))
+    });
+    parts.unwrap_or_else(|| term.to_owned())
+}

@@ -1,0 +1,16 @@
+//! Methods of regression: libraries of terms, sparse selection, the Stribeck law, derivatives of signals, and their errors.
+
+pub(crate) mod confidence;
+pub(crate) mod constrained;
+pub mod cross_validation;
+pub mod differentiation;
+pub(crate) mod ensemble;
+pub mod expression;
+pub mod lasso;
+pub mod least_squares;
+pub mod library;
+pub mod moments;
+pub(crate) mod offset;
+pub mod stribeck;
+pub mod subset;
+pub mod thresholding;

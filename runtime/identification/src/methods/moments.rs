@@ -1,0 +1,414 @@
+//! Moments: sums of products of all columns of `[Θ | Y]` in one pass over the data, in total or for contiguous blocks.
+//!
+//! Sparse regression, cross-validation and bootstraps need no more than these sums ("moments"), so the
+//! samples are read once, however many models are fitted. Forming ΘᵀΘ squares the condition number;
+//! [`super::least_squares`] watches it and goes back to the data with an orthogonal factorization where it
+//! matters.
+
+use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
+use super::super::numeric::kernel::{BLOCK, add_products};
+use super::super::numeric::spectrum::symmetric_eigenvalues;
+use super::library::Library;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// For each of the folds the sum of all others, and itself.
+pub(crate) fn splits(folds: &[Moments]) -> impl Iterator<Item = Result<(Moments, &Moments)>> {
+    folds.iter().enumerate().map(|(k, fold)| {
+        let others = folds.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, fold)| fold);
+        Ok((Moments::sum(others)?, fold))
+    })
+}
+
+/// Samples of the library columns and targets `[Θ | Y]`, read block by block.
+#[derive(Debug, Clone)]
+pub struct Samples<'a> {
+    names: Vec<String>,
+    regressors: Regressors<'a>,
+    targets: Vec<&'a [f64]>,
+    weights: Option<&'a [f64]>,
+    samples: usize,
+}
+
+#[derive(Debug, Clone)]
+enum Regressors<'a> {
+    Columns(Vec<&'a [f64]>),
+    Library(&'a Library, Vec<&'a [f64]>),
+}
+
+impl<'a> Samples<'a> {
+    /// Samples with a stored matrix: `columns` of Θ with their `names`, and the target columns.
+    ///
+    /// # Errors
+    /// No samples, or lengths that disagree.
+    pub fn from_columns(names: &[String], columns: Vec<&'a [f64]>, targets: Vec<&'a [f64]>) -> Result<Self> {
+        require_length("names of the columns", columns.len(), names.len())?;
+        Self::new(names.to_vec(), Regressors::Columns(columns), targets)
+    }
+
+    /// Samples with a matrix Θ `[samples × terms]`.
+    ///
+    /// # Errors
+    /// As [`Self::from_columns`].
+    pub fn from_matrix(names: &[String], theta: &'a DMatrix<f64>, targets: Vec<&'a [f64]>) -> Result<Self> {
+        let columns = theta.as_slice().chunks_exact(theta.nrows().max(1)).collect();
+        Self::from_columns(names, columns, targets)
+    }
+
+    /// Samples of channels. The library is evaluated while the sums are formed, and nothing is stored.
+    ///
+    /// # Errors
+    /// No samples, wrong number of channels, or lengths that disagree.
+    pub fn from_library(
+        library: &'a Library,
+        channels: Vec<&'a [f64]>,
+        targets: Vec<&'a [f64]>,
+    ) -> Result<Self> {
+        require_length("channels of the library", library.channels().len(), channels.len())?;
+        Self::new(library.terms().to_vec(), Regressors::Library(library, channels), targets)
+    }
+
+    fn new(names: Vec<String>, regressors: Regressors<'a>, targets: Vec<&'a [f64]>) -> Result<Self> {
+        let samples = targets.first().map_or(0, |t| t.len());
+        require_samples("the regression", 1, samples)?;
+        let (Regressors::Columns(columns) | Regressors::Library(_, columns)) = &regressors;
+        for column in columns.iter().chain(&targets) {
+            require_length("samples of a column", samples, column.len())?;
+        }
+        Ok(Self { names, regressors, targets, weights: None, samples })
+    }
+
+    /// Weights wᵢ ≥ 0 of the samples: the fit minimizes `Σ wᵢ (yᵢ − θᵢ ξ)²`.
+    ///
+    /// # Errors
+    /// Wrong length, NaN, or a negative weight.
+    pub(crate) fn with_weights(mut self, weights: &'a [f64]) -> Result<Self> {
+        require_length("weights", self.samples, weights.len())?;
+        require_finite("the weights", weights)?;
+        if let Some(row) = weights.iter().position(|w| *w < 0.0) {
+            return Err(IdentificationError::Setting {
+                name: format!("weight of row {row}"),
+                value: weights[row],
+                requirement: "weights must not be negative".into(),
+            });
+        }
+        self.weights = Some(weights);
+        Ok(self)
+    }
+
+    /// Texts of the terms.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of samples m.
+    pub(crate) fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Number of target columns.
+    pub(crate) fn targets(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// Visits `rows` in blocks of at most 256; columns are those of Θ, then the targets, times √weight.
+    pub(crate) fn visit(&self, rows: Range<usize>, visit: &mut dyn FnMut(&[&[f64]])) {
+        let mut scaled = vec![0.0; (self.names.len() + self.targets.len()) * BLOCK];
+        let mut workspace = match &self.regressors {
+            Regressors::Library(library, _) => Some(library.workspace()),
+            Regressors::Columns(_) => None,
+        };
+        let mut start = rows.start;
+        while start < rows.end {
+            let block = start..rows.end.min(start + BLOCK);
+            let n = block.len();
+            let mut columns: Vec<&[f64]> = Vec::with_capacity(self.names.len() + self.targets.len());
+            match (&self.regressors, &mut workspace) {
+                (Regressors::Columns(all), _) => columns.extend(all.iter().map(|c| &c[block.clone()])),
+                (Regressors::Library(library, channels), Some(workspace)) => {
+                    let slices: Vec<&[f64]> = channels.iter().map(|c| &c[block.clone()]).collect();
+                    library.program().block(&slices, workspace);
+                    columns.extend((0..library.len()).map(|i| library.program().result(i, n, workspace)));
+                }
+                (Regressors::Library(..), None) => {}
+            }
+            columns.extend(self.targets.iter().map(|t| &t[block.clone()]));
+            match self.weights {
+                None => visit(&columns),
+                Some(weights) => visit(&scale_rows(&columns, &weights[block.clone()], &mut scaled)),
+            }
+            start = block.end;
+        }
+    }
+
+    /// The first value that is not finite, as an error; overflow otherwise.
+    fn explain_not_finite(&self) -> IdentificationError {
+        let mut values = vec![Vec::with_capacity(self.samples); self.names.len() + self.targets.len()];
+        self.visit(0..self.samples, &mut |columns| {
+            for (all, column) in values.iter_mut().zip(columns) {
+                all.extend_from_slice(column);
+            }
+        });
+        let name = |i: usize| match self.names.get(i) {
+            Some(term) => format!("the term {term}"),
+            None => format!("target {}", i - self.names.len()),
+        };
+        for (i, column) in values.iter().enumerate() {
+            if let Err(error) = require_finite(&name(i), column) {
+                return error;
+            }
+        }
+        let largest = |c: &Vec<f64>| c.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let i = (0..values.len())
+            .max_by(|&i, &j| largest(&values[i]).total_cmp(&largest(&values[j])))
+            .unwrap_or(0);
+        IdentificationError::Overflow { what: name(i), largest: largest(&values[i]) }
+    }
+}
+
+fn scale_rows<'s>(columns: &[&[f64]], weights: &[f64], scaled: &'s mut [f64]) -> Vec<&'s [f64]> {
+    let n = weights.len();
+    for (column, out) in columns.iter().zip(scaled.chunks_exact_mut(BLOCK)) {
+        for i in 0..n {
+            out[i] = column[i] * weights[i].sqrt();
+        }
+    }
+    scaled.chunks_exact(BLOCK).take(columns.len()).map(|c| &c[..n]).collect()
+}
+
+/// Sums of products `[Θ | Y]ᵀ W [Θ | Y]` over some samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moments {
+    names: Vec<String>,
+    samples: usize,
+    products: DMatrix<f64>,
+}
+
+impl Moments {
+    /// Sums over all samples.
+    ///
+    /// # Errors
+    /// NaN or infinite values, with column and row.
+    pub fn new(samples: &Samples) -> Result<Self> {
+        Ok(Self::blocks(samples, 1)?.remove(0))
+    }
+
+    /// Sums over `count` contiguous blocks of nearly equal size (the first ones get the remainder, one sample
+    /// each).
+    ///
+    /// # Errors
+    /// Fewer samples than blocks, or NaN or infinite values.
+    pub fn blocks(samples: &Samples, count: usize) -> Result<Vec<Self>> {
+        require_samples(&format!("a division into {count} blocks"), count.max(1), samples.len())?;
+        let ranges: Vec<_> = contiguous_blocks(samples.len(), count.max(1)).collect();
+        Self::ranges(samples, &ranges)
+    }
+
+    /// Sums over given ranges of samples, e.g. the runs of a log, or groups of runs that repeat one motion.
+    ///
+    /// # Errors
+    /// A range that is empty or ends behind the samples, or NaN or infinite values.
+    pub(crate) fn ranges(samples: &Samples, ranges: &[Range<usize>]) -> Result<Vec<Self>> {
+        let mut blocks = Vec::with_capacity(ranges.len());
+        for rows in ranges.iter().cloned() {
+            require_samples("a range of samples", 1, rows.len())?;
+            if rows.end > samples.len() {
+                require_length("samples up to the end of a range", rows.end, samples.len())?;
+            }
+            let block = Self::over(samples, rows);
+            if block.products.iter().any(|x| !x.is_finite()) {
+                return Err(samples.explain_not_finite());
+            }
+            blocks.push(block);
+        }
+        Ok(blocks)
+    }
+
+    /// Sums over folds, each of several ranges of samples.
+    ///
+    /// # Errors
+    /// As [`Self::ranges`], and a fold without ranges.
+    pub(crate) fn folds(samples: &Samples, folds: &[Vec<Range<usize>>]) -> Result<Vec<Self>> {
+        folds.iter().map(|ranges| Self::sum(&Self::ranges(samples, ranges)?)).collect()
+    }
+
+    fn over(samples: &Samples, rows: Range<usize>) -> Self {
+        let q = samples.names.len() + samples.targets.len();
+        let mut sums = vec![0.0; q * q];
+        let count = rows.len();
+        samples.visit(rows, &mut |columns| add_products(columns, &mut sums));
+        let products = DMatrix::from_fn(q, q, |i, j| sums[i.max(j) * q + i.min(j)]);
+        Self { names: samples.names.clone(), samples: count, products }
+    }
+
+    /// Moments from a matrix of products of the terms' columns and one target's.
+    pub(crate) fn of_products(names: Vec<String>, samples: usize, products: DMatrix<f64>) -> Self {
+        Self { names, samples, products }
+    }
+
+    /// Sum of several moments of the same columns.
+    ///
+    /// # Errors
+    /// [`IdentificationError::Empty`] without parts, or parts of different width.
+    pub fn sum<'m>(parts: impl IntoIterator<Item = &'m Self>) -> Result<Self> {
+        let mut parts = parts.into_iter();
+        let Some(first) = parts.next() else {
+            return Err(IdentificationError::Empty { what: "the sum of moments".into() });
+        };
+        let mut total = first.clone();
+        for part in parts {
+            require_length("columns of the moments", total.products.ncols(), part.products.ncols())?;
+            total.samples += part.samples;
+            total.products += &part.products;
+        }
+        Ok(total)
+    }
+
+    /// Texts of the terms.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of terms p.
+    pub(crate) fn terms(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Number of samples m.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Number of targets.
+    pub(crate) fn targets(&self) -> usize {
+        self.products.ncols() - self.names.len()
+    }
+
+    /// Gram matrix ΘᵀΘ `[p × p]`.
+    pub(crate) fn gram(&self) -> DMatrix<f64> {
+        let p = self.terms();
+        self.products.view((0, 0), (p, p)).into_owned()
+    }
+
+    /// Projection Θᵀy of one target `[p]`.
+    pub(crate) fn projection(&self, target: usize) -> DVector<f64> {
+        let p = self.terms();
+        self.products.view((0, p + target), (p, 1)).column(0).into_owned()
+    }
+
+    /// Energy yᵀy of one target.
+    pub(crate) fn energy(&self, target: usize) -> f64 {
+        let i = self.terms() + target;
+        self.products[(i, i)]
+    }
+
+    /// Residual sum of squares `‖y − Θ ξ‖²`, from the sums alone; cancellation limits it to about 1e-14 of
+    /// yᵀy.
+    pub fn residual(&self, target: usize, coefficients: &DVector<f64>) -> f64 {
+        let b = self.projection(target);
+        let quadratic = (self.gram() * coefficients).dot(coefficients);
+        (self.energy(target) - 2.0 * b.dot(coefficients) + quadratic).max(0.0)
+    }
+
+    /// Correlation matrix of the terms (uncentred: cosines of the angles between the columns).
+    pub fn correlation(&self) -> DMatrix<f64> {
+        let p = self.terms();
+        let norm = |i: usize| self.products[(i, i)].sqrt();
+        DMatrix::from_fn(p, p, |i, j| {
+            let product = norm(i) * norm(j);
+            if product > 0.0 { self.products[(i, j)] / product } else { 0.0 }
+        })
+    }
+
+    /// Condition number of the library with its columns scaled to unit length; ∞ if a column vanishes.
+    /// It is computed from the Gram matrix, so that values above 1e7 are only lower bounds.
+    pub(crate) fn condition(&self) -> f64 {
+        let eigenvalues = symmetric_eigenvalues(&self.correlation());
+        let (least, largest) = (eigenvalues.min(), eigenvalues.max());
+        if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY }
+    }
+
+    pub(crate) fn require_no_zero_column(&self) -> Result<()> {
+        match (0..self.terms()).find(|&i| self.products[(i, i)] == 0.0) {
+            None => Ok(()),
+            Some(i) => {
+                Err(IdentificationError::ZeroColumn { term: self.names[i].clone(), samples: self.samples })
+            }
+        }
+    }
+}
+
+/// Divides 0..samples into `count` contiguous ranges; the first `samples mod count` ranges are one longer.
+pub(crate) fn contiguous_blocks(samples: usize, count: usize) -> impl Iterator<Item = Range<usize>> {
+    let (size, longer) = (samples / count, samples % count);
+    (0..count).map(move |k| {
+        let start = k * size + k.min(longer);
+        start..start + size + usize::from(k < longer)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::random::SplitMix64;
+
+    #[test]
+    fn sums_equal_the_matrix_product_with_and_without_weights() {
+        let mut random = SplitMix64::new(1);
+        let m = 1001;
+        let theta = DMatrix::from_fn(m, 5, |_, _| random.normal());
+        let y: Vec<f64> = (0..m).map(|_| random.normal()).collect();
+        let w: Vec<f64> = (0..m).map(|_| random.uniform()).collect();
+        let names: Vec<String> = (0..5).map(|i| format!("t{i}")).collect();
+        let samples = Samples::from_matrix(&names, &theta, vec![&y]).unwrap();
+        let plain = Moments::new(&samples).unwrap();
+        assert!((plain.gram() - theta.transpose() * &theta).amax() < 1e-11);
+        let weighted = Moments::new(&samples.clone().with_weights(&w).unwrap()).unwrap();
+        let diagonal = DMatrix::from_diagonal(&DVector::from_column_slice(&w));
+        let b = theta.transpose() * diagonal * DVector::from_column_slice(&y);
+        assert!((weighted.projection(0) - b).amax() < 1e-11);
+        let blocks = Moments::blocks(&samples, 7).unwrap();
+        assert_eq!(blocks.iter().map(Moments::samples).collect::<Vec<_>>(), [143; 7]);
+        assert!((Moments::sum(&blocks).unwrap().gram() - plain.gram()).amax() < 1e-11);
+        let runs = Moments::ranges(&samples, &[0..143, 143..1001]).unwrap();
+        assert_eq!(runs[0], blocks[0]);
+        let message = |range: Range<usize>| {
+            let runs = Moments::ranges(&samples, &[range]);
+            runs.unwrap_err().to_string()
+        };
+        assert!(message(900..1002).contains("1002 expected, 1001 given"));
+        assert!(message(5..5).starts_with("a range of samples is empty"));
+    }
+
+    #[test]
+    fn library_evaluated_on_the_fly_equals_the_stored_matrix() {
+        let library = Library::friction().unwrap();
+        let v: Vec<f64> = (0..3000).map(|i| (0.01 * f64::from(i)).sin()).collect();
+        let theta = library.matrix(&[&v]).unwrap();
+        let stored = Moments::new(&Samples::from_matrix(library.terms(), &theta, vec![&v]).unwrap()).unwrap();
+        let streamed = Moments::new(&Samples::from_library(&library, vec![&v], vec![&v]).unwrap()).unwrap();
+        assert_eq!(stored, streamed);
+    }
+
+    #[test]
+    fn bad_values_are_reported_with_their_row() {
+        let mut v = vec![0.5; 600];
+        v[321] = f64::NAN;
+        v[400] = f64::NAN;
+        let library = Library::new(&["v", "v*v"], &["v"]).unwrap();
+        let y = vec![1.0; 600];
+        let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
+        let message = Moments::new(&samples).unwrap_err().to_string();
+        assert!(
+            message.starts_with(
+                "the term v is not finite (NaN) at row 321 (counted from 0), 2 such values of 600"
+            )
+        );
+        let huge = vec![1e200; 600];
+        let samples = Samples::from_library(&library, vec![&y], vec![&huge]).unwrap();
+        assert!(Moments::new(&samples).unwrap_err().to_string().contains("target 0 has values up to 1e200"));
+        assert!(
+            Samples::from_library(&library, vec![&[]], vec![&[]]).unwrap_err().to_string().contains("empty")
+        );
+    }
+}

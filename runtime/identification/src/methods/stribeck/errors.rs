@@ -1,0 +1,165 @@
+//! What the data say about the parameters: standard errors, and warnings.
+
+use super::super::confidence::{LongRun, covariance_of_sums};
+use super::super::offset::centre;
+use super::law::{NAMES, StribeckFit, stribeck_block};
+use super::refine::{Data, Normal};
+use crate::numeric::digits::plain;
+use crate::numeric::kernel::BLOCK;
+use crate::numeric::spectrum::symmetric_eigen;
+use nalgebra::{DMatrix, SMatrix};
+use std::ops::Range;
+
+pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
+    let constants = if data.offset { data.runs.len() } else { 0 };
+    let freedom = data.v.len().saturating_sub(5 + constants).max(1);
+    let variance = state.cost / freedom as f64;
+    let (inverse, lost, condition) = inverse(&state.h);
+    let known = |i: usize, variance: f64| (!lost[i]).then(|| variance.max(0.0).sqrt());
+    let covariance = inverse * variance;
+    let mut fit = StribeckFit {
+        parameters: state.a,
+        offsets: if data.offset { state.offsets.clone() } else { Vec::new() },
+        covariance,
+        standard_errors: std::array::from_fn(|i| known(i, covariance[(i, i)])),
+        resolutions: std::array::from_fn(|i| known(i, variance / state.h[(i, i)])),
+        variance,
+        freedom,
+        condition,
+        iterations: state.iterations,
+        converged: state.converged,
+        warnings: Vec::new(),
+        information: state.h,
+    };
+    fit.warnings = warnings(&fit, data);
+    fit
+}
+
+/// `H⁻¹` with zeros for what is not identifiable, which parameters these are, and the condition number of the
+/// scaled sensitivities.
+fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
+    let d = h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
+    let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| h[(i, j)] / (d[i] * d[j]));
+    let eigen = symmetric_eigen(scaled);
+    let largest = eigen.eigenvalues.max();
+    let mut inverse = SMatrix::<f64, 5, 5>::zeros();
+    let mut lost = [false; 5];
+    for k in 0..5 {
+        let direction = eigen.eigenvectors.column(k);
+        if eigen.eigenvalues[k] > 1e-10 * largest {
+            inverse += direction * direction.transpose() / eigen.eigenvalues[k];
+        } else {
+            (0..5)
+                .filter(|&i| direction[i].is_nan() || direction[i].abs() > 0.1)
+                .for_each(|i| lost[i] = true);
+        }
+    }
+    let entry = |i: usize, j: usize| if lost[i] || lost[j] { 0.0 } else { inverse[(i, j)] / (d[i] * d[j]) };
+    let least = eigen.eigenvalues.min().max(0.0);
+    let condition = if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY };
+    (SMatrix::from_fn(entry), lost, condition)
+}
+
+impl StribeckFit {
+    /// The same fit with covariance and standard errors that hold where the errors of neighbouring samples are
+    /// correlated, see [`super::super::confidence`]; the arguments are those of the regression.
+    #[must_use]
+    pub(crate) fn with_correlated_errors(
+        mut self,
+        velocities: &[f64],
+        torques: &[f64],
+        weights: Option<&[f64]>,
+        runs: &[Range<usize>],
+    ) -> Self {
+        let scores = self.scores(velocities, torques, weights, runs);
+        let (inverse, ..) = inverse(&self.information);
+        let m = velocities.len();
+        let influence = |j: usize| -> Vec<f64> {
+            (0..m).map(|i| (0..5).map(|k| inverse[(j, k)] * scores[k][i]).sum()).collect()
+        };
+        let influences: Vec<Vec<f64>> = (0..5).map(influence).collect();
+        let sums: Vec<LongRun> = influences.iter().map(|s| LongRun::of_sum(s, runs)).collect();
+        let block = sums.iter().map(|s| s.block).max().unwrap_or(1);
+        let raw = covariance_of_sums(&influences, runs, block);
+        self.covariance = rescaled(&raw, &sums);
+        self.standard_errors =
+            std::array::from_fn(|i| self.standard_errors[i].map(|_| sums[i].standard_error()));
+        let alone = |i: usize| LongRun::of_sum(&scores[i], runs).standard_error() / self.information[(i, i)];
+        self.resolutions = std::array::from_fn(|i| self.resolutions[i].map(|_| alone(i)));
+        let freedom = sums.iter().map(|s| s.freedom).fold(f64::INFINITY, f64::min);
+        self.freedom = self.freedom.min(freedom as usize).max(1);
+        self
+    }
+
+    /// Contributions of each sample to the normal equations, offsets eliminated.
+    fn scores(
+        &self,
+        velocities: &[f64],
+        torques: &[f64],
+        weights: Option<&[f64]>,
+        runs: &[Range<usize>],
+    ) -> Vec<Vec<f64>> {
+        let m = velocities.len();
+        let mut all: Vec<Vec<f64>> = vec![Vec::new(); 6];
+        let mut columns = [[0.0; BLOCK]; 6];
+        for (v, torque) in velocities.chunks(BLOCK).zip(torques.chunks(BLOCK)) {
+            stribeck_block(v, torque, &self.parameters, &mut columns);
+            all.iter_mut().zip(&columns).for_each(|(all, column)| all.extend_from_slice(&column[..v.len()]));
+        }
+        if !self.offsets.is_empty() {
+            all.iter_mut().for_each(|column| centre(column, runs, weights));
+        }
+        let Some(residual) = all.pop() else { return all };
+        for column in &mut all {
+            for i in 0..m {
+                column[i] *= weights.map_or(1.0, |w| w[i]) * residual[i];
+            }
+        }
+        all
+    }
+}
+
+fn rescaled(raw: &DMatrix<f64>, sums: &[LongRun]) -> SMatrix<f64, 5, 5> {
+    let factor =
+        |i: usize| if raw[(i, i)] > 0.0 { sums[i].standard_error() / raw[(i, i)].sqrt() } else { 0.0 };
+    SMatrix::from_fn(|i, j| raw[(i, j)] * factor(i) * factor(j))
+}
+
+fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let a = &fit.parameters;
+    if !fit.converged {
+        warnings.push(format!("no convergence in {} passes: some parameters run away", fit.iterations));
+    }
+    for i in 0..5 {
+        match fit.standard_errors[i] {
+            None => warnings.push(format!("{} is not identifiable: the data do not depend on it", NAMES[i])),
+            Some(s) if s > 0.5 * a[i].abs() => {
+                warnings.push(format!(
+                    "{} = {} has a standard error of {}",
+                    NAMES[i],
+                    plain(a[i], 4),
+                    plain(s, 2)
+                ));
+            }
+            Some(_) => {}
+        }
+        for j in 0..i {
+            let c = fit.covariance[(i, j)] / (fit.covariance[(i, i)] * fit.covariance[(j, j)]).sqrt();
+            if c.abs() > 0.995 {
+                warnings.push(format!(
+                    "{} and {} are correlated with {c:.4}: only a combination is known",
+                    NAMES[j], NAMES[i]
+                ));
+            }
+        }
+    }
+    let slow = data.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count();
+    if slow < 10 {
+        warnings.push(format!(
+            "only {slow} samples are slower than 1/a3 = {}: the step at zero is a guess",
+            plain(1.0 / a[2], 4)
+        ));
+    }
+    warnings
+}

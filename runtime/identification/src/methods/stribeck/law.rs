@@ -1,0 +1,100 @@
+//! The law, the settings of its regression, and what a regression gives.
+
+use crate::numeric::kernel::BLOCK;
+use gelenk_formula::FrictionPart;
+use gelenk_kernels::math::exp;
+use multiversion::multiversion;
+use nalgebra::SMatrix;
+
+pub(crate) const NAMES: [&str; 5] = FrictionPart::STRIBECK_KEYS;
+
+/// The law's value at velocity `v` [N·m or N].
+pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
+    a[0] * v + a[1] * (a[2] * v).tanh() + a[3] * (-a[4] * v.abs()).exp() * (3.0 * a[2] * v).tanh()
+}
+
+/// The law's derivatives by a1 … a5 at velocity `v`.
+pub(crate) fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
+    let mut columns = [[0.0; BLOCK]; 6];
+    stribeck_block(&[v], &[0.0], a, &mut columns);
+    std::array::from_fn(|i| columns[i][0])
+}
+
+/// Columns ∂τ/∂a and residual of the law over one block.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
+pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &mut [[f64; BLOCK]; 6]) {
+    let n = v.len().min(torque.len()).min(BLOCK);
+    let [c1, c2, c3, c4, c5, residual] = columns;
+    for i in 0..n {
+        let (x, s) = (v[i], v[i].abs());
+        let e = exp(-2.0 * a[2] * s);
+        let e3 = e * e * e;
+        // Written with e instead of tanh: absolute errors of 1e-16 are enough for sums of squares.
+        let t = ((1.0 - e) / (1.0 + e)).copysign(x);
+        let u = ((1.0 - e3) / (1.0 + e3)).copysign(x);
+        let decay = exp(-a[4] * s);
+        c1[i] = x;
+        c2[i] = t;
+        c3[i] = a[1] * x * (1.0 - t * t) + 3.0 * a[3] * decay * x * (1.0 - u * u);
+        c4[i] = decay * u;
+        c5[i] = -a[3] * s * decay * u;
+        residual[i] = torque[i] - (a[0] * x + a[1] * t + a[3] * decay * u);
+    }
+}
+
+/// Settings of the regression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StribeckRegression {
+    /// How many of the best starts are refined on the binned data.
+    pub starts: usize,
+    /// Whether each run has a constant torque beside the law.
+    pub offset: bool,
+    /// Limit of the passes over all samples, for each set of weights.
+    pub max_iterations: usize,
+    /// The refinement ends when a step lowers the cost by less than this share.
+    pub tolerance: f64,
+}
+
+impl Default for StribeckRegression {
+    fn default() -> Self {
+        Self { starts: 5, offset: true, max_iterations: 100, tolerance: 1e-13 }
+    }
+}
+
+/// Result of the regression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StribeckFit {
+    /// a1 … a5 [N·m·s/rad, N·m, s/rad, N·m, s/rad].
+    pub parameters: [f64; 5],
+    /// The constant torque of each run; none where the regression has none.
+    pub offsets: Vec<f64>,
+    /// Covariance of the parameters for independent errors, or for correlated ones after
+    /// `with_correlated_errors`; rows and columns of parameters that are not identifiable are zero, see
+    /// [`Self::standard_errors`].
+    pub covariance: SMatrix<f64, 5, 5>,
+    /// Standard errors; `None` where a parameter is not identifiable from these data.
+    pub standard_errors: [Option<f64>; 5],
+    /// Standard errors if all other parameters were known.
+    pub resolutions: [Option<f64>; 5],
+    /// Residual variance σ² [(N·m)²].
+    pub variance: f64,
+    /// Degrees of freedom.
+    pub freedom: usize,
+    /// Condition number of the sensitivities, columns scaled.
+    pub condition: f64,
+    /// Passes over all samples.
+    pub iterations: usize,
+    /// Whether the iteration reached its tolerance; if not, a warning says so.
+    pub converged: bool,
+    /// Doubts about the parameters, with numbers.
+    pub warnings: Vec<String>,
+    /// JᵀWJ at the result, offsets eliminated.
+    pub(super) information: SMatrix<f64, 5, 5>,
+}
+
+impl StribeckFit {
+    /// The law at velocity `v`, without an offset.
+    pub(crate) fn torque(&self, v: f64) -> f64 {
+        stribeck_torque(v, &self.parameters)
+    }
+}

@@ -1,0 +1,175 @@
+//! Refinement on all samples.
+
+use super::law::{StribeckRegression, stribeck_block};
+use crate::numeric::kernel::{BLOCK, add_products};
+use nalgebra::{SMatrix, SVector};
+use std::ops::Range;
+
+/// Columns of a pass: five derivatives and the residual.
+const WIDTH: usize = 6;
+
+/// First damping for starts near the result.
+pub(super) const NEAR: f64 = 1e-8;
+
+pub(super) struct Data<'a> {
+    pub(super) v: &'a [f64],
+    pub(super) torque: &'a [f64],
+    pub(super) runs: &'a [Range<usize>],
+    /// Whether each run has a constant beside the law.
+    pub(super) offset: bool,
+}
+
+/// Cost Σ w r², JᵀW J and JᵀW r at one point, the offsets eliminated.
+#[derive(Clone)]
+pub(super) struct Normal {
+    pub(super) a: [f64; 5],
+    pub(super) cost: f64,
+    pub(super) h: SMatrix<f64, 5, 5>,
+    g: SVector<f64, 5>,
+    /// The best offset of each run at this point.
+    pub(super) offsets: Vec<f64>,
+    /// Mean of the derivatives in each run: by their product with a step the offset sinks.
+    pub(super) levels: Vec<SVector<f64, 5>>,
+    pub(super) iterations: usize,
+    pub(super) converged: bool,
+}
+
+impl Data<'_> {
+    /// One pass over the samples.
+    ///
+    /// - `offsets`: near the best ones, so that their elimination cancels no digits
+    fn normal(&self, a: [f64; 5], offsets: &[f64], weights: Option<&[f64]>) -> Normal {
+        let mut state = Normal {
+            a,
+            cost: 0.0,
+            h: SMatrix::zeros(),
+            g: SVector::zeros(),
+            offsets: offsets.to_vec(),
+            levels: vec![SVector::zeros(); offsets.len()],
+            iterations: 1,
+            converged: false,
+        };
+        for (k, run) in self.runs.iter().enumerate() {
+            let (sums, constant, total) = self.products(run, &a, offsets[k], weights);
+            // Without weight or offset nothing is eliminated.
+            let share = if self.offset && total > 0.0 { 1.0 / total } else { 0.0 };
+            let product =
+                |i: usize, j: usize| sums[i.max(j) * WIDTH + i.min(j)] - constant[i] * constant[j] * share;
+            state.h += SMatrix::<f64, 5, 5>::from_fn(product);
+            state.g += SVector::<f64, 5>::from_fn(|i, _| product(5, i));
+            state.cost += product(5, 5).max(0.0);
+            state.offsets[k] += constant[5] * share;
+            state.levels[k] = SVector::from_fn(|i, _| constant[i] * share);
+        }
+        state
+    }
+
+    /// Products of the columns over one run, their products with a constant, and the sum of the weights.
+    fn products(
+        &self,
+        run: &Range<usize>,
+        a: &[f64; 5],
+        offset: f64,
+        weights: Option<&[f64]>,
+    ) -> ([f64; WIDTH * WIDTH], [f64; WIDTH], f64) {
+        let (mut sums, mut constants, mut total) = ([0.0; WIDTH * WIDTH], [0.0; WIDTH], 0.0);
+        let mut columns = [[0.0; BLOCK]; WIDTH];
+        let mut roots = [1.0; BLOCK];
+        for start in run.clone().step_by(BLOCK) {
+            let rows = start..run.end.min(start + BLOCK);
+            let n = rows.len();
+            stribeck_block(&self.v[rows.clone()], &self.torque[rows.clone()], a, &mut columns);
+            if offset != 0.0 {
+                columns[5].iter_mut().for_each(|r| *r -= offset);
+            }
+            if let Some(weights) = weights {
+                roots.iter_mut().zip(&weights[rows]).for_each(|(root, w)| *root = w.sqrt());
+                for column in &mut columns {
+                    column.iter_mut().zip(&roots).for_each(|(c, root)| *c *= root);
+                }
+            }
+            let [c1, c2, c3, c4, c5, r] = &columns;
+            add_products(&[&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n]], &mut sums);
+            if self.offset {
+                total += dot(&roots[..n], &roots[..n]);
+                let products = columns.iter().map(|column| dot(&column[..n], &roots[..n]));
+                constants.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+            }
+        }
+        (sums, constants, total)
+    }
+
+    /// Levenberg–Marquardt on the 5 × 5 normal equations, damping in units of the diagonal.
+    ///
+    /// - `first_damping`: [`NEAR`] where the start comes from the same data, so that nearly undamped steps succeed
+    ///   at once
+    pub(super) fn refine(
+        &self,
+        start: [f64; 5],
+        offsets: Vec<f64>,
+        weights: Option<&[f64]>,
+        settings: &StribeckRegression,
+        first_damping: f64,
+    ) -> Normal {
+        let mut best = self.normal(start, &offsets, weights);
+        // What rounding in the residuals leaves of the cost where the law fits exactly.
+        let floor = 1e-28 * self.torque.iter().map(|t| t * t).sum::<f64>();
+        let mut damping = first_damping;
+        let mut passes = 1;
+        while passes < settings.max_iterations {
+            let Some(step) = damped_step(&best, damping) else {
+                damping = damping.max(1e-8) * 100.0;
+                passes += 1;
+                continue;
+            };
+            let a: [f64; 5] = std::array::from_fn(|i| best.a[i] + step[i]);
+            // Predicted decrease below the rounding of the cost: nothing is left to gain.
+            let expected = step.dot(&best.g);
+            if expected <= settings.tolerance * best.cost + floor {
+                return Normal { iterations: passes, converged: true, ..best };
+            }
+            if damping > 1e12 {
+                break;
+            }
+            let trial = (a[2] > 0.0 && a[4] > 0.0).then(|| self.normal(a, &ahead(&best, &step), weights));
+            passes += 1;
+            match trial {
+                Some(trial) if trial.cost <= best.cost => {
+                    damping = (damping / 10.0).max(1e-12);
+                    best = trial;
+                }
+                _ => damping *= 10.0,
+            }
+        }
+        Normal { iterations: passes, ..best }
+    }
+}
+
+/// Eight sums side by side, as vector units add.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (eights, rest) = (a.chunks_exact(8).zip(b.chunks_exact(8)), a.len() / 8 * 8);
+    for (a, b) in eights {
+        for l in 0..8 {
+            lanes[l] += a[l] * b[l];
+        }
+    }
+    let tail: f64 = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum();
+    lanes.iter().sum::<f64>() + tail
+}
+
+/// Offsets after a step, to first order.
+fn ahead(state: &Normal, step: &SVector<f64, 5>) -> Vec<f64> {
+    state.offsets.iter().zip(&state.levels).map(|(offset, level)| offset - level.dot(step)).collect()
+}
+
+fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {
+    // A parameter without influence has a zero diagonal; a one keeps its step at zero.
+    let d = normal.h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
+    let mut scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| normal.h[(i, j)] / (d[i] * d[j]));
+    for i in 0..5 {
+        scaled[(i, i)] = scaled[(i, i)].max(1e-12) + damping;
+    }
+    let z = scaled.cholesky()?.solve(&normal.g.component_div(&d));
+    Some(z.component_div(&d))
+}

@@ -1,0 +1,170 @@
+//! The regression on made data.
+
+use super::super::confidence::quantile;
+use super::*;
+use crate::numeric::random::SplitMix64;
+
+const TRUE: [f64; 5] = [2.1, 1.4, 20.0, 0.9, 8.0];
+
+fn data(m: usize, sigma: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
+    let mut random = SplitMix64::new(seed);
+    let v: Vec<f64> =
+        (0..m).map(|i| 1.2 * (0.002 * i as f64).sin() + 0.7 * (0.0052 * i as f64 + 0.4).sin()).collect();
+    let torque = v.iter().map(|v| stribeck_torque(*v, &TRUE) + sigma * random.normal()).collect();
+    (v, torque)
+}
+
+#[test]
+fn finds_the_parameters_without_noise() {
+    for a in [TRUE, [76.0, 4.0, 5.0, 2.0, 30.0], [0.1, 10.0, 80.0, -3.0, 2.0]] {
+        let (v, _) = data(5000, 0.0, 1);
+        let torque: Vec<f64> = v.iter().map(|v| stribeck_torque(*v, &a)).collect();
+        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        for i in 0..5 {
+            assert!((fit.parameters[i] / a[i] - 1.0).abs() < 1e-5, "{:?} instead of {a:?}", fit.parameters);
+        }
+    }
+}
+
+#[test]
+fn intervals_cover_the_truth_as_often_as_they_say() {
+    let mut covered = [0; 5];
+    for seed in 0..200 {
+        let (v, torque) = data(2000, 0.05, seed);
+        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        let t = quantile(0.9, fit.freedom as f64).unwrap();
+        for i in 0..5 {
+            let error = (fit.parameters[i] - TRUE[i]).abs();
+            covered[i] += usize::from(error <= t * fit.standard_errors[i].unwrap());
+        }
+    }
+    // 90 % of 200, ± 3 binomial standard deviations of 4.2, and a little for the law being nonlinear.
+    assert!(covered.iter().all(|c| (165..=195).contains(c)), "{covered:?} of 200");
+}
+
+#[test]
+fn parameters_without_influence_are_named() {
+    let (v, _) = data(3000, 0.0, 1);
+    let mut random = SplitMix64::new(5);
+    let viscous: Vec<f64> = v.iter().map(|v| 3.6 * v + 0.05 * random.normal()).collect();
+    let fit = StribeckRegression::default().fit(&v, &viscous, None).unwrap();
+    assert!(!fit.warnings.is_empty());
+    assert!((fit.torque(1.0) - 3.6).abs() < 0.1);
+    let fast: Vec<f64> = v.iter().map(|v| 2.0 + v.abs()).collect();
+    let torque: Vec<f64> = fast.iter().map(|v| stribeck_torque(*v, &TRUE) + 0.05 * random.normal()).collect();
+    let fit = StribeckRegression::default().fit(&fast, &torque, None).unwrap();
+    assert!(
+        fit.warnings.iter().any(|w| w.contains("slower than 1/a3") || w.contains("not identifiable")),
+        "{:?}",
+        fit.warnings
+    );
+    for s in fit.standard_errors.iter().flatten() {
+        assert!(s.is_finite());
+    }
+}
+
+#[test]
+fn bad_input_has_messages() {
+    let regression = StribeckRegression::default();
+    let message = |v: &[f64], t: &[f64]| regression.fit(v, t, None).unwrap_err().to_string();
+    assert!(message(&[], &[]).contains("empty"));
+    assert!(message(&[1.0; 5], &[1.0; 5]).contains("at least 6 samples, there are 5"));
+    assert!(message(&[0.3; 9], &[1.0; 9]).contains("the velocity is constant (0.3) in all 9 samples"));
+    assert!(message(&[f64::NAN; 9], &[1.0; 9]).contains("9 such values of 9"));
+    let zero = regression.fit(&data(100, 0.0, 1).0, &[0.0; 100], None).unwrap();
+    assert!(zero.parameters.iter().all(|a| a.is_finite()) && zero.torque(0.7).abs() < 1e-9);
+}
+
+#[test]
+fn an_offset_is_found_beside_the_law_and_leaves_it_alone() {
+    let (v, torque) = data(6000, 0.05, 7);
+    let runs = [0..2000, 2000..6000];
+    let mut moved = torque.clone();
+    moved[..2000].iter_mut().for_each(|t| *t += 3.0);
+    moved[2000..].iter_mut().for_each(|t| *t -= 1.0);
+    let fit = StribeckRegression::default().fit_runs(&v, &moved, None, &runs).unwrap();
+    let plain = StribeckRegression::default().fit_runs(&v, &torque, None, &runs).unwrap();
+    for i in 0..5 {
+        assert!((fit.parameters[i] / plain.parameters[i] - 1.0).abs() < 1e-4, "{:?}", fit.parameters);
+        assert!((fit.parameters[i] - TRUE[i]).abs() < 4.0 * fit.standard_errors[i].unwrap());
+    }
+    assert!((fit.offsets[0] - 3.0).abs() < 0.01 && (fit.offsets[1] + 1.0).abs() < 0.01, "{:?}", fit.offsets);
+    // One offset cannot be both, and none is what the odd law ignores.
+    let one = StribeckRegression::default().fit(&v, &moved, None).unwrap();
+    assert!(one.variance > 1.0 && (fit.variance / 0.0025 - 1.0).abs() < 0.1);
+    let none = StribeckRegression { offset: false, ..Default::default() };
+    assert!(none.fit(&v, &torque, None).unwrap().offsets.is_empty());
+}
+
+#[test]
+fn physical_words_are_what_the_law_does() {
+    let (v, torque) = data(6000, 0.05, 2);
+    let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+    let words = fit.words();
+    // Viscous friction and Coulomb's level from the curve itself, at speeds where the excess is gone.
+    let slope = (fit.torque(30.0) - fit.torque(20.0)) / 10.0;
+    assert!((words.viscous.value - slope).abs() < 1e-9);
+    assert!((words.coulomb.value - (fit.torque(20.0) - 20.0 * slope)).abs() < 1e-9);
+    let near =
+        |found: Estimate, truth: f64| (found.value - truth).abs() < 3.0 * found.standard_error.unwrap();
+    assert!(near(words.coulomb, 1.4) && near(words.static_friction, 2.3), "{words:?}");
+    assert!(near(words.stribeck_speed, 0.125) && near(words.viscous, 2.1), "{words:?}");
+    let line = words.line("N·m", "rad/s");
+    assert!(line.contains("static F_s = 2.263 ± 0.035 N·m"), "{line}");
+}
+
+/// The starts do not know the scale: the law of a slow slide, and one with a dip far out.
+#[test]
+fn the_best_of_several_starts_is_found_at_any_scale() {
+    for (scale, a) in [(0.004, [300.0, 9.0, 6000.0, 5.0, 900.0]), (40.0, [0.02, 1.0, 4.0, 0.8, 0.1])] {
+        let (v, _) = data(4000, 0.0, 1);
+        let v: Vec<f64> = v.iter().map(|v| scale * v).collect();
+        let mut random = SplitMix64::new(4);
+        let torque: Vec<f64> =
+            v.iter().map(|v| 0.7 + stribeck_torque(*v, &a) + 0.02 * random.normal()).collect();
+        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        assert!(fit.converged && (fit.variance.sqrt() - 0.02).abs() < 0.001, "{fit:?}");
+    }
+}
+
+/// Without slow samples the step at zero is anybody's guess; a law that drives the joint there is none.
+#[test]
+fn of_laws_that_fit_alike_one_that_dissipates_is_taken() {
+    for seed in 0..10 {
+        let mut random = SplitMix64::new(seed);
+        let v: Vec<f64> = (0..260)
+            .map(|i| (0.1 + 0.37 * (0.05 * f64::from(i)).sin().abs()) * if i % 100 < 50 { 1.0 } else { -1.0 })
+            .collect();
+        let truth =
+            |v: f64| 76.6 * v + 3.9 * (5.0 * v).tanh() + 10.8 * (10.0 * v).tanh() + 2.2 * (20.0 * v).tanh();
+        let torque: Vec<f64> = v.iter().map(|v| truth(*v) + 0.2 * random.normal()).collect();
+        for offset in [false, true] {
+            let fit = StribeckRegression { offset, ..Default::default() }.fit(&v, &torque, None).unwrap();
+            for i in 1..100 {
+                assert!(fit.torque(0.005 * f64::from(i)) >= 0.0, "seed {seed}: {:?}", fit.parameters);
+            }
+        }
+    }
+}
+
+#[test]
+fn correlated_errors_widen_the_intervals() {
+    let (v, mut torque) = data(4000, 0.0, 1);
+    let mut random = SplitMix64::new(12);
+    let mut slow = 0.0;
+    for t in &mut torque {
+        slow = 0.9 * slow + 0.05 * random.normal();
+        *t += slow;
+    }
+    let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+    let whole = 0..v.len();
+    let honest = fit.clone().with_correlated_errors(&v, &torque, None, &[whole]);
+    for i in 0..5 {
+        let (narrow, wide) = (fit.standard_errors[i].unwrap(), honest.standard_errors[i].unwrap());
+        assert!(wide > 1.5 * narrow && wide < 10.0 * narrow, "{i}: {narrow} {wide}");
+        assert!((fit.parameters[i] - TRUE[i]).abs() < 4.0 * wide);
+        assert!(honest.resolutions[i].unwrap() <= wide * 1.5);
+    }
+    assert!(honest.freedom < fit.freedom);
+    assert_eq!(honest.parameters, fit.parameters);
+}

@@ -1,0 +1,65 @@
+//! The Stribeck law in physical words.
+
+use super::law::StribeckFit;
+use crate::numeric::digits::with_error;
+
+/// A value with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Its standard error; `None` where the data do not tell.
+    pub standard_error: Option<f64>,
+}
+
+/// What a1 … a5 mean. At speeds v beyond the step at zero, of width 1/a3, the law is
+/// `F_v v + F_c + (F_s − F_c) exp(−v/v_s)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StribeckWords {
+    /// Coulomb friction F_c = a2 [N·m or N].
+    pub coulomb: Estimate,
+    /// Static friction F_s = a2 + a4 [N·m or N]: the level that must be overcome to break away.
+    pub static_friction: Estimate,
+    /// Stribeck speed v_s = 1/a5 [rad/s or m/s], at which the excess of static friction has sunk to 1/e.
+    pub stribeck_speed: Estimate,
+    /// Viscous friction F_v = a1 [N·m s/rad or N s/m].
+    pub viscous: Estimate,
+}
+
+impl StribeckFit {
+    /// The law in physical words; standard errors to first order.
+    pub(crate) fn words(&self) -> StribeckWords {
+        let [a1, a2, _, a4, a5] = self.parameters;
+        let own = |i: usize, value: f64| Estimate { value, standard_error: self.standard_errors[i] };
+        let c = &self.covariance;
+        let both = self.standard_errors[1].and(self.standard_errors[3]);
+        let static_variance = c[(1, 1)] + c[(3, 3)] + 2.0 * c[(1, 3)];
+        StribeckWords {
+            coulomb: own(1, a2),
+            static_friction: Estimate {
+                value: a2 + a4,
+                standard_error: both.map(|_| static_variance.max(0.0).sqrt()),
+            },
+            stribeck_speed: Estimate {
+                value: 1.0 / a5,
+                standard_error: self.standard_errors[4].map(|e| e / (a5 * a5)),
+            },
+            viscous: own(0, a1),
+        }
+    }
+}
+
+impl StribeckWords {
+    /// One line, with units of torque and velocity.
+    pub(crate) fn line(&self, unit: &str, velocity_unit: &str) -> String {
+        let text = |estimate: Estimate| with_error(estimate.value, estimate.standard_error);
+        format!(
+            "Coulomb F_c = {} {unit}, static F_s = {} {unit}, Stribeck speed v_s = {} {velocity_unit}, viscous F_v = {} \
+             {unit}/({velocity_unit})",
+            text(self.coulomb),
+            text(self.static_friction),
+            text(self.stribeck_speed),
+            text(self.viscous)
+        )
+    }
+}

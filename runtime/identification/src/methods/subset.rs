@@ -1,0 +1,396 @@
+//! Best subset of a small library: every subset is fitted on all folds but one and judged on the one left
+//! out.
+//!
+//! With p terms and k folds these are k·2ᵖ solves of at most p × p normal equations, free of λ and of the
+//! LASSO's bias (Hocking and Leslie 1967; the one-standard-error rule is Breiman's, 1984).
+
+use super::super::error::{IdentificationError, Result, require_length, require_setting};
+use super::super::numeric::statistics::{mean_with_error, simplest};
+use super::constrained::{breaks, constrained};
+use super::least_squares::solve_scaled;
+use super::moments::{Moments, splits};
+use nalgebra::{DMatrix, DVector};
+
+/// Largest library: 4095 subsets.
+pub(crate) const MOST_TERMS: usize = 12;
+
+/// A subset with its error on left-out folds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValidatedSubset {
+    /// Terms, ascending.
+    pub active: Vec<usize>,
+    /// Mean squared error on the left-out fold, averaged over the folds.
+    pub mean_error: f64,
+    /// Standard error of that mean.
+    pub standard_error: f64,
+}
+
+/// The best subset of each size, from one term to all, and two choices among them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SubsetValidation {
+    /// Index + 1 = number of terms; sizes that no solvable subset has are left out.
+    pub best: Vec<ValidatedSubset>,
+    /// Index of the least error.
+    pub minimum: usize,
+    /// Index of the fewest terms whose error is within one standard error of the least.
+    pub one_standard_error: usize,
+}
+
+/// A term that may only stand beside another one: an asymmetry `|f(v)|` beside `f(v)`. Alone it would pass for `f`
+/// on motion in one direction, and drive the joint in the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Requirement {
+    /// The term.
+    pub term: usize,
+    /// The one it needs.
+    pub needs: usize,
+}
+
+/// A requirement for each term `abs(f)` of a library that has `f` too.
+pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
+    let partner = |(term, text): (usize, &String)| {
+        let inner = text.strip_prefix("abs(")?.strip_suffix(')')?;
+        let needs = terms.iter().position(|t| t == inner)?;
+        Some(Requirement { term, needs })
+    };
+    terms.iter().enumerate().filter_map(partner).collect()
+}
+
+/// What the law of a subset has to meet.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Conditions {
+    /// Terms that need others.
+    pub requirements: Vec<Requirement>,
+    /// Rows of `A ξ ≥ 0` over all terms, which every fit meets; none where fits are free.
+    pub rows: Option<DMatrix<f64>>,
+}
+
+impl Conditions {
+    /// Least squares on a subset under the rows; `None` where it cannot be solved.
+    fn fit(&self, moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
+        let free = fit(moments, target, active)?;
+        match &self.rows {
+            Some(rows) if breaks(rows, &free) => constrained(moments, free, active, rows).ok(),
+            _ => Some(free),
+        }
+    }
+}
+
+/// Cosine between f and |f| beyond which an asymmetry is not told from f: nine tenths of the energy of f are in one direction.
+pub(crate) const MOST_ALIKE: f64 = 0.8;
+
+/// Terms without the asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or its
+/// negative. Beside them a sentence about those left out.
+///
+/// - `energies`: Σ f² forwards and backwards of a term f
+pub(crate) fn seen_both_ways(
+    terms: &[String],
+    energies: impl Fn(usize) -> [f64; 2],
+) -> (Vec<usize>, Option<String>) {
+    let unseen = |requirement: &Requirement| {
+        let [forwards, backwards] = energies(requirement.needs);
+        (forwards - backwards).abs() > MOST_ALIKE * (forwards + backwards)
+    };
+    let out: Vec<usize> = requirements(terms).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
+    let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
+    let note = (!out.is_empty())
+        .then(|| format!("{} left out: nine tenths of the motion are in one direction", texts.join(", ")));
+    ((0..terms.len()).filter(|i| !out.contains(i)).collect(), note)
+}
+
+/// All subsets of p terms that meet the requirements, the empty one first.
+fn subsets(p: usize, requirements: &[Requirement]) -> impl Iterator<Item = Vec<usize>> {
+    let has = |bits: u32, i: usize| bits >> i & 1 == 1;
+    let meets = move |bits: &u32| requirements.iter().all(|r| !has(*bits, r.term) || has(*bits, r.needs));
+    (0..1_u32 << p.min(MOST_TERMS))
+        .filter(meets)
+        .map(move |bits| (0..p).filter(|i| *i < MOST_TERMS && has(bits, *i)).collect())
+}
+
+impl SubsetValidation {
+    /// Judges all subsets that meet conditions.
+    ///
+    /// - `folds`: moments of contiguous blocks, [`Moments::blocks`]
+    ///
+    /// # Errors
+    /// Fewer than two folds, more than [`MOST_TERMS`] terms, or no subset that can be solved.
+    pub(crate) fn new(folds: &[Moments], target: usize, conditions: &Conditions) -> Result<Self> {
+        let p = folds.first().map_or(0, Moments::terms);
+        let count = folds.len() as f64;
+        require_setting("number of folds", count, folds.len() >= 2, "at least two are needed")?;
+        require_setting(
+            "number of terms",
+            p as f64,
+            (1..=MOST_TERMS).contains(&p),
+            "all subsets are tried for one to twelve terms; use the LASSO for larger libraries",
+        )?;
+        if target >= folds[0].targets() {
+            require_length("targets", target + 1, folds[0].targets())?;
+        }
+        let splits = splits(folds).collect::<Result<Vec<_>>>()?;
+        let mut best: Vec<Option<ValidatedSubset>> = vec![None; p];
+        for active in subsets(p, &conditions.requirements).skip(1) {
+            let Some(subset) = validate(active, &splits, target, conditions) else {
+                continue;
+            };
+            let slot = &mut best[subset.active.len() - 1];
+            if slot.as_ref().is_none_or(|b| subset.mean_error < b.mean_error) {
+                *slot = Some(subset);
+            }
+        }
+        Self::choose(best.into_iter().flatten().collect(), folds[0].names())
+    }
+
+    fn choose(best: Vec<ValidatedSubset>, names: &[String]) -> Result<Self> {
+        let errors: Vec<[f64; 2]> = best.iter().map(|b| [b.mean_error, b.standard_error]).collect();
+        let Some([minimum, one_standard_error]) = simplest(&errors) else {
+            return Err(IdentificationError::Collinear {
+                terms: names.to_vec(),
+                condition: f64::INFINITY,
+                limit: 1e7,
+            });
+        };
+        Ok(Self { best, minimum, one_standard_error })
+    }
+}
+
+/// All subsets of a library, weighed by how well each explains the data for its size.
+///
+/// The weights are `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` (Schwarz 1978; Raftery 1995), n being the number
+/// of samples that would tell as much if their errors were independent.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ModelAverage {
+    /// Probability of each term: the weight of all subsets that have it.
+    pub inclusion: Vec<f64>,
+    /// Coefficients averaged over all subsets, zero where a subset lacks the term.
+    pub coefficients: Vec<f64>,
+    /// The heaviest subset.
+    pub best: Vec<usize>,
+    /// Its weight.
+    pub best_weight: f64,
+    /// n of the BIC.
+    pub effective_samples: f64,
+}
+
+impl ModelAverage {
+    /// Weighs all subsets, the empty one among them.
+    ///
+    /// - `effective_samples`: at most the number of samples; fewer where errors are correlated
+    ///
+    /// # Errors
+    /// More than [`MOST_TERMS`] terms, a target that is not there, or fewer than two effective samples.
+    pub(crate) fn new(
+        moments: &Moments,
+        target: usize,
+        effective_samples: f64,
+        requirements: &[Requirement],
+    ) -> Result<Self> {
+        let p = moments.terms();
+        let requirement = "all subsets are weighed for one to twelve terms";
+        require_setting("number of terms", p as f64, (1..=MOST_TERMS).contains(&p), requirement)?;
+        let n = effective_samples;
+        require_setting("effective samples", n, n >= 2.0, "at least two are needed")?;
+        if target >= moments.targets() {
+            require_length("targets", target + 1, moments.targets())?;
+        }
+        // An exact fit has no residual; what rounding leaves of the energy is the least.
+        let floor = 1e-14 * moments.energy(target).max(f64::MIN_POSITIVE);
+        let mut models: Vec<(f64, Vec<usize>, DVector<f64>)> = Vec::with_capacity(1 << p);
+        for active in subsets(p, requirements) {
+            let Some(coefficients) = fit(moments, target, &active) else { continue };
+            let residual = moments.residual(target, &coefficients).max(floor);
+            let bic = n * (residual / n).ln() + active.len() as f64 * n.ln();
+            models.push((bic, active, coefficients));
+        }
+        Ok(Self::weigh(&models, p, n))
+    }
+
+    fn weigh(models: &[(f64, Vec<usize>, DVector<f64>)], p: usize, effective_samples: f64) -> Self {
+        let least = models.iter().fold(f64::INFINITY, |a, m| a.min(m.0));
+        let weights: Vec<f64> = models.iter().map(|m| (-0.5 * (m.0 - least)).exp()).collect();
+        let total: f64 = weights.iter().sum();
+        let (mut inclusion, mut coefficients) = (vec![0.0; p], vec![0.0; p]);
+        let (mut best, mut best_weight) = (Vec::new(), 0.0);
+        for ((_, active, x), weight) in models.iter().zip(weights.iter().map(|w| w / total)) {
+            for &i in active {
+                inclusion[i] += weight;
+                coefficients[i] += weight * x[i];
+            }
+            if weight > best_weight {
+                (best, best_weight) = (active.clone(), weight);
+            }
+        }
+        // Shares that rounding adds up to a little more than one.
+        inclusion.iter_mut().for_each(|share| *share = share.min(1.0));
+        Self { inclusion, coefficients, best, best_weight, effective_samples }
+    }
+}
+
+/// None where the normal equations of a fold are singular.
+fn validate(
+    active: Vec<usize>,
+    splits: &[(Moments, &Moments)],
+    target: usize,
+    conditions: &Conditions,
+) -> Option<ValidatedSubset> {
+    let error = |(training, fold): &(Moments, &Moments)| {
+        let coefficients = conditions.fit(training, target, &active)?;
+        Some(fold.residual(target, &coefficients) / fold.samples() as f64)
+    };
+    let errors: Vec<f64> = splits.iter().map(error).collect::<Option<_>>()?;
+    let [mean_error, standard_error] = mean_with_error(&errors);
+    Some(ValidatedSubset { active, mean_error, standard_error })
+}
+
+fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
+    let small = solve_scaled(&moments.gram(), &moments.projection(target), active, 0.0)?;
+    let mut coefficients = DVector::zeros(moments.terms());
+    for (&i, x) in active.iter().zip(small.iter()) {
+        coefficients[i] = *x;
+    }
+    coefficients.iter().all(|x| x.is_finite()).then_some(coefficients)
+}
+
+/// The subset of `size` terms with the least residual, for bootstraps of the choice.
+///
+/// # Errors
+/// A size that no solvable subset has.
+pub(crate) fn best_of_size(
+    moments: &Moments,
+    target: usize,
+    size: usize,
+    conditions: &Conditions,
+) -> Result<DVector<f64>> {
+    let mut best: Option<(f64, DVector<f64>)> = None;
+    for active in subsets(moments.terms(), &conditions.requirements).filter(|a| a.len() == size && size > 0) {
+        let Some(coefficients) = conditions.fit(moments, target, &active) else {
+            continue;
+        };
+        let residual = moments.residual(target, &coefficients);
+        if best.as_ref().is_none_or(|b| residual < b.0) {
+            best = Some((residual, coefficients));
+        }
+    }
+    best.map(|b| b.1).ok_or_else(|| IdentificationError::Collinear {
+        terms: moments.names().to_vec(),
+        condition: moments.condition(),
+        limit: 1e7,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::library::Library;
+    use super::super::moments::Samples;
+    use super::*;
+    use crate::numeric::random::SplitMix64;
+
+    fn folds(library: &Library, noise: f64) -> Vec<Moments> {
+        let mut random = SplitMix64::new(4);
+        let v: Vec<f64> = (0..5000)
+            .map(|i| 0.8 * (0.01 * f64::from(i)).sin() + 0.3 * (0.037 * f64::from(i)).sin())
+            .collect();
+        let y: Vec<f64> =
+            v.iter().map(|v| 4.0 * v + 0.7 * (10.0 * v).tanh() + noise * random.normal()).collect();
+        let samples = Samples::from_library(library, vec![&v], vec![&y]).unwrap();
+        Moments::blocks(&samples, 10).unwrap()
+    }
+
+    #[test]
+    fn the_one_standard_error_rule_finds_the_terms_that_made_the_data() {
+        let folds = folds(&Library::friction().unwrap(), 0.3);
+        let found = SubsetValidation::new(&folds, 0, &Conditions::default()).unwrap();
+        assert_eq!(found.best.len(), 7);
+        assert_eq!(found.best[found.one_standard_error].active, [1, 4]);
+        assert!(found.one_standard_error <= found.minimum);
+        let all = Moments::sum(&folds).unwrap();
+        let two = best_of_size(&all, 0, 2, &Conditions::default()).unwrap();
+        assert!((two[1] - 4.0).abs() < 0.05 && (two[4] - 0.7).abs() < 0.05, "{two}");
+    }
+
+    #[test]
+    fn errors_agree_with_the_residual_of_a_single_fit() {
+        let library = Library::new(&["v", "sign(v)"], &["v"]).unwrap();
+        let folds = folds(&library, 0.0);
+        let found = SubsetValidation::new(&folds, 0, &Conditions::default()).unwrap();
+        let mut sum = 0.0;
+        for k in 0..10 {
+            let rest = Moments::sum(folds.iter().enumerate().filter(|f| f.0 != k).map(|f| f.1));
+            let rest = rest.unwrap();
+            let slope = rest.projection(0)[0] / rest.gram()[(0, 0)];
+            let w = DVector::from_column_slice(&[slope, 0.0]);
+            sum += folds[k].residual(0, &w) / folds[k].samples() as f64;
+        }
+        assert!((found.best[0].mean_error / (sum / 10.0) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_terms_that_made_the_data_are_probable_and_others_are_not() {
+        let library = Library::friction().unwrap();
+        let all = Moments::sum(&folds(&library, 0.3)).unwrap();
+        let average = ModelAverage::new(&all, 0, 5000.0, &[]).unwrap();
+        assert_eq!(average.best, [1, 4]);
+        for (i, probability) in average.inclusion.iter().enumerate() {
+            assert_eq!(*probability > 0.5, [1, 4].contains(&i), "{:?}", average.inclusion);
+        }
+        // With few samples the terms that resemble each other share the probability.
+        let vague = ModelAverage::new(&all, 0, 20.0, &[]).unwrap();
+        assert!(vague.inclusion[4] < 0.7 && vague.inclusion[1] > 0.9, "{:?}", vague.inclusion);
+    }
+
+    /// Two orthogonal columns of 8 samples: the four BICs follow by hand.
+    #[test]
+    fn weights_are_those_of_the_bic() {
+        let (one, alternating) = (vec![1.0; 8], [1.0, -1.0].repeat(4));
+        let y: Vec<f64> = (0..8).map(|i| [1.2, 0.4, 1.1, -0.1][i % 4]).collect();
+        let names = ["a", "b"].map(String::from);
+        let samples = Samples::from_columns(&names, vec![&one, &alternating], vec![&y]).unwrap();
+        let average = ModelAverage::new(&Moments::new(&samples).unwrap(), 0, 8.0, &[]).unwrap();
+        let energy: f64 = y.iter().map(|y| y * y).sum();
+        let gains =
+            [&one, &alternating].map(|x| x.iter().zip(&y).map(|(x, y)| x * y).sum::<f64>().powi(2) / 8.0);
+        let weight = |active: [bool; 2]| {
+            let gain = |k: usize| if active[k] { gains[k] } else { 0.0 };
+            let k = active.iter().filter(|a| **a).count() as i32;
+            (energy - gain(0) - gain(1)).powi(-4) * 8_f64.powf(-0.5 * f64::from(k))
+        };
+        let [none, a, b, both] = [[false, false], [true, false], [false, true], [true, true]].map(weight);
+        let expected = [(a + both) / (none + a + b + both), (b + both) / (none + a + b + both)];
+        for (found, expected) in average.inclusion.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn an_asymmetry_stands_beside_what_it_changes() {
+        let library = Library::joint_friction().unwrap();
+        let found = requirements(library.terms());
+        assert_eq!(found, [Requirement { term: 7, needs: 1 }, Requirement { term: 8, needs: 5 }]);
+        assert_eq!(subsets(9, &found).count(), 128 * 9 / 4);
+        // Motion in one direction: |v| is as good as v, and may not be alone.
+        let v: Vec<f64> = (0..2000).map(|i| -0.6 + 0.5 * (0.01 * f64::from(i)).sin()).collect();
+        let y: Vec<f64> = v.iter().map(|v| 4.0 * v).collect();
+        let library = Library::new(&["abs(v)", "v"], &["v"]).unwrap();
+        let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
+        let folds = Moments::blocks(&samples, 5).unwrap();
+        let needs = Conditions { requirements: requirements(library.terms()), rows: None };
+        let found = SubsetValidation::new(&folds, 0, &needs).unwrap();
+        assert_eq!(found.best[0].active, [1]);
+    }
+
+    #[test]
+    fn what_cannot_be_tried_has_a_message() {
+        let terms: Vec<String> = (1..=13).map(|i| format!("sin({i}*v)")).collect();
+        let library = Library::new(&terms, &["v"]).unwrap();
+        let message =
+            SubsetValidation::new(&folds(&library, 0.1), 0, &Conditions::default()).unwrap_err().to_string();
+        assert!(message.starts_with("number of terms = 13 is not possible"), "{message}");
+        let one = &folds(&Library::friction().unwrap(), 0.1)[..1];
+        let message = SubsetValidation::new(one, 0, &Conditions::default()).unwrap_err().to_string();
+        assert!(message.starts_with("number of folds = 1 is not possible"), "{message}");
+        let zero = Library::new(&["0*v"], &["v"]).unwrap();
+        let message =
+            SubsetValidation::new(&folds(&zero, 0.1), 0, &Conditions::default()).unwrap_err().to_string();
+        assert!(message.starts_with("the terms 0*v are collinear"), "{message}");
+    }
+}

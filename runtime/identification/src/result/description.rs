@@ -1,0 +1,373 @@
+//! Identified friction as a robot description: TOML that `gelenk generate` takes unchanged.
+//!
+//! The description extends the one that the data were evaluated with and replaces the friction of the
+//! identified joints; everything else stays:
+//!
+//! ```toml
+//! name = "arm_identified"
+//! extends = "arm.toml"
+//!
+//! [[joints]]
+//! name = "beta"
+//! friction = { terms = [["v", 76.5], ["tanh(10*v)", 16.9]] }
+//! ```
+
+use super::super::error::{IdentificationError, Result};
+use super::super::methods::expression::fault;
+use super::super::numeric::digits::{literal, plain, vanishes};
+use super::{FrictionLaw, FrictionResult, FrictionTerm};
+use gelenk_files::{is_same_file, write_whole};
+use gelenk_findings::Finding;
+use gelenk_formula::{Allowed, Formula, FrictionPart, FrictionTerm as Written, parse};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// First line of every description of identified values.
+const FIRST_LINE: &str = "# Identified by gelenk.\n";
+
+/// What a description of identified values says, beside what it extends.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Identified<'a> {
+    /// Name of the robot, and of the module to be generated.
+    pub name: &'a str,
+    /// Path of the description that the data were evaluated with, a URDF or a TOML, relative to where the text
+    /// will lie.
+    pub extends: &'a str,
+    /// Where all of it comes from: comments at the head.
+    pub provenance: &'a [String],
+    /// Further keys at the top, a line of TOML each: how the extended description is read.
+    pub settings: &'a [String],
+    /// Friction laws by joint.
+    pub friction: &'a [FrictionResult],
+    /// Drives by joint: its name, and lines of TOML, `drive = …` the first.
+    pub drives: &'a [(String, String)],
+    /// Tables `[[bodies]]` as TOML, and other tables that are written as they are.
+    pub bodies: &'a [String],
+}
+
+/// Writes a [`description`](identified_toml) into a file, whole or not at all.
+///
+/// - `path`: a new file, an empty one, or one that this function has written before; what it extends is an
+///   absolute path, or one relative to the folder of `path`
+///
+/// # Errors
+/// Those of [`identified_toml`]; [`IdentificationError::File`] where the file is the base itself, holds
+/// something else, or cannot be written.
+pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> {
+    let text = identified_toml(identified)?;
+    let fault = |message: String| IdentificationError::File {
+        place: path.display().to_string(),
+        message: format!("cannot be written: {message}"),
+    };
+    if is_same_file(path, &path.with_file_name(identified.extends)) {
+        return Err(fault("it is the description that is to be extended".into()));
+    }
+    if !may_be_replaced(path, FIRST_LINE.as_bytes()).map_err(|e| fault(e.to_string()))? {
+        let message = "it holds what identification has not written; name another file, or remove it first";
+        return Err(fault(message.into()));
+    }
+    write_whole(path, text).map_err(|e| fault(e.to_string()))
+}
+
+/// Whether a file may be written over: there is none, or it is empty, or it begins with `head`.
+pub(crate) fn may_be_replaced(path: &Path, head: &[u8]) -> io::Result<bool> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_file() && found.len() > 0 => Ok(fs::read(path)?.starts_with(head)),
+        // Whatever is no file is refused when it is to be written.
+        _ => Ok(true),
+    }
+}
+
+/// A description with identified friction alone, see [`identified_toml`].
+///
+/// # Errors
+/// As [`identified_toml`].
+pub fn description_toml(name: &str, extends: &str, results: &[FrictionResult]) -> Result<String> {
+    identified_toml(&Identified { name, extends, friction: results, ..Identified::default() })
+}
+
+/// A description with identified values.
+///
+/// # Errors
+/// Nothing identified, a joint twice, a law without terms, a law that is refused and was not accepted, a
+/// coefficient that is not finite, or a term that a description cannot hold: all would end as nonsense in
+/// generated code.
+///
+/// Coefficients of friction have the digits that their errors leave them ([`super::super::numeric::digits`]); terms of which
+/// nothing is left are not written.
+pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
+    let Identified { name, extends, provenance, settings, friction, drives, bodies } = *identified;
+    if friction.is_empty() && drives.is_empty() && bodies.is_empty() {
+        return Err(IdentificationError::Empty { what: format!("the list of identified joints of {name}") });
+    }
+    let key = if extends.to_ascii_lowercase().ends_with(".urdf") { "urdf" } else { "extends" };
+    let mut text = FIRST_LINE.to_owned();
+    provenance.iter().for_each(|line| comment(line, &mut text));
+    let _ = writeln!(text, "name = {}\n{key} = {}", quoted(name), quoted(extends));
+    settings.iter().for_each(|line| {
+        let _ = writeln!(text, "{line}");
+    });
+    for (i, result) in friction.iter().enumerate() {
+        if friction[..i].iter().any(|r| r.joint == result.joint) {
+            return Err(IdentificationError::Expression {
+                text: result.joint.clone(),
+                message: "this joint stands twice among the results".into(),
+            });
+        }
+        let value = friction_value(result)?;
+        text.push_str("\n[[joints]]\n");
+        comments(result, &mut text);
+        let _ = writeln!(text, "name = {}", quoted(&result.joint));
+        if let Some((_, drive)) = drives.iter().find(|(joint, _)| *joint == result.joint) {
+            let _ = writeln!(text, "{drive}");
+        }
+        let _ = writeln!(text, "friction = {value}");
+    }
+    let has_law = |joint: &str| friction.iter().any(|result| result.joint == joint);
+    for (joint, drive) in drives.iter().filter(|(joint, _)| !has_law(joint)) {
+        let _ = writeln!(text, "\n[[joints]]\nname = {}\n{drive}", quoted(joint));
+    }
+    bodies.iter().for_each(|body| {
+        let _ = write!(text, "\n{body}");
+    });
+    Ok(text)
+}
+
+/// The value of the key `friction` of a joint or a drive.
+///
+/// # Errors
+/// Those of [`identified_toml`] about a law.
+pub fn friction_value(result: &FrictionResult) -> Result<String> {
+    let findings: Vec<Finding> =
+        result.refusals().cloned().map(|reason| reason.joint(&result.joint)).collect();
+    if !findings.is_empty() {
+        return Err(IdentificationError::Found { findings });
+    }
+    let part = match &result.law {
+        FrictionLaw::Terms(terms) => FrictionPart::Terms(written(&result.joint, terms)?),
+        FrictionLaw::Stribeck(parameters) => {
+            require_finite(&result.joint, &**parameters)?;
+            let text = |parameter: &FrictionTerm| literal(parameter.coefficient, parameter.written_error());
+            FrictionPart::Stribeck(parameters.each_ref().map(text))
+        }
+    };
+    if part == FrictionPart::Terms(Vec::new()) {
+        return Err(IdentificationError::Empty { what: format!("the friction law of {}", result.joint) });
+    }
+    let law = gelenk_formula::FrictionLaw { parts: vec![part], load: written(&result.joint, &result.load)? };
+    Ok(law.toml())
+}
+
+/// Terms with the digits that mean something, without those of which nothing is left.
+fn written(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<Written<String>>> {
+    require_finite(joint, terms)?;
+    let kept = terms.iter().filter(|t| !vanishes(t.coefficient, t.written_error()));
+    kept.map(|t| {
+        Ok(Written { basis: basis(&t.basis)?, coefficient: literal(t.coefficient, t.written_error()) })
+    })
+    .collect()
+}
+
+fn require_finite(joint: &str, terms: &[FrictionTerm]) -> Result<()> {
+    match terms.iter().enumerate().find(|(_, term)| !term.coefficient.is_finite()) {
+        None => Ok(()),
+        Some((row, term)) => Err(IdentificationError::NotFinite {
+            what: format!("the coefficient of {} of joint {joint}", term.basis),
+            row,
+            value: term.coefficient,
+            count: 1,
+            samples: terms.len(),
+        }),
+    }
+}
+
+/// A library term as a formula of descriptions, whose language is a part of that of libraries.
+fn basis(text: &str) -> Result<Formula> {
+    parse(text, Allowed::Velocity, &BTreeMap::new()).map_err(|wrong| {
+        let advice = "the friction of a description needs a library of terms that descriptions have";
+        fault(text, format!("{wrong}; {advice}"))
+    })
+}
+
+/// What is known about a law, as lines of comments.
+#[must_use]
+pub fn comment_lines(result: &FrictionResult) -> String {
+    let mut text = String::new();
+    comments(result, &mut text);
+    text
+}
+
+fn comments(result: &FrictionResult, text: &mut String) {
+    let mut line = |content: String| comment(&content, text);
+    let [slowest, fastest] = result.velocity_range;
+    line(format!("identified from {}, {} samples", result.data, result.samples));
+    line(format!(
+        "velocities {} to {} {}; torque in {}",
+        plain(slowest, 4),
+        plain(fastest, 4),
+        result.velocity_unit,
+        result.unit
+    ));
+    result.coefficient_lines().into_iter().for_each(&mut line);
+    result.summary_lines().into_iter().for_each(&mut line);
+    result.settings.iter().for_each(|s| line(s.clone()));
+    result.findings.iter().for_each(|finding| line(finding.to_string()));
+}
+
+/// A newline in a name or setting must not end the comment.
+fn comment(content: &str, text: &mut String) {
+    let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
+}
+
+/// A TOML basic string.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::result::tests::example;
+
+    #[test]
+    fn toml_is_read_back_unchanged() {
+        let named = FrictionResult { joint: "beta \"2\"".into(), ..example() };
+        let text = description_toml("arm_identified", "arm.toml", &[named, example()]).unwrap();
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        assert_eq!(table["extends"].as_str(), Some("arm.toml"));
+        let joint = &table["joints"][0];
+        assert_eq!(joint["name"].as_str(), Some("beta \"2\""));
+        let terms = &joint["friction"]["terms"];
+        assert_eq!(terms[0][0].as_str(), Some("v"));
+        assert_eq!(terms[0][1].as_float(), Some(76.5561));
+        assert_eq!(terms[1][1].as_float(), Some(-3.9245));
+        assert!(
+            text.contains(
+                "# v: 76.556 ± 0.031, 95 % interval 76.494 … 76.619, in the law with a probability of 75 %\n"
+            ),
+            "{text}"
+        );
+        assert!(text.contains("# two lines\n") && text.contains("sha256 00ff"));
+    }
+
+    #[test]
+    fn friction_under_load_has_a_key_of_its_own() {
+        let share = FrictionTerm {
+            basis: "tanh(20*v)".into(),
+            coefficient: 0.1,
+            standard_error: Some(0.01),
+            ..FrictionTerm::default()
+        };
+        let result = FrictionResult { load: vec![share], ..example() };
+        let text = description_toml("a", "arm.toml", std::slice::from_ref(&result)).unwrap();
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        let friction = &table["joints"][0]["friction"];
+        assert_eq!(friction["load"][0][0].as_str(), Some("tanh(20*v)"));
+        assert_eq!(friction["load"][0][1].as_float(), Some(0.1));
+        assert_eq!(friction["terms"][0][0].as_str(), Some("v"));
+        assert!(
+            text.contains("# load: tanh(20*v): 0.1") && result.table().contains("load: tanh(20*v)"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn refused_laws_and_vanished_terms_are_not_written() {
+        let text = |result: FrictionResult| description_toml("a", "arm.toml", &[result]);
+        let mut refused = FrictionResult {
+            findings: vec![Finding::error("poor-law", "the law explains nothing")],
+            ..example()
+        };
+        let message = text(refused.clone()).unwrap_err().to_string();
+        assert!(message.starts_with("error[poor-law]: joint beta: the law explains nothing"), "{message}");
+        refused.accept();
+        assert!(text(refused).unwrap().contains("# warning[poor-law]: the law explains nothing\n"));
+        let FrictionLaw::Terms(mut terms) = example().law else { panic!("a law of terms") };
+        terms[1].coefficient = 4e-5;
+        let written = text(FrictionResult { law: FrictionLaw::Terms(terms.clone()), ..example() }).unwrap();
+        assert!(written.ends_with("friction = { terms = [[\"v\", 76.5561]] }\n"), "{written}");
+        terms.remove(0);
+        let empty = text(FrictionResult { law: FrictionLaw::Terms(terms), ..example() }).unwrap_err();
+        assert!(empty.to_string().starts_with("the friction law of beta is empty"));
+    }
+
+    #[test]
+    fn only_descriptions_of_its_own_are_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let friction = [example()];
+        let identified =
+            Identified { name: "arm", extends: "arm.toml", friction: &friction, ..Identified::default() };
+        let write = |name: &str| write_identified(&at(name), &identified);
+        fs::write(at("arm.toml"), "name = \"arm\"\n").unwrap();
+        fs::write(at("other.toml"), "name = \"other\"\n").unwrap();
+        fs::write(at("empty.toml"), "").unwrap();
+        for name in ["new.toml", "new.toml", "empty.toml"] {
+            write(name).unwrap();
+            let text = fs::read_to_string(at(name)).unwrap();
+            assert!(toml::from_str::<toml::Table>(&text).is_ok());
+        }
+        let message = |name: &str| write(name).unwrap_err().to_string();
+        assert!(message("arm.toml").contains("the description that is to be extended"));
+        assert!(message("other.toml").contains("identification has not written"));
+        assert_eq!(fs::read_to_string(at("arm.toml")).unwrap(), "name = \"arm\"\n");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_stribeck_law_keeps_every_digit() {
+        let parameters = [2.1, 1.4, 20.0 / 3.0, 0.9, 8e-17];
+        let result =
+            FrictionResult { law: FrictionLaw::stribeck(parameters, [None; 5], [None; 5]), ..example() };
+        let text = description_toml("a", "arm.urdf", &[result]).unwrap();
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        assert_eq!(table["urdf"].as_str(), Some("arm.urdf"));
+        let law = &table["joints"][0]["friction"]["stribeck"];
+        for (i, a) in parameters.iter().enumerate() {
+            assert_eq!(law[crate::methods::stribeck::NAMES[i]].as_float(), Some(*a));
+        }
+    }
+
+    #[test]
+    fn what_a_description_cannot_hold_is_refused() {
+        let with = |basis: &str, coefficient: f64| {
+            let mut result = example();
+            result.law = FrictionLaw::Terms(vec![FrictionTerm {
+                basis: basis.into(),
+                coefficient,
+                ..FrictionTerm::default()
+            }]);
+            description_toml("a", "b.toml", &[result])
+        };
+        let message = |basis: &str| with(basis, 1.0).unwrap_err().to_string();
+        assert!(message("ln(1 + abs(v))").contains("`ln` is a function of libraries and selections"));
+        assert!(message("v*y").contains("unknown name `y`"));
+        assert!(message("powi(v, 40)").contains("an exponent is a whole number from 0 to 16"));
+        assert!(message("v*(v").contains("expression `v*(v`"));
+        let nan = with("v", f64::NAN).unwrap_err().to_string();
+        assert!(nan.contains("the coefficient of v of joint beta is not finite (NaN)"), "{nan}");
+        let spelled = with("sgn(v)*exp(-2*abs(v)) + v.powi(3)", 1.0).unwrap();
+        assert!(spelled.contains("\"sign(v)*exp(-2*abs(v)) + pow(v, 3)\""), "{spelled}");
+        let empty = FrictionResult { law: FrictionLaw::Terms(vec![]), ..example() };
+        let text =
+            |results: &[FrictionResult]| description_toml("a", "b.toml", results).unwrap_err().to_string();
+        assert!(text(&[empty]).starts_with("the friction law of beta is empty"));
+        assert!(text(&[]).starts_with("the list of identified joints of a is empty"));
+        assert!(text(&[example(), example()]).contains("stands twice"));
+    }
+}

@@ -1,0 +1,55 @@
+//! How friction and offsets change over a log: plain data.
+
+use super::super::estimation::{FRICTION_DRIFTS, OFFSET_DRIFTS};
+use super::super::numeric::digits::with_error;
+use gelenk_findings::Finding;
+use std::ops::Range;
+
+/// Change, as a share of the friction, that is named.
+const NAMED_CHANGE: f64 = 0.02;
+
+/// A change from the first to the last sample, linear in the number of the sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trend {
+    /// Last minus first value.
+    pub change: f64,
+    /// Standard error, for correlated residuals.
+    pub standard_error: f64,
+    /// Whether chance gives such a change in less than one of a hundred logs without a trend.
+    pub significant: bool,
+}
+
+/// What is left of the torque over the log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drift {
+    /// Runs, or parts of equal length of a single one, with the mean of torque minus law.
+    pub means: Vec<(Range<usize>, f64)>,
+    /// Change of the constant torque [N·m or N].
+    pub offset: Trend,
+    /// Change of the friction as a share of it: −0.1 where it falls by a tenth.
+    pub friction: Trend,
+}
+
+impl Drift {
+    /// Trends that matter.
+    ///
+    /// - `scale`: rms of the friction torque
+    pub(crate) fn findings(&self, unit: &str, scale: f64) -> Vec<Finding> {
+        let friction = self.friction;
+        let is_named = friction.significant && friction.change.abs() > NAMED_CHANGE;
+        let of_friction = is_named.then(|| {
+            let change = with_error(100.0 * friction.change, Some(100.0 * friction.standard_error));
+            let message = format!(
+                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the motions \
+                 differ in what the model lacks): the law is that of the middle"
+            );
+            FRICTION_DRIFTS.found(message).help("record after warming up, or identify the runs apart")
+        });
+        let is_named = self.offset.significant && self.offset.change.abs() > NAMED_CHANGE * scale;
+        let of_offset = is_named.then(|| {
+            let change = with_error(self.offset.change, Some(self.offset.standard_error));
+            OFFSET_DRIFTS.found(format!("the constant torque drifts by {change} {unit} over the log"))
+        });
+        of_friction.into_iter().chain(of_offset).collect()
+    }
+}

@@ -1,0 +1,432 @@
+//! Identified friction: the law, how far to trust it, and a table of both. As TOML: [`self::description`].
+
+use super::error::Result;
+use super::methods::confidence::quantile;
+use super::methods::library::Library;
+pub use super::methods::offset::Offset;
+use super::methods::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
+use super::numeric::digits::{rounded, vanishes, with_error};
+pub use drift::{Drift, Trend};
+use gelenk_findings::{Finding, Severity};
+use nalgebra::DMatrix;
+use std::fmt::Write;
+
+pub mod description;
+mod drift;
+
+/// Level of the intervals in tables and descriptions.
+pub(crate) const CONFIDENCE: f64 = 0.95;
+
+/// A coefficient of a friction law with what is known about it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FrictionTerm {
+    /// Expression in the joint's velocity `v`, or a1 … a5 of a Stribeck law.
+    pub basis: String,
+    /// Factor [N·m times the inverse unit of the basis], or the parameter.
+    pub coefficient: f64,
+    /// Standard error for correlated residuals, where known.
+    pub standard_error: Option<f64>,
+    /// Half the width of the interval at 95 %, where noise of the velocities biases least squares and the interval
+    /// reaches as far as instrumental variables put the true coefficient. The standard error then is the root of the mean
+    /// square distance from it.
+    pub reach: Option<f64>,
+    /// Standard error if all other coefficients were known, where known: terms that resemble each other have
+    /// vague coefficients and a sharp sum, so the coefficient is written with the digits of this one.
+    pub resolution: Option<f64>,
+    /// Share of bootstrap draws with this term, where known.
+    pub inclusion: Option<f64>,
+    /// Probability of the term over all subsets of the library, where known.
+    pub probability: Option<f64>,
+}
+
+/// Friction τ(v) of a joint, in a form that descriptions have.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FrictionLaw {
+    /// `Σ coefficient · basis(v)`.
+    Terms(Vec<FrictionTerm>),
+    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, by a1 … a5.
+    Stribeck(Box<[FrictionTerm; 5]>),
+}
+
+impl Default for FrictionLaw {
+    fn default() -> Self {
+        Self::Terms(Vec::new())
+    }
+}
+
+impl FrictionLaw {
+    /// The Stribeck law with parameters a1 … a5.
+    ///
+    /// - `standard_errors`: for correlated residuals; `None` where a parameter is not identifiable
+    /// - `resolutions`: standard errors if all other parameters were known
+    pub fn stribeck(
+        parameters: [f64; 5],
+        standard_errors: [Option<f64>; 5],
+        resolutions: [Option<f64>; 5],
+    ) -> Self {
+        Self::Stribeck(Box::new(std::array::from_fn(|i| FrictionTerm {
+            basis: super::methods::stribeck::NAMES[i].into(),
+            coefficient: parameters[i],
+            standard_error: standard_errors[i],
+            resolution: resolutions[i],
+            ..FrictionTerm::default()
+        })))
+    }
+
+    /// The coefficients, or the five parameters.
+    pub fn coefficients(&self) -> &[FrictionTerm] {
+        match self {
+            Self::Terms(terms) => terms,
+            Self::Stribeck(parameters) => &**parameters,
+        }
+    }
+
+    /// Torques at `velocities`.
+    ///
+    /// # Errors
+    /// A basis that is no expression in `v`, or no term.
+    pub fn torques(&self, velocities: &[f64]) -> Result<Vec<f64>> {
+        match self {
+            Self::Terms(terms) => sum(terms, velocities),
+            Self::Stribeck(parameters) => {
+                let parameters = values(parameters);
+                Ok(velocities.iter().map(|v| stribeck_torque(*v, &parameters)).collect())
+            }
+        }
+    }
+
+    /// Derivatives of the torques by the coefficients `[velocities × coefficients]`.
+    ///
+    /// # Errors
+    /// As [`Self::torques`].
+    pub(crate) fn gradients(&self, velocities: &[f64]) -> Result<DMatrix<f64>> {
+        match self {
+            Self::Terms(terms) => matrix(terms, velocities),
+            Self::Stribeck(parameters) => {
+                let parameters = values(parameters);
+                let rows: Vec<[f64; 5]> =
+                    velocities.iter().map(|v| stribeck_gradient(*v, &parameters)).collect();
+                Ok(DMatrix::from_fn(rows.len(), 5, |i, j| rows[i][j]))
+            }
+        }
+    }
+
+    /// The law as one line of text, with the digits that a description gets.
+    pub fn formula(&self) -> String {
+        let terms: Vec<String> = match self {
+            Self::Terms(terms) => {
+                terms.iter().map(|term| format!("{}*{}", term.written(), term.basis)).collect()
+            }
+            Self::Stribeck(parameters) => {
+                let [a1, a2, a3, a4, a5] = parameters.each_ref().map(FrictionTerm::written);
+                vec![
+                    format!("{a1}*v"),
+                    format!("{a2}*tanh({a3}*v)"),
+                    format!("{a4}*exp(-{a5}*abs(v))*tanh(3*{a3}*v)"),
+                ]
+            }
+        };
+        terms.join(" + ").replace("+ -", "- ")
+    }
+}
+
+impl FrictionTerm {
+    /// The error that decides how many digits are written.
+    pub(crate) fn written_error(&self) -> Option<f64> {
+        self.resolution.or(self.standard_error)
+    }
+
+    /// The coefficient with the digits that a description gets.
+    fn written(&self) -> String {
+        rounded(self.coefficient, self.written_error())
+    }
+
+    /// A line of the table.
+    fn line(&self, name: &str, width: usize, t: f64) -> String {
+        let share = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
+        format!(
+            "{name:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
+            with_error(self.coefficient, self.standard_error),
+            self.interval(t).unwrap_or_else(|| "-".into()),
+            share(self.inclusion),
+            share(self.probability)
+        )
+    }
+
+    /// Ends of the interval; `None` where the error is not known.
+    ///
+    /// - `t`: half its width in standard errors, [`FrictionResult::interval_factor`]
+    pub fn ends(&self, t: f64) -> Option<[f64; 2]> {
+        let error = self.standard_error.filter(|error| error.is_finite() && *error > 0.0)?;
+        let half = self.reach.unwrap_or(t * error);
+        Some([-half, half].map(|distance| self.coefficient + distance))
+    }
+
+    /// `low … high`.
+    fn interval(&self, t: f64) -> Option<String> {
+        let [low, high] = self.ends(t)?.map(|end| rounded(end, self.standard_error));
+        Some(format!("{low} … {high}"))
+    }
+}
+
+fn values(parameters: &[FrictionTerm; 5]) -> [f64; 5] {
+    parameters.each_ref().map(|parameter| parameter.coefficient)
+}
+
+fn matrix(terms: &[FrictionTerm], velocities: &[f64]) -> Result<DMatrix<f64>> {
+    let bases: Vec<&str> = terms.iter().map(|t| t.basis.as_str()).collect();
+    Library::new(&bases, &["v"])?.matrix(&[velocities])
+}
+
+/// Values of a sum of terms.
+fn sum(terms: &[FrictionTerm], velocities: &[f64]) -> Result<Vec<f64>> {
+    let theta = matrix(terms, velocities)?;
+    let mut sums = vec![0.0; velocities.len()];
+    for (column, term) in theta.column_iter().zip(terms) {
+        sums.iter_mut().zip(column.iter()).for_each(|(sum, value)| *sum += term.coefficient * value);
+    }
+    Ok(sums)
+}
+
+/// The friction law of one joint and how it was found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FrictionResult {
+    /// Name of the joint in the description.
+    pub joint: String,
+    /// Unit of the torque, `N·m` or `N`.
+    pub unit: String,
+    /// Unit of the velocity, `rad/s` or `m/s`.
+    pub velocity_unit: String,
+    /// The law.
+    pub law: FrictionLaw,
+    /// Terms of s₁: friction gains |τ_l| s₁ with the load τ_l. Empty where it does not grow with the load.
+    pub load: Vec<FrictionTerm>,
+    /// A Stribeck law in physical words.
+    pub stribeck: Option<StribeckWords>,
+    /// The constant torque of each run; none where it belongs to the law.
+    pub offsets: Vec<Offset>,
+    /// Samples used.
+    pub samples: usize,
+    /// Degrees of freedom of the standard errors, for Student's distribution.
+    pub freedom: f64,
+    /// Range of the velocities in the data; outside the law is extrapolated.
+    pub velocity_range: [f64; 2],
+    /// Residual rms.
+    pub residual: f64,
+    /// `1 − RSS/Σ (τ − τ̄)²` on the data that were fitted, τ̄ by run where offsets are separate.
+    pub r_squared: f64,
+    /// The same on folds that were left out; `None` where the samples are too few.
+    pub held_out: Option<f64>,
+    /// What changes over the log; `None` where the samples are too few.
+    pub drift: Option<Drift>,
+    /// File name and SHA-256 of the data.
+    pub data: String,
+    /// Settings in words: method, λ with its convention, selection, differentiation.
+    pub settings: Vec<String>,
+    /// Doubts, and as errors reasons for which the law must not be written; see [`Self::accept`].
+    pub findings: Vec<Finding>,
+}
+
+impl FrictionResult {
+    /// Takes a refused law nevertheless: the reasons become warnings.
+    pub fn accept(&mut self) {
+        self.findings.iter_mut().for_each(|finding| *finding = finding.clone().accepted());
+    }
+
+    /// Reasons for which the law must not be written into a description.
+    pub fn refusals(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| finding.severity == Severity::Error)
+    }
+
+    /// Tells whether nothing is left of the law with the digits that its errors leave.
+    pub(crate) fn vanishes(&self) -> bool {
+        let mut terms = self.law.coefficients().iter().chain(&self.load);
+        terms.all(|term| vanishes(term.coefficient, term.written_error()))
+    }
+
+    /// Friction at a velocity and a load τ_l: the law, and `|τ_l| s₁(v)` where friction grows with the load.
+    ///
+    /// # Errors
+    /// As [`FrictionLaw::torques`].
+    pub fn torque(&self, velocity: f64, load: f64) -> Result<f64> {
+        let first = |torques: Vec<f64>| torques.first().copied().unwrap_or(0.0);
+        let law = first(self.law.torques(&[velocity])?);
+        if self.load.is_empty() {
+            return Ok(law);
+        }
+        Ok(law + load.abs() * first(sum(&self.load, &[velocity])?))
+    }
+
+    /// The law as one line of text, with the digits that a description gets, and with `load` for τ_l where friction
+    /// grows with it.
+    pub fn formula(&self) -> String {
+        let under_load = self.load.iter().map(|term| format!("{}*abs(load)*{}", term.written(), term.basis));
+        let terms = std::iter::once(self.law.formula()).chain(under_load);
+        terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ")
+    }
+
+    /// Half the width of the interval at 95 % in standard errors.
+    pub fn interval_factor(&self) -> f64 {
+        let freedom = if self.freedom > 0.0 { self.freedom } else { 1e9 };
+        quantile(CONFIDENCE, freedom).unwrap_or(f64::INFINITY)
+    }
+
+    /// One line for each coefficient: name, value with standard error, interval, probability.
+    pub(crate) fn coefficient_lines(&self) -> Vec<String> {
+        let t = self.interval_factor();
+        let line = |(name, term): (String, &FrictionTerm)| {
+            let range = term
+                .interval(t)
+                .map_or_else(String::new, |i| format!(", {:.0} % interval {i}", 100.0 * CONFIDENCE));
+            let probability = term.probability.map_or_else(String::new, |p| {
+                format!(", in the law with a probability of {:.0} %", 100.0 * p)
+            });
+            format!("{name}: {}{range}{probability}", with_error(term.coefficient, term.standard_error))
+        };
+        self.named().map(line).collect()
+    }
+
+    /// The law's coefficients, then those of the load, with their names.
+    fn named(&self) -> impl Iterator<Item = (String, &FrictionTerm)> {
+        let law = self.law.coefficients().iter().map(|term| (term.basis.clone(), term));
+        law.chain(self.load.iter().map(|term| (format!("load: {}", term.basis), term)))
+    }
+
+    /// Lines on offsets, Stribeck's words and quality of the fit.
+    pub(crate) fn summary_lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> =
+            self.stribeck.iter().map(|words| words.line(&self.unit, &self.velocity_unit)).collect();
+        lines.extend(self.offset_line());
+        let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
+        lines.push(format!(
+            "residual {} {} rms, R² {:.4} in the fit, {held_out} on left-out data",
+            rounded(self.residual, Some(1e-2 * self.residual)),
+            self.unit,
+            self.r_squared
+        ));
+        lines
+    }
+
+    fn offset_line(&self) -> Option<String> {
+        let text = |o: &Offset| with_error(o.value, o.standard_error);
+        match self.offsets.as_slice() {
+            [] => None,
+            [one] => Some(format!("offset {} {}, not part of the law", text(one), self.unit)),
+            several => {
+                let extreme = |sign: f64| {
+                    several
+                        .iter()
+                        .max_by(|a, b| (sign * a.value).total_cmp(&(sign * b.value)))
+                        .map_or_else(String::new, text)
+                };
+                Some(format!(
+                    "offsets of {} runs from {} to {} {}, not part of the law",
+                    several.len(),
+                    extreme(-1.0),
+                    extreme(1.0),
+                    self.unit
+                ))
+            }
+        }
+    }
+
+    /// A table for people.
+    pub fn table(&self) -> String {
+        let mut text = String::new();
+        let width = self.named().map(|(name, _)| name.chars().count()).fold(4, usize::max);
+        let [slowest, fastest] = self.velocity_range;
+        let _ = writeln!(
+            text,
+            "friction of {} [{}], {} samples, {slowest:.4} to {fastest:.4} {}",
+            self.joint, self.unit, self.samples, self.velocity_unit
+        );
+        let _ = writeln!(
+            text,
+            "{:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
+            "term", "coefficient", "95 % interval", "inclusion", "probability"
+        );
+        let t = self.interval_factor();
+        for (name, term) in self.named() {
+            let _ = writeln!(text, "{}", term.line(&name, width, t));
+        }
+        for line in self.summary_lines() {
+            let _ = writeln!(text, "{line}");
+        }
+        for finding in &self.findings {
+            let _ = writeln!(text, "{finding}");
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub(crate) fn example() -> FrictionResult {
+        let term = |basis: &str, coefficient| FrictionTerm {
+            basis: basis.into(),
+            coefficient,
+            standard_error: Some(0.0312),
+            reach: None,
+            resolution: Some(0.0041),
+            inclusion: Some(0.985),
+            probability: Some(0.75),
+        };
+        FrictionResult {
+            joint: "beta".into(),
+            unit: "N·m".into(),
+            velocity_unit: "rad/s".into(),
+            law: FrictionLaw::Terms(vec![term("v", 76.556_12), term("tanh(5*v)", -3.924_49)]),
+            offsets: vec![Offset { samples: 0..3000, value: 0.503, standard_error: Some(0.021) }],
+            samples: 3000,
+            freedom: 60.0,
+            velocity_range: [-0.7, 0.71],
+            residual: 0.1234,
+            r_squared: 0.998,
+            held_out: Some(0.9971),
+            data: "run.csv (sha256 00ff)".into(),
+            settings: vec!["λ = 0.01 in 1/(2N)‖·‖² + λ‖·‖₁".into(), "two\nlines".into()],
+            ..FrictionResult::default()
+        }
+    }
+
+    #[test]
+    fn the_table_names_units_and_numbers() {
+        let table = example().table();
+        assert!(table.contains("friction of beta [N·m], 3000 samples, -0.7000 to 0.7100 rad/s"), "{table}");
+        let line = table.lines().nth(2).unwrap();
+        // Student's quantile for 60 degrees of freedom is 2.000.
+        assert!(line.contains("76.556 ± 0.031") && line.contains("76.494 … 76.619"), "{table}");
+        assert!(line.contains("98 %") && line.ends_with("75 %"), "{table}");
+        assert!(table.contains("offset 0.503 ± 0.021 N·m, not part of the law"), "{table}");
+        assert!(table.contains("R² 0.9980 in the fit, 0.9971 on left-out data"), "{table}");
+        // The formula has the digits of the resolution: what is written.
+        assert_eq!(example().law.formula(), "76.5561*v - 3.9245*tanh(5*v)");
+    }
+
+    #[test]
+    fn a_refused_law_says_so_until_it_is_accepted() {
+        let findings = vec![Finding::error("poor-law", "the law explains nothing")];
+        let mut result = FrictionResult { findings, ..example() };
+        assert!(result.table().ends_with("error[poor-law]: the law explains nothing\n"));
+        result.accept();
+        assert_eq!(result.refusals().count(), 0);
+        assert!(result.table().ends_with("warning[poor-law]: the law explains nothing\n"));
+    }
+
+    #[test]
+    fn a_stribeck_law_and_its_formula_agree() {
+        let parameters = [2.1, 1.4, 20.0, 0.9, 8.0];
+        let errors = [Some(0.1), None, None, None, None];
+        let law = FrictionLaw::stribeck(parameters, errors, errors);
+        let v = [-0.5, 0.0, 0.02, 1.3];
+        let formula = Library::new(&[law.formula()], &["v"]).unwrap();
+        let by_formula = formula.matrix(&[&v]).unwrap();
+        for (a, b) in law.torques(&v).unwrap().iter().zip(by_formula.iter()) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+        let table = FrictionResult { law, ..example() }.table();
+        assert!(table.lines().count() == 9 && table.contains("a5"), "{table}");
+    }
+}
