@@ -340,6 +340,48 @@ fn circles_of(folder: &Path, edges: &BTreeMap<(PathBuf, PathBuf), String>) -> Ve
     described.collect()
 }
 
+/// Folders whose `mod.rs` lists the modules from the lowest floor to the highest, one paragraph for each floor. Files import from
+/// floors below their own.
+const STAIRCASES: [&str; 2] = ["log", "log/columns"];
+
+/// The floor of each module by the paragraphs of a `mod.rs`.
+fn floors(text: &str) -> BTreeMap<String, usize> {
+    let name = |line: &str| {
+        let (_, name) = line.strip_suffix(';')?.rsplit_once("mod ")?;
+        Some(name.to_owned())
+    };
+    let paragraphs = text.split("\n\n").enumerate();
+    paragraphs
+        .flat_map(|(floor, lines)| lines.lines().filter_map(name).map(move |name| (name, floor)))
+        .collect()
+}
+
+/// Imports of the files of a folder from their own floor or from a higher one. What `mod.rs` defines is above all floors.
+fn upward(folder: &Path, edges: &BTreeMap<(PathBuf, PathBuf), String>) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join("mod.rs")).expect("a folder of modules");
+    let floors = floors(&text);
+    let floor = |room: &str| {
+        let name = room.trim_end_matches('/').trim_end_matches(".rs");
+        floors.get(name).copied().unwrap_or(usize::MAX)
+    };
+    let is_upward = |(from, to): &(PathBuf, PathBuf)| match (room(folder, from), room(folder, to)) {
+        (Some(a), Some(b)) => a != b && floor(&a) != usize::MAX && floor(&a) <= floor(&b),
+        _ => false,
+    };
+    let short = |file: &Path| file.strip_prefix(folder).unwrap_or(file).display().to_string();
+    let found = edges.iter().filter(|(files, _)| is_upward(files));
+    found.map(|((from, to), path)| format!("{} → {} ({path})", short(from), short(to))).collect()
+}
+
+#[test]
+fn floors_are_those_that_folders_list() {
+    let source = gelenk_tests::workspace().join("runtime/identification/src");
+    let edges = Crate::read(&source.join("lib.rs")).edges();
+    let found: Vec<String> =
+        STAIRCASES.iter().flat_map(|folder| upward(&source.join(folder), &edges)).collect();
+    assert!(found.is_empty(), "imports from a floor that is not below:\n{}", found.join("\n"));
+}
+
 /// In a folder, files and inner folders stand in floors: what imports stands above what it imports. Two files of
 /// one folder may know each other; a folder and what stands beside it may not.
 #[test]
@@ -407,4 +449,23 @@ fn circles_of_files_and_folders_are_found() {
     assert!(circles_among(&[lib, a, b, ("c.rs", "pub struct C;")]).is_empty());
     let b = ("b.rs", "use super::c::*; pub struct B;");
     assert_eq!(circles_among(&[lib, a, b, ("c.rs", "pub struct C(super::a::A);")]), ["a.rs, b.rs, c.rs"]);
+}
+
+#[test]
+fn imports_from_higher_floors_are_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = [
+        ("lib.rs", "mod log;"),
+        ("log/mod.rs", "//! Floors.\n\nmod a;\nmod b;\n\nmod c;\n\npub use c::C;\nconst TOP: usize = 1;\n"),
+        ("log/a.rs", "use super::C; use super::b::B; pub struct A;"),
+        ("log/b.rs", "use super::TOP; pub struct B;"),
+        ("log/c.rs", "use super::a::A; pub struct C;"),
+    ];
+    std::fs::create_dir_all(folder.path().join("log")).expect("a folder");
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let edges = Crate::read(&folder.path().join("lib.rs")).edges();
+    let found = upward(&folder.path().join("log"), &edges);
+    assert_eq!(found, ["a.rs → b.rs (super::b::B)", "a.rs → c.rs (super::C)", "b.rs → mod.rs (super::TOP)"]);
 }

@@ -18,6 +18,20 @@ pub(super) struct Arguments {
     pub(super) command: Command,
 }
 
+impl Arguments {
+    /// The arguments of the process. Joints that are held become a part of `--columns`.
+    pub(super) fn read() -> Self {
+        let mut arguments = Self::parse();
+        if let Command::Identify(what) = &mut arguments.command
+            && !what.hold.is_empty()
+        {
+            let columns = what.columns.iter().cloned().chain([format!("hold={}", what.hold.join("|"))]);
+            what.columns = Some(columns.collect::<Vec<_>>().join(","));
+        }
+        arguments
+    }
+}
+
 const EXAMPLES: &str = "\
 Examples:
   gelenk generate models/powercube.toml        writes generated/src/powercube.rs
@@ -82,6 +96,8 @@ Examples:
   gelenk identify ur10.urdf monday.csv tuesday.csv --report page
   gelenk identify arm.toml log.csv --columns 'time=t,position=pos_{},torque=i_{} [N m]'
   gelenk identify drone.toml flight.csv --columns 'place=2..4,wxyz=5..8,input=9..12'
+  gelenk identify arm.toml log.csv --columns '?'                       the columns as a line to edit and give back
+  gelenk identify arm.toml log.csv --hold 'wrist_*' --hold gripper=0.02    joints at rest that the log leaves out
   gelenk identify arm.toml --reduce log.csv --output log.moments       one task for each log of a fleet
   gelenk identify arm.toml --merge *.moments --output arm_identified.toml
   gelenk identify arm.toml --merge *.moments --output all.moments      their sum, to be merged again
@@ -246,10 +262,14 @@ pub(super) struct Identify {
     /// Folder for a page with figures (index.html) and its numbers
     #[arg(long, value_name = "FOLDER", conflicts_with = "plan")]
     pub(super) report: Option<PathBuf>,
-    /// Which columns of the logs are what, e.g. 'position=joint{}_pos,torque={name}_tau' [default: known
-    /// patterns]
+    /// Which columns of the logs are what, e.g. 'position=joint{}_pos,torque={name}_tau'; '?' prints those of the
+    /// first log as a line to edit [default: known patterns]
     #[arg(long, value_name = "PATTERNS", conflicts_with = "plan")]
     pub(super) columns: Option<String>,
+    /// Joints that the logs leave out, a name or a pattern with `*`: at rest at VALUE [rad or m, default: 0], with friction
+    /// and drives as described; may be given several times
+    #[arg(long, value_name = "PATTERN[=VALUE]", conflicts_with = "plan")]
+    pub(super) hold: Vec<String>,
     /// Character between the fields of the logs [default: from the data]
     #[arg(long, value_name = "CHARACTER", conflicts_with = "plan")]
     pub(super) separator: Option<char>,
@@ -307,7 +327,7 @@ pub(super) struct Identify {
     #[arg(
         long,
         conflicts_with_all = [
-            "plan", "columns", "separator", "effort", "gravity_compensated", "bandwidth", "delay", "validate"
+            "plan", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay", "validate"
         ]
     )]
     pub(super) merge: bool,

@@ -25,15 +25,13 @@ mod report;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use arguments::{Arguments, Command};
 
 /// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a
 /// file) is at fault or the output is stale, 2 for a wrong command line, 3 where the program is at fault.
 #[must_use]
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::read();
     let format = arguments.format;
     let result = failure::guarded(|| match &arguments.command {
         Command::Generate(what) => generate::generate(what, format),

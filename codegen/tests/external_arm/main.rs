@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 mod doubts;
+mod held;
 mod said;
 mod tilted;
 mod units;
@@ -84,9 +85,12 @@ struct Recorded {
     delay: f64,
     /// Friction of the first joint beside its viscous and Coulomb friction.
     turn: fn(f64) -> f64,
+    /// Position of the last joint if it rests.
+    resting: Option<f64>,
 }
 
-const RIGHT: Recorded = Recorded { constants: None, factors: [1.0; 3], delay: 0.0, turn: |_| 0.0 };
+const RIGHT: Recorded =
+    Recorded { constants: None, factors: [1.0; 3], delay: 0.0, turn: |_| 0.0, resting: None };
 
 struct Arm(tempfile::TempDir);
 
@@ -113,7 +117,14 @@ impl Arm {
 
     /// The same, recorded as somebody else would.
     fn record_as(&self, description: &str, log: &str, how: Recorded) {
-        let Recorded { constants, factors, delay, turn } = how;
+        let Recorded { constants, factors, delay, turn, resting } = how;
+        let motion = |t: f64| {
+            let [mut y, mut v, mut a] = motion(t);
+            if let Some(position) = resting {
+                (y[2], v[2], a[2]) = (position, 0.0, 0.0);
+            }
+            [y, v, a]
+        };
         let robot = InterpretedRobot::new(&self.model(description)).unwrap();
         let kind = if constants.is_some() { "current" } else { "effort" };
         let mut text = "t,q_turn,q_lift,q_reach".to_owned();

@@ -304,7 +304,7 @@ pub(crate) fn beyond_range(
 /// Efforts on the other side of the gears than their names say would make every result wrong by the gear's ratio:
 /// somebody has to say what they are.
 fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
-    let is_said = columns.effort.is_some() || columns.columns.is_some();
+    let is_said = columns.effort.is_some() || columns.names_columns();
     let doubt = recording.findings.iter().find(|finding| finding.code == GEAR_DOUBTFUL.code);
     let Some(doubt) = doubt.filter(|_| !is_said) else { return Ok(()) };
     let doubt = Finding { severity: Severity::Error, ..doubt.clone() };

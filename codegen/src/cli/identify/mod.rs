@@ -1,5 +1,6 @@
 //! `gelenk identify`.
 
+mod columns;
 mod found_json;
 mod logs;
 mod moments;
@@ -13,9 +14,11 @@ use std::process::ExitCode;
 use super::arguments::{Format, Identify};
 use super::failure::Failure;
 
-/// Identifies a robot from its logs or their moments, reduces logs to moments, plans a motion to record, or finds a load.
+/// Identifies a robot from its logs or their moments, reduces logs to moments, plans a motion to record, finds a load, or prints the
+/// columns of a log.
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     match arguments {
+        _ if read::stated(arguments).asks() => columns::print(arguments, format),
         Identify { plan: true, .. } => plan::write(arguments, format),
         Identify { reduce: true, .. } => moments::write_reduced(arguments, format),
         Identify { merge: true, .. } => moments::write_merged(arguments, format),

@@ -1,10 +1,12 @@
 //! The described robot that is identified.
 
+use gelenk_identification::log::ColumnOptions;
+
 use super::super::arguments::{FrictionPlace, Identify};
 use super::super::failure::Failure;
 use super::super::print;
 use crate::identify::{InterpretedRobot, RobotChoices};
-use crate::model::{self, Loaded, ReadOptions};
+use crate::model::{self, Loaded, Model, ReadOptions};
 
 /// The described robot, its regressors ready.
 pub(super) fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), Failure> {
@@ -14,19 +16,32 @@ pub(super) fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), F
         print::err(&format!("{}\n\n", loaded.notes));
     }
     let driven: Vec<String> = loaded.model.driven_joints().map(|joint| joint.name.clone()).collect();
-    let choices = RobotChoices {
-        friction_at_joints: arguments.friction_on == FrictionPlace::Joints,
-        unmeasured: driven,
+    let of = |model: &Model| {
+        let unmeasured = driven.iter().cloned().chain(held(arguments, model)?).collect();
+        let friction_at_joints = arguments.friction_on == FrictionPlace::Joints;
+        InterpretedRobot::with(model, &RobotChoices { friction_at_joints, unmeasured }).map_err(at_fault)
     };
-    if choices.unmeasured.is_empty() {
-        let robot = InterpretedRobot::with(&loaded.model, &choices).map_err(at_fault)?;
+    if driven.is_empty() {
+        let robot = of(&loaded.model)?;
         return Ok((loaded, robot));
     }
     // A log has the motion of all joints. What moves these is not in it.
     let options = ReadOptions { free_driven: true, ..arguments.reading.options() };
     let freed = model::read(&arguments.description, &options).map_err(at_fault)?;
-    let robot = InterpretedRobot::with(&freed.model, &choices).map_err(at_fault)?;
+    let robot = of(&freed.model)?;
     Ok((loaded, robot))
+}
+
+/// What the command line states about the columns.
+pub(super) fn stated(arguments: &Identify) -> ColumnOptions {
+    ColumnOptions { columns: arguments.columns.clone(), ..ColumnOptions::default() }
+}
+
+/// Names of the joints that the logs leave out.
+fn held(arguments: &Identify, model: &Model) -> Result<Vec<String>, Failure> {
+    let names: Vec<String> = model.joints().map(|joint| joint.name.clone()).collect();
+    let held = stated(arguments).held(&names)?;
+    Ok(names.into_iter().zip(held).filter(|(_, held)| held.is_some()).map(|(name, _)| name).collect())
 }
 
 /// Says on standard error what is being done.

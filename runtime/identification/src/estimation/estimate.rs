@@ -24,7 +24,7 @@ use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
 use super::tilt::tilt;
 use super::unit::CommonRatio;
-use gelenk_findings::{Finding, Rule};
+use gelenk_findings::Rule;
 use nalgebra::DVector;
 
 /// Sees: shares of the load that change from pass to pass.
@@ -36,7 +36,7 @@ const UNSETTLED: Rule = Rule::warning("load-shares-unsettled");
 /// Sees: a joint whose effort is hardly explained, next to others that are.
 /// Matters: it keeps its described friction and drive.
 /// Example: a dead channel of one effort.
-/// Fixture: `codegen/tests/strangers_arm/doubts.rs`.
+/// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 
 /// Inertial parameters, friction, offsets and gains of a robot from its runs.

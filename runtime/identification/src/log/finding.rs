@@ -5,13 +5,13 @@ use gelenk_findings::Rule;
 /// Sees: fields of a column that are empty, or rows that end before it.
 /// Matters: rows without a time, a position or an effort are not used.
 /// Example: a row `0.02,0.1,` of `t,q1,u1`.
-/// Fixture: `incomplete_rows_are_left_out_by_number` in `log/strangers.rs`.
+/// Fixture: `incomplete_rows_are_left_out_by_number` in `log/tests/styles.rs`.
 pub(super) const MISSING: Rule = Rule::note("missing-values");
 
 /// Sees: text in a column of numbers.
 /// Matters: its rows are not used; a unit or a mark between thousands next to the number may be the reason.
 /// Example: `x` below `u1`.
-/// Fixture: `incomplete_rows_are_left_out_by_number` in `log/strangers.rs`.
+/// Fixture: `incomplete_rows_are_left_out_by_number` in `log/tests/styles.rs`.
 pub(super) const NOT_A_NUMBER: Rule = Rule::note("not-a-number");
 
 /// Sees: rows and runs that are not used: incomplete ones, rows of zeros, rows with a field too many, runs of few samples.
@@ -23,73 +23,73 @@ pub(super) const LEFT_OUT: Rule = Rule::note("rows-left-out");
 /// Sees: an effort that has the same value in all samples.
 /// Matters: nothing is known of its joint's friction.
 /// Example: a column of zeros.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const CONSTANT: Rule = Rule::note("constant-effort");
 
 /// Sees: samples with the time of the one before.
 /// Matters: one of them is left out.
 /// Example: two rows at 0.01 s.
-/// Fixture: `times_cut_runs` in `log/strangers.rs`.
+/// Fixture: `times_cut_runs` in `log/tests/styles.rs`.
 pub(super) const REPEATED: Rule = Rule::note("repeated-times");
 
 /// Sees: a time that is earlier than the one before.
 /// Matters: a new run begins there, with an offset of its own.
 /// Example: two logs in one file.
-/// Fixture: `times_cut_runs` in `log/strangers.rs`.
+/// Fixture: `times_cut_runs` in `log/tests/styles.rs`.
 pub(super) const NEW_RUN: Rule = Rule::note("time-goes-back");
 
 /// Sees: jumps of a position by a whole turn.
 /// Matters: they are no motion. Joints without limits are unwrapped, those with limits are not.
 /// Example: an encoder that counts from -π to π.
-/// Fixture: `turns_are_unwrapped_where_a_joint_may_turn` in `log/strangers.rs`.
+/// Fixture: `turns_are_unwrapped_where_a_joint_may_turn` in `log/tests/styles.rs`.
 pub(super) const TURNS: Rule = Rule::note("turns");
 
 /// Sees: times without a unit, or times that step by exactly one second.
 /// Matters: a wrong unit of the time makes every rate wrong.
 /// Example: times that step by 4, taken as ms.
-/// Fixture: `epoch_times_keep_their_digits` in `log/strangers.rs`.
+/// Fixture: `epoch_times_keep_their_digits` in `log/tests/styles.rs`.
 pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 
 /// Sees: a joint that hardly moves.
 /// Matters: its friction cannot be estimated.
 /// Example: a joint that was held.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const STOOD_STILL: Rule = Rule::note("stood-still");
 
 /// Sees: single values far from their neighbours, or efforts far beyond all others.
 /// Matters: positions are smoothed without them, efforts are left out.
 /// Example: 999999 where a driver has no value.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`, and the tests of `log/spikes.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`, and the tests of `log/spikes.rs`.
 pub(super) const OUTLIER: Rule = Rule::note("outliers");
 
 /// Sees: positions beyond the described limits.
 /// Matters: they may be in another unit, or another joint's.
 /// Example: degrees without a unit in the header.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const BEYOND_POSITION: Rule = Rule::note("beyond-position-limits");
 
 /// Sees: speeds beyond the described limit.
 /// Matters: positions or times may be in another unit.
 /// Example: times in minutes.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const BEYOND_SPEED: Rule = Rule::note("beyond-speed-limit");
 
 /// Sees: efforts beyond the described limit.
 /// Matters: they may be in another unit, or on the other side of the gears.
 /// Example: efforts in mN m.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const BEYOND_EFFORT: Rule = Rule::note("beyond-effort-limit");
 
 /// Sees: efforts that carry the described weight only if a gear's ratio is applied, or is not.
 /// Matters: every result would be wrong by the ratio.
 /// Example: a column `u1` with torques behind a gear of 100.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(crate) const GEAR_DOUBTFUL: Rule = Rule::note("gear-doubtful");
 
 /// Sees: a column of velocities that is not the slope of the positions.
 /// Matters: a sign, a unit or the order of columns may be wrong. The velocities themselves are not used.
 /// Example: velocities in deg/s next to positions in rad.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/strangers.rs`.
+/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const VELOCITY_DISAGREES: Rule = Rule::note("velocity-disagrees");
 
 /// Sees: samples that repeat all values of the ones before at new times.
@@ -107,17 +107,17 @@ pub(super) const CUT_OFF: Rule = Rule::note("efforts-cut-off");
 /// Sees: quaternions whose length is not 1.
 /// Matters: they are divided by their length.
 /// Example: entries with three digits.
-/// Fixture: the tests of `log/pose_columns.rs`.
+/// Fixture: the tests of `log/unroll.rs`.
 pub(super) const NOT_UNIT: Rule = Rule::note("quaternions-not-unit");
 
 /// Sees: columns that are commanded by their names where no measured ones are found, or a time in an unknown unit.
 /// Matters: commanded values differ from measured ones by the control error.
 /// Example: `q_d1` without a `q1`.
-/// Fixture: `what_is_commanded_is_doubted_where_nothing_is_measured` in `log/brief.rs`.
+/// Fixture: `what_is_commanded_is_doubted_where_nothing_is_measured` in `log/tests/printed.rs`.
 pub(super) const COLUMN_DOUBTFUL: Rule = Rule::warning("column-doubtful");
 
 /// Sees: the columns that were taken for a quantity, and those that were not used.
 /// Matters: a wrong column makes a wrong estimate.
 /// Example: positions: `q{}` from `q1` of pan to `q3` of elbow.
-/// Fixture: `columns_of_strangers_are_named` in `log/strangers.rs`.
+/// Fixture: `columns_of_each_style_are_named` in `log/tests/styles.rs`.
 pub(super) const COLUMNS: Rule = Rule::note("columns");

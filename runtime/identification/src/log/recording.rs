@@ -1,14 +1,11 @@
-//! Logs of strangers as runs of a robot.
+//! Logs as runs of a robot.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::super::run::{Effort, FEWEST_SAMPLES, Run};
-use super::finder::RobotColumns;
+use super::columns::{ColumnGuess, ColumnOptions, Labels, Mapping, RobotColumns, guess, resolve};
 use super::finding::{COLUMNS, LEFT_OUT};
 use super::health;
-use super::labels::Labels;
-use super::mapping::{Mapping, resolve};
-use super::options::ColumnOptions;
 use super::runs::{Samples, split};
 use super::saturation::cut_off;
 use super::sheet::Sheet;
@@ -20,18 +17,18 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::slice;
 
-/// What several logs hold of one robot.
+/// The runs of several logs of one robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// Runs in the order of the files and rows.
     pub runs: Vec<Run>,
-    /// What the runs' efforts are, the same in all logs.
+    /// The kind of the runs' efforts, the same in all logs.
     pub effort: Effort,
-    /// What is suspicious in the logs, or was repaired.
+    /// Suspicious or repaired values.
     pub findings: Vec<Finding>,
-    /// What the first log calls its columns.
+    /// Names of the columns in the first log.
     pub labels: Labels,
-    /// What the columns were taken for: one line for each quantity.
+    /// The columns that were taken: one line for each quantity.
     pub columns: Vec<String>,
     /// One sentence for each column that is used, then what was assumed.
     pub mapping: Vec<String>,
@@ -73,7 +70,8 @@ pub(crate) fn runs_noting(
     }
     let mut recording: Option<Recording> = None;
     for path in paths {
-        let one = read_file(path, robot, columns, findings)?;
+        let place = path.display().to_string();
+        let one = read_bytes(&bytes_of(path)?, &place, (robot, columns), findings)?;
         recording = Some(match recording {
             None => one,
             Some(before) => join(before, one)?,
@@ -130,7 +128,7 @@ impl Recording {
         self.findings.push(LEFT_OUT.found(message));
     }
 
-    /// What the columns were taken for, one note for each quantity, and one for the columns that nothing uses.
+    /// The columns that were taken, one note for each quantity, and one note for the columns that nothing uses.
     pub fn columns_found(&self) -> Vec<Finding> {
         let shown: Vec<String> =
             self.unused.iter().take(MOST_UNUSED).map(|header| format!("`{header}`")).collect();
@@ -156,12 +154,28 @@ fn content(runs: &[Run]) -> [u8; 32] {
     hasher.finalize().into()
 }
 
-fn read_file(
-    path: &Path,
+/// The columns of a log as far as they are found, as a line of `--columns`.
+///
+/// # Errors
+/// Files that cannot be read or are no tables, and options that cannot be read. Columns that are not found are no error.
+pub fn guess_columns(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) -> Result<ColumnGuess> {
+    let source = path.display().to_string();
+    guess_columns_of(&bytes_of(path)?, &source, robot, columns)
+}
+
+/// As [`guess_columns`], of text in memory.
+pub(super) fn guess_columns_of(
+    bytes: &[u8],
+    source: &str,
     robot: &dyn Robot,
     columns: &ColumnOptions,
-    findings: &mut Vec<Finding>,
-) -> Result<Recording> {
+) -> Result<ColumnGuess> {
+    let text = unpacked(bytes, source)?;
+    let sheet = Sheet::new(&text, columns.separator, source)?;
+    guess(&sheet, &RobotColumns::new(robot, columns)?, columns, source)
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     let place = path.display().to_string();
     let fault =
         |e: std::io::Error| IdentificationError::File { place: place.clone(), message: e.to_string() };
@@ -172,8 +186,7 @@ fn read_file(
             message: format!("{size} bytes are more than a log may have ({LARGEST}): split it"),
         });
     }
-    let bytes = std::fs::read(path).map_err(fault)?;
-    read_bytes(&bytes, &place, (robot, columns), findings)
+    std::fs::read(path).map_err(fault)
 }
 
 /// - `findings`: what is noticed is added, also where an error follows
@@ -185,10 +198,10 @@ fn read_bytes(
 ) -> Result<Recording> {
     let text = unpacked(bytes, source)?;
     let sheet = Sheet::new(&text, options.separator, source)?;
-    let names = RobotColumns::new(robot);
+    let names = RobotColumns::new(robot, options)?;
     let mapping = resolve(&sheet, &names, options, source)?;
     let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
-    let runs = split(samples, &mapping, robot, source, findings)?;
+    let runs = split(samples, &mapping, (robot, &names), source, findings)?;
     let Mapping { effort, labels, brief, warnings, sentences, unused, .. } = mapping;
     let new: Vec<Finding> = warnings.into_iter().filter(|warning| !findings.contains(warning)).collect();
     findings.extend(new);

@@ -2,17 +2,15 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
-use super::super::run::{Effort, Run};
+use super::super::run::Run;
 use super::bursts::require_steady;
-use super::finder::RobotColumns;
+use super::columns::{Column, Mapping, RobotColumns};
 use super::finding::{LEFT_OUT, MISSING, NEW_RUN, NOT_A_NUMBER, REPEATED, UNIT_ASSUMED};
 use super::joint_forces::move_to_joints;
-use super::mapping::Mapping;
 use super::number::{Decimals, number};
-use super::search::Source;
+use super::seconds::{Clock, assumed_unit, counter_finding};
 use super::sheet::{Sheet, shortened};
 use super::spikes::leave_out_spikes;
-use super::time::{Clock, assumed_unit, counter_finding};
 use super::unroll::unrolled;
 use super::zeros::zero_rows;
 use gelenk_findings::{Finding, Rule};
@@ -63,9 +61,7 @@ impl Gaps {
             Some(_) => {}
         }
     }
-}
 
-impl Gaps {
     fn finding(&self, columns: &str, place: &str) -> Finding {
         let rule = if self.text.is_some() { NOT_A_NUMBER } else { MISSING };
         let text = self.text.as_ref().map_or(String::new(), |text| format!(", the first as `{text}`"));
@@ -91,8 +87,9 @@ impl Samples {
         findings: &mut Vec<Finding>,
     ) -> Result<Self> {
         let sources = sources(mapping);
-        let first_pose = sources.len() - mapping.poses.len();
-        let needed = |i: usize| i < mapping.positions.len() || i >= first_pose;
+        let (joints, first_pose) =
+            (mapping.positions.columns.len(), sources.len() - pose_columns(mapping).count());
+        let needed = |i: usize| i < joints || i >= first_pose;
         let mut samples = Self { values: vec![Vec::new(); sources.len()], ..Self::default() };
         let mut gaps = vec![Gaps::default(); sources.len() + 1];
         let mut row = vec![f64::NAN; sources.len()];
@@ -125,7 +122,7 @@ impl Samples {
             }
             Ok(())
         })?;
-        let efforts = 2 * mapping.positions.len()..2 * mapping.positions.len() + mapping.efforts.len();
+        let efforts = 2 * joints..2 * joints + mapping.efforts.columns.len();
         let long_rows = long.count;
         findings.extend(long.finding(source, LEFT_OUT, |n| {
             format!(
@@ -133,13 +130,13 @@ impl Samples {
             )
         }));
         require_alive(sheet, &sources, &gaps, &efforts, source)?;
-        let zeros = samples.leave_out_zeros(mapping.positions.len());
+        let zeros = samples.leave_out_zeros(joints);
         let zero_rows = zeros.count;
         findings.extend(zeros.finding(source, LEFT_OUT, |n| {
             format!("{n} rows of zeros, to which positions jump, are left out: nothing was recorded there")
         }));
         for i in efforts.clone() {
-            let named = (sources[i].map(|column| label(sheet, column.column)), source);
+            let named = (sources[i].map(|column| label(sheet, column.index)), source);
             findings.extend(leave_out_spikes(&mut samples.values[i], &samples.lines, named));
         }
         samples.leave_out_gaps(efforts);
@@ -238,17 +235,22 @@ fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
 }
 
 /// The columns of a mapping in the order of [`Samples::values`].
-fn sources(mapping: &Mapping) -> Vec<Option<&Source>> {
-    let positions = mapping.positions.iter().map(Some);
-    let velocities = mapping.velocities.iter().map(Option::as_ref);
-    let desired = mapping.desired.iter().flatten().map(Some);
-    let poses = mapping.poses.iter().map(Some);
-    positions.chain(velocities).chain(mapping.efforts.iter().map(Some)).chain(desired).chain(poses).collect()
+fn sources(mapping: &Mapping) -> Vec<Option<&Column>> {
+    let positions = &mapping.positions.columns;
+    let velocities = mapping.velocities.as_ref().map(|found| &found.columns);
+    let velocities = (0..positions.len()).map(|joint| velocities.map(|columns| &columns[joint]));
+    let desired = mapping.desired.iter().flat_map(|found| &found.columns);
+    let last = mapping.efforts.columns.iter().chain(desired).chain(pose_columns(mapping));
+    positions.iter().map(Some).chain(velocities).chain(last.map(Some)).collect()
 }
 
-fn value(record: &csv::ByteRecord, source: &Source, sheet: &Sheet, line: usize, gaps: &mut Gaps) -> f64 {
-    let field = record.get(source.column);
-    let value = field.and_then(|f| number(f, sheet.decimals)).map_or(f64::NAN, |x| x * source.factor);
+fn pose_columns(mapping: &Mapping) -> impl Iterator<Item = &Column> {
+    mapping.poses.iter().flat_map(|found| &found.columns)
+}
+
+fn value(record: &csv::ByteRecord, source: &Column, sheet: &Sheet, line: usize, gaps: &mut Gaps) -> f64 {
+    let field = record.get(source.index);
+    let value = field.and_then(|f| number(f, sheet.decimals)).map_or(f64::NAN, |x| x * source.unit.factor);
     if value.is_finite() {
         gaps.alive = true;
     } else {
@@ -264,7 +266,7 @@ fn label(sheet: &Sheet, column: usize) -> String {
 /// An effort without any number is its joint's loss alone, where other efforts have numbers.
 fn require_alive(
     sheet: &Sheet,
-    sources: &[Option<&Source>],
+    sources: &[Option<&Column>],
     gaps: &[Gaps],
     efforts: &Range<usize>,
     place: &str,
@@ -282,7 +284,7 @@ fn require_alive(
                 place: place.into(),
                 message: format!(
                     "{} has no finite number{example}: name another one with --columns",
-                    label(sheet, source.column)
+                    label(sheet, source.index)
                 ),
             });
         }
@@ -291,8 +293,8 @@ fn require_alive(
 }
 
 /// Columns of the file by the order of their gaps: those of the samples, then that of the time.
-fn labels(mapping: &Mapping, sources: &[Option<&Source>]) -> Vec<Option<usize>> {
-    sources.iter().map(|s| s.map(|s| s.column)).chain([mapping.time.column]).collect()
+fn labels(mapping: &Mapping, sources: &[Option<&Column>]) -> Vec<Option<usize>> {
+    sources.iter().map(|s| s.map(|s| s.index)).chain([mapping.time.column]).collect()
 }
 
 /// Refuses a log most of whose rows cannot be read: what is left is not what was recorded. Fields that are empty are
@@ -328,7 +330,7 @@ fn require_most_readable(
 fn gap_findings(
     sheet: &Sheet,
     mapping: &Mapping,
-    sources: &[Option<&Source>],
+    sources: &[Option<&Column>],
     gaps: &[Gaps],
     place: &str,
     left_out: usize,
@@ -359,7 +361,7 @@ fn gap_findings(
 pub(super) fn split(
     samples: Samples,
     mapping: &Mapping,
-    robot: &dyn Robot,
+    (robot, names): (&dyn Robot, &RobotColumns),
     source: &str,
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<Run>> {
@@ -386,31 +388,19 @@ pub(super) fn split(
                     .into(),
         });
     }
-    let names = names(&samples, &kept, source);
-    let mut runs: Vec<Run> =
-        kept.iter().zip(names).map(|(part, name)| samples.run(part, name, &clock, mapping)).collect();
+    let named = kept.iter().zip(run_names(&samples, &kept, source));
+    let mut runs: Vec<Run> = named.map(|(part, name)| samples.run(part, name, &clock, mapping)).collect();
     for run in &mut runs {
-        match &mapping.acting {
-            Some(acting) => *run = unrolled(run, robot, acting, source, findings)?,
-            None => {
-                add_unmeasured(run, robot);
-                move_to_joints(run, robot);
-            }
+        names.add_unrecorded(run, &mapping.efforts.places);
+        match mapping.poses.is_empty() {
+            true => move_to_joints(run, robot),
+            false => *run = unrolled(run, robot, source, findings)?,
         }
     }
     for run in &mut runs {
         findings.extend(super::health::unwrap_turns(run, robot, source));
     }
     Ok(runs)
-}
-
-/// Torques of the joints that something else moves, which no log has: NaN.
-fn add_unmeasured(run: &mut Run, robot: &dyn Robot) {
-    if run.effort != Effort::Joint {
-        return;
-    }
-    let unmeasured = robot.unmeasured().into_iter().enumerate().filter(|(_, unmeasured)| *unmeasured);
-    unmeasured.for_each(|(joint, _)| run.efforts.insert(joint, vec![f64::NAN; run.times.len()]));
 }
 
 /// Samples of each run, and the median step between them.
@@ -468,7 +458,7 @@ impl Tally {
 }
 
 /// File and run, with a number where several have the same name.
-fn names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
+fn run_names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
     let label = |part: &Vec<usize>| samples.labels[part[0]];
     let mut same = vec![0_usize; samples.names.len()];
     parts.iter().for_each(|part| same[label(part)] += 1);
@@ -488,8 +478,8 @@ fn names(samples: &Samples, parts: &[Vec<usize>], source: &str) -> Vec<String> {
 
 impl Samples {
     fn run(&self, part: &[usize], name: String, clock: &Clock, mapping: &Mapping) -> Run {
-        let n = mapping.positions.len();
-        let behind = 2 * n + mapping.efforts.len();
+        let n = mapping.positions.columns.len();
+        let behind = 2 * n + mapping.efforts.columns.len();
         let column = |i: usize| -> Vec<f64> { part.iter().map(|s| self.values[i][*s]).collect() };
         let velocity = |joint: usize| {
             let values = column(n + joint);
@@ -500,7 +490,9 @@ impl Samples {
             times: part.iter().map(|s| clock.seconds(self.times[*s])).collect(),
             rows: part.iter().map(|s| self.lines[*s]).collect(),
             positions: (0..n).map(column).collect(),
-            poses: (self.values.len() - mapping.poses.len()..self.values.len()).map(column).collect(),
+            poses: (self.values.len() - pose_columns(mapping).count()..self.values.len())
+                .map(column)
+                .collect(),
             velocities: (0..n).map(velocity).collect(),
             efforts: (2 * n..behind).map(column).collect(),
             effort: mapping.effort,

@@ -1,4 +1,4 @@
-//! Units as logs name them, and what they are in SI.
+//! Units in headers of logs, and their values in SI.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -7,68 +7,62 @@ use std::ops::RangeInclusive;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unit {
     pub factor: f64,
-    /// The SI unit, which tells the kind: `s`, `rad`, `rad/s`, `m`, `N*m`, …
+    /// The SI unit, which names the kind: `s`, `rad`, `rad/s`, `m`, `N*m`, …
     pub si: &'static str,
 }
 
 const DEGREE: f64 = PI / 180.0;
-/// Units by the SI unit of their kind, with their values in it.
-const UNITS: [(&str, &[(&str, f64)]); 12] = [
-    ("s", &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min", 60.0)]),
-    ("rad", &[("rad", 1.0), ("mrad", 1e-3), ("deg", DEGREE), ("gon", PI / 200.0), ("rev", 2.0 * PI)]),
-    (
-        "rad/s",
-        &[("rad/s", 1.0), ("mrad/s", 1e-3), ("deg/s", DEGREE), ("rpm", PI / 30.0), ("rev/s", 2.0 * PI)],
-    ),
-    ("rad/s^2", &[("rad/s^2", 1.0), ("deg/s^2", DEGREE)]),
-    ("m", &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6)]),
-    ("m/s", &[("m/s", 1.0), ("mm/s", 1e-3)]),
-    ("m/s^2", &[("m/s^2", 1.0), ("mm/s^2", 1e-3)]),
-    ("N*m", &[("N*m", 1.0), ("Nm", 1.0), ("mNm", 1e-3), ("Ncm", 1e-2), ("kNm", 1e3)]),
-    ("N", &[("N", 1.0), ("kN", 1e3)]),
-    ("A", &[("A", 1.0), ("mA", 1e-3)]),
-    ("count", &[("count", 1.0)]),
-    ("1", &[("1", 1.0)]),
+
+/// Units by the SI unit of their kind: the value in it, and spellings without blanks and multiplication signs. The first one is shown.
+#[rustfmt::skip]
+const UNITS: [(&str, &[(f64, &str)]); 12] = [
+    ("s", &[
+        (1.0, "s sec secs second seconds sekunde sekunden seconde secondes secondi segundos"),
+        (1e-3, "ms msec millis milliseconds"),
+        (1e-6, "us usec micros microseconds"),
+        (1e-9, "ns nsec nanos nsecs nanosec nanosecs nanosecond nanoseconds"),
+        (60.0, "min minute minutes minuten minuti minutos"),
+    ]),
+    ("rad", &[
+        (1.0, "rad radian radians radiant radianti radianes"),
+        (1e-3, "mrad"),
+        (DEGREE, "deg ° degs degree degrees gradi grados"),
+        (PI / 200.0, "gon gons gradian gradians"),
+        (2.0 * PI, "rev turn turns revs revolutions"),
+    ]),
+    ("rad/s", &[
+        (1.0, "rad/s rads radps rad/sec rads^-1"),
+        (1e-3, "mrad/s"),
+        (DEGREE, "deg/s °/s dps degps deg/sec"),
+        (PI / 30.0, "rpm rev/min 1/min u/min umin^-1 tr/min giri/min"),
+        (2.0 * PI, "rev/s rps"),
+    ]),
+    ("rad/s^2", &[(1.0, "rad/s^2"), (DEGREE, "deg/s^2")]),
+    ("m", &[(1.0, "m meter meters"), (1e-3, "mm"), (1e-2, "cm"), (1e-6, "um")]),
+    ("m/s", &[(1.0, "m/s mps"), (1e-3, "mm/s")]),
+    ("m/s^2", &[(1.0, "m/s^2"), (1e-3, "mm/s^2")]),
+    ("N*m", &[(1.0, "Nm newtonmeter newton-meter"), (1e-3, "mNm"), (1e-2, "Ncm"), (1e3, "kNm")]),
+    ("N", &[(1.0, "N newton"), (1e3, "kN")]),
+    ("A", &[(1.0, "A amp amps ampere"), (1e-3, "mA milliamps")]),
+    ("count", &[(1.0, "count")]),
+    ("1", &[(1.0, "1")]),
 ];
 
-/// Other spellings of units, in lower case and without blanks and multiplication signs.
-const SPELLINGS: [(&str, &str); 19] = [
-    ("s", "sec secs second seconds sekunde sekunden seconde secondes secondi segundos"),
-    ("ms", "msec millis milliseconds"),
-    ("us", "usec micros microseconds"),
-    ("min", "minute minutes minuten minuti minutos"),
-    ("ns", "nsec nanos nsecs nanosec nanosecs nanosecond nanoseconds"),
-    ("rad", "radian radians radiant radianti radianes"),
-    ("deg", "° degs degree degrees gradi grados"),
-    ("gon", "gons gradian gradians"),
-    ("rev", "turn turns revs revolutions"),
-    ("rad/s", "rads radps rad/sec rads^-1"),
-    ("deg/s", "°/s dps degps deg/sec"),
-    ("rev/s", "rps"),
-    ("rpm", "rev/min 1/min u/min umin^-1 tr/min giri/min"),
-    ("m", "meter meters"),
-    ("m/s", "mps"),
-    ("N", "newton"),
-    ("Nm", "newtonmeter newton-meter"),
-    ("A", "amp amps ampere"),
-    ("mA", "milliamps"),
-];
+/// `Grad` outside of German headers: a degree or a gon, a hundredth of a right angle.
+pub(super) const GRAD: &str = "grad";
 
-/// All units with their names.
+/// All units with their spellings.
 fn units() -> impl Iterator<Item = (&'static str, Unit)> {
-    UNITS
-        .iter()
-        .flat_map(|(si, names)| names.iter().map(|(name, factor)| (*name, Unit { factor: *factor, si })))
+    let of = |(si, units): &(&'static str, &'static [(f64, &'static str)])| {
+        let si = *si;
+        units.iter().map(move |(factor, spellings)| (*spellings, Unit { factor: *factor, si }))
+    };
+    UNITS.iter().flat_map(of)
 }
 
-/// The unit of exactly this name.
-pub(super) fn conversion(unit: &str) -> Option<(f64, &'static str)> {
-    units().find(|(name, _)| *name == unit).map(|(_, unit)| (unit.factor, unit.si))
-}
-
-/// The value of the unit of exactly this name, in the SI unit of its kind.
+/// The value of a unit in the SI unit of its kind.
 pub(crate) fn unit_value(unit: &str) -> Option<f64> {
-    conversion(unit).map(|(value, _)| value)
+    named(unit).map(|unit| unit.factor)
 }
 
 /// Share of a limit that values use whose unit is right.
@@ -80,8 +74,16 @@ pub(crate) fn are_minutes(times: f64) -> bool {
     SEEN.contains(&(times / 60.0))
 }
 
-/// The unit that a stranger's log names, in one of its spellings; a number before it is a factor, as in
-/// `0.0879 deg`.
+impl Unit {
+    /// The unit as [`find`] reads it.
+    pub(super) fn text(&self) -> String {
+        let known = units().find(|(_, unit)| unit == self);
+        let name = known.and_then(|(spellings, _)| spellings.split(' ').next());
+        name.map_or_else(|| format!("{} {}", self.factor, self.si), str::to_owned)
+    }
+}
+
+/// The unit of one of its spellings; a number before it is a factor, as in `0.0879 deg`.
 pub(super) fn find(text: &str) -> Option<Unit> {
     let text = text.trim();
     if let Some(unit) = named(text) {
@@ -93,20 +95,14 @@ pub(super) fn find(text: &str) -> Option<Unit> {
     Some(Unit { factor: factor * unit.factor, ..unit })
 }
 
-/// The unit in a German header, where `Grad` is a degree.
-pub(super) fn find_german(text: &str) -> Option<Unit> {
-    behind_grad(text).and_then(|rest| find(&format!("deg{rest}")))
-}
-
-/// Whether a unit is `Grad`: a degree in German, and elsewhere a gon, a hundredth of a right angle.
-pub(super) fn is_grad(text: &str) -> bool {
-    behind_grad(text).is_some_and(|rest| find(&format!("deg{rest}")).is_some())
-}
-
-fn behind_grad(text: &str) -> Option<&str> {
-    let text = text.trim();
-    let (grad, rest) = (text.get(..4)?, text.get(4..)?);
-    grad.eq_ignore_ascii_case("grad").then_some(rest)
+/// The unit in a header, which may be in a language in which `Grad` is a degree.
+pub(super) fn in_header(text: &str, is_translated: bool) -> Option<Unit> {
+    let grad = || {
+        let lower = text.trim().to_lowercase();
+        let degrees = find(&format!("deg{}", lower.strip_prefix(GRAD)?))?;
+        Some(if is_translated { degrees } else { Unit { si: GRAD, ..degrees } })
+    };
+    find(text).or_else(grad)
 }
 
 fn named(text: &str) -> Option<Unit> {
@@ -116,25 +112,22 @@ fn named(text: &str) -> Option<Unit> {
         .map(|c| match c {
             'µ' | 'μ' => 'u',
             '²' => '2',
-            // What is left of a degree sign in a file that is not UTF-8.
+            // A degree sign in a file that is not UTF-8.
             'º' | char::REPLACEMENT_CHARACTER => '°',
             c => c,
         })
         .collect();
     let plain = plain.replace("s2", "s^2").replace("s^^2", "s^2").replace("s**2", "s^2");
-    let lower = plain.to_lowercase();
-    let is_spelled = |(_, spellings): &&(&str, &str)| spellings.split(' ').any(|other| other == lower);
-    let spelled = SPELLINGS.iter().find(is_spelled).map_or(plain.as_str(), |(unit, _)| *unit);
-    let exact = units().find(|(name, _)| *name == spelled);
+    let spelled = |is_same: &dyn Fn(&str) -> bool| units().find(|(names, _)| names.split(' ').any(is_same));
     // `nm` and `NM` are newton metres: no joint moves by nanometres. `MA` and `MNm` are no milliampere and so on.
-    let is_mega = ["MA", "MNm", "MN"].contains(&spelled);
-    let loose = || units().find(|(name, _)| name.eq_ignore_ascii_case(spelled) && !is_mega);
-    exact.or_else(loose).map(|(_, unit)| unit)
+    let is_mega = ["MA", "MNm", "MN"].contains(&plain.as_str());
+    let loose = || spelled(&|name| !is_mega && name.to_lowercase() == plain.to_lowercase());
+    spelled(&|name| name == plain).or_else(loose).map(|(_, unit)| unit)
 }
 
 /// Names of all units, for messages.
 pub(super) fn known_units() -> String {
-    units().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
+    units().filter_map(|(spellings, _)| spellings.split(' ').next()).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -167,8 +160,10 @@ mod tests {
         for (text, factor, si) in cases {
             let unit = find(text).unwrap_or_else(|| panic!("{text}"));
             assert!((unit.factor / factor - 1.0).abs() < 1e-15 && unit.si == si, "{text}: {unit:?}");
+            assert_eq!(find(&unit.text()), Some(unit), "{text}: {}", unit.text());
         }
-        assert_eq!(find_german("Grad/s²").map(|unit| unit.si), Some("rad/s^2"));
+        assert_eq!(in_header("Grad/s²", true).map(|unit| unit.si), Some("rad/s^2"));
+        let is_grad = |text: &str| in_header(text, false).is_some_and(|unit| unit.si == GRAD);
         assert!(["Grad", "grad/s", " GRAD "].iter().all(|text| is_grad(text)));
         assert!(["gradi", "gradient", "rad", "gon", "µrad"].iter().all(|text| !is_grad(text)));
         for text in ["", "%", "counts per turn", "0 deg", "1e999 deg", "nan deg", "MA", "grad"] {

@@ -5,7 +5,6 @@ use super::super::numeric::digits::plain;
 use super::super::pose::QuaternionJoint;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
-use super::acting::Acting;
 use super::finding::NOT_UNIT;
 use super::joint_forces::forces_of_inputs;
 use gelenk_findings::Finding;
@@ -24,7 +23,6 @@ const FARTHEST: f64 = 0.02;
 pub(super) fn unrolled(
     read: &Run,
     robot: &dyn Robot,
-    acting: &Acting,
     source: &str,
     findings: &mut Vec<Finding>,
 ) -> Result<Run> {
@@ -53,7 +51,7 @@ pub(super) fn unrolled(
         run.positions[joint.velocities()].clone_from_slice(&ways(joint, poses));
         first += joint.positions().len();
     }
-    run.efforts = forces(&run, &read.efforts, robot, acting);
+    run.efforts = forces(&run, read, robot);
     run.effort = Effort::Joint;
     require_some_force(&run, source)?;
     Ok(run)
@@ -130,25 +128,18 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
     })
 }
 
-/// Forces in each row: those of joints without a quaternion as measured, or of the inputs. NaN where an input acts that the
+/// Forces in each row: those of joints without a quaternion as measured, or of the inputs. NaN if an input acts that the
 /// log does not have.
-fn forces(run: &Run, efforts: &[Vec<f64>], robot: &dyn Robot, acting: &Acting) -> Vec<Vec<f64>> {
-    let samples = run.times.len();
-    match acting {
-        Acting::Joints => {
-            let n = run.positions.len();
-            let mut forces = vec![vec![0.0; samples]; n];
-            let rows = super::super::pose::rows_of(&robot.quaternion_joints(), n);
-            let plain = forces.iter_mut().zip(rows).filter(|(_, has_quaternion)| !has_quaternion);
-            plain.zip(efforts).for_each(|((force, _), effort)| force.clone_from(effort));
-            forces
-        }
-        Acting::Inputs(known) => {
-            let mut inputs = vec![vec![f64::NAN; samples]; robot.input_names().len()];
-            known.iter().zip(efforts).for_each(|(input, column)| inputs[*input].clone_from(column));
-            forces_of_inputs(&run.poses, &inputs, robot)
-        }
+fn forces(run: &Run, read: Run, robot: &dyn Robot) -> Vec<Vec<f64>> {
+    if read.effort != Effort::Joint {
+        return forces_of_inputs(&run.poses, &read.efforts, robot);
     }
+    let n = run.positions.len();
+    let mut forces = vec![vec![0.0; run.times.len()]; n];
+    let rows = super::super::pose::rows_of(&robot.quaternion_joints(), n);
+    let plain = forces.iter_mut().zip(rows).filter(|(_, has_quaternion)| !has_quaternion);
+    plain.zip(read.efforts).for_each(|((force, _), effort)| *force = effort);
+    forces
 }
 
 /// Rows in which nothing acts tell ratios of the parameters alone: a robot without mass would explain them best.

@@ -1,9 +1,9 @@
-//! Logs in strangers' styles: the same motion, written as other programs write it.
+//! Styles of logs: the same motion, as different programs write it.
 
-use super::super::robot::FollowerLimits;
-use super::super::run::Effort;
+use super::super::super::robot::FollowerLimits;
+use super::super::super::run::Effort;
+use super::super::{ColumnOptions, Recording, runs_of};
 use super::testing::{Fake, message};
-use super::{ColumnOptions, Recording, runs_of};
 use gelenk_findings::Finding;
 use std::fmt::Write;
 
@@ -104,15 +104,28 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
     ]
 }
 
+/// The text of a log, and the options of the user.
+fn log_of_style(style: &str, header: &str, row: Row, columns: &str, count: usize) -> (String, ColumnOptions) {
+    let text = written(header, count, row);
+    let text = if style == "old line ends" { text.replace("\r\n", "\r").replace('\n', "\r") } else { text };
+    let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
+    (text.trim_start_matches('\n').to_owned(), ColumnOptions { columns, ..ColumnOptions::default() })
+}
+
+/// A short log of each style.
+pub(super) fn logs() -> Vec<(&'static str, Vec<u8>, ColumnOptions)> {
+    let styles = styles().into_iter().map(|(style, header, row, columns, ..)| {
+        let (text, options) = log_of_style(style, header, row, columns, 20);
+        (style, text.into_bytes(), options)
+    });
+    styles.collect()
+}
+
 #[test]
-fn strangers_logs_are_read() {
+fn logs_of_each_style_are_read() {
     for (style, header, row, columns, effort, has_velocity) in styles() {
-        let text = written(header, 200, row);
-        let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
-        let text =
-            if style == "old line ends" { text.replace("\r\n", "\r").replace('\n', "\r") } else { text };
-        let recording =
-            read(text.trim_start_matches('\n'), &ColumnOptions { columns, ..ColumnOptions::default() });
+        let (text, options) = log_of_style(style, header, row, columns, 200);
+        let recording = read(&text, &options);
         assert_motion(style, &recording, 200);
         assert_eq!(recording.effort, effort, "{style}");
         assert_eq!(
@@ -128,7 +141,7 @@ fn strangers_logs_are_read() {
 
 /// What is printed about the columns of each style.
 #[test]
-fn columns_of_strangers_are_named() {
+fn columns_of_each_style_are_named() {
     let said = styles().into_iter().map(|(style, header, row, columns, ..)| {
         let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
         let text = written(header, 20, row);
@@ -416,7 +429,7 @@ fn several_logs_are_one_recording() {
     let robot = Fake::numbered(2);
     let read = |paths: &[&std::path::PathBuf]| {
         let paths: Vec<std::path::PathBuf> = paths.iter().map(|p| (*p).clone()).collect();
-        super::runs(&paths, &robot, &ColumnOptions::default())
+        super::super::runs(&paths, &robot, &ColumnOptions::default())
     };
     let recording = read(&[&one, &two]).unwrap();
     let names: Vec<(&str, usize)> = recording.runs.iter().map(|r| (r.name.as_str(), r.times.len())).collect();

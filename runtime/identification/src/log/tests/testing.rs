@@ -1,7 +1,8 @@
 //! A robot for tests of logs: names, limits, units and gears, without dynamics.
 
-use super::super::robot::{FollowerLimits, JointLimits, Robot};
-use super::{ColumnOptions, runs_of};
+use super::super::super::pose::QuaternionJoint;
+use super::super::super::robot::{FollowerLimits, JointLimits, Robot};
+use super::super::{ColumnOptions, runs_of};
 
 /// Joints with limits and drives, as a log needs them.
 pub(super) struct Fake {
@@ -13,6 +14,7 @@ pub(super) struct Fake {
     pub gear: f64,
     /// Torque that carries the first joint's weight [N·m].
     pub weight: f64,
+    pub quaternions: Vec<QuaternionJoint>,
 }
 
 impl Fake {
@@ -26,8 +28,17 @@ impl Fake {
             followers: vec![],
             gear: 1.0,
             weight: 0.0,
+            quaternions: vec![],
             joints,
         }
+    }
+
+    /// A floating base with four inputs.
+    pub(super) fn floating() -> Self {
+        let base = QuaternionJoint { name: "base".into(), position: 0, velocity: 0, is_floating: true };
+        let inputs = ["front_right", "rear_left", "front_left", "rear_right"].map(str::to_owned).to_vec();
+        let robot = Self::new(&["base_x", "base_y", "base_z", "base_rx", "base_ry", "base_rz"]);
+        Self { inputs, quaternions: vec![base], ..robot }
     }
 
     /// As many joints, with the names `joint_1`, …
@@ -52,6 +63,9 @@ impl Robot for Fake {
     }
     fn followers(&self) -> Vec<FollowerLimits> {
         self.followers.clone()
+    }
+    fn quaternion_joints(&self) -> Vec<QuaternionJoint> {
+        self.quaternions.clone()
     }
     fn parameter_names(&self) -> Vec<String> {
         Vec::new()

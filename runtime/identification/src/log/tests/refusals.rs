@@ -1,7 +1,7 @@
 //! What cannot be read: each message names what is wrong and the line that settles it.
 
+use super::super::{ColumnOptions, runs_of};
 use super::testing::{Fake, message};
-use super::{ColumnOptions, runs_of};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::io::Write;
@@ -78,7 +78,7 @@ fn names_of_joints_are_no_units() {
 fn currents_of_a_robot_without_drives_are_refused() {
     let robot = Fake { inputs: Vec::new(), ..Fake::numbered(2) };
     let text = format!("t,q1,q2,i1,i2\n{ROWS}");
-    let effort = Some(super::super::run::Effort::Current);
+    let effort = Some(super::super::super::run::Effort::Current);
     let said = runs_of(text.as_bytes(), "log", &robot, &ColumnOptions { effort, ..ColumnOptions::default() });
     let said = said.unwrap_err().to_string();
     assert!(said.contains("the description has no") && said.contains("--effort joint"), "{said}");
@@ -127,7 +127,7 @@ fn findings_survive_an_error() {
     std::fs::write(&paths[1], format!("t,q1,q2,x1,x2\n{ROWS}")).unwrap();
     let mut findings = Vec::new();
     let options = ColumnOptions::default();
-    let error = super::runs_noting(&paths, &Fake::numbered(2), &options, &mut findings).unwrap_err();
+    let error = super::super::runs_noting(&paths, &Fake::numbered(2), &options, &mut findings).unwrap_err();
     assert!(error.to_string().contains("no columns are known as the efforts"), "{error}");
     let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
     assert!(said.iter().any(|said| said.contains("have the time of the one before")), "{said:?}");

@@ -1,0 +1,34 @@
+//! `gelenk identify --columns '?'`.
+
+use std::process::ExitCode;
+
+use gelenk_identification::log::guess_columns;
+use serde_json::json;
+
+use super::super::arguments::{Format, Identify};
+use super::super::failure::{FAULT, Failure};
+use super::super::print;
+use super::logs::settings;
+use super::read::read;
+
+/// Prints the columns of the first log as a line of `--columns`. If some are missing, all columns of the log follow, and the exit code is
+/// that of a fault.
+pub(super) fn print(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    let (_, robot) = read(arguments)?;
+    let settings = settings(arguments)?;
+    let Some(log) = arguments.logs.first() else { return Err(Failure::Usage("name a log".to_owned())) };
+    let guess = guess_columns(log, &robot, &settings.columns)?;
+    let code = if guess.faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAULT) };
+    if format == Format::Json {
+        print::json(&json!({ "columns": guess.line, "missing": guess.faults, "headers": guess.columns }))?;
+        return Ok(code);
+    }
+    guess.faults.iter().for_each(|fault| print::err(&format!("error: {fault}\n")));
+    let mut text = format!("--columns '{}'\n", guess.line);
+    if !guess.faults.is_empty() {
+        let headers = guess.columns.iter().zip(1..);
+        text.extend(headers.map(|(header, number)| format!("{number:5}  {header}\n")));
+    }
+    print::out(&text)?;
+    Ok(code)
+}

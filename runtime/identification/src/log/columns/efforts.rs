@@ -1,0 +1,179 @@
+//! Columns of the efforts: torques at the joints, inputs, or currents.
+
+use super::super::super::error::{IdentificationError, Result};
+use super::super::super::run::Effort;
+use super::families::Targets;
+use super::finder::Finder;
+use super::found::Found;
+use super::pattern::{Chosen, Pattern};
+use super::table::Kind;
+
+impl Finder<'_> {
+    /// The columns of the efforts, and what they are.
+    ///
+    /// # Errors
+    /// Columns that are missing or ambiguous. If joints have quaternions, also currents, and torques at the joints if inputs act at
+    /// frames.
+    pub(super) fn efforts(&self, stated: Option<Effort>) -> Result<(Effort, Found)> {
+        let pattern = self.pattern(Kind::is_effort);
+        let wanted = stated.or_else(|| pattern.map(|pattern| of_kind(pattern.kind)));
+        let has_quaternions = !self.robot.quaternions.is_empty();
+        if has_quaternions {
+            self.require_inputs_at_frames(wanted)?;
+        }
+        let (effort, targets, choice) = match (pattern, wanted) {
+            (Some(pattern), Some(effort)) => self.named_efforts(pattern, effort)?,
+            _ if has_quaternions => self.efforts_or_frames(wanted)?,
+            _ => self.best_efforts(stated)?,
+        };
+        let mut found = self.found(choice, kind_of(effort), targets)?;
+        found.remarks.push(self.effort_taken(effort, wanted.is_some()));
+        Ok((effort, found))
+    }
+
+    /// The joints or inputs of which a log may have efforts of this kind.
+    fn targets_of(&self, effort: Effort) -> &Targets {
+        if effort == Effort::Joint { &self.robot.torques } else { &self.robot.inputs }
+    }
+
+    fn has_frames(&self) -> bool {
+        !self.robot.frame_inputs.names.is_empty()
+    }
+
+    fn require_inputs_at_frames(&self, wanted: Option<Effort>) -> Result<()> {
+        match wanted {
+            Some(Effort::Current) => Err(self.fault(
+                "currents are not identified where joints have quaternions: convert them to torques, and name these".into(),
+            )),
+            Some(Effort::Joint) if self.has_frames() => Err(self.fault(format!(
+                "inputs of this robot act at frames ({}), and torques at the joints do not hold what they do to the base: \
+                 name the columns of the inputs with --columns 'input=…'",
+                self.robot.frame_inputs.names.join(", ")
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// The columns that the user names. Robots with quaternions need those of inputs at frames alone.
+    fn named_efforts(&self, pattern: &Pattern, effort: Effort) -> Result<(Effort, &Targets, Chosen)> {
+        let frames = &self.robot.frame_inputs;
+        let all = self.targets_of(effort);
+        match self.by_pattern(pattern, all) {
+            Ok(choice) => Ok((effort, all, choice)),
+            Err(fault) if self.robot.quaternions.is_empty() || !self.has_frames() => Err(fault),
+            Err(fault) => {
+                let choice = self.by_pattern(pattern, frames).map_err(|_| fault)?;
+                Ok((effort, frames, choice))
+            }
+        }
+    }
+
+    /// The columns of a robot without quaternions.
+    fn best_efforts(&self, stated: Option<Effort>) -> Result<(Effort, &Targets, Chosen)> {
+        let tried: &[(Effort, &[Kind])] = match stated {
+            Some(Effort::Joint) => &[(Effort::Joint, &[Kind::Torque, Kind::Input])],
+            Some(Effort::Input) => &[(Effort::Input, &[Kind::Input, Kind::Torque])],
+            Some(Effort::Current) => &[(Effort::Current, &[Kind::Current, Kind::Torque, Kind::Input])],
+            None => &[
+                (Effort::Joint, &[Kind::Torque]),
+                (Effort::Input, &[Kind::Input]),
+                (Effort::Current, &[Kind::Current]),
+            ],
+        };
+        let mut found = Vec::new();
+        for (effort, kinds) in tried {
+            let targets = self.targets_of(*effort);
+            // No columns would do for a robot without drives.
+            if !targets.names.is_empty() {
+                found.extend(self.best(kinds, targets)?.map(|choice| (*effort, targets, choice)));
+            } else if stated.is_some() {
+                return Err(self.missing(kinds, targets));
+            }
+        }
+        // Commanded columns are the last choice: a commanded torque says less than a measured current.
+        let best = found.iter().position(|(.., choice)| !self.is_commanded(&choice.columns));
+        match best.or((!found.is_empty()).then_some(0)) {
+            Some(best) => Ok(found.swap_remove(best)),
+            None => Err(self.missing(&[Kind::Torque, Kind::Input, Kind::Current], &self.robot.joints)),
+        }
+    }
+
+    /// The columns of a robot with quaternions: torques at the joints, all inputs, or those at frames.
+    fn efforts_or_frames(&self, wanted: Option<Effort>) -> Result<(Effort, &Targets, Chosen)> {
+        let robot = self.robot;
+        if wanted != Some(Effort::Input)
+            && !self.has_frames()
+            && !robot.torques.names.is_empty()
+            && let Some(choice) = self.best(&[Kind::Torque], &robot.torques)?
+        {
+            return Ok((Effort::Joint, &robot.torques, choice));
+        }
+        let kinds = [Kind::Input, Kind::Torque];
+        if !robot.inputs.names.is_empty()
+            && let Some(choice) = self.best(&kinds, &robot.inputs)?
+        {
+            return Ok((Effort::Input, &robot.inputs, choice));
+        }
+        if !self.has_frames() {
+            return Err(self.nothing_acts(self.missing(&kinds, &robot.inputs)));
+        }
+        let Some(mut choice) = self.best(&kinds, &robot.frame_inputs)? else {
+            return Err(self.nothing_acts(self.missing(&kinds, &robot.frame_inputs)));
+        };
+        let message = "No efforts of the joints are found: the rows of the base alone, and of joints without a drive, are fitted.";
+        choice.remarks.push(message.into());
+        Ok((Effort::Input, &robot.frame_inputs, choice))
+    }
+
+    /// The same error, with the efforts that a robot with a floating base needs at least.
+    fn nothing_acts(&self, error: IdentificationError) -> IdentificationError {
+        let IdentificationError::File { place, message } = error else { return error };
+        let Some(base) = self.robot.quaternions.iter().find(|joint| joint.is_floating) else {
+            return IdentificationError::File { place, message };
+        };
+        let enough = if self.has_frames() {
+            "Efforts of the joints may be missing, those of the inputs at frames may not".to_owned()
+        } else {
+            format!(
+                "Without efforts of the joints the six rows of `{}` are enough, where what acts on the robot from outside is \
+                 measured: describe the forces of its feet as `[[inputs]]` with `frame` and `wrench`, and add their columns to \
+                 the log. In free flight nothing acts, and a motion tells ratios of masses and inertias alone",
+                base.name
+            )
+        };
+        IdentificationError::File { place, message: format!("{message}. {enough}") }
+    }
+
+    fn effort_taken(&self, effort: Effort, is_stated: bool) -> String {
+        let why = if is_stated { "as stated" } else { "by their names" };
+        match effort {
+            _ if self.robot.direct && effort != Effort::Current => format!(
+                "The efforts are taken as forces at the joints, {why}; the description's drives are ideal (B = 1), so \
+                 inputs are the same."
+            ),
+            Effort::Joint => format!("The efforts are taken as forces at the joints (B u), {why}."),
+            Effort::Input => {
+                format!("The efforts are taken as the inputs u, at the motors' side of the gears, {why}.")
+            }
+            Effort::Current => {
+                format!("The efforts are taken as motor currents, {why}; u = K_M i with K_M unknown.")
+            }
+        }
+    }
+}
+
+fn of_kind(kind: Kind) -> Effort {
+    match kind {
+        Kind::Input => Effort::Input,
+        Kind::Current => Effort::Current,
+        _ => Effort::Joint,
+    }
+}
+
+pub(super) fn kind_of(effort: Effort) -> Kind {
+    match effort {
+        Effort::Joint => Kind::Torque,
+        Effort::Input => Kind::Input,
+        Effort::Current => Kind::Current,
+    }
+}

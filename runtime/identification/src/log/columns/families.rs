@@ -1,0 +1,439 @@
+//! Columns that belong together: one quantity of all joints, one column for each name or number.
+
+use super::super::units;
+use super::header::{Header, Meaning, is_number, is_plain, words};
+use super::table::{Kind, Known, Origin, Role, known};
+use std::collections::BTreeMap;
+
+/// The difference between the columns of a family. Families are preferred in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Key {
+    /// The names of the joints or inputs.
+    Name,
+    /// Names in the rows of the log (a ROS message's), by their numbers.
+    Listed,
+    /// Numbers, of which the first is this.
+    Number(u64),
+    /// Nothing: there is one joint.
+    Alone,
+    /// Letters of components.
+    Component,
+}
+
+/// One quantity of several joints.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Family {
+    pub meaning: Meaning,
+    pub key: Key,
+    /// Column of each joint or input; none where the log has no such column.
+    pub columns: Vec<Option<usize>>,
+    /// Numbers in the headers if the columns differ by these.
+    pub numbers: Vec<u64>,
+}
+
+impl Family {
+    /// All columns if none is missing.
+    pub(super) fn complete(&self) -> Option<Vec<usize>> {
+        self.columns.iter().copied().collect()
+    }
+
+    pub(super) fn rank(&self) -> (Origin, u8, Key) {
+        // The first number does not matter.
+        let key = if let Key::Number(_) = self.key { Key::Number(0) } else { self.key };
+        (self.meaning.origin, self.meaning.doubt, key)
+    }
+}
+
+/// Names that columns are matched with: for each joint or input, the words of its names.
+#[derive(Debug, Clone, Default)]
+pub(in crate::log) struct Targets {
+    pub names: Vec<String>,
+    /// Place of each among all joints or inputs, by which headers count them.
+    pub places: Vec<usize>,
+    aliases: Vec<Vec<Vec<String>>>,
+}
+
+impl Targets {
+    /// - `others`: a second name of each, or an empty slice
+    pub(super) fn new(names: &[String], others: &[Option<String>]) -> Self {
+        let spelled: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();
+        let short: Vec<Vec<String>> = spelled.iter().map(|w| without_joint(w)).collect();
+        let aliases = (0..names.len()).map(|i| {
+            let unique = short.iter().filter(|s| **s == short[i]).count() == 1;
+            let named = short[i].iter().any(|w| !is_number(w) && w.chars().count() > 1);
+            let mut aliases = vec![spelled[i].clone()];
+            aliases.extend((unique && named).then(|| short[i].clone()));
+            aliases.extend(others.get(i).and_then(Option::as_ref).map(|other| words(other)));
+            aliases.retain(|a| !a.is_empty());
+            aliases
+        });
+        Self { names: names.to_vec(), places: (0..names.len()).collect(), aliases: aliases.collect() }
+    }
+
+    /// One target for a quantity that no joint has.
+    pub(super) fn one(name: &str) -> Self {
+        Self::new(&[name.to_owned()], &[])
+    }
+
+    /// Those at some places.
+    pub(super) fn only(&self, is_kept: impl Fn(usize) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.names.len()).filter(|i| is_kept(self.places[*i])).collect();
+        Self {
+            names: kept.iter().map(|i| self.names[*i].clone()).collect(),
+            places: kept.iter().map(|i| self.places[*i]).collect(),
+            aliases: kept.iter().map(|i| self.aliases[*i].clone()).collect(),
+        }
+    }
+
+    /// The joint whose name is in the words, by the longest name, and the words without it.
+    fn find(&self, header: &[String]) -> Option<(usize, Vec<String>)> {
+        let mut best: Option<(usize, usize, usize)> = None;
+        for (joint, alias) in self.aliases.iter().enumerate().flat_map(|(j, a)| a.iter().map(move |a| (j, a)))
+        {
+            let at = header.windows(alias.len()).rposition(|window| window == alias.as_slice());
+            if let Some(at) = at
+                && best.is_none_or(|(_, _, length)| alias.len() > length)
+            {
+                best = Some((joint, at, alias.len()));
+            }
+        }
+        let (joint, at, length) = best?;
+        Some((joint, [&header[..at], &header[at + length..]].concat()))
+    }
+
+    /// The words name a joint.
+    pub(super) fn mentions(&self, words: &[String]) -> bool {
+        self.find(words).is_some()
+    }
+
+    /// The joint of a name in the rows of a log.
+    pub(super) fn named(&self, name: &str) -> Option<usize> {
+        let exact = self.names.iter().position(|known| known == name);
+        exact.or_else(|| self.find(&words(name)).map(|(joint, _)| joint))
+    }
+
+    /// The columns of the targets by numbers in ascending order: in the order of the targets if there are as many consecutive numbers,
+    /// otherwise by their places, from 0 if there is a 0 and from 1 if not.
+    pub(super) fn by_number(&self, numbered: &[(u64, usize)]) -> Vec<Option<usize>> {
+        let first = numbered.first().map_or(0, |n| n.0);
+        let is_consecutive = numbered.windows(2).all(|pair| pair[0].0.checked_add(1) == Some(pair[1].0));
+        if numbered.len() == self.names.len() && is_consecutive {
+            return numbered.iter().map(|n| Some(n.1)).collect();
+        }
+        let number = |place: usize| u64::from(first != 0) + place as u64;
+        let column = |place: &usize| numbered.iter().find(|n| n.0 == number(*place)).map(|n| n.1);
+        self.places.iter().map(column).collect()
+    }
+}
+
+/// `wrist_1` of `wrist_1_joint`.
+fn without_joint(words: &[String]) -> Vec<String> {
+    words.iter().filter(|w| *w != "joint").cloned().collect()
+}
+
+/// All families of the headers.
+///
+/// - `listed`: names of the joints in the order of the log's messages, if the rows have them
+pub(super) fn families(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -> Vec<Family> {
+    let mut families = by_name(headers, targets);
+    families.extend(by_number(headers, targets, listed));
+    if targets.names.len() == 1 {
+        families.extend(alone(headers));
+    }
+    families
+}
+
+/// Columns with the same phrase, in the order of the file.
+type Groups = BTreeMap<Phrase, Vec<usize>>;
+
+fn push(groups: &mut Groups, key: Phrase, column: usize) {
+    groups.entry(key).or_default().push(column);
+}
+
+/// Words without those that name the joint, and the quantity of the unit: columns of one quantity have the same.
+type Phrase = (Option<Kind>, Vec<String>);
+
+fn by_name(headers: &[Header], targets: &Targets) -> Vec<Family> {
+    let mut groups = Groups::new();
+    let mut joints = vec![None; headers.len()];
+    for header in headers {
+        let Some((joint, rest)) = targets.find(&header.words) else { continue };
+        if header.meaning(&rest).is_some() {
+            joints[header.index] = Some(joint);
+            push(&mut groups, (header.kind_of_unit(), rest), header.index);
+        }
+    }
+    let stems = by_stem(&groups);
+    let family = |((_, rest), members): (Phrase, Vec<usize>)| {
+        let meaning = headers[members[0]].meaning(&rest)?;
+        let mut columns = vec![None; targets.names.len()];
+        let mut twice = false;
+        for member in members {
+            let slot = &mut columns[joints[member]?];
+            twice |= slot.replace(member).is_some();
+        }
+        let is_sure = !twice && !counts_from_zero(headers, &columns, targets);
+        is_sure.then_some(Family { meaning, key: Key::Name, columns, numbers: Vec::new() })
+    };
+    groups.into_iter().chain(stems).filter_map(family).collect()
+}
+
+/// Groups that differ in a unit at the end only, as one: `cart_pos_mm` and `pole_pos_deg`.
+fn by_stem(groups: &Groups) -> Groups {
+    let mut stems: BTreeMap<Phrase, (usize, Vec<usize>)> = BTreeMap::new();
+    for ((unit, rest), members) in groups {
+        let (parts, all) = stems.entry((*unit, without_unit(rest))).or_default();
+        *parts += 1;
+        all.extend(members);
+    }
+    stems.into_iter().filter(|(_, (parts, _))| *parts > 1).map(|(phrase, (_, all))| (phrase, all)).collect()
+}
+
+/// The joints' names count from 1, and the columns also have a 0: their 1 may be the second joint.
+fn counts_from_zero(headers: &[Header], columns: &[Option<usize>], targets: &Targets) -> bool {
+    let Some(first) = columns.iter().flatten().next() else { return false };
+    let zero = |word: &String| if is_number(word) { "0".into() } else { word.clone() };
+    let zeroed: Vec<String> = headers[*first].words.iter().map(zero).collect();
+    let has_zero = zeroed.iter().any(|w| w == "0") && headers.iter().any(|h| h.words == zeroed);
+    has_zero && !targets.names.iter().any(|name| words(name).iter().any(|w| w == "0"))
+}
+
+/// Words without a unit of several letters at their end.
+fn without_unit(words: &[String]) -> Vec<String> {
+    let is_unit = |tail: &[String]| tail[0].chars().count() > 1 && units::find(&tail.join("/")).is_some();
+    let tail = (1..=2).rev().find(|n| words.len() > *n && is_unit(&words[words.len() - n..]));
+    words[..words.len() - tail.unwrap_or(0)].to_vec()
+}
+
+fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -> Vec<Family> {
+    let mut shapes = Groups::new();
+    for header in headers.iter().filter(|h| h.words.iter().any(|w| is_number(w))) {
+        let shape = header.words.iter().map(|w| if is_number(w) { "#".into() } else { w.clone() }).collect();
+        push(&mut shapes, (header.kind_of_unit(), shape), header.index);
+    }
+    let mut families = Vec::new();
+    for ((unit, shape), members) in shapes {
+        let slot = varying_slot(headers, &shape, &members);
+        let mut groups = Groups::new();
+        for member in members {
+            let number = headers[member].words[slot].clone();
+            let mut rest = headers[member].words.clone();
+            rest.remove(slot);
+            // `joint1_q1` has its number twice.
+            rest.iter_mut().filter(|word| **word == number).for_each(|word| "#".clone_into(word));
+            push(&mut groups, (unit, rest), member);
+        }
+        let stems = by_stem(&groups);
+        families.extend(groups.iter().chain(&stems).filter_map(|((_, rest), members)| {
+            let meaning = headers[members[0]].meaning(rest)?;
+            let number = |member: &usize| Some((headers[*member].words.get(slot)?.parse().ok()?, *member));
+            numbered(meaning, members.iter().map(number).collect::<Option<_>>()?, targets, listed)
+        }));
+    }
+    families
+}
+
+/// The number by which the columns of a shape differ: the one with the most values, the last of several.
+fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usize {
+    let values = |slot: usize| {
+        let mut values: Vec<&str> = members.iter().map(|m| headers[*m].words[slot].as_str()).collect();
+        values.sort_unstable();
+        values.dedup();
+        values.len()
+    };
+    let slots = shape.iter().enumerate().filter(|(_, word)| *word == "#").map(|(slot, _)| slot);
+    slots.max_by_key(|slot| values(*slot)).unwrap_or(0)
+}
+
+/// Columns by their numbers.
+fn numbered(
+    meaning: Meaning,
+    mut sorted: Vec<(u64, usize)>,
+    targets: &Targets,
+    listed: Option<&[String]>,
+) -> Option<Family> {
+    sorted.sort_unstable();
+    let numbers: Vec<u64> = sorted.iter().map(|s| s.0).collect();
+    if numbers.windows(2).any(|w| w[0] == w[1]) {
+        return None;
+    }
+    let first = *numbers.first()?;
+    let mut columns = vec![None; targets.names.len()];
+    if let Some(listed) = listed.filter(|l| first == 0 && l.len() == numbers.len()) {
+        for (name, (_, member)) in listed.iter().zip(&sorted) {
+            targets.named(name).into_iter().for_each(|joint| columns[joint] = Some(*member));
+        }
+        return Some(Family { meaning, key: Key::Listed, columns, numbers });
+    }
+    // More numbers than joints: which of them are the robot's is not known.
+    if numbers.len() <= columns.len() {
+        columns = targets.by_number(&sorted);
+    }
+    Some(Family { meaning, key: Key::Number(first), columns, numbers })
+}
+
+fn alone(headers: &[Header]) -> Vec<Family> {
+    let plain = headers.iter().filter(|h| !h.words.iter().any(|w| is_number(w)));
+    let family = |header: &Header| {
+        let meaning = header.meaning(&header.words)?;
+        Some(Family { meaning, key: Key::Alone, columns: vec![Some(header.index)], numbers: Vec::new() })
+    };
+    plain.filter_map(family).collect()
+}
+
+/// The families of a quantity with components: columns that differ in their letter alone. Their doubt is 0 if the header has the joint's
+/// name, 1 if it has none, else 2.
+///
+/// - `joint`: words of its name
+pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> Vec<Family> {
+    let letters = kind.row().components;
+    let mut groups: BTreeMap<Vec<String>, Vec<Option<usize>>> = BTreeMap::new();
+    for header in headers {
+        let Some((stem, letter, found)) = component(&header.words) else { continue };
+        let Some(place) = letters.iter().position(|known| *known == letter) else { continue };
+        if found == kind {
+            let columns = groups.entry(stem).or_insert_with(|| vec![None; letters.len()]);
+            // The first of two columns of one name; the other is no part of the pose.
+            columns[place].get_or_insert(header.index);
+        }
+    }
+    let family = |(stem, columns): (Vec<String>, Vec<Option<usize>>)| {
+        let is_named = !joint.is_empty() && stem.windows(joint.len()).any(|window| window == joint);
+        let doubt = if is_named { 0 } else { 2 - u8::from(stem.iter().all(|word| has_no_name(word))) };
+        let meaning = Meaning { kind, origin: Origin::Unsaid, doubt };
+        Family { meaning, key: Key::Component, columns, numbers: Vec::new() }
+    };
+    groups.into_iter().map(family).collect()
+}
+
+/// Words before the letter of a component, the letter, and its quantity.
+fn component(words: &[String]) -> Option<(Vec<String>, &str, Kind)> {
+    let (last, before) = words.split_last()?;
+    if before.iter().any(|word| is_no_pose(word)) {
+        return None;
+    }
+    let letter_of =
+        |kind: Kind, text: &str| kind.row().components.iter().find(|letter| **letter == text).copied();
+    let marked =
+        |mark: char, kind| letter_of(kind, last.strip_prefix(mark)?).map(|l| (before.to_vec(), l, kind));
+    let of_words = || {
+        let letter = letter_of(Kind::Attitude, last)?;
+        let is_mark = |word: &String| word == "q" || is_role(word, Role::Quantity(Kind::Attitude));
+        Some(match before.split_last() {
+            Some((mark, stem)) if is_mark(mark) => (stem.to_vec(), letter, Kind::Attitude),
+            _ => (before.to_vec(), letter, Kind::Place),
+        })
+    };
+    marked('q', Kind::Attitude).or_else(|| marked('p', Kind::Place)).or_else(of_words)
+}
+
+fn is_role(word: &str, role: Role) -> bool {
+    known(word).is_some_and(|known| known.role == role)
+}
+
+/// Words of other quantities than poses, and of poses that were not measured.
+fn is_no_pose(word: &str) -> bool {
+    let is_pose = |Known { role, doubt, .. }: Known| match role {
+        Role::Quantity(kind) => doubt == 0 && matches!(kind, Kind::Position | Kind::Place | Kind::Attitude),
+        Role::Origin(origin) => origin != Origin::Commanded,
+        Role::Plain | Role::Body | Role::Angle => true,
+        Role::Motor | Role::Other => false,
+    };
+    known(word).is_some_and(|known| !is_pose(known))
+}
+
+/// A word that is not the name of a joint.
+fn has_no_name(word: &str) -> bool {
+    is_plain(word)
+        || known(word)
+            .is_some_and(|known| !matches!(known.role, Role::Angle | Role::Origin(Origin::Filtered)))
+}
+
+/// The headers that write an attitude as angles.
+pub(super) fn angles(headers: &[Header]) -> Vec<String> {
+    let is_angle = |header: &&Header| {
+        let is_measured = !header.words.iter().any(|word| is_no_pose(word));
+        is_measured && header.words.iter().any(|word| is_role(word, Role::Angle))
+    };
+    headers.iter().filter(is_angle).map(|header| header.text.clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(headers: &[&str], names: &[&str]) -> Vec<(Kind, Key, Option<Vec<usize>>)> {
+        let headers: Vec<Header> = headers.iter().enumerate().map(|(i, h)| Header::new(i, h, None)).collect();
+        let names: Vec<String> = names.iter().map(|n| (*n).to_owned()).collect();
+        let families = families(&headers, &Targets::new(&names, &[]), None);
+        families.iter().map(|f| (f.meaning.kind, f.key, f.complete())).collect()
+    }
+
+    #[test]
+    fn joints_differ_by_name() {
+        let names = ["shoulder_joint", "wrist_1_joint", "wrist_2_joint"];
+        let headers = ["wrist_1_joint_effort", "wrist_2_joint_effort", "shoulder_joint_effort", "t"];
+        assert!(found(&headers, &names).contains(&(Kind::Torque, Key::Name, Some(vec![2, 0, 1]))));
+        let short = ["/js/wrist2/position", "/js/wrist_1/position", "/js/Shoulder/position"];
+        assert!(found(&short, &names).contains(&(Kind::Position, Key::Name, Some(vec![2, 1, 0]))));
+    }
+
+    #[test]
+    fn joints_differ_by_numbers() {
+        let names = ["a", "b", "c"];
+        let cases: [(&[&str], Key); 5] = [
+            (&["q0", "q1", "q2"], Key::Number(0)),
+            (&["q3", "q2", "q1"], Key::Number(1)),
+            (&["iiwa7.joint_1.pos", "iiwa7.joint_2.pos", "iiwa7.joint_3.pos"], Key::Number(1)),
+            (&["joint1_q1", "joint2_q2", "joint3_q3"], Key::Number(1)),
+            (&["pos_11", "pos_12", "pos_13"], Key::Number(11)),
+        ];
+        for (headers, key) in cases {
+            let order = if headers[0] == "q3" { vec![2, 1, 0] } else { vec![0, 1, 2] };
+            let found = found(headers, &names);
+            assert!(found.contains(&(Kind::Position, key, Some(order))), "{headers:?} {found:?}");
+        }
+        for headers in [&["q0", "q1", "q2", "q3"][..], &["q1", "q2"], &["q1", "q3", "q5"]] {
+            assert!(found(headers, &names).iter().all(|f| f.2.is_none()), "{headers:?}");
+        }
+    }
+
+    fn components(texts: &[&str], kind: Kind) -> Vec<Vec<Option<usize>>> {
+        let headers: Vec<Header> = texts.iter().enumerate().map(|(i, t)| Header::new(i, t, None)).collect();
+        by_component(&headers, kind, &[]).into_iter().map(|family| family.columns).collect()
+    }
+
+    #[test]
+    fn quaternions_differ_by_their_letters() {
+        let cases: [[&str; 4]; 7] = [
+            ["qw", "qx", "qy", "qz"],
+            ["quat_w", "quat_x", "quat_y", "quat_z"],
+            ["pose.orientation.w", "pose.orientation.x", "pose.orientation.y", "pose.orientation.z"],
+            ["q_base_qw", "q_base_qx", "q_base_qy", "q_base_qz"],
+            [
+                "/odom/pose/pose/orientation/w",
+                "/odom/pose/pose/orientation/x",
+                "/odom/pose/pose/orientation/y",
+                "/odom/pose/pose/orientation/z",
+            ],
+            ["Rotation W", "Rotation X", "Rotation Y", "Rotation Z"],
+            ["q_w", "q_x", "q_y", "q_z"],
+        ];
+        for texts in cases {
+            assert_eq!(
+                components(&texts, Kind::Attitude),
+                [[Some(1), Some(2), Some(3), Some(0)]],
+                "{texts:?}"
+            );
+            assert!(components(&texts, Kind::Place).is_empty(), "{texts:?}");
+        }
+    }
+
+    #[test]
+    fn places_are_neither_velocities_nor_commanded() {
+        let texts = ["x", "y", "z", "dq_base_x", "twist.linear.y", "desired_base_z", "base_x", "px"];
+        assert_eq!(components(&texts, Kind::Place), [[Some(0), Some(1), Some(2)], [Some(6), None, None]]);
+        let headers = [Header::new(0, "roll_deg", None), Header::new(1, "desired_yaw", None)];
+        assert_eq!(angles(&headers), ["roll_deg"]);
+    }
+}

@@ -1,0 +1,121 @@
+//! The columns of one quantity, and how they are printed.
+
+use super::super::finding::COLUMN_DOUBTFUL;
+use super::super::units::Unit;
+use super::table::Kind;
+use gelenk_findings::Finding;
+
+/// A column and its unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::log) struct Column {
+    pub index: usize,
+    /// Header for people.
+    pub label: String,
+    pub unit: Unit,
+    /// The unit in words.
+    pub unit_words: String,
+    /// The unit is not that of the header.
+    pub is_stated: bool,
+}
+
+/// The columns of one quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::log) struct Found {
+    pub kind: Kind,
+    pub columns: Vec<Column>,
+    /// Names of the joints or inputs.
+    pub names: Vec<String>,
+    /// Their places in the description.
+    pub places: Vec<usize>,
+    /// The columns as `--columns` takes them.
+    pub pattern: String,
+    /// Sentences about the choice.
+    pub remarks: Vec<String>,
+    /// No measured columns are found, and nobody named these.
+    pub is_commanded: bool,
+}
+
+/// The names that a log has for the columns of a quantity, for messages and for `--columns`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ColumnLabels {
+    /// Header of the column of each joint or input, or its number; `none` if the log has no such column.
+    pub columns: Vec<String>,
+    /// All of them as `--columns` takes them, as `q{}`.
+    pub pattern: String,
+}
+
+/// The names that a log has for its columns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Labels {
+    /// The column of times; `row` if rows are counted.
+    pub time: String,
+    /// Positions of the joints.
+    pub positions: ColumnLabels,
+    /// Efforts of the joints or inputs.
+    pub efforts: ColumnLabels,
+}
+
+impl Found {
+    pub(super) fn indices(&self) -> impl Iterator<Item = usize> + '_ {
+        self.columns.iter().map(|column| column.index)
+    }
+
+    /// One sentence for each column.
+    pub(super) fn sentences(&self) -> impl Iterator<Item = String> + '_ {
+        let what = if matches!(self.kind, Kind::Input | Kind::Current) { "input" } else { "joint" };
+        let name = self.kind.singular();
+        self.columns.iter().zip(&self.names).map(move |(column, of)| {
+            format!("Column {} is the {name} of {what} {of}, {}.", column.label, column.unit_words)
+        })
+    }
+
+    /// Pattern, the first and the last joint, and units.
+    pub(super) fn line(&self, what: &str) -> Option<String> {
+        let mut units: Vec<&str> = Vec::new();
+        for Column { unit_words: unit, .. } in &self.columns {
+            units.extend((!units.contains(&unit.as_str())).then_some(unit.as_str()));
+        }
+        Some(format!("{}, {}", self.line_without_units(what)?, units.join(" or ")))
+    }
+
+    pub(super) fn line_without_units(&self, what: &str) -> Option<String> {
+        let (first, last) = (self.columns.first()?, self.columns.last()?);
+        let name = |i: usize| self.names.get(i).map_or("", String::as_str);
+        let whose = match self.columns.len() {
+            1 => format!(" of {}", name(0)),
+            _ if self.pattern.contains("{name}") => String::new(),
+            n => format!(" from {} of {} to {} of {}", first.label, name(0), last.label, name(n - 1)),
+        };
+        Some(format!("{what}: `{}`{whose}", self.pattern))
+    }
+
+    /// The columns of all joints or inputs, by their places.
+    ///
+    /// - `count`: of the joints or inputs
+    pub(super) fn labels(&self, count: usize) -> ColumnLabels {
+        let mut columns = vec!["none".to_owned(); count];
+        self.places
+            .iter()
+            .zip(&self.columns)
+            .for_each(|(place, column)| columns[*place].clone_from(&column.label));
+        ColumnLabels { columns, pattern: self.pattern.clone() }
+    }
+
+    /// A warning if the columns are commanded.
+    pub(super) fn if_commanded(&self) -> Option<Finding> {
+        let why = match self.kind {
+            Kind::Position => "the joints did otherwise by the control error",
+            _ => "drives that do not follow at once, or that are limited, gave others",
+        };
+        self.is_commanded.then(|| {
+            let message = format!(
+                "the {} (`{}`) are commanded by their names, and no measured ones are found: {why}",
+                self.kind.plural(),
+                self.pattern
+            );
+            let key = self.kind.key();
+            let remedy = format!("log measured ones, or name their columns with --columns '{key}=…'");
+            COLUMN_DOUBTFUL.found(message).help(remedy)
+        })
+    }
+}

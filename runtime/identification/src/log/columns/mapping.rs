@@ -1,0 +1,323 @@
+//! Which column of a log is which quantity of a robot.
+
+use super::super::super::error::Result;
+use super::super::super::run::Effort;
+use super::super::sheet::{Sheet, shortened};
+use super::families::{Family, Key, Targets};
+use super::finder::Finder;
+use super::found::{Found, Labels};
+use super::header::Header;
+use super::pattern::{Chosen, ColumnOptions, Pattern};
+use super::robot::RobotColumns;
+use super::table::{Kind, Origin};
+use super::time::TimeColumn;
+use gelenk_findings::Finding;
+
+/// The columns of one log.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::log) struct Mapping {
+    pub time: TimeColumn,
+    pub run: Option<usize>,
+    pub positions: Found,
+    pub velocities: Option<Found>,
+    /// Commanded positions if there are columns of all joints.
+    pub desired: Option<Found>,
+    pub efforts: Found,
+    pub effort: Effort,
+    /// A place and a quaternion of each joint that has one.
+    pub poses: Vec<Found>,
+    /// Names of the columns in the log.
+    pub labels: Labels,
+    /// One line for each quantity.
+    pub brief: Vec<String>,
+    /// Reasons to doubt the choice.
+    pub warnings: Vec<Finding>,
+    /// One sentence for each column, then what was assumed.
+    pub sentences: Vec<String>,
+    /// Headers of the columns that nothing uses.
+    pub unused: Vec<String>,
+}
+
+/// The quantities of a log as far as they are found.
+pub(super) struct Parts {
+    pub time: Result<TimeColumn>,
+    pub places: Result<Vec<Found>>,
+    pub attitudes: Result<Vec<Found>>,
+    pub position: Result<Found>,
+    pub velocity: Result<Option<Found>>,
+    pub efforts: Result<(Effort, Found)>,
+    pub run: Result<Option<usize>>,
+    pub desired: Result<Option<Found>>,
+}
+
+/// Where to look if the table does not decide.
+const HINT: &str = ". --columns '?' prints all columns as a line to edit";
+
+/// Finds the columns of a robot in a sheet.
+///
+/// # Errors
+/// Quantities without columns or with two sets of them, and units that do not fit, each with the line of
+/// `--columns` that settles it.
+pub(in crate::log) fn resolve(
+    sheet: &Sheet,
+    robot: &RobotColumns,
+    options: &ColumnOptions,
+    source: &str,
+) -> Result<Mapping> {
+    let finder = Finder::new((sheet, robot), options, (source, HINT))?;
+    finder.require_header()?;
+    finder.require_absent()?;
+    finder.mapping(finder.parts(options.effort))
+}
+
+impl Finder<'_> {
+    /// A row of numbers is not a header.
+    pub(super) fn require_header(&self) -> Result<()> {
+        let is_named = |kind: fn(Kind) -> bool| self.pattern(kind).is_some();
+        let all =
+            is_named(|k| k == Kind::Time) && is_named(|k| k == Kind::Position) && is_named(Kind::is_effort);
+        if !self.headers.is_empty() || all {
+            return Ok(());
+        }
+        let n = self.robot.joints.names.len();
+        Err(self.fault(format!(
+            "the log has no header: its first row is `{}`. Say which column is what by numbers, as in --columns \
+             'time=1,position=2..{},torque={}..{}'",
+            shortened(&self.sheet.first),
+            n + 1,
+            n + 2,
+            2 * n + 1
+        )))
+    }
+
+    /// Joints of which the log has columns are not held.
+    fn require_absent(&self) -> Result<()> {
+        let (all, held) = (&self.robot.all_joints, &self.robot.held);
+        let own = |family: Family| {
+            let is_sure = family.key == Key::Name || family.complete().is_some();
+            let columns = family
+                .columns
+                .into_iter()
+                .enumerate()
+                .filter(move |(joint, _)| is_sure && held[*joint].is_some());
+            columns.filter_map(|(joint, column)| Some((&all.names[joint], column?)))
+        };
+        let kinds = [Kind::Position, Kind::Torque, Kind::Input, Kind::Current];
+        match self.families(&kinds, all).into_iter().flat_map(own).next() {
+            Some((name, column)) => Err(self.fault(format!(
+                "joint `{name}` is held, but column {} is its own: leave out --hold {name}",
+                self.label(column)
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn parts(&self, effort: Option<Effort>) -> Parts {
+        let position = self.positions();
+        Parts {
+            time: self.time(),
+            places: self.places(),
+            attitudes: self.attitudes(),
+            velocity: self.velocities(),
+            efforts: self.efforts(effort),
+            run: self.run(),
+            desired: position.as_ref().map_or(Ok(None), |position| self.desired(position)),
+            position,
+        }
+    }
+
+    fn mapping(&self, parts: Parts) -> Result<Mapping> {
+        let (time, poses) = (parts.time?, self.poses(parts.places?, parts.attitudes?));
+        let (positions, velocities) = (parts.position?, parts.velocity?);
+        let ((effort, efforts), run, desired) = (parts.efforts?, parts.run?, parts.desired?);
+        let mut used = time.columns();
+        used.extend(run);
+        let all = [Some(&positions), velocities.as_ref(), Some(&efforts), desired.as_ref()];
+        used.extend(all.into_iter().flatten().chain(&poses).flat_map(Found::indices));
+        self.require_distinct(&used)?;
+        let joints = self.robot.held.len();
+        let mut mapping = Mapping {
+            // Without quaternions a force at the joint and an input are the same where B = 1.
+            effort: match effort {
+                Effort::Input if self.robot.direct && poses.is_empty() => Effort::Joint,
+                other => other,
+            },
+            labels: Labels {
+                time: time.text.clone(),
+                positions: positions.labels(joints),
+                efforts: efforts.labels(if effort == Effort::Joint {
+                    joints
+                } else {
+                    self.robot.input_units.len()
+                }),
+            },
+            brief: Vec::new(),
+            warnings: time
+                .doubt
+                .iter()
+                .cloned()
+                .chain(positions.if_commanded())
+                .chain(efforts.if_commanded())
+                .collect(),
+            sentences: Vec::new(),
+            unused: self.unused(&used),
+            time,
+            run,
+            positions,
+            velocities,
+            desired,
+            efforts,
+            poses,
+        };
+        mapping.brief = self.brief(&mapping, effort);
+        mapping.sentences = self.sentences(&mapping);
+        Ok(mapping)
+    }
+
+    /// A line for each quantity.
+    fn brief(&self, mapping: &Mapping, effort: Effort) -> Vec<String> {
+        let time: Vec<String> = mapping.time.columns().iter().map(|column| self.label(*column)).collect();
+        let time = if time.is_empty() { "the numbers of the rows".to_owned() } else { time.join(" and ") };
+        let forces = match effort {
+            _ if self.robot.direct && effort != Effort::Current => "forces at the joints",
+            Effort::Joint => "forces at the joints",
+            Effort::Input => "inputs, before the gears",
+            Effort::Current => "motor currents",
+        };
+        let poses: Vec<usize> = mapping.poses.iter().flat_map(Found::indices).collect();
+        let ends = poses.first().zip(poses.last()).map(|(first, last)| {
+            format!("poses: {} columns from {} to {}", poses.len(), self.label(*first), self.label(*last))
+        });
+        let compared = "(compared with the positions' derivatives, which are used)";
+        let velocities = mapping.velocities.as_ref().and_then(|found| found.line("velocities"));
+        let held: Vec<String> =
+            self.robot.held_values().map(|(name, value)| format!("{name} at {value}")).collect();
+        let lines = [
+            Some(format!("time: {time}")),
+            mapping.run.map(|run| format!("number of the run: {}", self.label(run))),
+            ends,
+            mapping.positions.line("positions"),
+            velocities.map(|line| format!("{line} {compared}")),
+            mapping.efforts.line(&format!("efforts, as {forces}")),
+            mapping.desired.as_ref().and_then(|found| found.line_without_units("commanded positions")),
+            (!held.is_empty()).then(|| format!("held, without columns: {}", held.join(", "))),
+        ];
+        lines.into_iter().flatten().collect()
+    }
+
+    /// A sentence for each column, then remarks.
+    fn sentences(&self, mapping: &Mapping) -> Vec<String> {
+        let Mapping { time, run, positions, velocities, desired, efforts, poses, .. } = mapping;
+        let mut sentences = vec![time.sentence.clone()];
+        for pose in poses {
+            let labels: Vec<&str> = pose.columns.iter().map(|column| column.label.as_str()).collect();
+            sentences.push(format!(
+                "Columns {} are the {} {} of {}.",
+                labels.join(", "),
+                pose.kind.singular(),
+                pose.kind.row().components.join(", "),
+                pose.names[0]
+            ));
+        }
+        let all = [Some(positions), velocities.as_ref(), Some(efforts)].into_iter().flatten();
+        sentences.extend(all.clone().flat_map(Found::sentences));
+        sentences.extend(desired.as_ref().map(|found| {
+            format!(
+                "Columns {} are the commanded positions: instruments that tell whether noise of the measurement biases the \
+                 estimate.",
+                found.pattern
+            )
+        }));
+        sentences.extend(run.map(|run| format!("Column {} is the number of the run.", self.label(run))));
+        sentences.extend(all.flat_map(|found| found.remarks.iter().cloned()));
+        sentences
+    }
+
+    fn unused(&self, used: &[usize]) -> Vec<String> {
+        let left = self.headers.iter().filter(|h| !used.contains(&h.index) && !h.text.is_empty());
+        left.map(|h| h.text.clone()).collect()
+    }
+
+    pub(super) fn require_distinct(&self, used: &[usize]) -> Result<()> {
+        let twice = used.iter().enumerate().find(|(i, column)| used[..*i].contains(column));
+        match twice {
+            Some((_, column)) => Err(self.undecided(format!(
+                "column {} would stand for two quantities: name the columns with --columns",
+                self.label(*column)
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    fn run(&self) -> Result<Option<usize>> {
+        if let Some(pattern) = self.pattern(|k| k == Kind::Run) {
+            let chosen = pattern.resolve(&self.headers, self.sheet.width, &Targets::one("run"))?;
+            return Ok(chosen.columns.first().copied());
+        }
+        let is_run = |h: &&Header| h.own_meaning().is_some_and(|m| m.kind == Kind::Run && m.doubt < 2);
+        let mut runs = self.headers.iter().filter(is_run);
+        match (runs.next(), runs.next()) {
+            (Some(a), Some(b)) => Err(self.undecided(format!(
+                "both `{}` and `{}` could be the number of the run: --columns 'run={}' settles it",
+                a.text, b.text, a.text
+            ))),
+            (found, _) => Ok(found.map(|h| h.index)),
+        }
+    }
+
+    fn positions(&self) -> Result<Found> {
+        let joints = &self.robot.joints;
+        let choice = match joints.names.is_empty() {
+            true => Chosen::default(),
+            false => self
+                .optional(Kind::Position, joints)?
+                .ok_or_else(|| self.missing(&[Kind::Position], joints))?,
+        };
+        self.found(choice, Kind::Position, joints)
+    }
+
+    /// Velocities are optional: columns in a unit that is none of theirs (`v1 [V]`) are something else.
+    fn velocities(&self) -> Result<Option<Found>> {
+        let joints = &self.robot.joints;
+        if joints.names.is_empty() {
+            return Ok(None);
+        }
+        let Some(choice) = self.optional(Kind::Velocity, joints)? else { return Ok(None) };
+        let found = self.found(choice, Kind::Velocity, joints);
+        if self.pattern(|k| k == Kind::Velocity).is_some() { found.map(Some) } else { Ok(found.ok()) }
+    }
+
+    /// Commanded positions are optional too. They are looked for only if the positions are measured.
+    fn desired(&self, position: &Found) -> Result<Option<Found>> {
+        let joints = &self.robot.joints;
+        let pattern = self.pattern(|k| k == Kind::Desired);
+        if !self.robot.quaternions.is_empty() {
+            let fault = "commanded positions are not read where joints have quaternions: leave out `desired`";
+            return if pattern.is_some() { Err(self.fault(fault.into())) } else { Ok(None) };
+        }
+        match pattern {
+            Some(pattern) => self.found(self.by_pattern(pattern, joints)?, Kind::Desired, joints).map(Some),
+            None => {
+                Ok(self.commanded(position).and_then(|choice| self.found(choice, Kind::Desired, joints).ok()))
+            }
+        }
+    }
+
+    /// The only best family of commanded positions next to measured ones.
+    fn commanded(&self, position: &Found) -> Option<Chosen> {
+        let columns: Vec<usize> = position.indices().collect();
+        if self.is_commanded(&columns) {
+            return None;
+        }
+        let mut families = self.families(&[Kind::Position], &self.robot.joints);
+        families.retain(|f| f.meaning.origin == Origin::Commanded && f.meaning.doubt < 2);
+        let complete = families.iter().filter_map(|f| Some((f.rank(), f.complete()?)));
+        let complete: Vec<_> = complete.filter(|(_, others)| *others != columns).collect();
+        let Some((rank, columns)) = complete.first() else {
+            // The log of the runtime's control loop.
+            return self.by_pattern(&Pattern::new(Kind::Desired, "desired_{name}"), &self.robot.joints).ok();
+        };
+        let is_only = complete.iter().all(|(other, others)| other != rank || others == columns);
+        is_only.then(|| Chosen::alike(columns.clone(), None))
+    }
+}

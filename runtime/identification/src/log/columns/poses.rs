@@ -1,0 +1,128 @@
+//! Columns of poses: a place x, y, z and a quaternion for each joint that has one.
+
+use super::super::super::error::{IdentificationError, Result};
+use super::super::super::pose::QuaternionJoint;
+use super::super::sheet::shortened;
+use super::families::{Family, Targets, angles, by_component};
+use super::finder::Finder;
+use super::found::Found;
+use super::header::words;
+use super::pattern::Chosen;
+use super::table::Kind;
+
+impl Finder<'_> {
+    /// A place for each floating joint.
+    ///
+    /// # Errors
+    /// As [`Self::attitudes`].
+    pub(super) fn places(&self) -> Result<Vec<Found>> {
+        let joints = self.robot.quaternions.iter().filter(|joint| joint.is_floating);
+        self.components(Kind::Place, &joints.collect::<Vec<_>>())
+    }
+
+    /// A quaternion for each joint that has one.
+    ///
+    /// # Errors
+    /// Poses without columns or with two sets of them, some letters alone, units that do not fit, and angles instead of
+    /// quaternions.
+    pub(super) fn attitudes(&self) -> Result<Vec<Found>> {
+        self.components(Kind::Attitude, &self.robot.quaternions.iter().collect::<Vec<_>>())
+    }
+
+    /// Places and quaternions in the order of the positions.
+    pub(super) fn poses(&self, places: Vec<Found>, attitudes: Vec<Found>) -> Vec<Found> {
+        let mut places = places.into_iter();
+        let joints = self.robot.quaternions.iter().zip(attitudes);
+        let of = |(joint, attitude): (&QuaternionJoint, Found)| {
+            joint.is_floating.then(|| places.next()).flatten().into_iter().chain([attitude])
+        };
+        joints.flat_map(of).collect()
+    }
+
+    /// The components of a quantity, for one joint after the other.
+    fn components(&self, kind: Kind, joints: &[&QuaternionJoint]) -> Result<Vec<Found>> {
+        let letters = kind.row().components;
+        if self.robot.quaternions.is_empty() && self.pattern(|k| k == kind).is_some() {
+            return Err(self.fault(
+                "--columns names a place or a quaternion, but no joint of this robot is spherical or floating".into(),
+            ));
+        }
+        let targets = joints.iter().map(|joint| Targets::new(&vec![joint.name.clone(); letters.len()], &[]));
+        let targets: Vec<Targets> = targets.collect();
+        let choices = match self.pattern(|k| k == kind) {
+            Some(pattern) => {
+                let all: Vec<String> = targets.iter().flat_map(|of| of.names.clone()).collect();
+                self.by_pattern(pattern, &Targets::new(&all, &[]))?.split(letters.len())
+            }
+            None => joints.iter().map(|joint| self.nearest(joint, kind)).collect::<Result<_>>()?,
+        };
+        choices.into_iter().zip(&targets).map(|(choice, of)| self.found(choice, kind, of)).collect()
+    }
+
+    /// The only family of columns that is nearest to the joint's name.
+    fn nearest(&self, joint: &QuaternionJoint, kind: Kind) -> Result<Chosen> {
+        // Of several joints each has to be named.
+        let farthest = if self.robot.quaternions.len() > 1 { 0 } else { 2 };
+        let mut near = by_component(&self.headers, kind, &words(&joint.name));
+        near.retain(|family| family.meaning.doubt <= farthest);
+        near.sort_by_key(|family| (family.complete().is_none(), family.meaning.doubt));
+        let Some(first) = near.first() else { return Err(self.no_pose(joint, kind)) };
+        let labels = |family: &Family| {
+            let labels: Vec<String> =
+                family.columns.iter().flatten().map(|column| self.label(*column)).collect();
+            labels.join(", ")
+        };
+        let (what, name) = (kind.singular(), &joint.name);
+        let Some(columns) = first.complete() else {
+            let letters = kind.row().components.iter().zip(&first.columns);
+            let absent: Vec<&str> = letters.filter(|(_, column)| column.is_none()).map(|(l, _)| *l).collect();
+            return Err(self.undecided(format!(
+                "of the {what} of `{name}` only {} are there, {} is missing. Name all {}: {}",
+                labels(first),
+                absent.join(", "),
+                first.columns.len(),
+                remedy(kind)
+            )));
+        };
+        let is_rival = |other: &&Family| other.meaning == first.meaning && other.complete().is_some();
+        match near.iter().skip(1).find(is_rival) {
+            Some(other) => Err(self.undecided(format!(
+                "both {} and {} could be the {what} of `{name}`. Name the right ones: {}",
+                labels(first),
+                labels(other),
+                remedy(kind)
+            ))),
+            None => Ok(Chosen::alike(columns, None)),
+        }
+    }
+
+    fn no_pose(&self, joint: &QuaternionJoint, kind: Kind) -> IdentificationError {
+        let (what, name) = (kind.singular(), &joint.name);
+        let angles = angles(&self.headers);
+        if kind == Kind::Attitude && !angles.is_empty() {
+            return self.fault(format!(
+                "no columns are known as the quaternion of `{name}`, but {} look like angles. Attitudes are read as \
+                 quaternions alone: the order of angles is a convention that a log does not tell. Convert them \
+                 (scipy: Rotation.from_euler(…).as_quat()) and name the four columns qx, qy, qz, qw",
+                angles.join(", ")
+            ));
+        }
+        let several =
+            if self.robot.quaternions.len() > 1 { ", whose names have to hold the joint's" } else { "" };
+        self.undecided(format!(
+            "no columns are known as the {what} {} of `{name}`{several}. There are {}. Name them: {}",
+            kind.row().components.join(", "),
+            shortened(&self.sheet.headers),
+            remedy(kind)
+        ))
+    }
+}
+
+fn remedy(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Attitude => {
+            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' where w stands first; numbers as in `5..8` do too)"
+        }
+        _ => "--columns 'place=a|b|c' (numbers as in `2..4` do too)",
+    }
+}

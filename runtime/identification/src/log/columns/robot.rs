@@ -1,0 +1,109 @@
+//! The joints and inputs of a robot as columns are matched with them.
+
+use super::super::super::error::Result;
+use super::super::super::pose::{QuaternionJoint, rows_of};
+use super::super::super::robot::Robot;
+use super::super::super::run::{Effort, Run};
+use super::families::Targets;
+use super::pattern::ColumnOptions;
+
+/// A robot's joints and inputs that a log has columns of. Velocities of joints with a quaternion are no joints here.
+pub(in crate::log) struct RobotColumns {
+    /// Joints that are not held.
+    pub joints: Targets,
+    /// Joints whose torques a log may have: neither held nor moved by something else.
+    pub torques: Targets,
+    /// Inputs that move more than held joints.
+    pub inputs: Targets,
+    /// Inputs at frames.
+    pub frame_inputs: Targets,
+    /// Joints with a quaternion.
+    pub quaternions: Vec<QuaternionJoint>,
+    /// Positions of the joints that are held, `None` for the others.
+    pub held: Vec<Option<f64>>,
+    /// All joints, held or not.
+    pub all_joints: Targets,
+    /// `rad` or `m`, of each joint.
+    pub units: Vec<&'static str>,
+    /// Unit of the position of the joint that an input drives if it is one.
+    pub input_units: Vec<&'static str>,
+    /// B is the identity: forces at the joints and inputs are the same.
+    pub direct: bool,
+}
+
+impl RobotColumns {
+    /// # Errors
+    /// Patterns of held joints that match none.
+    pub(in crate::log) fn new(robot: &dyn Robot, options: &ColumnOptions) -> Result<Self> {
+        let (names, inputs) = (robot.joint_names(), robot.input_names());
+        let quaternions = robot.quaternion_joints();
+        let rows = rows_of(&quaternions, names.len());
+        let lines: Vec<usize> = (0..names.len()).filter(|joint| !rows[*joint]).collect();
+        let joints: Vec<String> = lines.iter().map(|line| names[*line].clone()).collect();
+        let (n, m) = (joints.len(), inputs.len());
+        let held = options.held(&joints)?;
+        let matrix = robot.input_matrix();
+        let entry = |row: usize, column: usize| matrix.get(row * m + column).copied().unwrap_or(0.0);
+        let moved =
+            |input: usize| -> Vec<usize> { (0..n).filter(|j| entry(lines[*j], input) != 0.0).collect() };
+        let driven: Vec<Option<usize>> =
+            (0..m).map(|input| <[usize; 1]>::try_from(moved(input)).ok().map(|[j]| j)).collect();
+        let others: Vec<Option<String>> = driven.iter().map(|j| j.map(|j| joints[j].clone())).collect();
+        let all_units = robot.position_units();
+        let units: Vec<&'static str> =
+            lines.iter().map(|line| all_units.get(*line).copied().unwrap_or("rad")).collect();
+        let acts = |input: usize| (0..names.len()).any(|row| entry(row, input) != 0.0);
+        let at_frames: Vec<bool> = (0..m).map(|input| robot.has_inputs_at_frames() && !acts(input)).collect();
+        let unmeasured = robot.unmeasured();
+        let is_identity =
+            |row: usize| (0..m).all(|column| entry(lines[row], column) == f64::from(u8::from(row == column)));
+        let only_held =
+            |input: usize| !moved(input).is_empty() && moved(input).iter().all(|j| held[*j].is_some());
+        let all_joints = Targets::new(&joints, &[]);
+        let all_inputs = Targets::new(&inputs, &others);
+        Ok(Self {
+            joints: all_joints.only(|j| held[j].is_none()),
+            torques: all_joints.only(|j| held[j].is_none() && !unmeasured[lines[j]]),
+            all_joints,
+            frame_inputs: all_inputs.only(|input| at_frames[input]),
+            inputs: all_inputs.only(|input| !only_held(input)),
+            input_units: driven.into_iter().map(|j| j.map_or("rad", |j| units[j])).collect(),
+            units,
+            direct: n == m && (0..n).all(is_identity),
+            quaternions,
+            held,
+        })
+    }
+
+    /// The part of `--columns` that holds joints.
+    pub(super) fn hold_option(&self) -> Option<String> {
+        let held: Vec<String> = self.held_values().map(|(name, value)| format!("{name}={value}")).collect();
+        (!held.is_empty()).then(|| format!("hold={}", held.join("|")))
+    }
+
+    /// Names and positions of the joints that are held.
+    pub(super) fn held_values(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.all_joints
+            .names
+            .iter()
+            .zip(&self.held)
+            .filter_map(|(name, value)| Some((name.as_str(), (*value)?)))
+    }
+
+    /// Adds the columns that the log does not have: positions of held joints, and NaN for efforts that were not measured.
+    ///
+    /// - `recorded`: places of the joints or inputs whose efforts the log has
+    pub(in crate::log) fn add_unrecorded(&self, run: &mut Run, recorded: &[usize]) {
+        let samples = run.times.len();
+        let count = if run.effort == Effort::Joint { self.held.len() } else { self.input_units.len() };
+        for place in (0..count).filter(|place| !recorded.contains(place)) {
+            run.efforts.insert(place, vec![f64::NAN; samples]);
+        }
+        let held = self.held.iter().enumerate().filter_map(|(joint, value)| Some((joint, (*value)?)));
+        for (joint, value) in held {
+            run.positions.insert(joint, vec![value; samples]);
+            run.velocities.insert(joint, None);
+            run.desired.iter_mut().for_each(|desired| desired.insert(joint, vec![value; samples]));
+        }
+    }
+}

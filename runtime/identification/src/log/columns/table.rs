@@ -1,0 +1,289 @@
+//! The table of columns: quantities with their names, units, components and words, and the other words of headers.
+//!
+//! A new kind of column is a row of [`QUANTITIES`] and its name in [`Kind`]. Words of other languages are in the rows of the English
+//! ones and stand for the first of them. Their letters have no accents: `é` is `e`, `ß` is `ss`.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use Role::{Angle, Body, Motor, Other, Plain};
+
+/// The quantity of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::log) enum Kind {
+    Time,
+    /// Names of the joints, as text in the rows.
+    Name,
+    Position,
+    /// A commanded position.
+    Desired,
+    Velocity,
+    Acceleration,
+    /// A force at the joint.
+    Torque,
+    /// A motor's torque, at its side of the gear.
+    Input,
+    Current,
+    Run,
+    Place,
+    Attitude,
+}
+
+/// A quantity that columns may have.
+pub(super) struct Quantity {
+    pub kind: Kind,
+    /// Names in `--columns`.
+    pub keys: &'static [&'static str],
+    /// One value and several in messages.
+    pub names: [&'static str; 2],
+    /// SI units of rotary and of linear joints. The first one is assumed if none is named.
+    pub units: [&'static [&'static str]; 2],
+    /// Letters of the components, which have a column each.
+    pub components: &'static [&'static str],
+    /// Words: doubt (0 for the usual ones), English, other languages. Single letters count if no longer word names a quantity.
+    words: &'static [(u8, &'static str, &'static str)],
+}
+
+const SECONDS: [&[&str]; 2] = [&["s"]; 2];
+const NO_UNIT: [&[&str]; 2] = [&["1"]; 2];
+
+#[rustfmt::skip]
+static QUANTITIES: [Quantity; 12] = [
+    Quantity { kind: Kind::Time, keys: &["time"], names: ["time", "time"], units: SECONDS, components: &[], words: &[
+        (0, "time times timestamp timestamps stamp t", "zeit tempo tiempo zeitstempel horodatage"),
+        (0, "seconds sec secs nsec nsecs nanosec nanosecs nanosecond nanoseconds", "sekunde sekunden seconde secondes secondi segundos"),
+        // English logs have temperatures as `temps`.
+        (1, "elapsed clock", "temps"),
+    ] },
+    Quantity { kind: Kind::Name, keys: &[], names: ["name", "name"], units: NO_UNIT, components: &[], words: &[(0, "name names", "")] },
+    Quantity { kind: Kind::Position, keys: &["position"], names: ["position", "positions"], units: [&["rad"], &["m"]], components: &[], words: &[
+        (0, "position positions pos jpos qpos q", "lage posicion posiciones posizione posizioni stellung positionen"),
+        (1, "angle angles ang phi theta y", "winkel drehwinkel angolo angoli angulo angulos"),
+        (2, "encoder", ""),
+    ] },
+    Quantity { kind: Kind::Desired, keys: &["desired"], names: ["commanded position", "commanded positions"], units: [&["rad"], &["m"]], components: &[], words: &[] },
+    Quantity { kind: Kind::Velocity, keys: &["velocity"], names: ["velocity", "velocities"], units: [&["rad/s"], &["m/s"]], components: &[], words: &[
+        (0, "velocity velocities vel jvel speed speeds dq qd qdot qvel v", "geschwindigkeit geschwindigkeiten winkelgeschwindigkeit vitesse vitesses velocita velocidad velocidades"),
+        // Of the motor as often as of the joint: `drehzahl`.
+        (1, "omega qp dtheta thetadot dphi w", "drehzahl"),
+    ] },
+    Quantity { kind: Kind::Acceleration, keys: &[], names: ["acceleration", "acceleration"], units: [&["rad/s^2"], &["m/s^2"]], components: &[], words: &[
+        (0, "acceleration accelerations acc accel ddq qdd qddot qdotdot a", "beschleunigung beschleunigungen winkelbeschleunigung accelerazione accelerazioni aceleracion aceleraciones"),
+        (1, "thetadotdot", ""),
+    ] },
+    Quantity { kind: Kind::Torque, keys: &["torque", "effort"], names: ["effort", "efforts"], units: [&["N*m"], &["N"]], components: &[], words: &[
+        (0, "torque torques qfrc jtrq jtor effort efforts eff trq tau tauj", "drehmoment drehmomente couple couples coppia coppie par pares"),
+        (1, "moment", "momente momento momenti momentos"),
+        (1, "force forces", "kraft forza fuerza"),
+    ] },
+    // A motor before a spindle has a torque, the joint behind it a force.
+    Quantity { kind: Kind::Input, keys: &["input"], names: ["motor effort", "efforts"], units: [&["N*m", "N"], &["N", "N*m"]], components: &[], words: &[(0, "input inputs u", "")] },
+    Quantity { kind: Kind::Current, keys: &["current"], names: ["current", "currents"], units: [&["A"]; 2], components: &[], words: &[
+        (0, "current currents cur curr amp amps amperage iq imot i", "strom strome stroeme courant courants intensite corrente correnti corriente corrientes intensidad"),
+    ] },
+    Quantity { kind: Kind::Run, keys: &["run", "trial"], names: ["run", "run"], units: NO_UNIT, components: &[], words: &[
+        (0, "run", "lauf messfahrt"),
+        (0, "trial segment", "versuch essai prova ensayo"),
+        (1, "episode", ""),
+    ] },
+    Quantity { kind: Kind::Place, keys: &["place"], names: ["place", "places"], units: [&["m"]; 2], components: &["x", "y", "z"], words: &[
+        (0, "place pose translation transform trans", ""),
+    ] },
+    // The order of the columns is that of the key's letters.
+    Quantity { kind: Kind::Attitude, keys: &["xyzw", "wxyz"], names: ["quaternion", "quaternions"], units: NO_UNIT, components: &["x", "y", "z", "w"], words: &[
+        (0, "quat quaternion orientation rotation attitude rot ori", ""),
+    ] },
+];
+
+/// How the values of a column came about. Columns are preferred in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Origin {
+    Measured,
+    Unsaid,
+    Filtered,
+    Commanded,
+}
+
+/// The part of a word in a header.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Quantity(Kind),
+    Origin(Origin),
+    /// Torques are those of motors.
+    Motor,
+    /// Names no quantity.
+    Plain,
+    /// Names a body that has a pose.
+    Body,
+    /// An attitude that is not written as a quaternion.
+    Angle,
+    /// Quantities that no joint has, or not as its own.
+    Other,
+}
+
+const MEASURED: Role = Role::Origin(Origin::Measured);
+const FILTERED: Role = Role::Origin(Origin::Filtered);
+const COMMANDED: Role = Role::Origin(Origin::Commanded);
+
+#[rustfmt::skip]
+static WORDS: [(Role, &str, &str); 27] = [
+    (MEASURED, "measured meas msr fb feedback sensor present", "gemessen gemessene mess mesure mesuree mesures mesurees misurata misurato misurate misurati medida medido medidas"),
+    (MEASURED, "actual act real", "ist istwert istwerte reelle reale effettiva effettivo"),
+    (FILTERED, "filtered filt smoothed smooth est estimate estimated interpolated", "gefiltert gefilterte geglattet geglaettet filtre filtree filtrata filtrato filtrada filtrado"),
+    (COMMANDED, "setpoint set goal", "soll sollwert sollwerte consigne consigna"),
+    (COMMANDED, "target", "ziel objetivo"),
+    (COMMANDED, "reference ref nominal planned plan ipo control d", "fuhrungsgrosse fuehrungsgroesse riferimento referencia"),
+    (COMMANDED, "command commanded commands cmd", "commande comando"),
+    (COMMANDED, "desired des", "gewunscht gewuenscht desiree desire desiderata desiderato deseada deseado"),
+    (Motor, "motor", "moteur motore"),
+    (Motor, "drive", "antrieb antriebs"),
+    (Plain, "joint joints jnt", "gelenk gelenke articulaire articulaires articolare articulation articulations articolazione articolazioni articulacion articulaciones giunto giunti junta"),
+    (Plain, "axis axes", "achse achs achsen axe asse ejes eje"),
+    (Plain, "robot", "roboter"),
+    (Plain, "state states", "zustand etat stato estado"),
+    (Plain, "value values", "wert werte valeur valeurs valore valori valor valores"),
+    (Plain, "arm manipulator link field msg data header output id index no j", ""),
+    (Body, "base root trunk body torso odom frame world floating mocap vicon local", ""),
+    (Angle, "roll pitch yaw rpy euler heading", ""),
+    (Other, "error err residual", "fehler abweichung regelabweichung schleppfehler schleppabstand erreur errore"),
+    (Other, "limit limits min max", "grenze grenzen limite limites limiti"),
+    (Other, "friction", "reibung frottement attrito friccion"),
+    (Other, "temperature temp", "temperatur temperaturen temperatura"),
+    (Other, "voltage", "spannung tension tensione"),
+    (Other, "power", "leistung puissance potenza potencia"),
+    (Other, "mean std ext external contact gravity coriolis model dtau pwm mode status window gain stiffness damping rate frequency robust", ""),
+    (Other, "tcp cartesian tool ee eef flange", ""),
+    (Other, "wrench ft imu accelerometer twist gyro mag covariance", ""),
+];
+
+/// The row of a word.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known {
+    pub role: Role,
+    /// 0 for the usual words; larger for words that mean it less surely.
+    pub doubt: u8,
+    /// The English word that a word of another language stands for.
+    pub english: Option<&'static str>,
+}
+
+/// Role, doubt, English words and those of other languages.
+type Row = (Role, u8, &'static str, &'static str);
+
+fn rows() -> impl Iterator<Item = Row> {
+    let of = |quantity: &'static Quantity| {
+        let role = Role::Quantity(quantity.kind);
+        quantity.words.iter().map(move |(doubt, english, others)| (role, *doubt, *english, *others))
+    };
+    QUANTITIES
+        .iter()
+        .flat_map(of)
+        .chain(WORDS.iter().map(|(role, english, others)| (*role, 0, *english, *others)))
+}
+
+/// All words with their rows.
+static INDEX: LazyLock<BTreeMap<&str, Known>> = LazyLock::new(|| {
+    let of = |(role, doubt, english, others): Row| {
+        let first = english.split(' ').next();
+        let english = english.split(' ').map(move |word| (word, Known { role, doubt, english: None }));
+        english.chain(others.split(' ').map(move |word| (word, Known { role, doubt, english: first })))
+    };
+    rows().flat_map(of).filter(|(word, _)| !word.is_empty()).collect()
+});
+
+/// The row of a word in lower case.
+pub(super) fn known(word: &str) -> Option<Known> {
+    INDEX.get(word).copied()
+}
+
+impl Kind {
+    /// The kind and the key of a name in `--columns`.
+    pub(super) fn of_key(name: &str) -> Option<(Self, &'static str)> {
+        let key =
+            |quantity: &Quantity| Some((quantity.kind, *quantity.keys.iter().find(|key| **key == name)?));
+        QUANTITIES.iter().find_map(key)
+    }
+
+    /// All names in `--columns`.
+    pub(super) fn keys() -> impl Iterator<Item = &'static str> {
+        QUANTITIES.iter().flat_map(|quantity| quantity.keys).copied()
+    }
+
+    /// The row of the table.
+    pub(super) fn row(self) -> &'static Quantity {
+        let row = QUANTITIES.iter().find(|quantity| quantity.kind == self);
+        row.unwrap_or_else(|| unreachable!("each kind has a row, as a test says"))
+    }
+
+    /// Name in `--columns`.
+    pub(super) fn key(self) -> &'static str {
+        self.row().keys.first().copied().unwrap_or(self.singular())
+    }
+
+    pub(super) fn singular(self) -> &'static str {
+        self.row().names[0]
+    }
+
+    pub(super) fn plural(self) -> &'static str {
+        self.row().names[1]
+    }
+
+    pub(super) fn is_effort(self) -> bool {
+        matches!(self, Self::Torque | Self::Input | Self::Current)
+    }
+
+    /// The quantity of an SI unit.
+    pub(super) fn of_unit(si: &str) -> Option<Self> {
+        let measured = QUANTITIES.iter().filter(|quantity| quantity.units != NO_UNIT);
+        measured
+            .filter(|quantity| quantity.units.iter().any(|units| units.contains(&si)))
+            .map(|q| q.kind)
+            .next()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_word_stands_for_two() {
+        let words: Vec<&str> = rows().flat_map(|(_, _, a, b)| a.split(' ').chain(b.split(' '))).collect();
+        let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
+        for (i, word) in words.iter().enumerate() {
+            assert!(word.is_ascii() && !words[..i].contains(word), "{word}");
+        }
+    }
+
+    #[test]
+    fn each_kind_has_a_row() {
+        use Kind::*;
+        let kinds = [
+            Time,
+            Name,
+            Position,
+            Desired,
+            Velocity,
+            Acceleration,
+            Torque,
+            Input,
+            Current,
+            Run,
+            Place,
+            Attitude,
+        ];
+        assert_eq!(QUANTITIES.each_ref().map(|quantity| quantity.kind), kinds);
+        let units = ["rad", "m/s", "rad/s^2", "N", "A", "s", "1"].map(Kind::of_unit);
+        assert_eq!(
+            units,
+            [
+                Some(Position),
+                Some(Velocity),
+                Some(Acceleration),
+                Some(Torque),
+                Some(Current),
+                Some(Time),
+                None
+            ]
+        );
+    }
+}

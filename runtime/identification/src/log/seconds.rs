@@ -1,0 +1,66 @@
+//! Seconds of counted times: the unit if none is named, and counts as seconds.
+
+use super::finding::UNIT_ASSUMED;
+use gelenk_findings::Finding;
+
+/// Seconds of a unit that nobody names, by the usual step: robots are sampled between 5 Hz and 20 kHz.
+///
+/// - `step`: median step in 10⁻¹² of the unit
+/// - returns the factor, and a message if it is not 1
+pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
+    let steps = step as f64 / 1e12;
+    let (factor, name) = match steps {
+        s if s <= 0.2 => return (1.0, None),
+        s if s < 100.0 => (1e-3, "ms"),
+        s if s < 1e5 => (1e-6, "µs"),
+        _ => (1e-9, "ns"),
+    };
+    let message = format!(
+        "the time has no unit and steps by {steps}: taken as {name} ({:.6} Hz); --columns 'time=…[s]' says otherwise{}",
+        1.0 / (steps * factor),
+        if steps == 1.0 { ", and the period of a counter of samples, as in 'time=…[4 ms]'" } else { "" }
+    );
+    (factor, Some(message))
+}
+
+/// Fewest samples that distinguish a counter from a clock.
+const COUNTED: usize = 100;
+
+/// A finding if all steps are exactly one second: nobody records a robot so slowly, and a counter of samples looks like that.
+///
+/// - `times`: in 10⁻¹² of the unit; `unit`: in seconds
+pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<Finding> {
+    const ONE: i128 = 1_000_000_000_000;
+    let counts =
+        unit == 1.0 && times.len() >= COUNTED && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
+    counts.then(|| {
+        let message = "its times step by exactly 1 s: where they are a counter of samples, name the period, as in --columns \
+                       'time=…[4 ms]'";
+        UNIT_ASSUMED.found(message).log(place, None)
+    })
+}
+
+/// From counts to seconds since the log's beginning, or since 0 if times are no epoch.
+pub(super) struct Clock {
+    zero: i128,
+    per_second: f64,
+}
+
+/// Beyond, times are taken as counted from an epoch or from when a machine was started [s].
+const EPOCH: f64 = 1e6;
+
+impl Clock {
+    /// The clock of times that count `unit` seconds in 10⁻¹² of it.
+    pub(super) fn new(times: &[i128], unit: f64) -> Self {
+        // Powers of ten that are doubles: a quotient by them is the double that is nearest to the decimal.
+        let exact = [1e12, 1e15, 1e18, 1e21].into_iter().find(|p| (p * unit / 1e12 - 1.0).abs() < 1e-9);
+        let per_second = exact.unwrap_or(1e12 / unit);
+        let first = times.first().copied().unwrap_or(0);
+        let is_epoch = first as f64 / per_second > EPOCH;
+        Self { zero: if is_epoch { first } else { 0 }, per_second }
+    }
+
+    pub(super) fn seconds(&self, time: i128) -> f64 {
+        time.saturating_sub(self.zero) as f64 / self.per_second
+    }
+}

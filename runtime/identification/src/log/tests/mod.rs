@@ -1,0 +1,6 @@
+//! Logs as other programs write them.
+
+mod printed;
+mod refusals;
+mod styles;
+mod testing;
