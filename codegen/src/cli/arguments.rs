@@ -126,7 +126,7 @@ pub(super) enum Command {
     /// Find friction, inertias and drive gains in logs of a robot, and write them as a description; or plan a
     /// motion that shows them
     #[command(after_help = IDENTIFY_EXAMPLES)]
-    Identify(Identify),
+    Identify(Box<Identify>),
     /// Write a page about a robot: drawing, parameters, equations, costs, a self-check
     #[command(after_help = REPORT_EXAMPLES)]
     Report(Report),
