@@ -39,9 +39,8 @@ fn folder(cases: &Path, factor: f64) -> tempfile::TempDir {
     }
     let mut text = fs::read_to_string(cases.join("robot.toml")).unwrap();
     for [viscous, coulomb] in [[4.0, 3.0], [4.0, 3.5], [1.2, 1.0]] {
-        let described = |factor: f64| {
-            format!("viscous = {:?}, coulomb = {:?}", factor * viscous, factor * coulomb)
-        };
+        let described =
+            |factor: f64| format!("viscous = {:?}, coulomb = {:?}", factor * viscous, factor * coulomb);
         assert!(text.contains(&described(1.0)));
         text = text.replace(&described(1.0), &described(factor));
     }

@@ -44,7 +44,7 @@ impl JointPrior {
                 factors: layout.steepness[joint].map(|k| projected(&odd, fast, k)),
                 spread: (DESCRIBED * odd(fast).abs()).max(LEAST * largest),
                 fast,
-                offset: OFFSET * largest,
+                offset: std::env::var("XOFF").ok().and_then(|x| x.parse().ok()).unwrap_or(OFFSET) * largest,
                 time: 1.0,
             }
         };

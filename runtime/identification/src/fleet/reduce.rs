@@ -80,7 +80,7 @@ pub fn reduce(
         name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
         content: recording.content(),
-        samples: runs.iter().map(|run| run.times.len() as u64).sum(),
+        samples: runs.iter().map(moving_samples).sum(),
         seconds: runs.iter().map(|run| run.times.len() as f64).sum::<f64>() / preparation.sample_rate,
         bandwidth: preparation.filter.bandwidth(),
         delays: delays(&preparation),
@@ -226,6 +226,11 @@ impl<'a> Fitted<'a> {
         };
         (0..self.estimate.joints.len()).map(fact).collect()
     }
+}
+
+/// Samples in which some joint moves, as shares count them.
+fn moving_samples(run: &PreparedRun) -> u64 {
+    (0..run.times.len()).filter(|sample| run.is_moving(*sample)).count() as u64
 }
 
 /// The samples of a run that tell about a joint, as the estimate takes them.

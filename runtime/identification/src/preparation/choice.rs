@@ -11,7 +11,7 @@ use super::delay::{DelayEstimate, Delays, estimate};
 use super::filter::Filter;
 use super::grid::{Piece, interpolate, pieces};
 use super::regression::Columns;
-use super::rest::Speeds;
+use super::rest::{Rests, SHORTEST, Speeds};
 use super::result::{Delay, PreparationReport};
 use super::settings::PreparationSettings;
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
@@ -59,8 +59,8 @@ pub(super) fn prepare_all(
     check(runs, robot, settings)?;
     let mut recorded = Recorded::new(runs, robot, settings);
     let widest = recorded.widest()?;
-    recorded.find_rests(widest)?;
     let first = recorded.delays_at(widest)?;
+    recorded.find_rests(widest, 0.0)?;
     let bandwidth = match (settings.bandwidth, robot) {
         (None, Some(robot)) => {
             recorded.confirmed(robot, widest, &removed(settings, &first, recorded.efforts()))?
@@ -70,6 +70,7 @@ pub(super) fn prepare_all(
     let found = if bandwidth == widest { first } else { recorded.delays_at(bandwidth)? };
     let delays = removed(settings, &found, recorded.efforts());
     let how = recorded.smoothing(bandwidth, delays.iter().map(|d| d.removed).collect());
+    recorded.find_rests(widest, 0.0)?;
     let smoothed = recorded.smooth(&how, bandwidth)?;
     if smoothed.is_empty() {
         return Err(recorded.too_short(&how));
@@ -169,7 +170,9 @@ impl<'a> Recorded<'a> {
     }
 
     /// Looks for rests of the joints that friction brakes, by speeds through a filter of `bandwidth`.
-    fn find_rests(&mut self, bandwidth: f64) -> Result<()> {
+    ///
+    /// - `shortest`: least duration [s]; reversals are the shortest
+    fn find_rests(&mut self, bandwidth: f64, shortest: f64) -> Result<()> {
         let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
         let mut pieces = Vec::new();
         for (run, signals) in self.signals.iter().enumerate() {
@@ -189,8 +192,9 @@ impl<'a> Recorded<'a> {
             (!exact[joint]).then_some(Speeds { largest, noise })
         };
         let speeds: Vec<Option<Speeds>> = self.quality.iter().enumerate().map(speeds).collect();
+        self.signals.iter_mut().for_each(|signals| signals.rests = Rests::default());
         for (run, piece) in &pieces {
-            self.signals[*run].rests.add(piece, &speeds, how.cut);
+            self.signals[*run].rests.add(piece, &speeds, [how.cut, shortest]);
         }
         Ok(())
     }
@@ -232,8 +236,9 @@ impl<'a> Recorded<'a> {
         Columns::new(robot, runs, (filter, self.settings.gravity_compensated))
     }
 
-    fn delays_at(&self, bandwidth: f64) -> Result<Option<Delays>> {
+    fn delays_at(&mut self, bandwidth: f64) -> Result<Option<Delays>> {
         let (None, Some(robot)) = (self.settings.delay, self.robot) else { return Ok(None) };
+        self.find_rests(bandwidth, SHORTEST.max(1.0 / bandwidth))?;
         let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();

@@ -15,6 +15,9 @@ const NOISE: f64 = 4.0;
 /// Share of the largest speed that noise of the speed may make of this limit: beyond it nothing is told apart.
 const MOST: f64 = 0.1;
 
+/// Least duration of a rest [s] that the choice of filter and delay leaves out: reversals show a delay better than all else.
+pub(super) const SHORTEST: f64 = 0.25;
+
 /// Part of the bandwidth's period by which a rest or a reversal reaches into its neighbourhood.
 const LOBE: f64 = 1.0;
 
@@ -48,7 +51,8 @@ impl Rests {
     ///
     /// - `speeds`: of each joint; none where it never rests
     /// - `cut`: what was cut off at the piece's ends [s]; a rest there goes on
-    pub(crate) fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], cut: f64) {
+    /// - `shortest`: least duration [s]
+    pub(crate) fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], [cut, shortest]: [f64; 2]) {
         self.joints.resize(speeds.len(), Vec::new());
         let (Some(first), Some(last)) = (piece.times.first(), piece.times.last()) else { return };
         let widened = |[start, end]: Stretch| {
@@ -57,7 +61,8 @@ impl Rests {
         let joints = self.joints.iter_mut().zip(&piece.velocities).zip(speeds);
         for ((rests, velocities), speeds) in joints {
             let Some(limit) = speeds.map(|speeds| speeds.limit()) else { continue };
-            rests.extend(slow_stretches(&piece.times, velocities, limit).into_iter().map(widened));
+            let slow = slow_stretches(&piece.times, velocities, limit).into_iter().map(widened);
+            rests.extend(slow.filter(|[start, end]| end - start >= shortest));
         }
     }
 
@@ -121,18 +126,21 @@ mod tests {
     fn rests_at_the_ends_and_a_reversal_are_found() {
         let mut rests = Rests::default();
         let speeds = Some(Speeds { largest: 1.0, noise: 1e-4 });
-        rests.add(&piece(), &[speeds], 0.2);
+        rests.add(&piece(), &[speeds], [0.2, 0.0]);
         let times = [-0.1, 0.5, 1.15, 1.25, 2.25, 2.35, 2.65, 2.75, 3.75, 3.85, 4.5, 5.1];
         let resting = [true, true, true, false, false, true, true, false, false, true, true, true];
         assert_eq!(rests.at(&times, 5.0), [resting]);
+        let mut long = Rests::default();
+        long.add(&piece(), &[speeds], [0.2, 0.25]);
+        assert_eq!(long.at(&[1.15, 2.5], 5.0), [[true, false]]);
         // Noise that hides the motion hides no speed above a tenth of the largest.
         let mut noisy = Rests::default();
-        noisy.add(&piece(), &[Some(Speeds { largest: 1.0, noise: 1.0 })], 0.2);
-        assert_eq!(noisy.at(&[2.34, 2.36], 20.0), [[false, true]]);
+        noisy.add(&piece(), &[Some(Speeds { largest: 1.0, noise: 1.0 })], [0.2, 0.0]);
+        assert_eq!(noisy.at(&[2.34, 2.37], 20.0), [[false, true]]);
         // A reversal between two samples.
         assert_eq!(slow_stretches(&[0.0, 1.0, 2.0, 3.0], &[1.0, 0.5, -0.5, -1.0], 0.01), [[1.0, 2.0]]);
         let mut never = Rests::default();
-        never.add(&piece(), &[None], 0.2);
+        never.add(&piece(), &[None], [0.2, 0.0]);
         assert_eq!(never.at(&times, 5.0), [[false; 12]]);
     }
 }

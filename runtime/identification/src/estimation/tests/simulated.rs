@@ -198,6 +198,14 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     assert!(message.contains("too short: 40 samples") && !message.contains("sign of"), "{message}");
     let mut noise = run;
     noise.efforts[0].iter_mut().for_each(|u| *u = random.normal());
+    let left_out = |noise: &PreparedRun| quietly(&truth, std::slice::from_ref(noise), &settings);
+    let found = left_out(&noise);
+    let warning = found.findings.iter().find(|finding| finding.code == "joint-left-out").unwrap();
+    assert_eq!(warning.about.subject, Subject::Joint("shoulder".into()));
+    let [shoulder, elbow] = &found.joints[..] else { panic!() };
+    assert!(!shoulder.measured && shoulder.terms.is_empty() && elbow.held_out_r_squared > 0.9);
+    // Where no joint is left, nothing is found.
+    noise.efforts[1].iter_mut().for_each(|u| *u = random.normal());
     let message = refused(noise);
     assert!(message.starts_with("the fit does not explain joint shoulder: R² "), "{message}");
 }
