@@ -32,6 +32,7 @@ mod manifold;
 mod meaning;
 mod models;
 mod motion_limits;
+mod one_direction;
 mod reference;
 mod self_test;
 mod shown_forces;

@@ -38,6 +38,8 @@ pub struct InterpretedRobot {
     shafts: Vec<Shaft>,
     /// Described friction of the joints whose rows they take.
     joint_terms: Vec<(JointTerm, FrictionTerm)>,
+    /// Described friction of each row that is identified.
+    friction: Vec<Vec<FrictionTerm>>,
     /// Described values of the free parameters.
     free: Vec<f64>,
 }
@@ -74,6 +76,7 @@ impl InterpretedRobot {
         let shafts =
             if choices.friction_at_joints { Vec::new() } else { shafts(&model, &choices.unmeasured, &free) };
         let joint_terms = joint_terms(&model, &shafts, &free);
+        let friction = described_friction(&model, &shafts);
         let is_shaft = |name: &str| shafts.iter().any(|shaft| shaft.name == name);
         let rubbing = model.drives.iter_mut().filter(|drive| is_shaft(&drive.name));
         rubbing.for_each(|drive| drive.friction.clear());
@@ -102,6 +105,7 @@ impl InterpretedRobot {
             unmeasured: model.joints().map(|joint| choices.unmeasured.contains(&joint.name)).collect(),
             shafts,
             joint_terms,
+            friction,
             parameters: result(&parameters, &[], &free),
             input_matrix: with_zero_columns(&result(&input_matrix, &[], &free), frame_inputs.len(), &model),
             model: Model { force_inputs: frame_inputs, ..model },
@@ -139,6 +143,16 @@ impl InterpretedRobot {
     pub fn model(&self) -> &Model {
         &self.model
     }
+}
+
+/// Described friction of each joint, or of the shaft that takes its row.
+fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>> {
+    let of_row = |(row, joint): (usize, &Joint)| {
+        let shaft = shafts.iter().find(|shaft| shaft.joint == row);
+        let drive = shaft.and_then(|shaft| model.drives.iter().find(|drive| drive.name == shaft.name));
+        drive.map_or(&joint.friction, |drive| &drive.friction).clone()
+    };
+    model.joints().enumerate().map(of_row).collect()
 }
 
 /// The regressor of a model whose gravity is three more free parameters.
@@ -301,6 +315,14 @@ impl Robot for InterpretedRobot {
             drives.any(|drive| shaft_rotor(&self.model, &drive.name).is_none())
         };
         (0..self.model.joints().len()).map(takes).collect()
+    }
+
+    fn friction(&self, row: usize, v: f64) -> f64 {
+        let terms = self.friction.get(row).into_iter().flatten();
+        let value = |term: &FrictionTerm| {
+            term.coefficient.evaluate(&self.free, 0.0, v) * term.basis.evaluate(&self.free, 0.0, v)
+        };
+        terms.map(value).sum()
     }
 
     fn gravity(&self) -> Option<[f64; 3]> {

@@ -117,6 +117,13 @@ pub trait Robot {
         values.fill(0.0);
     }
 
+    /// Described friction of a row, a joint's or that of one of [`Self::shafts`], at its speed v: the force against the motion,
+    /// without friction under load. Zero where none is described.
+    fn friction(&self, row: usize, v: f64) -> f64 {
+        let _ = (row, v);
+        0.0
+    }
+
     /// Gravity in the axes of the base, as described \[m/s²\]; `None` where no other direction of it can be tried
     /// ([`Self::regressor_at_rest`]).
     fn gravity(&self) -> Option<[f64; 3]> {
@@ -384,6 +391,11 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize, const P: usize> Robot fo
 
     fn has_inputs_at_frames(&self) -> bool {
         self.model.drives() < M
+    }
+
+    fn friction(&self, row: usize, v: f64) -> f64 {
+        let speeds = std::array::from_fn(|joint| if joint == row { v } else { 0.0 });
+        self.model.friction_torques(&[0.0; N], &speeds)[row]
     }
 
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {

@@ -141,14 +141,7 @@ impl<'a> Prediction<'a> {
             Gravity::CompensatedAsDescribed => robot.parameters(),
             Gravity::Compensated | Gravity::Recorded => values,
         });
-        let offset = |joint: usize| {
-            let law = found.friction.iter().find(|friction| friction.joint == joint);
-            let report = law.and_then(|law| law.report.as_ref().ok());
-            match report {
-                Some(report) => mean(&report.result.offsets.iter().map(|o| o.value).collect::<Vec<_>>()),
-                None => mean(&found.estimate.joints[joint].offsets),
-            }
-        };
+        let offset = |joint: usize| mean(&found.estimate.joints[joint].offsets);
         Ok(Self {
             robot,
             found,

@@ -7,6 +7,7 @@ use super::super::methods::subset::MOST_ALIKE;
 use super::super::run::Effort;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
 use super::gains::{Gain, gains as found_gains};
+use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
@@ -67,7 +68,7 @@ pub(super) fn choose<'a>(
         gains,
         consistent: false,
     };
-    let centred = Centred::new(layout, sums, model.offsets);
+    let centred = Centred::new(layout, sums, model.offsets, vec![0.0; layout.joints]);
     let gains = if gains { found_gains(&centred, &model, prior)? } else { vec![Gain::ONE; layout.joints] };
     let start = Values {
         unknowns: DVector::zeros(layout.len()),
@@ -80,9 +81,13 @@ pub(super) fn choose<'a>(
     };
     let mut chosen = Chosen { model, weighting, values: start, gains, centred, tried: Vec::new() };
     chosen.reweight(prior)?;
+    chosen.weigh_offsets(layout, sums, prior);
     chosen.choose_weight(prior, true)?;
     chosen.reweight(prior)?;
     chosen.choose_widths(prior)?;
+    if sums.by_run(0, None).len() > 1 {
+        chosen.choose_spreads(layout, sums, prior)?;
+    }
     if freedom.offsets.is_none() {
         chosen.choose_offsets(layout, sums, prior)?;
     }
@@ -121,7 +126,7 @@ impl Chosen<'_> {
         }
         let best = (0..WEIGHTS).fold(0, |b, i| if errors[i].total() < errors[b].total() { i } else { b });
         let near = |i: &usize| {
-            let (excess, error) = errors[*i].excess(&errors[best]);
+            let (excess, error) = errors[*i].excess_of_choice(&errors[best]);
             excess <= error
         };
         let index = if least { best } else { (best..WEIGHTS).take_while(near).last().unwrap_or(best) };
@@ -144,7 +149,7 @@ impl Chosen<'_> {
                     .iter_mut()
                     .for_each(|t| *t *= LESS_TRUST);
                 let error = held_out(&self.centred, &self.model, prior, &weighting, &self.values)?;
-                let (excess, deviation) = error.excess(&best);
+                let (excess, deviation) = error.excess_of_choice(&best);
                 if excess >= -deviation {
                     break;
                 }
@@ -163,7 +168,7 @@ impl Chosen<'_> {
                 let mut model = self.model.clone();
                 model.coulomb[joint] = width;
                 let error = self.error(&model, prior)?;
-                let (excess, deviation) = error.excess(&best);
+                let (excess, deviation) = error.excess_of_choice(&best);
                 if excess < -deviation {
                     (best, self.model) = (error, model);
                 }
@@ -188,7 +193,7 @@ impl Chosen<'_> {
                 }
                 chosen[joint] = true;
                 let error = self.error(&model, prior)?;
-                let (excess, deviation) = error.excess(&best);
+                let (excess, deviation) = error.excess_of_choice(&best);
                 if excess < -deviation && self.can_exist(&model, joint, prior)? {
                     (best, self.model) = (error, model);
                 }
@@ -241,9 +246,35 @@ impl<'a> Chosen<'a> {
             weighting: self.weighting.clone(),
             values: self.values.clone(),
             gains: self.gains.clone(),
-            centred: Centred::new(self.centred.layout, sums, self.model.offsets),
+            centred: Centred::new(self.centred.layout, sums, self.model.offsets, self.centred.zeros.clone()),
             tried: self.tried.clone(),
         }
+    }
+
+    /// Offsets count against zero by their spread and the deviations of the residuals.
+    fn weigh_offsets(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) {
+        let deviations = self.weighting.sigma.iter().zip(&self.values.gains).map(|(s, gain)| s * gain);
+        let zeros = prior.joints.iter().zip(deviations).map(|(joint, s)| joint.samples_of_offset(s));
+        let mut zeros: Vec<f64> = zeros.collect();
+        zeros.resize(layout.joints, 0.0);
+        self.centred = Centred::new(layout, sums, self.model.offsets, zeros);
+    }
+
+    /// A larger spread of a joint's offsets, if it lowers the error by more than a standard error. Parts of one run would not
+    /// judge it: an offset passes for friction in each of them, if the joint moves in one direction.
+    fn choose_spreads(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
+        let mut best = self.held_out(prior)?;
+        for joint in layout.rubbing() {
+            let mut zeros = self.centred.zeros.clone();
+            zeros[joint] = JointPrior::fewer(zeros[joint]);
+            let centred = Centred::new(layout, sums, self.model.offsets, zeros);
+            let error = held_out(&centred, &self.model, prior, &self.weighting, &self.values)?;
+            let (excess, deviation) = error.excess(&best);
+            if excess < -deviation {
+                (best, self.centred) = (error, centred);
+            }
+        }
+        Ok(())
     }
 
     /// Offsets for each run, where there are several and they lower the error by more than a standard error.
@@ -252,9 +283,9 @@ impl<'a> Chosen<'a> {
             return Ok(());
         }
         let common = self.held_out(prior)?;
-        let centred = Centred::new(layout, sums, Offsets::ByRun);
+        let centred = Centred::new(layout, sums, Offsets::ByRun, self.centred.zeros.clone());
         let by_run = held_out(&centred, &self.model, prior, &self.weighting, &self.values)?;
-        let (excess, deviation) = by_run.excess(&common);
+        let (excess, deviation) = by_run.excess_of_choice(&common);
         if excess < -deviation {
             self.centred = centred;
             self.model.offsets = Offsets::ByRun;

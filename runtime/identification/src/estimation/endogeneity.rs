@@ -18,7 +18,7 @@ use super::cosines::{FEWEST, count, projections};
 use super::delays::rates;
 use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};
-use super::intervals::{Fitted, MOST_BLOCKS, column_means};
+use super::intervals::{Fitted, MOST_BLOCKS, column_means, described};
 use super::layout::Layout;
 use super::normal::{Factor, Values, residual_vector};
 use super::residuals::{forces, huber, residual};
@@ -125,7 +125,7 @@ pub(super) fn endogeneity(
         return Ok(None);
     }
     let equations = pass.equations(layout, of);
-    let description = (&of.weighting.metric(task.prior, &of.solved.active), spread);
+    let description = &described(of, task.prior, spread);
     let Some(found) = equations.compare(of, description, cosines, instruments.source) else {
         return Ok(None);
     };
@@ -200,20 +200,17 @@ impl Pass {
         self.products[run][joint].add(of, &weights);
     }
 
-    /// What a joint's offsets take out of its columns, for each run: means of x and z.
-    fn means(&self, of: &Fitted, joint: usize) -> Vec<[DVector<f64>; 2]> {
-        let q = self.products[0][joint].x.len();
+    /// Means of the instruments of a joint over what shares an offset, for each run.
+    fn means(&self, of: &Fitted, joint: usize) -> Vec<DVector<f64>> {
+        let q = self.products[0][joint].z.len();
         let mean = |products: &[&Products]| {
             let weight: f64 = products.iter().map(|p| p.weight).sum();
-            let sum = |part: &dyn Fn(&Products) -> &DVector<f64>| {
-                let sum = products.iter().fold(DVector::zeros(q), |sum, p| sum + part(p));
-                if weight > 0.0 { sum / weight } else { DVector::zeros(q) }
-            };
-            [sum(&|p| &p.x), sum(&|p| &p.z)]
+            let sum = products.iter().fold(DVector::zeros(q), |sum, p| sum + &p.z);
+            if weight > 0.0 { sum / (weight + of.centred.zeros[joint]) } else { DVector::zeros(q) }
         };
         let of_joint: Vec<&Products> = self.products.iter().map(|joints| &joints[joint]).collect();
         match of.centred.layout.offsets(joint, of.centred.offsets) {
-            Offsets::None => vec![[DVector::zeros(q), DVector::zeros(q)]; of_joint.len()],
+            Offsets::None => vec![DVector::zeros(q); of_joint.len()],
             Offsets::Common => vec![mean(&of_joint); of_joint.len()],
             Offsets::ByRun => of_joint.iter().map(|p| mean(&[*p])).collect(),
         }
@@ -223,7 +220,8 @@ impl Pass {
     fn equations(&self, layout: &Layout, of: &Fitted) -> Equations {
         let n = of.solved.active.len();
         let weights = force_weights(of.weighting, &of.values.gains);
-        let all = (0..layout.joints).map(|j| column_means(of.centred, j)).collect::<Vec<_>>();
+        let runs = self.products.len();
+        let all = (0..layout.joints).map(|j| column_means(of.centred, j, runs)).collect::<Vec<_>>();
         let blocks = self.blocks.len() / layout.joints.max(1);
         let mut sums = Equations {
             zx: DMatrix::zeros(n, n),
@@ -234,15 +232,15 @@ impl Pass {
         for joint in 0..layout.joints {
             let selection = selection((layout, joint, of.values.gains[joint]), &of.solved.active);
             let means = self.means(of, joint);
-            for (products, [x, z]) in self.products.iter().map(|p| &p[joint]).zip(&means) {
-                let [zx, zz] = products.centred(x, z);
+            for (products, mean) in self.products.iter().map(|p| &p[joint]).zip(&means) {
+                let [zx, zz] = products.centred(mean);
                 sums.zx += selection.tr_mul(&zx) * &selection * weights[joint];
                 sums.zz += selection.tr_mul(&zz) * &selection * weights[joint];
             }
             let of_joint = self.blocks.iter().filter(|block| block.joint == joint).enumerate();
             for (place, block) in of_joint {
                 let x = &block.x - &all[joint][block.run] * block.total;
-                let z = &block.z - &means[block.run][1] * block.known;
+                let z = &block.z - &means[block.run] * block.known;
                 sums.x.column_mut(place).gemv_tr(weights[joint], &selection, &x, 1.0);
                 sums.z.column_mut(place).gemv_tr(weights[joint], &selection, &z, 1.0);
             }
@@ -283,12 +281,10 @@ impl Products {
         self.zz += z.tr_mul(&z);
     }
 
-    /// `Σ w (z − z̄)(x − x̄)ᵀ` and `Σ w (z − z̄)(z − z̄)ᵀ`.
-    fn centred(&self, x: &DVector<f64>, z: &DVector<f64>) -> [DMatrix<f64>; 2] {
-        let centre = |products: &DMatrix<f64>, sum: &DVector<f64>, mean: &DVector<f64>| {
-            products - &self.z * mean.transpose() - z * sum.transpose() + z * mean.transpose() * self.weight
-        };
-        [centre(&self.zx, &self.x, x), centre(&self.zz, &self.z, z)]
+    /// `Σ w (z − z̄) xᵀ` and `Σ w (z − z̄) zᵀ`.
+    fn centred(&self, mean: &DVector<f64>) -> [DMatrix<f64>; 2] {
+        let centre = |products: &DMatrix<f64>, sum: &DVector<f64>| products - mean * sum.transpose();
+        [centre(&self.zx, &self.x), centre(&self.zz, &self.z)]
     }
 }
 
@@ -315,25 +311,20 @@ impl Equations {
     fn compare(
         &self,
         of: &Fitted,
-        description: (&DMatrix<f64>, f64),
+        description: &DMatrix<f64>,
         cosines: usize,
         source: InstrumentSource,
     ) -> Option<Endogeneity> {
         let solved = of.solved;
         let factor = Factor::new(&solved.regularized).ok()?;
-        let change = DVector::from_iterator(
-            solved.active.len(),
-            solved.active.iter().map(|&global| of.values.unknowns[global]),
-        );
         // (ZᵀΩX) A⁻¹
         let projection = factor.solve(&self.zx.transpose()).transpose();
         let moments = &self.z - &projection * &self.x;
         let left = &self.zz - &projection * self.zx.transpose();
         let test = test(&factor, &left, moments, cosines)?;
-        let (metric, _) = description;
-        let right = self.z.column_sum() - metric * &change;
+        let right = self.z.column_sum() - &solved.metric * solved.distances(of.values);
         let right = DMatrix::from_column_slice(right.len(), 1, right.as_slice());
-        let step = self.inverse(&factor, metric)(right)?;
+        let step = self.inverse(&factor, &solved.metric)(right)?;
         let mut values = of.values.clone();
         solved.active.iter().zip(step.iter()).for_each(|(&global, step)| values.unknowns[global] += step);
         let covariance = self.covariance(of, description, &self.z, cosines)?;
@@ -342,20 +333,20 @@ impl Equations {
 
     /// Covariance of the estimate by instrumental variables.
     ///
-    /// - `metric`, `spread`: of the description, and how far descriptions are from robots, which is in the estimate too
+    /// - `description`: covariance of the score that its errors make
     /// - `moments`: `ZᵀΩr` of the blocks
     fn covariance(
         &self,
         of: &Fitted,
-        (metric, spread): (&DMatrix<f64>, f64),
+        description: &DMatrix<f64>,
         moments: &DMatrix<f64>,
         cosines: usize,
     ) -> Option<DMatrix<f64>> {
         let factor = Factor::new(&of.solved.regularized).ok()?;
-        let inverted = self.inverse(&factor, metric);
+        let inverted = self.inverse(&factor, &of.solved.metric);
         let deviations = inverted(projections(moments, cosines))?;
-        let of_description = inverted(metric.clone())?;
-        let described = inverted(of_description.transpose())?.transpose() * spread;
+        let of_description = inverted(description.clone())?;
+        let described = inverted(of_description.transpose())?.transpose();
         Some(&deviations * deviations.transpose() / cosines as f64 + described)
     }
 

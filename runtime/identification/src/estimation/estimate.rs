@@ -10,7 +10,8 @@ use super::endogeneity::endogeneity;
 use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::hypotheses::{Doubts, is_driving, other_delays, other_explanations, other_factors, other_order};
-use super::intervals::{Fitted, correlation_time, covariance, scores};
+use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
+use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
 use super::normal::{Centred, Values, residual_vector};
@@ -175,7 +176,7 @@ fn pass(
     (layout, loads): (&Layout, Option<&Loads>),
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Estimate, Vec<f64>)> {
-    let prior = Prior::new(&robot.parameters(), robot.bodies());
+    let prior = Prior::new(&robot.parameters(), robot.bodies(), JointPrior::all(robot, layout, runs));
     let pieces = cut(runs, settings.folds);
     let gravity = Gravity::of(settings.gravity_compensated);
     let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, first_fit: None };
@@ -193,16 +194,21 @@ fn pass(
     };
     progress("Terms, offsets and the weight of the description are chosen by the held-out error.");
     let mut outlier = vec![f64::INFINITY; layout.joints];
+    let mut times = vec![1.0; layout.joints];
     let mut robust = first.clone();
     for pass in 0..settings.robust_passes {
         let chosen = task.choose(&robust)?;
         progress(&format!("Outliers lose weight, pass {} of {}.", pass + 1, settings.robust_passes));
         let offsets = chosen.offsets();
-        outlier = robust_deviations(layout, runs, &task.forces(&chosen.values, &offsets));
+        let forces = task.forces(&chosen.values, &offsets);
+        outlier = robust_deviations(layout, runs, &forces);
+        times = task.correlation_times(&forces);
         let sums = task.sums(Some((&chosen.values, &offsets, &outlier)));
         drop(chosen);
         robust = sums;
     }
+    let prior = prior.clone().with_times(&times);
+    let task = Task { prior: &prior, ..task };
     let chosen = task.choose(&robust)?;
     let widths = layout.steepness.iter().zip(&chosen.model.coulomb);
     let steepness = widths.map(|(steepness, width)| steepness[*width]).collect();
@@ -249,7 +255,7 @@ impl Task<'_> {
         }
         let resting = self.sums_of(&resting);
         let all = judged.centred.sums.with(&resting);
-        let whole = Centred::new(self.layout, &all, judged.model.offsets);
+        let whole = Centred::new(self.layout, &all, judged.model.offsets, judged.centred.zeros.clone());
         let share = |joint: usize| {
             let at_rest = errors.values.iter().enumerate();
             let at_rest =
@@ -320,7 +326,9 @@ impl Task<'_> {
         let offsets = offsets_of(centred, &solved.values);
         progress("Intervals are computed under correlated residuals.");
         let forces = self.forces(&solved.values, &offsets);
-        let time = self.correlation_time(&forces);
+        let times = self.correlation_times(&forces);
+        let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);
+        let time = measured.map(|(time, _)| *time).fold(1.0, f64::max);
         let fitted = Fitted {
             centred,
             solved: &solved,
@@ -331,6 +339,8 @@ impl Task<'_> {
         };
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
+        let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);
+        let offset_errors: RunOffsets = (0..self.layout.joints).map(errors).collect();
         let endogeneity = endogeneity(self, &fitted, covariance.spread, time)?;
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
@@ -354,6 +364,7 @@ impl Task<'_> {
             runs: self.runs,
             forces: &forces,
             offsets: &offsets,
+            offset_errors: &offset_errors,
             held_out: &held_out,
             with_rest: with_rest.as_deref().unwrap_or(&held_out),
             endogeneity: endogeneity.as_ref(),
@@ -412,7 +423,8 @@ impl Task<'_> {
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
     }
 
-    fn correlation_time(&self, forces: &Forces) -> f64 {
+    /// Samples after which the residual of each joint forgets.
+    fn correlation_times(&self, forces: &Forces) -> Vec<f64> {
         let time = |j: usize| {
             let of_run = |(run, forces): (&PreparedRun, &Vec<Vec<f64>>)| {
                 let stretches = self.layout.stretches(run, j).into_iter();
@@ -421,7 +433,7 @@ impl Task<'_> {
             let series: Vec<Vec<f64>> = self.runs.iter().zip(&forces.residual).flat_map(of_run).collect();
             correlation_time(&series.iter().map(Vec::as_slice).collect::<Vec<_>>())
         };
-        (0..self.layout.joints).filter(|&j| self.layout.measured[j]).map(time).fold(1.0, f64::max)
+        (0..self.layout.joints).map(time).collect()
     }
 }
 

@@ -70,6 +70,7 @@ pub(super) struct Estimated<'a> {
 /// How well a joint's force is explained.
 pub(super) struct JointFit {
     pub(super) offsets: Vec<f64>,
+    pub(super) offset_errors: Vec<f64>,
     /// Residual sum of squares, and over how many samples.
     pub(super) squares: f64,
     pub(super) samples: usize,
@@ -322,6 +323,7 @@ impl Estimated<'_> {
             armature: has(&model.armature).then(|| of_term(ARMATURE)),
             gain: (model.gains && measured).then(|| self.gain(joint)),
             offsets: fit.offsets,
+            offset_errors: fit.offset_errors,
             sigma: if measured { (fit.squares / fit.samples.max(1) as f64).sqrt() } else { f64::NAN },
             r_squared: fit.r_squared,
             held_out_r_squared: fit.held_out_r_squared,

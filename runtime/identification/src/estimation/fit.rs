@@ -2,6 +2,7 @@
 
 use super::super::error::Result;
 use super::consistent::bounded;
+use super::layout::Layout;
 use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
@@ -41,6 +42,8 @@ pub(super) struct HeldOut {
     pub(super) scores: Vec<f64>,
     /// RSS of each joint over all folds.
     pub(super) rss: Vec<f64>,
+    /// Distance of friction and offsets from the description in units of the scores, in the mean over the folds' fits.
+    pub(super) distance: f64,
     /// Values fitted without each fold.
     pub(super) values: Vec<Values>,
 }
@@ -48,6 +51,12 @@ pub(super) struct HeldOut {
 impl HeldOut {
     pub(super) fn total(&self) -> f64 {
         self.scores.iter().sum()
+    }
+
+    /// As [`Self::excess`], with the distances from the description: what the data do not tell apart is as described.
+    pub(super) fn excess_of_choice(&self, other: &Self) -> (f64, f64) {
+        let (excess, deviation) = self.excess(other);
+        (excess + self.distance - other.distance, deviation)
     }
 
     /// Sum of the differences of the folds' scores from another's, and the standard error of this sum.
@@ -66,9 +75,35 @@ pub(super) struct Solved {
     pub(super) active: Vec<usize>,
     /// `H + Λ`.
     pub(super) regularized: DMatrix<f64>,
+    /// Λ: the weights of described bodies and friction.
+    pub(super) metric: DMatrix<f64>,
+    /// The described values of the active unknowns.
+    pub(super) mean: DVector<f64>,
+    /// Samples that count as one, by active unknown.
+    pub(super) time: DVector<f64>,
     /// Pull towards the description without which the program over bodies that can exist did not converge, as a share
     /// of the largest curvature.
     pub(super) pull: f64,
+}
+
+impl Solved {
+    /// How many of the active unknowns are inertial parameters.
+    pub(super) fn bodies(&self, layout: &Layout) -> usize {
+        self.active.iter().take_while(|&&global| global < layout.parameters).count()
+    }
+
+    /// Weighted squared distance of the friction terms from their described values.
+    fn distance_of_friction(&self, layout: &Layout) -> f64 {
+        let bodies = self.bodies(layout);
+        let distances = self.distances(&self.values);
+        (bodies..self.active.len()).map(|i| self.metric[(i, i)] * distances[i].powi(2)).sum()
+    }
+
+    /// Distances of the active unknowns from their described values.
+    pub(super) fn distances(&self, values: &Values) -> DVector<f64> {
+        let values = self.active.iter().map(|&global| values.unknowns[global]);
+        DVector::from_iterator(self.active.len(), values) - &self.mean
+    }
 }
 
 /// Weights 1/σ² of the joints' equations in units of force.
@@ -76,7 +111,8 @@ pub(super) fn force_weights(weighting: &Weighting, gains: &[f64]) -> Vec<f64> {
     weighting.sigma.iter().zip(gains).map(|(sigma, gain)| (sigma * gain).powi(-2)).collect()
 }
 
-/// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ`, with the gains of `start`.
+/// Minimizes `Σ ‖K z − rigid − W δ − Θ φ − o‖² / σ² + λ δᵀ R δ + T Σ (φ − φ₀)² / s²`, with the gains of `start`, and offsets
+/// that count `T σ² / s_o²` samples without force. T samples of a joint count as one.
 pub(super) fn fit(
     centred: &Centred,
     products: &[DMatrix<f64>],
@@ -89,16 +125,20 @@ pub(super) fn fit(
     let active = model.active(layout, prior);
     let weights = force_weights(weighting, &start.gains);
     let normal = assemble(layout, products, &active, &weights, &start.gains);
-    let regularized = regularized(&normal, &weighting.metric(prior, &active));
-    let right = DMatrix::from_column_slice(active.len(), 1, normal.linear.as_slice());
+    let known = prior.friction(layout, model, &active);
+    let stiffness = known.precision.component_mul(&known.time);
+    let metric = weighting.metric(prior, &active) + DMatrix::from_diagonal(&stiffness);
+    let regularized = regularized(&normal, &metric);
+    let linear = normal.linear + stiffness.component_mul(&known.mean);
+    let right = DMatrix::from_column_slice(active.len(), 1, linear.as_slice());
     let mut x = solve(&regularized, &right)?.column(0).into_owned();
     let mut pull = 0.0;
     if model.consistent {
-        (x, pull) = bounded(layout, prior, &active, &regularized, &normal.linear, &x)?;
+        (x, pull) = bounded(layout, prior, &active, &regularized, &linear, &x)?;
     }
     let mut values = Values { unknowns: DVector::zeros(layout.len()), gains: start.gains.clone() };
     active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
-    Ok(Solved { values, active, regularized, pull })
+    Ok(Solved { values, active, regularized, metric, mean: known.mean, time: known.time, pull })
 }
 
 /// Errors over each fold of the values fitted to the others.
@@ -110,12 +150,15 @@ pub(super) fn held_out(
     start: &Values,
 ) -> Result<HeldOut> {
     let joints = centred.layout.joints;
-    let mut found = HeldOut { scores: Vec::new(), rss: vec![0.0; joints], values: Vec::new() };
-    for fold in 0..centred.sums.folds.len() {
+    let mut found = HeldOut { scores: Vec::new(), rss: vec![0.0; joints], distance: 0.0, values: Vec::new() };
+    let folds = centred.sums.folds.len();
+    for fold in 0..folds {
         let solved = fit(centred, &centred.without[fold], model, prior, weighting, start)?;
         let rss = centred.held_out(fold, &solved.values);
         let weights = force_weights(weighting, &start.gains);
-        found.scores.push(rss.iter().zip(weights).map(|(rss, w)| rss * w).sum());
+        found.scores.push(rss.iter().zip(&weights).map(|(rss, w)| rss * w).sum());
+        let offsets = (0..joints).map(|j| weights[j] * centred.distance_of_offsets(fold, &solved.values, j));
+        found.distance += (solved.distance_of_friction(centred.layout) + offsets.sum::<f64>()) / folds as f64;
         found.rss.iter_mut().zip(&rss).for_each(|(sum, rss)| *sum += rss);
         found.values.push(solved.values);
     }

@@ -246,11 +246,12 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
         load: moved_by(order, &chosen.model.load),
         ..chosen.model.clone()
     };
+    let zeros = moved_by(order, &chosen.centred.zeros);
     let fitted = Chosen {
         weighting: Weighting { sigma: moved_by(order, &chosen.weighting.sigma), ..chosen.weighting.clone() },
         values: Values { unknowns: DVector::zeros(layout.len()), gains: vec![1.0; layout.joints] },
         gains: moved_by(order, &chosen.gains),
-        centred: Centred::new(&layout, &sums, model.offsets),
+        centred: Centred::new(&layout, &sums, model.offsets, zeros),
         model,
         tried: Vec::new(),
     };

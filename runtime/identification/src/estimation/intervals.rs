@@ -2,14 +2,16 @@
 //!
 //! With the normal matrix H, the description's metric Λ (its weight included), and `A = H + Λ`, it is
 //! `A⁻¹ (S + ω² Λ) A⁻¹`. S is the variance of the score, from its sums over short blocks ([`super::cosines`]): it has
-//! as many degrees of freedom as there are cosines. `ω² Λ⁻¹` is how far descriptions are
-//! from robots: ω² = δᵀ Λ δ / γ, with γ the number of combinations that the data decide (MacKay 1992).
+//! as many degrees of freedom as there are cosines. `ω² Λ⁻¹` is how far descriptions of bodies are
+//! from robots: ω² = δᵀ Λ δ / γ, with γ the number of combinations that the data decide (MacKay 1992). Spreads of friction and
+//! offsets are given ([`super::joint_prior`]).
 
 use super::super::error::Result;
 use super::super::numeric::kernel::BLOCK;
 use super::super::run::PreparedRun;
 use super::cosines;
 use super::fit::{Solved, Weighting, force_weights};
+use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::normal::{Centred, Factor, Values, residual_vector};
 use super::prior::Prior;
@@ -75,7 +77,7 @@ pub(super) fn scores(
     let length = total.div_ceil(MOST_BLOCKS).clamp(1, BLOCK).max(((0.5 * time) as usize).clamp(1, BLOCK));
     let weights = force_weights(of.weighting, &of.values.gains);
     let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, of.values, j)).collect();
-    let means: Vec<_> = (0..layout.joints).map(|j| column_means(of.centred, j)).collect();
+    let means: Vec<_> = (0..layout.joints).map(|j| column_means(of.centred, j, runs.len())).collect();
     let mut place = vec![None; layout.len()];
     of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
     let mut found = Scores { blocks: Vec::new(), samples: total, correlation_time: time, are_groups: false };
@@ -132,16 +134,50 @@ fn add(
 }
 
 /// Means of a joint's columns over what shares an offset, for each run.
-pub(super) fn column_means(centred: &Centred, joint: usize) -> Vec<DVector<f64>> {
-    let runs = centred.sums.by_run(joint, None);
-    let zero = DVector::zeros(runs.first().map_or(0, |r| r.1.len()));
-    let all = runs.iter().fold((0.0, zero.clone()), |a, b| (a.0 + b.0, a.1 + &b.1));
-    let mean = |(n, sum): &(f64, DVector<f64>)| if *n > 0.0 { sum / *n } else { zero.clone() };
+pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<DVector<f64>> {
+    let means: Vec<DVector<f64>> = centred.means(joint).into_iter().map(|(_, mean)| mean).collect();
     match centred.layout.offsets(joint, centred.offsets) {
-        Offsets::None => vec![zero.clone(); runs.len()],
-        Offsets::Common => vec![mean(&all); runs.len()],
-        Offsets::ByRun => runs.iter().map(mean).collect(),
+        Offsets::None => vec![DVector::zeros(centred.layout.width(joint)); runs],
+        Offsets::Common => means.iter().cycle().take(runs).cloned().collect(),
+        Offsets::ByRun => means,
     }
+}
+
+/// Covariance of the score that errors of the description make: of bodies, friction and offsets.
+///
+/// - `spread`: ω², how far descriptions are from robots
+pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64> {
+    let (layout, solved) = (of.centred.layout, of.solved);
+    let (n, bodies) = (solved.active.len(), solved.bodies(layout));
+    let factor = |i: usize| if i < bodies { spread } else { solved.time[i] };
+    let mut sum = DMatrix::from_fn(n, n, |i, k| factor(i) * solved.metric[(i, k)]);
+    let weights = force_weights(of.weighting, &of.values.gains);
+    let mut place = vec![None; layout.len()];
+    solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+    for (joint, known) in prior.joints.iter().enumerate().filter(|(joint, _)| of.centred.zeros[*joint] > 0.0)
+    {
+        for (_, mean) in of.centred.means(joint) {
+            let mut score = DVector::zeros(n);
+            add(&mut score, (layout, joint, of.values.gains[joint]), &place, &mean);
+            sum.ger(known.offset_score(of.centred.zeros[joint] * weights[joint]), &score, &score, 1.0);
+        }
+    }
+    sum
+}
+
+/// Standard error of each offset of a joint: of the mean residual, and of the unknowns.
+pub(super) fn offset_errors(of: &Fitted, prior: &Prior, covariance: &Covariance, joint: usize) -> Vec<f64> {
+    let (layout, solved) = (of.centred.layout, of.solved);
+    let weight = force_weights(of.weighting, &of.values.gains)[joint];
+    let time = prior.joints.get(joint).map_or(1.0, JointPrior::time);
+    let mut place = vec![None; layout.len()];
+    solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+    let error = |(samples, mean): (f64, DVector<f64>)| {
+        let mut change = DVector::zeros(solved.active.len());
+        add(&mut change, (layout, joint, of.values.gains[joint]), &place, &mean);
+        (time / (weight * samples) + (&covariance.matrix * &change).dot(&change)).sqrt()
+    };
+    of.centred.means(joint).into_iter().map(error).collect()
 }
 
 impl Scores {
@@ -216,20 +252,20 @@ impl Covariance {
 /// Covariance of the active unknowns.
 pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<Covariance> {
     let solved = of.solved;
-    let (n, p) = (solved.active.len(), prior.held.len());
+    let (n, bodies) = (solved.active.len(), solved.bodies(of.centred.layout));
     let factor = Factor::new(&solved.regularized)?;
     let inverse = factor.solve(&DMatrix::identity(n, n));
-    let bodies = solved.active.iter().take_while(|&&global| global < p).count();
-    let metric = of.weighting.metric(prior, &solved.active);
-    let decided = bodies as f64 - inverse.component_mul(&metric).sum();
-    let change = DVector::from_fn(n, |i, _| solved.values.unknowns[solved.active[i]]);
+    let of_bodies = |matrix: &DMatrix<f64>| matrix.view((0, 0), (bodies, bodies)).into_owned();
+    let metric = of_bodies(&solved.metric);
+    let decided = bodies as f64 - of_bodies(&inverse).component_mul(&metric).sum();
+    let change = solved.distances(&solved.values).rows(0, bodies).into_owned();
     let spread = (&metric * &change).dot(&change) / decided.max(1.0);
     let equations = of.centred.sums.samples * of.centred.layout.joints;
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
     // Both parts as products with their transposes: rounding makes no variance negative.
     let projected = factor.solve(&scores.projected()) / (1.0 - spent).max(0.25).sqrt();
-    let described = factor.solve(&(&metric * &inverse)) * spread;
+    let described = factor.solve(&(described(of, prior, spread) * &inverse));
     let matrix = &projected * projected.transpose() / scores.freedom() as f64 + described;
     Ok(Covariance { matrix, decided, spread, freedom: scores.freedom() })
 }

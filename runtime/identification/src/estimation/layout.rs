@@ -198,6 +198,12 @@ impl Layout {
         self.parameters + joint * self.terms + term
     }
 
+    /// The joint and the number of a candidate term.
+    pub(super) fn joint_and_term(&self, global: usize) -> Option<(usize, usize)> {
+        let place = global.checked_sub(self.parameters)?;
+        (!self.is_delay(global)).then(|| (place / self.terms, place % self.terms))
+    }
+
     /// The joints whose friction is estimated.
     pub(super) fn rubbing(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.joints).filter(|&joint| self.moves[joint] && !self.exact[joint])
@@ -354,10 +360,15 @@ fn span(runs: &[PreparedRun], joint: usize) -> f64 {
 
 /// Factors of the Coulomb candidates, with two digits, so that the printed expression is the one fitted.
 fn steepness(runs: &[PreparedRun], joint: usize) -> [f64; WIDTHS.len()] {
+    let fast = fast_speed(runs, joint);
+    WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
+}
+
+/// The speed that 95 % of the samples do not exceed; 1 for a joint that stands still.
+pub(super) fn fast_speed(runs: &[PreparedRun], joint: usize) -> f64 {
     let mut speeds: Vec<f64> =
         runs.iter().flat_map(|run| run.velocities[joint].iter().step_by(7)).map(|v| v.abs()).collect();
     let at = (speeds.len() * 95 / 100).min(speeds.len() - 1);
     let (_, fast, _) = speeds.select_nth_unstable_by(at, f64::total_cmp);
-    let fast = if *fast > 0.0 { *fast } else { 1.0 };
-    WIDTHS.map(|width| two_digits(1.0 / (width * fast)))
+    if *fast > 0.0 { *fast } else { 1.0 }
 }

@@ -15,6 +15,7 @@ mod gains;
 mod hypotheses;
 mod instruments;
 mod intervals;
+mod joint_prior;
 mod layout;
 mod loads;
 mod normal;

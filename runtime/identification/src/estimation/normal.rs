@@ -37,6 +37,8 @@ pub(super) struct Centred<'a> {
     pub(super) layout: &'a Layout,
     pub(super) sums: &'a Sums,
     pub(super) offsets: Offsets,
+    /// Samples without force that each offset of a joint counts for: the weight of zero against the data.
+    pub(super) zeros: Vec<f64>,
     pub(super) all: Vec<DMatrix<f64>>,
     pub(super) without: Vec<Vec<DMatrix<f64>>>,
 }
@@ -59,22 +61,18 @@ impl Model {
 }
 
 impl<'a> Centred<'a> {
-    pub(super) fn new(layout: &'a Layout, sums: &'a Sums, offsets: Offsets) -> Self {
+    pub(super) fn new(layout: &'a Layout, sums: &'a Sums, offsets: Offsets, zeros: Vec<f64>) -> Self {
         let of = |without| -> Vec<DMatrix<f64>> {
-            (0..layout.joints).map(|j| centred(sums, j, without, layout.offsets(j, offsets))).collect()
+            let joint = |j: usize| centred(sums, j, without, (layout.offsets(j, offsets), zeros[j]));
+            (0..layout.joints).map(joint).collect()
         };
-        Self {
-            layout,
-            sums,
-            offsets,
-            all: of(None),
-            without: (0..sums.folds.len()).map(|k| of(Some(k))).collect(),
-        }
+        let (all, without) = (of(None), (0..sums.folds.len()).map(|k| of(Some(k))).collect());
+        Self { layout, sums, offsets, zeros, all, without }
     }
 
     /// `Σ (z − z̄)²` of the measured forces z of a joint, over what shares an offset; NaN where nothing acts.
     pub(super) fn variation(&self, joint: usize) -> f64 {
-        let products = &self.all[joint];
+        let products = centred(self.sums, joint, None, (self.layout.offsets(joint, self.offsets), 0.0));
         let last = products.nrows() - 1;
         let squares = products[(last, last)];
         if !self.layout.exact[joint] {
@@ -116,36 +114,61 @@ impl<'a> Centred<'a> {
         self.offsets_without(None, &residual_vector(self.layout, values, joint), joint)
     }
 
+    /// Squares of a joint's offsets without a fold, times the samples without force that each counts for.
+    pub(super) fn distance_of_offsets(&self, fold: usize, values: &Values, joint: usize) -> f64 {
+        let offsets = self.offsets_without(Some(fold), &residual_vector(self.layout, values, joint), joint);
+        let own = if self.offsets == Offsets::Common { &offsets[..1] } else { &offsets[..] };
+        self.zeros[joint] * own.iter().map(|offset| offset * offset).sum::<f64>()
+    }
+
     fn offsets_without(&self, fold: Option<usize>, r: &DVector<f64>, joint: usize) -> Vec<f64> {
         let runs = self.sums.by_run(joint, fold);
         let sums: Vec<(f64, f64)> = runs.iter().map(|(n, s)| (*n, s.dot(r))).collect();
         let (n, total) = sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-        let common = if n > 0.0 { total / n } else { 0.0 };
+        let zeros = self.zeros[joint];
+        let common = if n > 0.0 { total / (n + zeros) } else { 0.0 };
         let of_run = |&(n, sum): &(f64, f64)| match self.layout.offsets(joint, self.offsets) {
             Offsets::None => 0.0,
-            Offsets::ByRun if n > 0.0 => sum / n,
+            Offsets::ByRun if n > 0.0 => sum / (n + zeros),
             Offsets::Common | Offsets::ByRun => common,
         };
         sums.iter().map(of_run).collect()
     }
+
+    /// Sums of the columns of a joint over each group of samples that share an offset, over their weight and that of zeros, with
+    /// this weight.
+    pub(super) fn means(&self, joint: usize) -> Vec<(f64, DVector<f64>)> {
+        let groups = groups(self.sums.by_run(joint, None), self.layout.offsets(joint, self.offsets));
+        let zeros = self.zeros[joint];
+        let mean =
+            |(n, sum): (f64, DVector<f64>)| (n + zeros, if n > 0.0 { sum / (n + zeros) } else { 0.0 * sum });
+        groups.into_iter().map(mean).collect()
+    }
 }
 
 /// Products of a joint's columns, with what offsets explain taken out.
-fn centred(sums: &Sums, joint: usize, without: Option<usize>, offsets: Offsets) -> DMatrix<f64> {
+///
+/// - `zeros`: samples without force that each offset counts for
+fn centred(
+    sums: &Sums,
+    joint: usize,
+    without: Option<usize>,
+    (offsets, zeros): (Offsets, f64),
+) -> DMatrix<f64> {
     let mut products = sums.products(joint, without);
-    let mut groups = sums.by_run(joint, without);
-    match offsets {
-        Offsets::None => return products,
-        Offsets::ByRun => {}
-        Offsets::Common => {
-            let zero = (0.0, DVector::zeros(products.nrows()));
-            groups = vec![groups.into_iter().fold(zero, |a, b| (a.0 + b.0, a.1 + b.1))];
-        }
-    }
-    for (weight, columns) in groups.iter().filter(|g| g.0 > 0.0) {
-        products.ger(-1.0 / weight, columns, columns, 1.0);
+    for (weight, columns) in groups(sums.by_run(joint, without), offsets).iter().filter(|g| g.0 > 0.0) {
+        products.ger(-1.0 / (weight + zeros), columns, columns, 1.0);
     }
     products
+}
+
+/// Weights and sums of what shares an offset; nothing where forces have none.
+fn groups(runs: Vec<(f64, DVector<f64>)>, offsets: Offsets) -> Vec<(f64, DVector<f64>)> {
+    match offsets {
+        Offsets::None => Vec::new(),
+        Offsets::ByRun => runs,
+        Offsets::Common => runs.into_iter().reduce(|a, b| (a.0 + b.0, a.1 + b.1)).into_iter().collect(),
+    }
 }
 
 /// Factors of a joint's columns in its residual: `K z − rigid − W δ − Θ φ`.

@@ -5,6 +5,9 @@
 //! that is wrong by about itself. For a rotor it is (ΔJ / J)².
 
 use super::super::inertial::{PER_BODY, from_pseudo_inertia, margin, pseudo_inertia};
+use super::joint_prior::JointPrior;
+use super::layout::Layout;
+use super::normal::Model;
 use nalgebra::{Cholesky, Const, DMatrix, DVector, Matrix4};
 
 /// Share of the body's own radius of gyration, squared, below which a description's inertia is not believed:
@@ -13,7 +16,8 @@ const OWN_FLOOR: f64 = 0.01;
 /// The same for the mean radius of all bodies.
 const COMMON_FLOOR: f64 = 1e-3;
 
-/// The quadratic form, and which parameters the data may change.
+/// The quadratic form, which parameters the data may change, and what is known of friction and offsets.
+#[derive(Clone)]
 pub(super) struct Prior {
     pub(super) metric: DMatrix<f64>,
     /// The described parameters.
@@ -24,10 +28,21 @@ pub(super) struct Prior {
     pub(super) bodies: Vec<usize>,
     /// Cholesky factors L of their believed pseudo-inertias, P₀ = L Lᵀ.
     factors: Vec<Matrix4<f64>>,
+    /// Of each joint; empty where nothing is known.
+    pub(super) joints: Vec<JointPrior>,
+}
+
+/// A Gaussian about described values, by active unknown.
+pub(super) struct Gaussian {
+    pub(super) mean: DVector<f64>,
+    /// Inverses of the variances; zero where nothing is known.
+    pub(super) precision: DVector<f64>,
+    /// Samples of the data that count as one.
+    pub(super) time: DVector<f64>,
 }
 
 impl Prior {
-    pub(super) fn new(described: &[f64], bodies: usize) -> Self {
+    pub(super) fn new(described: &[f64], bodies: usize, joints: Vec<JointPrior>) -> Self {
         let p = described.len();
         let mut prior = Self {
             metric: DMatrix::zeros(p, p),
@@ -35,6 +50,7 @@ impl Prior {
             held: vec![false; p],
             bodies: Vec::new(),
             factors: Vec::new(),
+            joints,
         };
         let radius = mean_radius(described, bodies);
         for body in 0..bodies {
@@ -56,6 +72,28 @@ impl Prior {
             prior.metric[(i, i)] = if prior.held[i] { 0.0 } else { described[i].powi(-2) };
         }
         prior
+    }
+
+    /// The same with the correlation time of each joint's residuals.
+    pub(super) fn with_times(mut self, times: &[f64]) -> Self {
+        let joints = self.joints.into_iter().zip(times);
+        self.joints = joints.map(|(joint, time)| joint.with_time(*time)).collect();
+        self
+    }
+
+    /// What is known of the friction terms among the active unknowns.
+    pub(super) fn friction(&self, layout: &Layout, model: &Model, active: &[usize]) -> Gaussian {
+        let zero = DVector::zeros(active.len());
+        let mut found = Gaussian { mean: zero.clone(), precision: zero.clone(), time: zero.add_scalar(1.0) };
+        for (place, &global) in active.iter().enumerate() {
+            let Some((joint, term)) = layout.joint_and_term(global) else { continue };
+            let Some(prior) = self.joints.get(joint) else { continue };
+            let [mean, precision] = prior.term(term, model.coulomb[joint]);
+            found.mean[place] = mean;
+            found.precision[place] = precision;
+            found.time[place] = prior.time();
+        }
+        found
     }
 
     /// Whether all bodies with mass can exist when the parameters differ by `changes` from the described ones.
@@ -133,7 +171,7 @@ mod tests {
     fn a_body_and_a_rotor_of_other_size_are_as_far_as_the_factor() {
         let mut described = BODY.to_vec();
         described.push(1e-4);
-        let prior = Prior::new(&described, 1);
+        let prior = Prior::new(&described, 1, Vec::new());
         // P = (1 + s) P₀: ½ tr(s² 1) = 2 s², where the floor of the inertia adds little.
         let change: Vec<f64> = described[..10].iter().map(|x| 0.1 * x).chain([0.0]).collect();
         assert!((distance(&prior, &change) - 2.0 * 0.01).abs() < 2e-3, "{}", distance(&prior, &change));
@@ -146,7 +184,7 @@ mod tests {
     fn what_has_no_mass_is_held_and_what_cannot_exist_still_has_a_distance() {
         let mut described = vec![0.0; 10];
         described.extend([1.0, 0.0, 0.0, 0.5, 1e-9, 0.0, 1e-9, 0.0, 0.0, 1e-9, 0.0]);
-        let prior = Prior::new(&described, 2);
+        let prior = Prior::new(&described, 2, Vec::new());
         assert!(prior.held[..10].iter().all(|h| *h) && prior.held[20] && prior.bodies == [1]);
         let block = prior.metric.view((10, 10), (10, 10)).into_owned();
         assert!(block.symmetric_eigenvalues().min() > 0.0);

@@ -33,6 +33,7 @@ pub(super) struct Report<'a> {
     pub(super) runs: &'a [PreparedRun],
     pub(super) forces: &'a Forces,
     pub(super) offsets: &'a RunOffsets,
+    pub(super) offset_errors: &'a RunOffsets,
     pub(super) held_out: &'a [f64],
     pub(super) with_rest: &'a [f64],
     pub(super) endogeneity: Option<&'a Endogeneity>,
@@ -72,6 +73,7 @@ impl Report<'_> {
         let r_squared = self.fitted.chosen.centred_r_squared(&rss);
         let fit = |joint: usize| JointFit {
             offsets: self.offsets[joint].clone(),
+            offset_errors: self.offset_errors[joint].clone(),
             squares: rss[joint],
             samples: moving(joint).count(),
             r_squared: r_squared[joint],

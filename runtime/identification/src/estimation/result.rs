@@ -152,6 +152,8 @@ pub struct JointEstimate {
     pub gain: Option<Uncertain>,
     /// Offset of the measured force in each run, `measured = model + offset`.
     pub offsets: Vec<f64>,
+    /// Standard error of each of these; one if all runs share an offset.
+    pub offset_errors: Vec<f64>,
     /// Standard deviation of the residual.
     pub sigma: f64,
     /// `1 − RSS / Σ (τ − τ̄)²` over all data that were fitted.

@@ -249,7 +249,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     settings.check()?;
     require_finite("the description's inertial parameters", &robot.parameters())?;
     let layout = &columns.layout;
-    let prior = Prior::new(&robot.parameters(), robot.bodies());
+    let prior = Prior::new(&robot.parameters(), robot.bodies(), Vec::new());
     let sums = sums_of(layout, shares);
     let freedom = Freedom {
         offsets: Some(Offsets::None),
@@ -390,6 +390,7 @@ impl Found<'_> {
         let rss = chosen.centred.residuals(&chosen.centred.all, &solved.values);
         let fit = |joint: usize| JointFit {
             offsets: Vec::new(),
+            offset_errors: Vec::new(),
             squares: rss[joint] + self.lost(joint)[0],
             samples: chosen.centred.sums.samples,
             r_squared: self.r_squared(joint, rss[joint]),

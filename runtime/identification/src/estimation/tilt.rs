@@ -181,8 +181,8 @@ impl Turning<'_> {
 
     /// Errors of the same choice under this gravity, which turns no further, and those of the described bodies.
     fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
-        let (layout, prior) =
-            (task.layout.with_more_parameters(2), Prior::new(&self.parameters(), self.bodies()));
+        let layout = task.layout.with_more_parameters(2);
+        let prior = Prior::new(&self.parameters(), self.bodies(), task.prior.joints.clone());
         let task = Task { robot: self, layout: &layout, prior: &prior, ..task.clone() };
         let sums = task.sums_of(&moving);
         let mut chosen = self.over(&layout, &sums, last, (last.weighting.description, HELD));
@@ -207,7 +207,7 @@ impl Turning<'_> {
             weighting: Weighting { description, trust, ..last.weighting.clone() },
             values: Values { unknowns: DVector::zeros(layout.len()), gains: last.values.gains.clone() },
             gains: last.gains.clone(),
-            centred: Centred::new(layout, sums, last.model.offsets),
+            centred: Centred::new(layout, sums, last.model.offsets, last.centred.zeros.clone()),
             model: Model { consistent: false, ..last.model.clone() },
             tried: Vec::new(),
         }
@@ -218,7 +218,7 @@ impl Turning<'_> {
     /// - `time`: the residuals' correlation time, where a covariance is asked for
     fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
         let layout = task.layout.with_more_parameters(2);
-        let prior = Prior::new(&self.parameters(), self.bodies());
+        let prior = Prior::new(&self.parameters(), self.bodies(), task.prior.joints.clone());
         let task = Task { robot: self, layout: &layout, prior: &prior, ..task.clone() };
         let sums = task.sums_of(&moving);
         let mut chosen = self.over(&layout, &sums, last, (FREE, 1.0 / FREE));

@@ -42,7 +42,7 @@ pub(super) struct Design<'a> {
 impl<'a> Design<'a> {
     pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
         let separate = settings.offsets == Offsets::Separate;
-        let (library, notes) = seen(&settings.library, separate, data.velocities)?;
+        let (library, notes) = seen(&settings.library, settings.offsets, data.velocities)?;
         let (library, hidden) = if separate { without_offsets(library, data)? } else { (library, None) };
         let mut columns = data.columns(&library)?;
         let mut torque = data.torques.to_vec();
@@ -193,8 +193,8 @@ fn require_independent(
 }
 
 /// The terms of a library that may enter a law of these velocities, and what was left out.
-fn seen(library: &Library, separate: bool, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
-    let library = if separate { without_constants(library)? } else { library.clone() };
+fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
+    let library = if offsets == Offsets::PartOfLaw { library.clone() } else { without_constants(library)? };
     let matrix = library.matrix(&[velocities])?;
     let energies = |term: usize| {
         let column = matrix.column(term);

@@ -1,12 +1,15 @@
 //! The samples of one joint over all runs, from which its friction law is found.
 
 use super::super::error::Result;
-use super::super::estimation::{Estimate, FEWEST_MOTIONS, Offsets};
+use super::super::estimation::{Estimate, FEWEST_MOTIONS};
+use super::super::methods::offset::Offset;
 use super::super::numeric::digits::plain;
 use super::super::preparation::PreparationReport;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::{CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport};
+use super::{
+    CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets,
+};
 use std::ops::Range;
 
 /// Columns of one joint over all runs.
@@ -14,8 +17,8 @@ pub(crate) struct JointSamples<'a> {
     joint: usize,
     pub(crate) name: &'a str,
     unit: &'a str,
-    /// Whether the estimate has one offset for all runs: the law is found beside the same one.
-    one_offset: bool,
+    /// Offset of the estimate in each run of the samples. The law is fitted to what it leaves.
+    offsets: Vec<Offset>,
     runs: Vec<Range<usize>>,
     /// The samples of each motion, where runs repeat motions.
     motions: Option<Vec<Vec<Range<usize>>>>,
@@ -41,7 +44,7 @@ impl<'a> JointSamples<'a> {
             joint,
             name: &estimate.joints[joint].name,
             unit: estimate.joints[joint].unit,
-            one_offset: estimate.offsets == Offsets::Common && prepared.len() > 1,
+            offsets: Vec::new(),
             runs: Vec::new(),
             motions: motions.map(|numbers| vec![Vec::new(); numbers.iter().max().map_or(0, |last| last + 1)]),
             whole: Vec::new(),
@@ -51,15 +54,19 @@ impl<'a> JointSamples<'a> {
             torques: Vec::new(),
             common,
         };
+        let of_joint = &estimate.joints[joint];
         for (index, (run, torques)) in prepared.iter().zip(&estimate.friction).enumerate() {
+            let errors = &of_joint.offset_errors;
+            let offset =
+                [of_joint.offsets[index], errors.get(index).or(errors.first()).copied().unwrap_or(0.0)];
             let motion = motions.map(|numbers| numbers[index]);
             match estimate.load_friction.get(index) {
                 Some(load) => {
                     let torques = torques[joint].iter().zip(&load[joint]);
                     let torques: Vec<f64> = torques.map(|(all, load)| all - load).collect();
-                    samples.extend(run, motion, &torques);
+                    samples.extend((run, offset), motion, &torques);
                 }
-                None => samples.extend(run, motion, &torques[joint]),
+                None => samples.extend((run, offset), motion, &torques[joint]),
             }
         }
         samples.keep_motions();
@@ -76,7 +83,14 @@ impl<'a> JointSamples<'a> {
     }
 
     /// Adds the samples of a run in which the joint moves and its torque is known.
-    fn extend(&mut self, run: &'a PreparedRun, motion: Option<usize>, torques: &[f64]) {
+    ///
+    /// - `offset`: of the run, and its standard error
+    fn extend(
+        &mut self,
+        (run, [value, standard_error]): (&'a PreparedRun, [f64; 2]),
+        motion: Option<usize>,
+        torques: &[f64],
+    ) {
         let start = self.torques.len();
         let kept: Vec<usize> = kept(run, self.joint, torques).collect();
         for &i in &kept {
@@ -90,6 +104,7 @@ impl<'a> JointSamples<'a> {
             if let (Some(motions), Some(motion)) = (&mut self.motions, motion) {
                 motions[motion].push(rows.clone());
             }
+            self.offsets.push(Offset { samples: rows.clone(), value, standard_error: Some(standard_error) });
             self.runs.push(rows);
             self.whole.push(FilteredRun { velocities: &run.velocities[self.joint], kept });
         }
@@ -107,17 +122,21 @@ impl<'a> JointSamples<'a> {
         preparation: &PreparationReport,
     ) -> Result<FrictionReport> {
         let preparations = sentences(preparation);
+        let mut torques = self.torques.clone();
+        for offset in &self.offsets {
+            torques[offset.samples.clone()].iter_mut().for_each(|torque| *torque -= offset.value);
+        }
         let filtered = Filtered { filter: &preparation.filter, runs: std::mem::take(&mut self.whole) };
         let data = FrictionData {
             joint: self.name,
             unit: self.unit,
             velocity_unit: if self.unit == "N" { "m/s" } else { "rad/s" },
             velocities: &self.velocities,
-            torques: &self.torques,
+            torques: &torques,
             weights: None,
             folds: self.motions.as_deref(),
             runs: Some(&self.runs),
-            one_offset: self.one_offset,
+            one_offset: false,
             filtered: Some(&filtered),
             positions: Some(&self.positions),
             accelerations: Some(&self.accelerations),
@@ -127,7 +146,10 @@ impl<'a> JointSamples<'a> {
             settings: &preparations,
         };
         let library = settings.library.scaled(robot.speed_scales()[self.joint])?;
-        FrictionIdentification { library, ..settings.clone() }.identify(&data)
+        let settings = FrictionIdentification { library, offsets: Offsets::Known, ..settings.clone() };
+        let mut report = settings.identify(&data)?;
+        report.result.offsets.clone_from(&self.offsets);
+        Ok(report)
     }
 }
 

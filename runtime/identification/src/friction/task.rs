@@ -102,6 +102,8 @@ pub enum Offsets {
     /// Coulomb friction that differs by direction cannot be told from it unless the data hold slow motion.
     #[default]
     Separate,
+    /// Known: it was taken off the torques before, and constant terms of the library, which would be one more, are left out.
+    Known,
     /// Friction: torques are known to have no offset, and constant terms of the library belong to the law.
     PartOfLaw,
 }

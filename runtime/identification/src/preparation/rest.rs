@@ -14,11 +14,12 @@ const NOISE: f64 = 4.0;
 /// Share of the largest speed that noise of the speed may make of this limit: beyond it nothing is told apart.
 const MOST: f64 = 0.1;
 
-/// Least duration of a rest [s]; shorter ones are reversals, whose shape friction shows.
-const SHORTEST: f64 = 0.25;
+/// Least ratio of a rest's time below the limit of the speed to its time between the limit and twice the limit. The ratio is 1
+/// if the speed changes its sign at a constant acceleration, and 2.4 if the acceleration is zero there.
+const FLAT: f64 = 2.0;
 
-/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: half the main lobe of the filter.
-const LOBE: f64 = 0.5;
+/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: the filter's length.
+const LOBE: f64 = 1.0;
 
 /// First and last time of a rest [s].
 type Stretch = [f64; 2];
@@ -52,16 +53,26 @@ impl Rests {
     /// - `cut`: what was cut off at the piece's ends [s]; a rest there goes on
     pub(crate) fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], bandwidth: f64, cut: f64) {
         self.joints.resize(speeds.len(), Vec::new());
-        let shortest = SHORTEST.max(1.0 / bandwidth);
+        let shortest = 1.0 / bandwidth;
         let (Some(first), Some(last)) = (piece.times.first(), piece.times.last()) else { return };
-        let widened = |[start, end]: Stretch| {
-            [if start <= *first { start - cut } else { start }, if end >= *last { end + cut } else { end }]
-        };
         let joints = self.joints.iter_mut().zip(&piece.velocities).zip(speeds);
         for ((rests, velocities), speeds) in joints {
             let Some(limit) = speeds.map(|speeds| speeds.limit()) else { continue };
-            let slow = slow_stretches(&piece.times, velocities, limit).into_iter().map(widened);
-            rests.extend(slow.filter(|[start, end]| end - start >= shortest));
+            let slow = slow_stretches(&piece.times, velocities, limit);
+            for [from, to] in slow_stretches(&piece.times, velocities, 2.0 * limit) {
+                let within = || slow.iter().filter(|[start, end]| from <= *start && *end <= to);
+                let (Some([start, _]), Some([_, end])) = (within().next(), within().next_back()) else {
+                    continue;
+                };
+                let dwell: f64 = within().map(|[start, end]| end - start).sum();
+                let [begins, ends] = [start <= first, end >= last];
+                if begins || ends || dwell >= shortest && dwell >= FLAT * (to - from - dwell) {
+                    rests.push([
+                        if begins { start - cut } else { *start },
+                        if ends { end + cut } else { *end },
+                    ]);
+                }
+            }
         }
     }
 
@@ -99,14 +110,17 @@ mod tests {
 
     /// Moves from 1 s to 4 s, with a reversal at 2.5 s, and rests before and after.
     fn piece() -> PreparedRun {
+        moving(|t| if (1.0..=4.0).contains(&t) { (2.5 - t).clamp(-1.0, 1.0) } else { 1e-4 })
+    }
+
+    fn moving(speed: impl Fn(f64) -> f64) -> PreparedRun {
         let times: Vec<f64> = (0..=500).map(|i| 0.01 * f64::from(i)).collect();
-        let speed = |t: &f64| if (1.0..=4.0).contains(t) { (2.5 - t).clamp(-1.0, 1.0) } else { 1e-4 };
         PreparedRun {
             name: "piece".into(),
             rows: (2..503).collect(),
             positions: vec![vec![0.0; 501]],
             poses: Vec::new(),
-            velocities: vec![times.iter().map(speed).collect()],
+            velocities: vec![times.iter().map(|t| speed(*t)).collect()],
             accelerations: vec![vec![0.0; 501]],
             efforts: vec![vec![0.0; 501]],
             resting: Vec::new(),
@@ -121,7 +135,7 @@ mod tests {
         let mut rests = Rests::default();
         let speeds = Some(Speeds { largest: 1.0, noise: 1e-4 });
         rests.add(&piece(), &[speeds], 5.0, 0.2);
-        let times = [-0.1, 0.5, 1.05, 1.2, 2.5, 3.8, 3.95, 4.5, 5.1];
+        let times = [-0.1, 0.5, 1.15, 1.25, 2.5, 3.75, 3.85, 4.5, 5.1];
         let resting = [true, true, true, false, false, false, true, true, true];
         assert_eq!(rests.at(&times, 5.0), [resting]);
         // Noise that hides the motion hides a reversal too, but no speed above a tenth of the largest.
@@ -131,5 +145,19 @@ mod tests {
         let mut never = Rests::default();
         never.add(&piece(), &[None], 5.0, 0.2);
         assert_eq!(never.at(&times, 5.0), [[false; 9]]);
+    }
+
+    #[test]
+    fn a_stop_before_the_way_back_is_a_rest_also_if_noise_interrupts_it() {
+        let rests = |speed: &dyn Fn(f64) -> f64| {
+            let mut rests = Rests::default();
+            let speeds = Some(Speeds { largest: 1.0, noise: 1e-4 });
+            rests.add(&moving(speed), &[speeds], 20.0, 0.2);
+            rests.at(&[2.4, 2.5, 2.6], 20.0).concat()
+        };
+        let stop = |t: f64| (2.5 - t) * (2.5 - t).abs();
+        assert_eq!(rests(&stop), [true; 3]);
+        assert_eq!(rests(&|t| if (t - 2.5).abs() < 1e-6 { 0.015 } else { stop(t) }), [true; 3]);
+        assert_eq!(rests(&|t| 2.5 - t), [false; 3]);
     }
 }

@@ -158,6 +158,10 @@ impl Robot for RobotRows<'_> {
         self.robot.takes_inertia()
     }
 
+    fn friction(&self, row: usize, v: f64) -> f64 {
+        self.robot.friction(row, v)
+    }
+
     /// Not where shafts take rows: the direction is not looked for there.
     fn gravity(&self) -> Option<[f64; 3]> {
         self.robot.gravity().filter(|_| self.rows.is_none())

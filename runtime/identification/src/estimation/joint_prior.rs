@@ -1,0 +1,138 @@
+//! What is known about the friction and the offset of a joint before there are data.
+//!
+//! Coulomb friction of a joint that moves in one direction and a constant error of its force are one column: the data
+//! tell their sum, and the spreads stated here share it out.
+
+use super::super::robot::Robot;
+use super::super::run::PreparedRun;
+use super::layout::{ASYMMETRY, COULOMB, Layout, VISCOUS, fast_speed};
+
+/// Standard deviation of friction as a share of the described one.
+const DESCRIBED: f64 = 0.5;
+/// The same as a share of the joint's largest force: descriptions hold placeholders, and many have no friction.
+const LEAST: f64 = 0.1;
+/// Standard deviation of an offset as a share of the largest force: class 1 of torque sensors.
+const OFFSET: f64 = 0.01;
+/// The same if the data ask for more: cables, springs, and sensors whose zero nobody set.
+const LARGER: f64 = 10.0;
+/// Speeds at which a described law is compared with viscous and Coulomb friction.
+const SPEEDS: usize = 20;
+
+/// Friction and offset of one joint, each with a standard deviation.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct JointPrior {
+    /// Factors of v and of each Coulomb term, by the width of this.
+    factors: [[f64; 2]; COULOMB.end - COULOMB.start],
+    /// Standard deviation of the friction at the fast speed [N·m or N]; infinite if nothing is known.
+    spread: f64,
+    /// The fast speed of the joint in the data.
+    fast: f64,
+    /// Standard deviation of an offset.
+    offset: f64,
+    /// Samples of the data that count as one, because their residuals are correlated.
+    time: f64,
+}
+
+impl JointPrior {
+    /// One for each joint; a largest force that is not described is the largest one in the data.
+    pub(super) fn all(robot: &dyn Robot, layout: &Layout, runs: &[PreparedRun]) -> Vec<Self> {
+        let limits = robot.limits();
+        let of_joint = |joint: usize| {
+            let fast = fast_speed(runs, joint);
+            let limit = limits.get(joint).map_or(f64::INFINITY, |limits| limits.effort);
+            let largest = if limit.is_finite() { limit } else { largest(layout, runs, joint) };
+            let odd = |v: f64| 0.5 * (robot.friction(joint, v) - robot.friction(joint, -v));
+            Self {
+                factors: layout.steepness[joint].map(|k| projected(&odd, fast, k)),
+                spread: (DESCRIBED * odd(fast).abs()).max(LEAST * largest),
+                fast,
+                offset: OFFSET * largest,
+                time: 1.0,
+            }
+        };
+        (0..layout.joints).map(of_joint).collect()
+    }
+
+    /// - `time`: correlation time of the residuals in samples
+    pub(super) fn with_time(self, time: f64) -> Self {
+        Self { time, ..self }
+    }
+
+    /// Described factor of a term and the inverse of its variance; zeros if nothing is known of it.
+    ///
+    /// - `width`: of the Coulomb term that was chosen
+    pub(super) fn term(&self, term: usize, width: usize) -> [f64; 2] {
+        let precision = if self.spread > 0.0 { self.spread.powi(-2) } else { 0.0 };
+        let [viscous, coulomb] = self.factors[width];
+        match term {
+            VISCOUS => [viscous, precision * self.fast.powi(2)],
+            ASYMMETRY => [0.0, precision * self.fast.powi(2)],
+            _ if COULOMB.contains(&term) => [coulomb, precision],
+            _ => [0.0; 2],
+        }
+    }
+
+    /// Samples that a constant force without data counts for.
+    ///
+    /// - `deviation`: of the residual of one sample [N·m or N]
+    pub(super) fn samples_of_offset(&self, deviation: f64) -> f64 {
+        if self.offset > 0.0 { self.time * (deviation / self.offset).powi(2) } else { 0.0 }
+    }
+
+    /// The same samples for the larger spread.
+    pub(super) fn fewer(samples: f64) -> f64 {
+        samples / LARGER.powi(2)
+    }
+
+    /// Variance of the score of an offset that its spread makes, in the weights of samples that count alike.
+    ///
+    /// - `weight`: of the samples without force that its spread counts for
+    pub(super) fn offset_score(&self, weight: f64) -> f64 {
+        weight * self.time
+    }
+
+    pub(super) fn time(&self) -> f64 {
+        self.time
+    }
+}
+
+/// Largest force that was measured at a joint; zero where efforts are currents, of which the force is not known.
+fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
+    if layout.effort == super::super::run::Effort::Current || !layout.measured[joint] {
+        return 0.0;
+    }
+    let of_sample = |run: &PreparedRun, i: usize| -> f64 {
+        layout.acting(joint).map(|(effort, factor)| factor * run.efforts[effort][i]).sum()
+    };
+    let of_run =
+        |run: &PreparedRun| (0..run.times.len()).fold(0.0, |most: f64, i| most.max(of_sample(run, i).abs()));
+    runs.iter().map(of_run).fold(0.0, f64::max)
+}
+
+/// Factors of v and tanh(k v) that come nearest to a law at speeds up to the fast one.
+fn projected(law: &dyn Fn(f64) -> f64, fast: f64, k: f64) -> [f64; 2] {
+    let mut sums = [[0.0; 3]; 2];
+    for i in 1..=SPEEDS {
+        let v = fast * i as f64 / SPEEDS as f64;
+        let columns = [v / fast, (k * v).tanh(), law(v)];
+        for (row, a) in sums.iter_mut().zip(columns) {
+            row.iter_mut().zip(columns).for_each(|(sum, b)| *sum += a * b);
+        }
+    }
+    let [[a, b, p], [_, c, q]] = sums;
+    let determinant = a * c - b * b;
+    [(c * p - b * q) / (determinant * fast), (a * q - b * p) / determinant]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_of_both_terms_has_their_factors() {
+        for k in [7.0, 40.0] {
+            let [viscous, coulomb] = projected(&|v| 4.0 * v + 3.0 * (k * v).tanh(), 1.3, k);
+            assert!((viscous - 4.0).abs() < 1e-9 && (coulomb - 3.0).abs() < 1e-9, "{viscous} {coulomb}");
+        }
+    }
+}
