@@ -151,10 +151,15 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         let (more, less) = (1.0 + error, 1.0 - error);
         let mut state = [V::zero(); MAX_LANES];
         for k in 0..self.horizon {
-            let input = z.input::<NU>(k).map(|u| less * u);
+            let mut input = z.input::<NU>(k);
+            for u in &mut input {
+                *u *= less;
+            }
             state = self.follow(k, &state, &input, affine);
             z.x[k * Self::RX..][..Self::RX].copy_from_slice(&state[..Self::RX]);
-            state.iter_mut().take(Self::RX).for_each(|x| *x = *x * V::splat(more));
+            for x in &mut state[..Self::RX] {
+                *x = *x * V::splat(more);
+            }
         }
     }
 
