@@ -1,5 +1,5 @@
-//! Guides: what the code means, and how to add to it. The description format stands in `models/README.md`;
-//! how to attach hardware, in the runtime's `transport`.
+//! Guides: conventions, uses of generated code, and how to add to the generator. `models/README.md` describes the
+//! format of descriptions, and the runtime's `transport` how to attach hardware.
 
 #[doc = include_str!("../docs/conventions.md")]
 pub mod conventions {}
@@ -30,3 +30,30 @@ pub mod microcontrollers {}
 
 #[doc = include_str!("../docs/operation_counts.md")]
 pub mod operation_counts {}
+
+#[doc = include_str!("../docs/c.md")]
+pub mod c {}
+
+#[doc = include_str!("../docs/casadi.md")]
+pub mod casadi {}
+
+#[doc = include_str!("../docs/acados.md")]
+pub mod acados {}
+
+#[doc = include_str!("../docs/mujoco.md")]
+pub mod mujoco {}
+
+#[doc = include_str!("../docs/floating.md")]
+pub mod floating {}
+
+#[doc = include_str!("../docs/guarantees.md")]
+pub mod guarantees {}
+
+#[doc = include_str!("../docs/limits.md")]
+pub mod limits {}
+
+#[doc = include_str!("../docs/speed.md")]
+pub mod speed {}
+
+#[doc = include_str!("../docs/symbolica.md")]
+pub mod symbolica {}

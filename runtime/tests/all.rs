@@ -43,6 +43,7 @@ mod qp_contract;
 mod qp_oracle;
 mod qp_random;
 mod qp_rows;
+mod qp_tied;
 mod recording;
 mod torque_speed;
 mod trajectory;

@@ -9,100 +9,16 @@
 //! (seeds 1 006 867, 1 010 370, 1 015 480), and 5 as relaxed: four of the seed 1 003 274, with costs of 1e14, that
 //! Clarabel almost solves, and one of 1 013 124, which it solves.
 //!
-//! With rows neither: of 40 000 solves of the first ten thousand 39 895 are confirmed, 95 not judged, and 10 fail. The seeds
-//! 1250 (all four, cost above the optimum by 7e-5), 9781 (all four, costs of −1.6e14; Clarabel calls it unbounded) and 3665
-//! (shifted, by 8e-4) end at the iteration limit and say so; 3059 shifted ends as relaxed, and Clarabel solves it.
+//! With rows neither. Of the first ten thousand with rows two seeds fail: 9781 (all four solves, costs of −1.6e14; Clarabel
+//! calls it unbounded) and 3665 (shifted, cost above the optimum by 8e-4) end at the iteration limit and say so.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
 use crate::support::oracle::{self, Solution};
 use crate::support::wide_qp::{self, Wide};
+use crate::support::worth::value;
 use clarabel::solver::SolverStatus;
-use gelenk_runtime::qp::{Penalty, QpProblem, QpReport, QpRows, QpSettings, QpSolver, QpStatus};
-
-/// What a point is worth by the problem's own data: cost, size of its quadratic terms, violation of hard
-/// bounds, defect of the dynamics.
-#[derive(Debug, Default)]
-struct Value {
-    cost: f64,
-    size: f64,
-    violation: f64,
-    defect: f64,
-}
-
-fn times<const R: usize, const C: usize>(m: &[[f64; C]; R], v: &[f64; C]) -> [f64; R] {
-    m.map(|row| dot(&row, v))
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn form<const N: usize>(m: &[[f64; N]; N], v: &[f64; N]) -> f64 {
-    0.5 * dot(&times(m, v), v)
-}
-
-/// How far `z` lies outside its bounds.
-fn excess(z: f64, lower: f64, upper: f64) -> f64 {
-    (lower - z).max(z - upper).max(0.0)
-}
-
-fn value<const NX: usize, const NU: usize, const NR: usize>(
-    p: &QpProblem<NX, NU, NR>,
-    inputs: &[[f64; NU]],
-    states: &[[f64; NX]],
-) -> Value {
-    let mut v = Value::default();
-    let (mut last, mut x) = (p.previous_input, p.initial_state);
-    for (k, s) in p.stages.iter().enumerate() {
-        let (u, next) = (inputs[k], states[k]);
-        let weight = if k + 1 == p.stages.len() { &p.terminal_weight } else { &p.state_weight };
-        let change: [f64; NU] = core::array::from_fn(|i| u[i] - last[i]);
-        let size = form(weight, &next) + form(&p.input_weight, &u) + form(&p.input_rate_weight, &change);
-        v.size += size;
-        v.cost += size + dot(&s.input_gradient, &u) + dot(&s.state_gradient, &next);
-        let ideal = wide_qp::advance(s, &x, &u);
-        for i in 0..NX {
-            let defect = (ideal[i] - next[i]).abs() / ideal[i].abs().max(1.0);
-            v.defect = v.defect.max(defect);
-            let e = excess(next[i], s.state_lower[i], s.state_upper[i]);
-            match p.state_penalty[i] {
-                None => v.violation = v.violation.max(e / next[i].abs().max(1.0)),
-                Some(w) => v.cost += w.linear * e + 0.5 * w.quadratic * e * e,
-            }
-        }
-        for i in 0..NU {
-            let e = excess(u[i], s.input_lower[i], s.input_upper[i]);
-            v.violation = v.violation.max(e);
-        }
-        add_rows(&mut v, (&s.rows, &x, &u), &p.row_penalty);
-        (last, x) = (u, next);
-    }
-    add_rows(&mut v, (&p.terminal_rows, &x, &[]), &p.row_penalty);
-    v
-}
-
-/// Violation of hard rows, in units of their largest coefficient, and cost of soft ones.
-fn add_rows<const NX: usize, const NU: usize, const NR: usize>(
-    v: &mut Value,
-    (rows, x, u): (&QpRows<NX, NU, NR>, &[f64; NX], &[f64; NU]),
-    penalties: &[Option<Penalty>; NR],
-) {
-    for (r, penalty) in penalties.iter().enumerate() {
-        let value = wide_qp::row_value(rows, r, x, u);
-        let e = excess(value, rows.lower[r], rows.upper[r]);
-        let coefficients = rows.state_matrix[r].iter().chain(&rows.input_matrix[r]);
-        let unit = coefficients.fold(0.0_f64, |max, c| c.abs().max(max));
-        match penalty {
-            _ if e == 0.0 => {}
-            None => {
-                let side = if value < rows.lower[r] { rows.lower[r] } else { rows.upper[r] };
-                v.violation = v.violation.max(e / unit.max(side.abs()));
-            }
-            Some(w) => v.cost += w.linear * e + 0.5 * w.quadratic * e * e,
-        }
-    }
-}
+use gelenk_runtime::qp::{QpProblem, QpReport, QpSettings, QpSolver, QpStatus};
 
 /// Counts and failures of one kind of solve.
 #[derive(Debug, Default)]

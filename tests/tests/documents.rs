@@ -229,7 +229,18 @@ fn generated(description: &Path) -> Generated {
     generate(description, &GenerateOptions::default()).unwrap_or_else(|error| panic!("{error:?}"))
 }
 
-/// The README's description is complete, and the function beside it is what comes out.
+/// The README is a front door: it is short, and its first block holds two commands.
+#[test]
+fn the_readme_is_short_and_begins_with_two_commands() {
+    let readme = read("README.md");
+    let commands = "cargo run --release -- generate models/powercube.toml\ncargo test --workspace";
+    assert_eq!(blocks(&readme, "sh")[0], commands);
+    assert_eq!(readme.find("```"), readme.find("```sh\n"));
+    let lines = readme.lines().count();
+    assert!(lines <= 220, "{lines} lines");
+}
+
+/// The README's description is complete, and the generator writes the function next to it.
 #[test]
 fn the_readme_shows_what_the_generator_writes() {
     let readme = read("README.md");

@@ -1,5 +1,5 @@
-//! `gelenk new --base floating` as the README tells it: from the URDF of a robot with four legs or propellers to a simulated,
-//! controlled robot.
+//! `gelenk new --base floating` as `codegen/docs/floating.md` shows it: from the URDF of a robot with four legs or
+//! propellers to a simulated, controlled robot.
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
@@ -165,7 +165,7 @@ fn a_quadrotor_flies_once_its_propellers_are_inputs() {
     let folder = tempfile::tempdir().expect("a folder");
     let limit = "<limit lower=\"-1e16\" upper=\"1e16\" effort=\"0\" velocity=\"0\"/>";
     let made = new(folder.path(), "rotors", &urdf("0 0 1", limit));
-    // As the README says: the comments of the propellers become lines.
+    // As the guide says: the comments of the propellers become lines.
     let description = fs::read_to_string(made.join("robot.toml")).expect("the description");
     let (head, propellers) = description.split_once("\n# Where a joint carries a propeller").expect("hints");
     let (_, propellers) = propellers.split_once("\n\n").expect("blocks");

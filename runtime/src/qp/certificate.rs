@@ -48,9 +48,9 @@ impl Certificate {
     }
 }
 
-/// What a gap is compared with: the cost, or a small share of its quadratic terms where they cancel, or the
-/// least.
+/// The gap of a solution: `tolerance` of the cost, or of a small share of its quadratic terms where they cancel;
+/// at least `negligible`.
 #[inline(always)]
-pub(super) fn cost_scale(cost: f64, quadratic: f64, least: f64) -> f64 {
-    cost.abs().max(5e-5 * quadratic).max(least)
+pub(super) fn allowed_gap(tolerance: f64, cost: f64, quadratic: f64, negligible: f64) -> f64 {
+    (tolerance * cost.abs().max(5e-5 * quadratic)).max(negligible)
 }

@@ -7,18 +7,20 @@
 //! gradient g of the Lagrangian that is left (Boyd, Vandenberghe, *Convex Optimization*, 2004, sections 5.5
 //! and 9.5).
 
-use super::certificate::{Certificate, cost_scale};
+use super::certificate::{Certificate, allowed_gap};
 use super::core::Core;
 use super::lanes::Vector;
 use super::problem::QpProblem;
-use super::status::{KktResiduals, QpSettings};
+use super::status::KktResiduals;
+
+/// Largest violation of a hard bound in a second roll-out, beside the tolerance of the first one.
+const ROUNDED: f64 = 1e4;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// Makes the iterate the solution, with the multipliers in memory: inputs into their bounds, states from
-    /// the dynamics. Needs a factorization; overwrites `gradient`, `rhs` and `step`. `least` is a scale of
-    /// the cost below which nothing counts.
+    /// the dynamics. Needs a factorization; overwrites `gradient`, `rhs` and `step`.
     #[inline(always)]
-    pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU, NR>, least: f64) -> Certificate {
+    pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU, NR>) -> Certificate {
         self.solution.copy_from(&self.iterate);
         self.riccati.project(&mut self.solution, &self.affine, |k, u| {
             let stage = &problem.stages[k];
@@ -45,31 +47,61 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             primal: hard.max(self.equalities.violation(&z.x)),
             gap: gap + decrease,
         };
-        let penalized = cost + self.state_bounds.penalty(&z.x, true);
-        let scale = cost_scale(penalized, quadratic, least);
+        let penalty = self.state_bounds.penalty(&z.x, false);
+        let of_all = self.state_bounds.penalty(&z.x, true);
+        let penalized = cost + of_all;
+        let allowed = allowed_gap(self.settings.tolerance, penalized, quadratic, self.negligible);
         // Largest values drop NaN; sums over all inputs and states do not.
         let finite = (penalized + quadratic + decrease + gap).is_finite();
         Certificate {
-            cost: cost + self.state_bounds.penalty(&z.x, false),
+            cost: cost + penalty,
             residuals,
             decrease,
             merit: if finite {
-                merit(&residuals, scale, &self.settings, self.softened)
+                merit(&residuals, allowed, self.settings.feasibility, of_all - penalty)
             } else {
                 f64::INFINITY
             },
         }
     }
+
+    /// True if the solution keeps its hard bounds and rows to [`ROUNDED`] times their tolerance when the sums of the
+    /// roll-out are rounded otherwise. Dynamics that let rounding grow beyond that leave it to the order of the sums
+    /// whether its inputs keep the bounds.
+    #[inline(always)]
+    pub(super) fn survives_rounding(&mut self) -> bool {
+        self.step.copy_from(&self.solution);
+        self.riccati.roll_out_otherwise(&mut self.step, &self.affine);
+        self.rows.evaluate(&mut self.step);
+        self.step.advance(&self.solution, -1.0);
+        let allowed = ROUNDED * self.settings.feasibility;
+        // Nearly always: the solution itself keeps the bounds to less than half of that.
+        if self.step.largest_state() <= 0.5 * allowed {
+            return true;
+        }
+        // What one order of the sums adds, another may subtract.
+        self.violation_beside(1.0).max(self.violation_beside(-1.0)) <= allowed
+    }
+
+    /// Largest violation of a hard bound or row at a step of this length from the solution.
+    #[inline(always)]
+    fn violation_beside(&mut self, length: f64) -> f64 {
+        self.rhs.copy_from(&self.solution);
+        self.rhs.advance(&self.step, length);
+        let x = &self.rhs.x;
+        self.state_bounds.violation(x, true).max(self.equalities.violation(x))
+    }
 }
 
-/// In a problem whose hard bounds were softened, violations are no residual.
+/// `penalty` is the cost of violated hard bounds that were softened, 0 if none was. Where it exceeds the gap, the
+/// optimum of the softened problem violates them too, and the violation is no residual.
 #[inline(always)]
-fn merit(residuals: &KktResiduals, scale: f64, settings: &QpSettings, softened: bool) -> f64 {
+fn merit(residuals: &KktResiduals, allowed: f64, feasibility: f64, penalty: f64) -> f64 {
     let r = residuals;
-    if !(r.stationarity + r.primal + r.gap + scale).is_finite() {
+    if !(r.stationarity + r.primal + r.gap + allowed).is_finite() {
         return f64::INFINITY;
     }
     // A zero gap of a zero cost.
-    let gap = if r.gap <= 0.0 { 0.0 } else { r.gap / (settings.tolerance * scale) };
-    if softened { gap } else { gap.max(r.primal / settings.feasibility) }
+    let gap = if r.gap <= 0.0 { 0.0 } else { r.gap / allowed };
+    if penalty > r.gap.max(0.0) { gap } else { gap.max(r.primal / feasibility) }
 }

@@ -1,6 +1,6 @@
 //! The method's memory, generic over the lanes, and the loading of a problem into it.
 
-use super::barrier::Bounds;
+use super::barrier::{Bounds, ROUNDING};
 use super::certificate::Certificate;
 use super::equality::{Equalities, Fixed};
 use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
@@ -48,6 +48,8 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) softened: bool,
     /// `c_k`, with `A_0 x_0` in c_0.
     pub(super) affine: Vec<V>,
+    /// The gap that never counts, see [`QpSettings::tolerance`].
+    pub(super) negligible: f64,
     /// Linear cost, and the constant that the input before the horizon adds.
     pub(super) linear: Trajectory<V>,
     pub(super) constant: f64,
@@ -93,6 +95,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             equalities: Equalities::new(nx),
             softened: false,
             affine: zeros(horizon * Self::RX),
+            negligible: 0.0,
             linear: trajectory.clone(),
             constant: 0.0,
             iterate: trajectory.clone(),
@@ -237,7 +240,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Takes over the data. Returns whether there are soft bounds or rows.
     #[inline(always)]
-    fn load(&mut self, problem: &QpProblem<NX, NU, NR>) -> bool {
+    pub(super) fn load(&mut self, problem: &QpProblem<NX, NU, NR>) -> bool {
         let p = problem;
         self.riccati.set_weights(&p.state_weight, &p.input_weight, &p.terminal_weight, &p.input_rate_weight);
         let penalty = p.state_penalty.map(|p| p.map(|p| (p.linear, p.quadratic)));
@@ -249,6 +252,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             self.load_stage(k, stage, &penalty);
         }
         self.load_rows(p);
+        self.negligible = self.riccati.largest_weight() * self.settings.feasibility.powi(2)
+            + self.state_bounds.steepest() * ROUNDING;
         let first = &p.stages[0];
         let mut c = first.affine;
         let mut r = first.input_gradient;

@@ -7,13 +7,14 @@ use thiserror::Error;
 /// counts as a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QpStatus {
-    /// The optimum, to the tolerances of [`QpSettings`]: hard bounds are kept, and the cost is proven to lie
-    /// no further above the least one.
+    /// The optimum, to the tolerances of [`QpSettings`]: hard bounds are kept, also by states whose sums are rounded
+    /// otherwise, and the cost is proven to lie no further above the least one.
     Solved,
     /// The hard state bounds or rows cannot be kept (or no point that keeps them was found within the cap): the
     /// inputs returned minimize the violation by an exact penalty and keep their own bounds.
     Relaxed,
-    /// The cap on iterations was reached, or rounding allows no further step; of the points that all starts
+    /// The cap on iterations was reached, or rounding allows no further step, or the dynamics let rounding grow
+    /// until a hard bound is violated (residuals do not show that). Of the points that all starts
     /// led to, the cheapest one that keeps the bounds is returned, or else the one with the smallest
     /// residuals. The inputs keep their bounds, the KKT residuals tell how far they are from the optimum.
     IterationLimit,
@@ -34,7 +35,8 @@ pub struct KktResiduals {
     /// bounds.
     pub primal: f64,
     /// How far the cost may lie above the optimum: the duality gap of bounds and rows, and what a Newton step
-    /// would still gain. In units of the cost.
+    /// would still gain. In units of the cost. Distances to a bound below 9e-16 count as none, relative to the bound
+    /// where its magnitude exceeds 1.
     pub gap: f64,
 }
 
@@ -55,12 +57,18 @@ pub struct QpReport {
 /// Tolerances and caps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QpSettings {
-    /// Duality gap relative to the cost at which the iteration stops.
+    /// Duality gap at which the iteration stops, relative to the cost with its penalties, or to 5e-5 of its quadratic
+    /// terms where these cancel. A gap up to `w f² + 9e-16 w₁` counts as none, so that optima without cost are
+    /// found: w is the largest entry of the weights, f [`Self::feasibility`], and w₁ the largest linear penalty.
+    /// That is what moving one variable by f costs, or one of size 1 by rounding past its soft bound.
     pub tolerance: f64,
-    /// Largest violation of a hard bound, in units of the variable; relative to the bound where that exceeds
-    /// 1. A row counts as divided by its largest coefficient.
+    /// Largest violation of a hard bound or row by the states returned, relative to the bound where its magnitude
+    /// exceeds 1, else in units of the variable: 1e-10 is no more than 1e-6 of every bound from 1e-4 on. A row counts
+    /// as divided by its largest coefficient. States that are rolled out with sums rounded otherwise keep the bounds to
+    /// 1e4 times this.
     pub feasibility: f64,
-    /// Cap on interior-point iterations of each start. Where a start leads nowhere, others follow, and the
+    /// Cap on interior-point iterations of each start. A start that closes in on the solution goes on with those of
+    /// later ones. Where a start leads nowhere, others follow, and the
     /// method of multipliers last, with as many again: a solve takes at most three times as many iterations
     /// from a cold start, and four times as many from a warm one.
     pub max_iterations: usize,

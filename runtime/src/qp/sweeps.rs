@@ -143,6 +143,26 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
+    /// [`Self::roll_out`] with sums that are rounded otherwise. Two orders of a sum of n terms differ by up to 2nε of
+    /// the terms (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.1).
+    #[inline(always)]
+    pub(crate) fn roll_out_otherwise(&self, z: &mut Trajectory<V>, affine: &[V]) {
+        let error = 2.0 * (NX + NU) as f64 * f64::EPSILON;
+        let (more, less) = (1.0 + error, 1.0 - error);
+        let mut state = [V::zero(); MAX_LANES];
+        for k in 0..self.horizon {
+            let mut input = z.input::<NU>(k);
+            for u in &mut input {
+                *u *= less;
+            }
+            state = self.follow(k, &state, &input, affine);
+            z.x[k * Self::RX..][..Self::RX].copy_from_slice(&state[..Self::RX]);
+            for x in &mut state[..Self::RX] {
+                *x = *x * V::splat(more);
+            }
+        }
+    }
+
     /// Moves the inputs of `z` by `limit(k, u_k)` and its states to where these inputs lead. By the gains of
     /// the last factorization, later inputs act against what that and rounding change, which an unstable
     /// system would let grow.

@@ -64,6 +64,16 @@ impl<V: Vector> Trajectory<V> {
         largest(max)
     }
 
+    /// Largest magnitude of a state or value of a row.
+    #[inline(always)]
+    pub(super) fn largest_state(&self) -> f64 {
+        let mut max = V::zero();
+        for x in &self.x {
+            max = max.fast_max(x.abs());
+        }
+        largest(max)
+    }
+
     /// `u_k`.
     #[inline(always)]
     pub(super) fn input<const NU: usize>(&self, k: usize) -> [f64; NU] {

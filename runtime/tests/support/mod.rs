@@ -15,5 +15,7 @@ pub mod random_qp;
 pub mod random_rows;
 pub mod robot;
 pub mod rubbing;
+pub mod tied_qp;
 pub mod tracking;
 pub mod wide_qp;
+pub mod worth;

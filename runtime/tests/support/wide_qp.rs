@@ -263,7 +263,7 @@ fn growth<const NX: usize, const NU: usize, const NR: usize>(p: &QpProblem<NX, N
 }
 
 /// Inputs u_k and states x_{k+1} that a regulator makes from random pushes.
-fn reference<const NX: usize, const NU: usize, const NR: usize>(
+pub fn reference<const NX: usize, const NU: usize, const NR: usize>(
     r: &mut Random,
     p: &QpProblem<NX, NU, NR>,
 ) -> (Vec<[f64; NU]>, Vec<[f64; NX]>) {

@@ -5,7 +5,7 @@ use super::super::multipliers::Multipliers;
 use super::Bounds;
 
 /// Distances to a bound below this, relative to the bound where that exceeds 1, are rounding.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(in crate::qp) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl<V: Vector> Bounds<V> {
     /// Number of complementarity pairs.
@@ -73,11 +73,22 @@ impl<V: Vector> Bounds<V> {
                 let soft = &self.soft[i][side];
                 let (active, l) = (self.sides[i][side].active, multipliers.0[i][side]);
                 let rounding = V::splat(ROUNDING) * self.sides[i][side].bound.abs().fast_max(V::one());
-                let hard = l.abs() * (d.abs() - rounding).fast_max(V::zero());
+                let d = d - d.fast_max(-rounding).fast_min(rounding);
+                let hard = l.abs() * d.abs();
                 sum += active * (soft.active * soft.gap(l, d) + (V::one() - soft.active) * hard);
             }
         }
         sum.reduce_add()
+    }
+
+    /// Largest linear penalty of a soft bound.
+    #[inline(always)]
+    pub(in crate::qp) fn steepest(&self) -> f64 {
+        let mut max = V::zero();
+        for soft in self.soft.iter().flatten() {
+            max = max.fast_max(soft.active * soft.w1);
+        }
+        largest(max)
     }
 
     /// Multipliers of all bounds, zero for inert ones.

@@ -19,6 +19,7 @@ mod measure;
 mod side;
 mod start;
 
+pub(super) use self::measure::ROUNDING;
 pub(super) use self::side::Tally;
 use self::side::{Side, Softening};
 use super::lanes::Vector;

@@ -63,7 +63,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                 continue;
             }
             let left = self.take_forces(w);
-            let certificate = self.certify(problem, 0.0);
+            let certificate = self.certify(problem);
             if certificate.holds() {
                 return (certificate, iteration);
             }

@@ -1,9 +1,9 @@
 //! How far an iterate is from the solution, and whether the method still gets closer.
 
-use super::super::certificate::cost_scale;
+use super::super::certificate::allowed_gap;
 use super::super::core::{Core, Start};
 use super::super::lanes::Vector;
-use super::run::{LEAST_COST, PATIENCE, Run, State};
+use super::run::{PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
@@ -24,9 +24,13 @@ const STALL_PERIOD: usize = 6;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// True if the run has had its iterations; beyond the cap, a second start goes on only where the bounds
-    /// are about to be kept.
+    /// are about to be kept, and every start with the iterations of later ones while it closes in on the
+    /// solution: those would begin far from it.
     #[inline(always)]
-    pub(super) fn is_over(&self, state: &State, run: &Run) -> bool {
+    pub(super) fn is_over(&self, merit: f64, state: &State, run: &Run) -> bool {
+        if merit <= NEAR && run.progress.1 < PATIENCE {
+            return run.iterations >= run.budget;
+        }
         let near = state.residual <= NEAR * self.settings.feasibility;
         run.iterations >= run.limit || run.iterations >= self.settings.max_iterations && !near
     }
@@ -62,8 +66,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         if !(state.cost + state.quadratic + gap + residual).is_finite() {
             return f64::INFINITY;
         }
-        let scale = cost_scale(state.cost, state.quadratic, LEAST_COST * run.start_gap);
-        let gap = gap.max(run.shrink * run.start_gap) / (self.settings.tolerance * scale);
+        let allowed = allowed_gap(self.settings.tolerance, state.cost, state.quadratic, self.negligible);
+        let gap = gap.max(run.shrink * run.start_gap) / allowed;
         gap.max(residual / self.settings.feasibility)
     }
 

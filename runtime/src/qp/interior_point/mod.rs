@@ -16,7 +16,7 @@ mod start;
 mod step;
 
 use self::judge::{LATE, NEAR};
-use self::run::{CAP_CUT, LEAST_COST, PATIENCE, Run};
+use self::run::{CAP_CUT, PATIENCE, Run};
 use super::certificate::Certificate;
 use super::core::{Core, Start};
 use super::lanes::Vector;
@@ -24,8 +24,8 @@ use super::ldl::NotPositive;
 use super::problem::QpProblem;
 use super::status::{QpReport, QpStatus};
 
-/// The largest barrier term is multiplied by this where the method makes no progress: damped multipliers fall
-/// slowly.
+/// The largest barrier term is multiplied by this where the method makes little progress: damped multipliers fall
+/// slowly, by a share of the gap that hardly changes.
 const CAP_RAISE: f64 = 10.0;
 
 /// How a run of the method ended.
@@ -75,7 +75,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             start = match start {
                 Start::Warm if !certificate.holds() => Start::Cold,
                 Start::Cold if !outcome.feasible && iterations < most => Start::Relaxed,
-                Start::Cold if !certificate.holds() && certificate.is_finite() && iterations < most => {
+                Start::Cold | Start::Relaxed
+                    if !certificate.holds() && certificate.is_finite() && iterations < most =>
+                {
                     Start::Deep
                 }
                 _ => {
@@ -84,6 +86,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                 }
             };
             kept = (start == Start::Deep).then_some(certificate);
+            if start == Start::Deep && self.softened {
+                // The penalties spoil the Newton systems of some problems that can keep their bounds.
+                soft = self.load(problem);
+            }
         }
     }
 
@@ -134,16 +140,19 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         Ok(())
     }
 
+    /// The status of the solution in memory. No other place calls one solved.
     #[inline(always)]
-    fn status(&self, certificate: &Certificate) -> QpStatus {
+    fn status(&mut self, certificate: &Certificate) -> QpStatus {
         if !certificate.is_finite() {
             QpStatus::Invalid
         } else if !certificate.holds() {
             QpStatus::IterationLimit
         } else if self.softened && certificate.residuals.primal > self.settings.feasibility {
             QpStatus::Relaxed
-        } else {
+        } else if certificate.residuals.primal <= self.settings.feasibility && self.survives_rounding() {
             QpStatus::Solved
+        } else {
+            QpStatus::IterationLimit
         }
     }
 
@@ -179,7 +188,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         loop {
             let mut least = 0.0;
             if let Some(kind) = candidate {
-                let certificate = self.certify(problem, LEAST_COST * run.start_gap);
+                let certificate = self.certify(problem);
                 let ended = kind == Candidate::Last || !self.is_bounded();
                 if certificate.holds() || ended {
                     let residual = run.best.1.min(certificate.residuals.primal);
@@ -231,10 +240,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             return None;
         }
         run.note(merit);
-        if run.progress.1 >= PATIENCE && state.residual <= NEAR * self.settings.feasibility {
+        if run.pace.1 >= PATIENCE && state.residual <= NEAR * self.settings.feasibility {
             run.cap *= CAP_RAISE;
         }
-        let stops = stalled || !merit.is_finite() || self.is_over(&state, run);
+        let stops = stalled || !merit.is_finite() || self.is_over(merit, &state, run);
         if stops || run.iterations >= LATE || run.iterations == 0 {
             self.keep_best(merit, &state, run);
         }

@@ -2,8 +2,6 @@
 
 use super::super::core::Start;
 
-/// Costs below this share of the gap at the start count as none.
-pub(super) const LEAST_COST: f64 = 1e-24;
 /// The largest barrier term may be this many times the largest multiplier of a state, where that is more:
 /// smaller ones would hold large multipliers back.
 pub(super) const STIFFNESS: f64 = 1e6;
@@ -59,8 +57,9 @@ pub(super) struct Run {
     pub(super) best: (f64, f64),
     /// Residual some iterations ago.
     pub(super) checkpoint: f64,
-    /// Smallest merit so far, and iterations since it last fell.
+    /// A merit, and iterations since it last fell: to 9 tenths, and to half of it.
     pub(super) progress: (f64, usize),
+    pub(super) pace: (f64, usize),
 }
 
 impl Run {
@@ -82,12 +81,16 @@ impl Run {
             best: (f64::INFINITY, f64::INFINITY),
             checkpoint: f64::INFINITY,
             progress: (f64::INFINITY, 0),
+            pace: (f64::INFINITY, 0),
         }
     }
 
     #[inline(always)]
     pub(super) fn note(&mut self, merit: f64) {
-        self.progress =
-            if merit < 0.9 * self.progress.0 { (merit, 0) } else { (self.progress.0, self.progress.1 + 1) };
+        let since = |(last, count): (f64, usize), share: f64| {
+            if merit < share * last { (merit, 0) } else { (last, count + 1) }
+        };
+        self.progress = since(self.progress, 0.9);
+        self.pace = since(self.pace, 0.5);
     }
 }

@@ -16,8 +16,10 @@ const WARM_SLACK: f64 = 1e-3;
 const START_SLACK: f64 = 0.1;
 /// Largest barrier term of the Newton system, relative to the largest weight of the cost.
 const WEIGHT_CAP: f64 = 1e10;
-/// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
+/// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost, and
+/// to the steepest penalty of a soft bound, whose violation may make room for a hard one.
 const RELAXATION: f64 = 1e5;
+const ABOVE_SOFT: f64 = 1e3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// The optimum without bounds, by one factorization.
@@ -78,7 +80,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.limit = (run.begun + self.settings.max_iterations).min(run.budget);
         run.crawl = 0;
         // What the first start has reached is no measure of the progress of the second.
-        run.progress = (f64::INFINITY, 0);
+        (run.progress, run.pace) = ((f64::INFINITY, 0), (f64::INFINITY, 0));
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();
         let most = 10.0 * size * run.count.max(1.0);
@@ -164,6 +166,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             slope = slope.max(self.gradient.largest_input());
         }
         let weight = RELAXATION * slope.max(self.riccati.largest_weight());
+        let weight = weight.max(ABOVE_SOFT * self.state_bounds.steepest());
         let bounds = &mut self.state_bounds;
         self.equalities.release(|i, value| bounds.set(i, value, value, None));
         self.state_bounds.soften(weight);
