@@ -40,13 +40,18 @@ impl JointPrior {
         let of_joint = |joint: usize| {
             let fast = fast_speed(runs, joint);
             let limit = limits.get(joint).map_or(f64::INFINITY, |limits| limits.effort);
-            let largest = if limit.is_finite() { limit } else { largest(layout, runs, joint) };
+            // What was measured may be a small part of what the joint can do.
+            let (largest, share) = if limit.is_finite() {
+                (limit, OFFSET)
+            } else {
+                (largest(layout, runs, joint), LARGER * OFFSET)
+            };
             let odd = |v: f64| 0.5 * (robot.friction(joint, v) - robot.friction(joint, -v));
             Self {
                 factors: layout.steepness[joint].map(|k| projected(&odd, fast, k)),
                 spread: (DESCRIBED * odd(fast).abs()).max(LEAST * largest),
                 fast,
-                offset: OFFSET * largest,
+                offset: share * largest,
                 time: 1.0,
             }
         };

@@ -201,7 +201,21 @@ fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Libr
         [1.0, -1.0].map(|sign| column.iter().map(|x| (sign * x).max(0.0).powi(2)).sum())
     };
     let (kept, note) = seen_both_ways(library.terms(), energies);
-    Ok((library.only(&kept)?, note.into_iter().collect()))
+    let told_apart = kept.iter().enumerate().filter(|(place, term)| {
+        let mut steeper = kept[place + 1..].iter();
+        offsets != Offsets::Known
+            || !steeper.any(|other| {
+                are_alike(&matrix.column(**term).into_owned(), &matrix.column(*other).into_owned())
+            })
+    });
+    let told_apart: Vec<usize> = told_apart.map(|(_, term)| *term).collect();
+    Ok((library.only(&told_apart)?, note.into_iter().collect()))
+}
+
+/// Whether one column is a multiple of the other but for what the data have wrong.
+fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
+    let left = one - other * (one.dot(other) / other.norm_squared());
+    left.norm() < LEAST_CHANGE * one.norm()
 }
 
 /// The library without terms that are offsets in these data, as `sign(v)` where each run moves in one direction, and

@@ -155,7 +155,7 @@ mod tests {
             rests.add(&moving(speed), &[speeds], 20.0, 0.2);
             rests.at(&[2.4, 2.5, 2.6], 20.0).concat()
         };
-        let stop = |t: f64| (2.5 - t) * (2.5 - t).abs();
+        let stop = |t: f64| 0.25 * (2.5 - t) * (2.5 - t).abs();
         assert_eq!(rests(&stop), [true; 3]);
         assert_eq!(rests(&|t| if (t - 2.5).abs() < 1e-6 { 0.015 } else { stop(t) }), [true; 3]);
         assert_eq!(rests(&|t| 2.5 - t), [false; 3]);
