@@ -188,7 +188,7 @@ def compare(name, fit, unseen, of_program, runs, columns):
     left = {part: torques[part] - together(part, lambda k: identified.torques(runs[k])) for part in (fit, unseen)}
     ours = r_squared(left[unseen] - left[fit].mean(0), torques[unseen], velocities)
     own = [joint["r_squared"] for joint in found["validation"]]
-    show = lambda values: " ".join(f"{value:8.4f}" for value in values)
+    show = lambda values: " ".join("       –" if value is None else f"{value:8.4f}" for value in values)
     print(f"{name}\n  numpy, least squares             {show(plain)}")
     print(f"  gelenk identify, same yardstick  {show(ours)}\n  gelenk identify --validate       {show(own)}")
     print("  " + "; ".join(joint["friction"] for joint in found["joints"]))
