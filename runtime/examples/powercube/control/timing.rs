@@ -123,7 +123,7 @@ pub fn claim(worst: u32, passes: [usize; 2]) -> Claim {
     }
     claim
         .flipped_by(
-            "a motion that is twice as fast again; joints without friction, of which one pass tells all",
+            "a motion three times as fast as published; joints without friction, of which one pass tells all",
         )
         .remark("Decided by counts, which are the same on every machine; the times beside them are not, and decide nothing.")
         .shown_in("time-iterations")
