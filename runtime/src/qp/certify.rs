@@ -13,7 +13,7 @@ use super::lanes::Vector;
 use super::problem::QpProblem;
 use super::status::KktResiduals;
 
-/// Largest violation of a hard bound in a second roll-out, beside the tolerance of the first one.
+/// Largest violation of a hard bound in a second roll-out, in units of the tolerance of the first one.
 const ROUNDED: f64 = 1e4;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {

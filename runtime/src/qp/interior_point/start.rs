@@ -16,9 +16,10 @@ const WARM_SLACK: f64 = 1e-3;
 const START_SLACK: f64 = 0.1;
 /// Largest barrier term of the Newton system, relative to the largest weight of the cost.
 const WEIGHT_CAP: f64 = 1e10;
-/// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost, and
-/// to the steepest penalty of a soft bound, whose violation may make room for a hard one.
+/// Penalty of a violated bound in a relaxed problem, relative to the largest gradient or weight of the cost.
 const RELAXATION: f64 = 1e5;
+/// The same penalty relative to the steepest penalty of a soft bound: at less, violating a hard bound would pay for
+/// keeping a soft one.
 const ABOVE_SOFT: f64 = 1e3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
