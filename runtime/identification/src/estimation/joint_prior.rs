@@ -40,18 +40,13 @@ impl JointPrior {
         let of_joint = |joint: usize| {
             let fast = fast_speed(runs, joint);
             let limit = limits.get(joint).map_or(f64::INFINITY, |limits| limits.effort);
-            // What was measured may be a small part of what the joint can do.
-            let (largest, share) = if limit.is_finite() {
-                (limit, OFFSET)
-            } else {
-                (largest(layout, runs, joint), LARGER * OFFSET)
-            };
+            let largest = if limit.is_finite() { limit } else { largest(layout, runs, joint) };
             let odd = |v: f64| 0.5 * (robot.friction(joint, v) - robot.friction(joint, -v));
             Self {
                 factors: layout.steepness[joint].map(|k| projected(&odd, fast, k)),
                 spread: (DESCRIBED * odd(fast).abs()).max(LEAST * largest),
                 fast,
-                offset: share * largest,
+                offset: OFFSET * largest,
                 time: 1.0,
             }
         };
@@ -77,11 +72,13 @@ impl JointPrior {
         }
     }
 
-    /// Samples that a constant force without data counts for.
+    /// Samples that a constant force without data counts for. Where the model leaves much, a part of it may be constant: the offset
+    /// may be as large as the residual.
     ///
     /// - `deviation`: of the residual of one sample [N·m or N]
     pub(super) fn samples_of_offset(&self, deviation: f64) -> f64 {
-        if self.offset > 0.0 { self.time * (deviation / self.offset).powi(2) } else { 0.0 }
+        let spread = self.offset.hypot(deviation);
+        if self.offset > 0.0 { self.time * (deviation / spread).powi(2) } else { 0.0 }
     }
 
     /// The same samples for the larger spread.

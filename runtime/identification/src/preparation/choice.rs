@@ -134,10 +134,15 @@ impl<'a> Recorded<'a> {
         PositionQuality { spectrum, density, noise, moves: range > 10.0 * noise }
     }
 
-    /// The lowest bandwidth that leaves enough of the pieces as `split` makes them.
+    /// The lowest bandwidth that leaves enough of the pieces as `split` makes them, and of each joint's motion where rests are known.
     pub(super) fn lowest(&self, split: f64) -> f64 {
-        let durations: Vec<f64> =
-            self.signals.iter().flat_map(|s| self.pieces(s, split)).map(|p| p.duration()).collect();
+        let motion = |s: &Signals| -> Vec<f64> {
+            self.pieces(s, split)
+                .into_iter()
+                .flat_map(|piece| s.rests.between([piece.start, piece.end]))
+                .collect()
+        };
+        let durations: Vec<f64> = self.signals.iter().flat_map(motion).collect();
         let all: f64 = durations.iter().sum();
         let left = |f: f64| durations.iter().map(|d| (d - 2.0 / f).max(0.0)).sum::<f64>();
         let mut bandwidth = 0.1;

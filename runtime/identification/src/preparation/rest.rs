@@ -18,8 +18,9 @@ const MOST: f64 = 0.1;
 /// if the speed changes its sign at a constant acceleration, and 2.4 if the acceleration is zero there.
 const FLAT: f64 = 2.0;
 
-/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: the filter's length.
-const LOBE: f64 = 1.0;
+/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: half the main lobe of the filter for the speed, which
+/// shows motion before it begins, and half for the efforts and the terms of friction, which pass it then.
+const REACH: f64 = 1.0;
 
 /// First and last time of a rest [s].
 type Stretch = [f64; 2];
@@ -76,9 +77,24 @@ impl Rests {
         }
     }
 
+    /// Durations of a stretch's parts in which a joint does not rest [s], of all joints; the whole stretch where no rests are known.
+    pub(crate) fn between(&self, [start, end]: Stretch) -> Vec<f64> {
+        if self.joints.is_empty() {
+            return vec![end - start];
+        }
+        let of_joint = |rests: &Vec<Stretch>| {
+            let ends = rests.iter().map(|rest| rest[1]);
+            let from = std::iter::once(start).chain(ends);
+            let to = rests.iter().map(|rest| rest[0]).chain([end]);
+            let parts = from.zip(to).map(|(from, to)| to.min(end) - from.max(start));
+            parts.filter(|duration| *duration > 0.0).collect::<Vec<_>>()
+        };
+        self.joints.iter().flat_map(of_joint).collect()
+    }
+
     /// For each joint, which of the times are in a rest or nearer to one than the filter tells apart.
     pub(crate) fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
-        let near = LOBE / bandwidth;
+        let near = REACH / bandwidth;
         let of_joint = |rests: &Vec<Stretch>| {
             let within = |t: &f64| rests.iter().any(|[start, end]| start - near <= *t && *t <= end + near);
             times.iter().map(within).collect()
@@ -142,6 +158,9 @@ mod tests {
         let mut noisy = Rests::default();
         noisy.add(&piece(), &[Some(Speeds { largest: 1.0, noise: 1.0 })], 20.0, 0.2);
         assert_eq!(noisy.at(&[2.35, 2.45], 20.0), [[false, false]]);
+        let durations = rests.between([1.5, 5.0]);
+        assert!(durations.len() == 1 && (durations[0] - 2.5).abs() < 0.05, "{durations:?}");
+        assert_eq!(Rests::default().between([1.5, 5.0]), [3.5]);
         let mut never = Rests::default();
         never.add(&piece(), &[None], 5.0, 0.2);
         assert_eq!(never.at(&times, 5.0), [[false; 9]]);
@@ -155,7 +174,7 @@ mod tests {
             rests.add(&moving(speed), &[speeds], 20.0, 0.2);
             rests.at(&[2.4, 2.5, 2.6], 20.0).concat()
         };
-        let stop = |t: f64| 0.25 * (2.5 - t) * (2.5 - t).abs();
+        let stop = |t: f64| 0.1 * (2.5 - t) * (2.5 - t).abs();
         assert_eq!(rests(&stop), [true; 3]);
         assert_eq!(rests(&|t| if (t - 2.5).abs() < 1e-6 { 0.015 } else { stop(t) }), [true; 3]);
         assert_eq!(rests(&|t| 2.5 - t), [false; 3]);
