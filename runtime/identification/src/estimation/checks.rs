@@ -104,13 +104,15 @@ impl Checked<'_> {
         doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
     }
 
-    /// Sizes of the rigid force as estimated and as described, and of the measured one.
+    /// Sizes of the rigid force as estimated and as described, and of the measured one, about the mean of each run: an offset may
+    /// take the mean.
     fn sizes(&self, joint: usize) -> Sizes {
-        let rms = |of: &[Vec<Vec<f64>>]| {
-            let squares: f64 = of.iter().flat_map(|run| &run[joint]).map(|x| x * x).sum();
-            squares.sqrt()
+        let squares = |forces: &Vec<f64>| {
+            let mean = forces.iter().sum::<f64>() / forces.len().max(1) as f64;
+            forces.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
         };
-        [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| rms(of))
+        let size = |of: &[Vec<Vec<f64>>]| of.iter().map(|run| squares(&run[joint])).sum::<f64>().sqrt();
+        [&self.forces.rigid, &self.forces.described, &self.forces.measured].map(|of| size(of))
     }
 
     /// Whether the forces of a joint are several times the described ones or a fraction of them.

@@ -9,6 +9,8 @@ pub(in super::super) struct Chain {
     pub(in super::super) gravity: Vector3<f64>,
     /// Diagonal of B.
     pub(in super::super) gears: Vec<f64>,
+    /// Largest forces.
+    pub(in super::super) efforts: Vec<f64>,
 }
 
 /// A joint's place on its parent, its axis, and the ten parameters of what it moves.
@@ -119,12 +121,12 @@ impl Robot for Chain {
         vec!["rad"; self.count()]
     }
     fn limits(&self) -> Vec<JointLimits> {
-        let free = JointLimits {
+        let limited = |effort: &f64| JointLimits {
             position: [f64::NEG_INFINITY, f64::INFINITY],
             velocity: f64::INFINITY,
-            effort: f64::INFINITY,
+            effort: *effort,
         };
-        vec![free; self.count()]
+        self.efforts.iter().map(limited).collect()
     }
     fn parameter_names(&self) -> Vec<String> {
         let one = |i: usize| {
@@ -201,5 +203,6 @@ pub(in super::super) fn ur10() -> Chain {
             body(0.202, [0.0; 3], [0.000526462289415, 0.000526462289415, 0.000568125]),
         ),
     ];
-    Chain { joints, gravity: Vector3::new(0.0, 0.0, -9.80665), gears: vec![1.0; 6] }
+    let efforts = vec![330.0, 330.0, 150.0, 54.0, 54.0, 54.0];
+    Chain { joints, gravity: Vector3::new(0.0, 0.0, -9.80665), gears: vec![1.0; 6], efforts }
 }

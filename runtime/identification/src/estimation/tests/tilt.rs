@@ -14,6 +14,7 @@ fn arm() -> Chain {
     let mut arm = ur10();
     arm.joints.truncate(3);
     arm.gears.truncate(3);
+    arm.efforts.truncate(3);
     arm
 }
 
