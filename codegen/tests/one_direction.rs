@@ -60,7 +60,8 @@ fn both(folder: &Path) -> String {
         let (_, rest) = line.split_once(',').unwrap();
         format!("{:.2},{rest}\n", time(line) + last + 0.01)
     };
-    there.trim_end().to_owned() + "\n" + &back.lines().skip(1).map(later).collect::<String>()
+    let later: String = back.lines().skip(1).map(later).collect();
+    format!("{}\n{later}", there.trim_end())
 }
 
 /// What the command finds, and the robot that it writes.
