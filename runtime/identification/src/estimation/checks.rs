@@ -1,5 +1,6 @@
 //! What is left of the efforts, against what the model does not have.
 
+use super::super::methods::offset::mean;
 use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
@@ -104,11 +105,11 @@ impl Checked<'_> {
         doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
     }
 
-    /// Sizes of the rigid force as estimated and as described, and of the measured one, about the mean of each run: an offset may
-    /// take the mean.
+    /// Sizes of the rigid force as estimated and as described, and of the measured one, each without its mean in a run, which an
+    /// offset may take.
     fn sizes(&self, joint: usize) -> Sizes {
         let squares = |forces: &Vec<f64>| {
-            let mean = forces.iter().sum::<f64>() / forces.len().max(1) as f64;
+            let mean = mean(forces, None);
             forces.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
         };
         let size = |of: &[Vec<Vec<f64>>]| of.iter().map(|run| squares(&run[joint])).sum::<f64>().sqrt();

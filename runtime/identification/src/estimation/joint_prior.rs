@@ -72,8 +72,8 @@ impl JointPrior {
         }
     }
 
-    /// Samples that a constant force without data counts for. Where the model leaves much, a part of it may be constant: the offset
-    /// may be as large as the residual.
+    /// Samples that a constant force without data counts for. The variance of the offset is that of
+    /// its spread plus that of the residual: a part of the residual may be constant.
     ///
     /// - `deviation`: of the residual of one sample [N·m or N]
     pub(super) fn samples_of_offset(&self, deviation: f64) -> f64 {

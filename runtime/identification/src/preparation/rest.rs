@@ -18,8 +18,8 @@ const MOST: f64 = 0.1;
 /// if the speed changes its sign at a constant acceleration, and 2.4 if the acceleration is zero there.
 const FLAT: f64 = 2.0;
 
-/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: half the main lobe of the filter for the speed, which
-/// shows motion before it begins, and half for the efforts and the terms of friction, which pass it then.
+/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: half the main lobe of the filter twice. The speed
+/// passes the filter, so a smoothed speed shows motion before it begins. The terms of friction, computed from this speed, pass it again.
 const REACH: f64 = 1.0;
 
 /// First and last time of a rest [s].

@@ -72,7 +72,7 @@ fn the_first_half_of_a_ur10_log_predicts_the_second() {
     assert!(found.consistent);
 }
 
-/// The whole way of the command. The guide has what it finds with the vendor's description: .996, .998, .997, .995, .990, .986.
+/// The whole way of the command. The guide has what it finds with the vendor's description: .996, .998, .997, .995, .990, .985.
 #[test]
 fn the_command_predicts_the_second_half_of_a_ur10_log() {
     use super::super::super::identify::{IdentificationSettings, identify};
