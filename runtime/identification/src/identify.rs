@@ -344,7 +344,7 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let Some(other) = estimate.instrumental.as_ref().filter(|other| other.is_counted) else {
         return Some(CommonTerms {
             bases,
-            distances: DVector::zeros(own.len()),
+            distances: estimate.terms_margins[joint].clone(),
             covariance: estimate.terms_covariance[joint].clone(),
             freedom: estimate.freedom.max(1) as f64,
         });
@@ -353,7 +353,7 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let distances = terms.map(|(other, own)| other.coefficient.value - own.coefficient.value);
     Some(CommonTerms {
         bases,
-        distances: DVector::from_iterator(own.len(), distances),
+        distances: DVector::from_iterator(own.len(), distances) + &estimate.terms_margins[joint],
         covariance: other.terms_covariance[joint].clone(),
         freedom: other.freedom.max(1) as f64,
     })

@@ -14,6 +14,7 @@ use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scor
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
+use super::margin::change_at_margin;
 use super::normal::{Centred, Values, residual_vector};
 use super::prior::Prior;
 use super::report::Report;
@@ -219,7 +220,7 @@ fn pass(
 type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
-    fn sums(&self, robust: Option<Robust>) -> Sums {
+    pub(super) fn sums(&self, robust: Option<Robust>) -> Sums {
         let factors: Vec<DVector<f64>> = robust.map_or(Vec::new(), |(values, ..)| {
             (0..self.layout.joints).map(|j| residual_vector(self.layout, values, j)).collect()
         });
@@ -337,6 +338,7 @@ impl Task<'_> {
             offsets: &offsets,
             outlier,
         };
+        let margin = change_at_margin(self, last, &fitted);
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
         let covariance = covariance(&fitted, self.prior, &scores)?;
         let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);
@@ -358,6 +360,7 @@ impl Task<'_> {
                 chosen: last,
                 solved: &solved,
                 covariance: &covariance,
+                margin: &margin,
                 instead: endogeneity.as_ref().filter(|found| found.is_counted()),
                 delays: self.first_fit.map_or(&[], |fit| &fit.delays),
             },

@@ -3,7 +3,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::inertial::PER_BODY;
-use super::super::methods::confidence::{half_width_around, quantile};
+use super::super::methods::confidence::quantile;
 use super::super::methods::library::smooth_sign;
 use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
@@ -19,7 +19,7 @@ use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Un
 use super::sensitivity::{JointSensitivity, Sensitivity};
 use super::settings::EstimationSettings;
 use gelenk_findings::{Finding, Rule};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Sees: how many offsets the measured forces have.
 /// Matters: an offset for each run takes up what differs from run to run.
@@ -61,6 +61,8 @@ pub(super) struct Estimated<'a> {
     pub(super) chosen: &'a Chosen<'a>,
     pub(super) solved: &'a Solved,
     pub(super) covariance: &'a Covariance,
+    /// Change of each unknown without the samples near rests and reversals.
+    pub(super) margin: &'a DVector<f64>,
     /// The estimate by instrumental variables, where least squares differs from it by more than chance.
     pub(super) instead: Option<&'a Endogeneity>,
     /// Delays that were taken off the efforts before the fit, by their numbers \[s\].
@@ -105,6 +107,7 @@ impl Estimated<'_> {
             confidence: self.settings.confidence,
             instrumental: None,
             terms_covariance: (0..self.layout.joints).map(|joint| self.terms_covariance(joint)).collect(),
+            terms_margins: (0..self.layout.joints).map(|joint| self.terms_margins(joint)).collect(),
             freedom: self.covariance.freedom,
             delays: self.delays(),
             findings,
@@ -177,6 +180,12 @@ impl Estimated<'_> {
         DMatrix::from_fn(unknowns.len(), unknowns.len(), of)
     }
 
+    /// Changes of the coefficients of a joint's terms without the samples near rests and reversals.
+    fn terms_margins(&self, joint: usize) -> DVector<f64> {
+        let margins = self.term_unknowns(joint).into_iter().map(|global| self.margin[global]);
+        DVector::from_vec(margins.collect())
+    }
+
     /// What is left of delays, by their numbers.
     fn delays_found(&self) -> Option<Finding> {
         let mut numbers = self.layout.delays.clone();
@@ -230,25 +239,26 @@ impl Estimated<'_> {
     pub(super) fn uncertain(&self, global: usize, base: f64) -> Uncertain {
         let error = self.covariance.deviation(self.solved, global);
         let unknown = self.solved.values.unknowns[global];
-        let by_itself = self.with_interval(base + unknown, error, self.covariance.freedom);
+        let margin = self.margin[global];
+        let by_itself = self.around(base + unknown, [margin, error], self.covariance.freedom);
         let other = self.instead.map(|other| {
-            let distance = other.values.unknowns[global] - unknown;
+            let distance = other.values.unknowns[global] - unknown + margin;
             self.around(
                 by_itself.value,
                 [distance, other.deviation(&self.solved.active, global)],
                 other.freedom,
             )
         });
-        other.filter(|other| other.standard_error > error).unwrap_or(by_itself)
+        other.filter(|other| other.standard_error > by_itself.standard_error).unwrap_or(by_itself)
     }
 
-    /// The interval about a value that holds what another estimate says.
+    /// Student's interval, wider on both sides by what is known to be wrong.
     ///
-    /// - `distance`: of the other estimate, and its standard error
+    /// - `distance`: of another estimate
     fn around(&self, value: f64, [distance, error]: [f64; 2], freedom: usize) -> Uncertain {
-        let half = half_width_around(distance, error, self.settings.confidence, freedom.max(1) as f64);
-        let half = half.unwrap_or(f64::INFINITY);
-        Uncertain { value, standard_error: distance.hypot(error), interval: [value - half, value + half] }
+        let [low, high] = self.with_interval(value, error, freedom).interval;
+        let interval = [low - distance.abs(), high + distance.abs()];
+        Uncertain { value, standard_error: distance.hypot(error), interval }
     }
 
     /// Student's interval. The settings are checked, and there is one degree of freedom.

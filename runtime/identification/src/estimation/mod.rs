@@ -18,6 +18,7 @@ mod intervals;
 mod joint_prior;
 mod layout;
 mod loads;
+mod margin;
 mod normal;
 mod prior;
 mod report;

@@ -4,7 +4,7 @@ use super::super::run::Effort;
 use super::instruments::InstrumentSource;
 use super::sensitivity::Sensitivity;
 use gelenk_findings::Finding;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Held-out error for one weight of the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +84,8 @@ pub struct Estimate {
     pub instrumental: Option<InstrumentalEstimate>,
     /// Covariance of the coefficients of each joint's terms, and its degrees of freedom.
     pub terms_covariance: Vec<DMatrix<f64>>,
+    /// Change of the coefficients of each joint's terms without the samples near rests and reversals.
+    pub terms_margins: Vec<DVector<f64>>,
     /// Degrees of freedom of the covariances.
     pub freedom: usize,
     /// What is left of the delay of each effort after that which was removed \[s\], positive where efforts come later still;

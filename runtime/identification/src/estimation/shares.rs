@@ -283,6 +283,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
             chosen: &chosen,
             solved: &solved,
             covariance: &covariance,
+            margin: &DVector::zeros(layout.len()),
             // Moments hold no instruments.
             instead: None,
             delays: &[],

@@ -7,33 +7,37 @@
 //! has the terms of the estimate, P is one, and its intervals are those of the estimate.
 
 use super::super::error::Result;
-use super::super::methods::confidence::half_width_around;
+use super::super::methods::confidence::quantile;
 use super::super::methods::library::Library;
 use super::super::result::CONFIDENCE;
 use super::design::Design;
 use super::errors::{Errors, rescaled};
-use super::task::CommonTerms;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 impl Errors {
-    /// Errors that count those of the common estimate: the wider of the two intervals counts.
+    /// Errors that count what the residuals do not show: the covariance of the common estimate where it is the larger one, and the
+    /// changes of this and of the law itself without the samples near rests and reversals.
     ///
-    /// - `bread`: `(ΘᵀWΘ)⁻¹` of the chosen terms
-    pub(super) fn reaching(
+    /// - `bread`: `(ΘᵀWΘ)⁻¹` of the chosen terms; `changes`: of the law itself
+    pub(super) fn with_biases(
         mut self,
         design: &Design,
         (active, bread): (&[usize], &DMatrix<f64>),
-        other: &CommonTerms,
+        changes: &DVector<f64>,
     ) -> Result<Self> {
-        let library = Library::new(&other.bases, &["v"])?;
-        let map = bread * design.products(active, &library)?;
-        let (distances, covariance) = (&map * &other.distances, &map * &other.covariance * map.transpose());
-        for (k, distance) in distances.iter().enumerate() {
-            let error = covariance[(k, k)].max(0.0).sqrt();
-            if distance.hypot(error) > self.standard[k] {
-                self.standard[k] = distance.hypot(error);
-                self.reach[k] = Some(half_width_around(*distance, error, CONFIDENCE, other.freedom)?);
-            }
+        let (mut distances, mut errors) = (changes.clone(), vec![[0.0, self.freedom]; active.len()]);
+        if let Some(other) = design.data.common {
+            let map = bread * design.products(active, &Library::new(&other.bases, &["v"])?)?;
+            distances += &map * &other.distances;
+            let covariance = &map * &other.covariance * map.transpose();
+            let error = |k: usize| [covariance[(k, k)].max(0.0).sqrt(), other.freedom];
+            errors = (0..active.len()).map(error).collect();
+        }
+        for (k, [error, freedom]) in errors.into_iter().enumerate() {
+            let own = [self.standard[k], self.freedom];
+            let [error, freedom] = if error > own[0] { [error, freedom] } else { own };
+            self.standard[k] = distances[k].hypot(error);
+            self.reach[k] = Some(distances[k].abs() + quantile(CONFIDENCE, freedom)? * error);
         }
         self.covariance = rescaled(self.covariance, &self.standard);
         Ok(self)

@@ -4,6 +4,7 @@
 use super::super::error::Result;
 use super::super::methods::confidence::{LongRun, covariance_of_sums};
 use super::super::methods::least_squares::{Reduced, triangular_factor};
+use super::super::methods::margin::change;
 use super::super::methods::moments::Moments;
 use super::super::numeric::spectrum;
 use super::super::numeric::statistics::median;
@@ -52,10 +53,11 @@ impl Errors {
                 / median(inflation).map_or(1.0, |median| median.max(1.0)),
             standard,
         };
-        match design.data.common {
-            Some(other) => found.reaching(design, (active, &bread), other),
-            None => Ok(found),
+        if design.data.common.is_none() && design.data.filtered.is_none() {
+            return Ok(found);
         }
+        let changes = changes(design, active, binding, residuals);
+        found.with_biases(design, (active, &bread), &changes)
     }
 
     /// Standard errors from the scores of shares, which are independent groups of samples.
@@ -112,6 +114,25 @@ fn score(design: &Design, term: usize, residuals: &[f64]) -> Vec<f64> {
         Some(weights) => products.zip(weights).map(|(s, w)| s * w).collect(),
         None => products.collect(),
     }
+}
+
+/// Changes of the coefficients without the samples near rests and reversals, on the face where constraints bind.
+fn changes(design: &Design, active: &[usize], binding: &DMatrix<f64>, residuals: &[f64]) -> DVector<f64> {
+    let Some(filtered) = design.data.filtered else { return DVector::zeros(active.len()) };
+    let away: Vec<f64> = filtered.near().into_iter().map(|near| if near { 0.0 } else { 1.0 }).collect();
+    let weight = |i: usize| design.data.weights.map_or(1.0, |w| w[i]);
+    let sum = |one: usize, other: &[f64], part: &dyn Fn(usize) -> f64| -> f64 {
+        let products = design.column(active[one]).iter().zip(other).enumerate();
+        products.map(|(i, (x, y))| part(i) * weight(i) * x * y).sum()
+    };
+    let gram = |part: &dyn Fn(usize) -> f64| {
+        DMatrix::from_fn(active.len(), active.len(), |i, k| sum(i, design.column(active[k]), part))
+    };
+    let face = null_space(&binding.select_columns(active), active.len());
+    let on_face = |gram: DMatrix<f64>| face.tr_mul(&gram) * &face;
+    let score = DVector::from_fn(active.len(), |i, _| sum(i, residuals, &|sample| away[sample]));
+    let (all, left) = (on_face(gram(&|_| 1.0)), on_face(gram(&|sample| away[sample])));
+    &face * change(&all, &left, &face.tr_mul(&score))
 }
 
 /// Standard error of a coefficient if all others were known.

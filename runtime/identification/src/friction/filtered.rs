@@ -4,6 +4,7 @@
 //! where the terms pass the same filter (Gautier 1997, parallel filtering).
 
 use super::super::error::Result;
+use super::super::methods::margin::near;
 use super::super::preparation::Filter;
 use nalgebra::DMatrix;
 
@@ -26,6 +27,17 @@ pub struct FilteredRun<'a> {
 }
 
 impl Filtered<'_> {
+    /// Whether the filter of each sample sees a rest, which is left out of the samples, or a reversal.
+    pub(super) fn near(&self) -> Vec<bool> {
+        let of_run = |run: &FilteredRun| {
+            let mut rests = vec![true; run.velocities.len()];
+            run.kept.iter().for_each(|i| rests[*i] = false);
+            let near = near(run.velocities, |i| rests[i], self.filter.half_length());
+            run.kept.iter().map(|i| near[*i]).collect::<Vec<_>>()
+        };
+        self.runs.iter().flat_map(of_run).collect()
+    }
+
     /// Columns of a matrix over the velocities of each run, through the filter, at the samples.
     pub(super) fn columns(&self, of: impl Fn(&[f64]) -> Result<DMatrix<f64>>) -> Result<Vec<Vec<f64>>> {
         let mut all: Vec<Vec<f64>> = Vec::new();

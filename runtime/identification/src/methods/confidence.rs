@@ -16,9 +16,6 @@ use std::ops::Range;
 /// 26.7.5) leaves less than 1e-11. statrs searches without an end for 1e9 degrees of freedom.
 const NEARLY_NORMAL: f64 = 1e6;
 
-/// Halvings of a range in which a width is sought: to the last bits.
-const HALVINGS: usize = 52;
-
 /// Fewest blocks from which a variance is estimated.
 const FEWEST_BLOCKS: usize = 12;
 
@@ -80,31 +77,6 @@ pub(crate) fn quantile(level: f64, freedom: f64) -> Result<f64> {
             requirement: e.to_string(),
         })?;
     Ok(distribution.inverse_cdf(0.5 * (1.0 + level)))
-}
-
-/// Half the width of the interval about a value that holds at `level` what lies around a place away from it.
-///
-/// The place is `distance` away and has a standard `error` with `freedom` degrees of freedom: w of
-/// `F((w − d)/s) − F((−w − d)/s) = level` with Student's distribution F. Without a distance it is that of [`quantile`];
-/// far away it is the distance and a one-sided quantile.
-///
-/// # Errors
-/// As [`quantile`].
-pub(crate) fn half_width_around(distance: f64, error: f64, level: f64, freedom: f64) -> Result<f64> {
-    // Wide enough in any case: this much beyond the place on one side, and more than it on the other.
-    let mut high = distance.abs() + quantile(level, freedom)? * error;
-    if error.is_nan() || error <= 0.0 || !high.is_finite() {
-        return Ok(high);
-    }
-    let distribution = StudentsT::new(0.0, 1.0, freedom.min(NEARLY_NORMAL)).ok();
-    let share = |x: f64| distribution.map_or(0.5, |distribution| distribution.cdf(x / error));
-    let mut low = 0.0;
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        let inside = share(middle - distance.abs()) - share(-middle - distance.abs());
-        *if inside < level { &mut low } else { &mut high } = middle;
-    }
-    Ok(high)
 }
 
 /// Covariance of the sums of several series, from blocks of one length.
@@ -213,25 +185,6 @@ mod tests {
         assert!((found.variance * (1.0 - 2.0 / 41.0) - 80.0).abs() < 1e-12);
         let matrix = covariance_of_sums(&[equal.clone(), equal], &runs, 2);
         assert!((matrix[(0, 1)] - 80.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn an_interval_reaches_a_place_that_lies_beside_it() {
-        let width = |distance: f64, freedom: f64| half_width_around(distance, 2.0, 0.9, freedom).unwrap();
-        for freedom in [4.0, 30.0, 1e9] {
-            let two_sided = 2.0 * quantile(0.9, freedom).unwrap();
-            assert!((width(0.0, freedom) / two_sided - 1.0).abs() < 1e-9, "{freedom}");
-            // Far away the other end holds nothing: the one-sided quantile is the two-sided one of 80 %.
-            let one_sided = 2.0 * quantile(0.8, freedom).unwrap();
-            let beyond = width(-1e6, freedom) - 1e6;
-            assert!((beyond / one_sided - 1.0).abs() < 1e-3, "{freedom}: {beyond} {one_sided}");
-        }
-        // The share of draws around a place 1.5 errors away that the width holds.
-        let (mut random, reach) = (SplitMix64::new(5), width(3.0, 1e9));
-        let inside = (0..20_000).filter(|_| (3.0 + 2.0 * random.normal()).abs() <= reach).count();
-        assert!((0.893..0.907).contains(&(inside as f64 / 20_000.0)), "{inside}");
-        assert_eq!(half_width_around(3.0, 0.0, 0.9, 9.0).unwrap(), 3.0);
-        assert!(half_width_around(3.0, 1.0, 1.5, 9.0).is_err());
     }
 
     #[test]

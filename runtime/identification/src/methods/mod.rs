@@ -9,6 +9,7 @@ pub mod expression;
 pub mod lasso;
 pub mod least_squares;
 pub mod library;
+pub(crate) mod margin;
 pub mod moments;
 pub(crate) mod offset;
 pub mod stribeck;

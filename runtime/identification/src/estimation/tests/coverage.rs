@@ -27,11 +27,21 @@ struct Regime {
     late: f64,
     /// Noise of the positions that the encoder rounds [rad].
     noise: f64,
+    /// Whether dry friction holds joints at rest.
+    sticks: bool,
 }
 
 /// Samples at even times, and efforts in time.
-const EVEN: Regime =
-    Regime { name: "even", rate: 250.0, bits: 16, seconds: 20.0, jitter: 0.0, late: 0.0, noise: 1e-6 };
+const EVEN: Regime = Regime {
+    name: "even",
+    rate: 250.0,
+    bits: 16,
+    seconds: 20.0,
+    jitter: 0.0,
+    late: 0.0,
+    noise: 1e-6,
+    sticks: false,
+};
 
 const REGIMES: [Regime; 11] = [
     Regime { name: "slow and coarse", rate: 100.0, bits: 12, seconds: 30.0, ..EVEN },
@@ -76,13 +86,13 @@ impl Regime {
 
     fn estimated(&self, seed: u64, way: Way) -> Found {
         let mut random = SplitMix64::new(seed);
-        let truth = Pendulum::described().other(0.1, &mut random);
+        let described = Pendulum { sticks: self.sticks, ..Pendulum::described() };
+        let truth = described.other(0.1, &mut random);
         let run = log(&truth, &self.experiment(), &mut random);
-        let described = Pendulum::described();
         let (runs, preparation) =
             prepare_all(&[run], Some(&described), &PreparationSettings::default()).unwrap();
         let settings = EstimationSettings {
-            steepness: Some(vec![STEEPNESS; 2]),
+            steepness: (!self.sticks).then(|| vec![STEEPNESS; 2]),
             accept_poor: true,
             filter: (way != Way::Sharp).then(|| preparation.filter.clone()),
             delays: (way != Way::DelayKnown).then(|| vec![0; 2]),
@@ -136,7 +146,8 @@ struct Found {
 impl Found {
     /// The coefficients of friction laws with their 95 % intervals, and truths.
     fn of_laws(&self) -> Vec<(Uncertain, f64)> {
-        let terms = ["v".to_owned(), format!("tanh({STEEPNESS}*v)")];
+        let dry = if self.truth.sticks { "sign(v)".into() } else { format!("tanh({STEEPNESS}*v)") };
+        let terms = ["v".to_owned(), dry];
         let terms = terms.each_ref().map(String::as_str);
         let of_joint = |joint: usize| {
             let result = law(&self.estimate, &self.runs[0], joint, Some(&self.filter), &terms).result;
@@ -220,6 +231,21 @@ fn intervals_hold_what_they_promise_in_every_regime() {
         assert!((0.85..=0.95).contains(&all), "{}: {all}", regime.name);
         assert!((0.9..=1.0).contains(&in_laws), "{}: {in_laws} in laws", regime.name);
     }
+}
+
+/// True dry friction jumps where no smooth speed does, with an error that all blocks of the samples share.
+#[test]
+fn intervals_of_laws_hold_dry_friction_that_holds_joints_at_rest() {
+    const LOGS: u64 = 12;
+    let regime = Regime { sticks: true, ..EVEN };
+    let mut laws = [[0.0; 3]; LAWS];
+    for seed in 0..LOGS {
+        let of_laws = regime.estimated(seed, Way::Whole).of_laws();
+        of_laws.into_iter().zip(&mut laws).for_each(|(value, sums)| count(value, sums));
+    }
+    let share = laws.iter().map(|sums| sums[0]).sum::<f64>() / (LOGS * LAWS as u64) as f64;
+    println!("{share:.3} of the 95 % intervals hold the truth: {laws:.2?}");
+    assert!(share >= 0.85, "{share}");
 }
 
 #[test]

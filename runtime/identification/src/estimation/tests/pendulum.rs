@@ -17,12 +17,18 @@ pub(super) struct Pendulum {
     pub(super) parameters: Vec<f64>,
     /// Diagonal of B.
     pub(super) gears: [f64; 2],
+    /// Whether friction is `v φ₁ + sign(v) φ₂`, and holds a joint at rest.
+    pub(super) sticks: bool,
 }
 
 impl Pendulum {
     pub(super) fn described() -> Self {
         let link = |m: f64, c: f64, i: f64| [m, m * c, 0.0, 0.0, 0.1 * i, 0.0, i, 0.0, 0.0, i];
-        Self { parameters: [link(3.0, 0.2, 0.16), link(2.0, 0.15, 0.08)].concat(), gears: [1.0; 2] }
+        Self {
+            parameters: [link(3.0, 0.2, 0.16), link(2.0, 0.15, 0.08)].concat(),
+            gears: [1.0; 2],
+            sticks: false,
+        }
     }
 
     /// A robot near the described one: `P = L (1 + s N) (1 + s N)ᵀ Lᵀ` with normal entries of N and P₀ = L Lᵀ.
@@ -67,6 +73,24 @@ impl Pendulum {
         let step = |x: [f64; 2], d: [f64; 2], h: f64| [x[0] + h * d[0], x[1] + h * d[1]];
         let (half, middle) = (step(y, v, 0.5 * h), step(v, slope(&y, &v), 0.5 * h));
         (step(y, middle, h), step(v, slope(&half, &middle), h))
+    }
+
+    /// A semi-implicit step with the forces of dry friction that stop the joints, by projected Gauss–Seidel iterations.
+    fn sticking(&self, h: f64, y: [f64; 2], v: [f64; 2], drive: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let with = |dry: [f64; 2]| {
+            let a = self.accelerations(&y, &v, [0, 1].map(|j| drive[j] - FRICTION[j][0] * v[j] - dry[j]));
+            [0, 1].map(|j| v[j] + h * a[j])
+        };
+        let free = with([0.0; 2]);
+        let slopes = [with([1.0, 0.0]), with([0.0, 1.0])].map(|other| [0, 1].map(|j| other[j] - free[j]));
+        let after = |dry: [f64; 2], j: usize| free[j] + slopes[0][j] * dry[0] + slopes[1][j] * dry[1];
+        let mut dry = [0.0; 2];
+        for j in [0, 1].repeat(SWEEPS) {
+            let most = FRICTION[j][1];
+            dry[j] = (dry[j] - after(dry, j) / slopes[j][j]).clamp(-most, most);
+        }
+        let v = [0, 1].map(|j| after(dry, j));
+        ([0, 1].map(|j| y[j] + h * v[j]), v)
     }
 
     /// ÿ for joint forces τ that include friction.
@@ -117,6 +141,9 @@ impl Robot for Pendulum {
         forces.copy_from_slice(&self.forces(y, v, a));
     }
 }
+
+/// Iterations that find the forces of dry friction to all digits.
+const SWEEPS: usize = 40;
 
 /// Friction `v φ₁ + tanh(10 v) φ₂` of both joints.
 pub(super) const STEEPNESS: f64 = 10.0;
@@ -287,7 +314,8 @@ impl History {
             history.feeds.push(feed);
             history.noise.push(std::array::from_fn(|_| of.force_noise * random.normal()));
             for _ in 0..inner {
-                (y, v) = robot.midpoint(history.step, y, v, feed);
+                let step = if robot.sticks { Pendulum::sticking } else { Pendulum::midpoint };
+                (y, v) = step(robot, history.step, y, v, feed);
                 history.states.push([y, v]);
             }
         }

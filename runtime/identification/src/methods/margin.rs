@@ -1,0 +1,79 @@
+//! How far an estimate moves if samples are left out that may be biased.
+//!
+//! Dry friction jumps where a joint starts, stops or reverses, and no smooth term has this jump. The error near these instants is
+//! the same in all blocks of the samples, so no spread over blocks shows it. The change of the estimate without these
+//! samples does.
+
+use super::super::numeric::spectrum::symmetric_eigen;
+use nalgebra::{DMatrix, DVector};
+
+/// Least share of the curvature in a direction that must be left for a change in it to be counted: with less, the
+/// change is mostly noise.
+const LEAST_SHARE: f64 = 0.02;
+
+/// Eigenvalues below this share of the largest belong to directions that the data do not have.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// Whether a sample's filter sees a rest or a change of the velocity's sign.
+///
+/// - `rests`: whether a sample belongs to a rest; `reach`: samples on either side that the filter sees
+pub(crate) fn near(velocities: &[f64], rests: impl Fn(usize) -> bool, reach: usize) -> Vec<bool> {
+    let reverses = |i: usize| i > 0 && velocities[i - 1] * velocities[i] <= 0.0;
+    let mut near = vec![false; velocities.len()];
+    for i in (0..near.len()).filter(|i| rests(*i) || reverses(*i)) {
+        let end = (i + reach + 1).min(near.len());
+        near[i.saturating_sub(reach)..end].fill(true);
+    }
+    near
+}
+
+/// Change of the solution of `A x = b` to that of `A' x' = b'`, in the directions in which A' has enough of A.
+///
+/// - `all`: A; `left`: A' ≤ A, of the samples that are left
+/// - `score`: `b' − A' x`
+pub(crate) fn change(all: &DMatrix<f64>, left: &DMatrix<f64>, score: &DVector<f64>) -> DVector<f64> {
+    let scale = all.diagonal().map(|own| if own > 0.0 { own.sqrt().recip() } else { 0.0 });
+    let scaled =
+        |a: &DMatrix<f64>| DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| scale[i] * a[(i, k)] * scale[k]);
+    let whole = symmetric_eigen(scaled(all));
+    let least = NEGLIGIBLE * whole.eigenvalues.amax();
+    let kept: Vec<usize> = (0..scale.len()).filter(|i| whole.eigenvalues[*i] > least).collect();
+    let mut white = whole.eigenvectors.select_columns(&kept);
+    for (mut column, i) in white.column_iter_mut().zip(&kept) {
+        column /= whole.eigenvalues[*i].sqrt();
+    }
+    let shares = symmetric_eigen(white.tr_mul(&scaled(left)) * &white);
+    let directions = white * shares.eigenvectors;
+    let mut steps = directions.tr_mul(&score.component_mul(&scale));
+    for (step, share) in steps.iter_mut().zip(shares.eigenvalues.iter()) {
+        *step = if *share >= LEAST_SHARE { *step / share } else { 0.0 };
+    }
+    (directions * steps).component_mul(&scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_whose_filter_sees_a_stop_are_near_it() {
+        let near_reversal = near(&[1.0, 1.0, 1.0, -1.0, -1.0, -1.0, -1.0], |_| false, 1);
+        assert_eq!(near_reversal, [false, false, true, true, true, false, false]);
+        assert_eq!(near(&[1.0; 4], |i| i == 0, 2), [true, true, true, false]);
+        assert_eq!(near(&[], |_| true, 2), [false; 0]);
+    }
+
+    #[test]
+    fn the_change_is_that_of_the_solutions_where_enough_is_left() {
+        let all = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 3e4]);
+        let left = DMatrix::from_row_slice(2, 2, &[2.0, 0.5, 0.5, 2e4]);
+        let (x, other) = (DVector::from_vec(vec![1.0, 2.0]), DVector::from_vec(vec![1.5, 1.9]));
+        let found = change(&all, &left, &(&left * (&other - &x)));
+        assert!((found - (&other - &x)).amax() < 1e-12);
+        // Of the second unknown nothing is left that tells it.
+        let left = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 0.26]);
+        let found = change(&all, &left, &DVector::from_vec(vec![0.0, 1.0]));
+        assert!(found.amax() < 1e-4, "{found}");
+        assert_eq!(change(&DMatrix::zeros(1, 1), &DMatrix::zeros(1, 1), &DVector::zeros(1))[0], 0.0);
+    }
+}
