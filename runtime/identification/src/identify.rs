@@ -344,7 +344,8 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let Some(other) = estimate.instrumental.as_ref().filter(|other| other.is_counted) else {
         return Some(CommonTerms {
             bases,
-            distances: estimate.terms_margins[joint].clone(),
+            distances: DVector::zeros(own.len()),
+            margins: estimate.terms_margins[joint].clone(),
             covariance: estimate.terms_covariance[joint].clone(),
             freedom: estimate.freedom.max(1) as f64,
         });
@@ -353,7 +354,8 @@ pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let distances = terms.map(|(other, own)| other.coefficient.value - own.coefficient.value);
     Some(CommonTerms {
         bases,
-        distances: DVector::from_iterator(own.len(), distances) + &estimate.terms_margins[joint],
+        distances: DVector::from_iterator(own.len(), distances),
+        margins: estimate.terms_margins[joint].clone(),
         covariance: other.terms_covariance[joint].clone(),
         freedom: other.freedom.max(1) as f64,
     })

@@ -240,9 +240,9 @@ impl Estimated<'_> {
         let error = self.covariance.deviation(self.solved, global);
         let unknown = self.solved.values.unknowns[global];
         let margin = self.margin[global];
-        let by_itself = self.around(base + unknown, [margin, error], self.covariance.freedom);
+        let by_itself = self.around(base + unknown, [margin.abs(), error], self.covariance.freedom);
         let other = self.instead.map(|other| {
-            let distance = other.values.unknowns[global] - unknown + margin;
+            let distance = (other.values.unknowns[global] - unknown).abs() + margin.abs();
             self.around(
                 by_itself.value,
                 [distance, other.deviation(&self.solved.active, global)],
@@ -254,10 +254,10 @@ impl Estimated<'_> {
 
     /// Student's interval, wider on both sides by what is known to be wrong.
     ///
-    /// - `distance`: of another estimate
+    /// - `distance`: of other estimates
     fn around(&self, value: f64, [distance, error]: [f64; 2], freedom: usize) -> Uncertain {
         let [low, high] = self.with_interval(value, error, freedom).interval;
-        let interval = [low - distance.abs(), high + distance.abs()];
+        let interval = [low - distance, high + distance];
         Uncertain { value, standard_error: distance.hypot(error), interval }
     }
 

@@ -25,10 +25,12 @@ impl Errors {
         (active, bread): (&[usize], &DMatrix<f64>),
         changes: &DVector<f64>,
     ) -> Result<Self> {
-        let (mut distances, mut errors) = (changes.clone(), vec![[0.0, self.freedom]; active.len()]);
+        let mut changes = changes.clone();
+        let (mut distances, mut errors) = (0.0 * &changes, vec![[0.0, self.freedom]; active.len()]);
         if let Some(other) = design.data.common {
             let map = bread * design.products(active, &Library::new(&other.bases, &["v"])?)?;
-            distances += &map * &other.distances;
+            distances = &map * &other.distances;
+            changes += &map * &other.margins;
             let covariance = &map * &other.covariance * map.transpose();
             let error = |k: usize| [covariance[(k, k)].max(0.0).sqrt(), other.freedom];
             errors = (0..active.len()).map(error).collect();
@@ -36,8 +38,9 @@ impl Errors {
         for (k, [error, freedom]) in errors.into_iter().enumerate() {
             let own = [self.standard[k], self.freedom];
             let [error, freedom] = if error > own[0] { [error, freedom] } else { own };
-            self.standard[k] = distances[k].hypot(error);
-            self.reach[k] = Some(distances[k].abs() + quantile(CONFIDENCE, freedom)? * error);
+            let distance = distances[k].abs() + changes[k].abs();
+            self.standard[k] = distance.hypot(error);
+            self.reach[k] = Some(distance + quantile(CONFIDENCE, freedom)? * error);
         }
         self.covariance = rescaled(self.covariance, &self.standard);
         Ok(self)

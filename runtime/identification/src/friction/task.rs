@@ -88,6 +88,8 @@ pub struct CommonTerms {
     pub bases: Vec<String>,
     /// Their coefficients minus those of least squares: zero where this is not biased.
     pub distances: DVector<f64>,
+    /// Their changes without the samples near rests and reversals.
+    pub margins: DVector<f64>,
     /// Covariance of the coefficients.
     pub covariance: DMatrix<f64>,
     /// Degrees of freedom of the covariance.

@@ -9,7 +9,7 @@ use super::super::super::methods::library::Library;
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::preparation::{Filter, PreparationSettings, prepare_all};
 use super::super::super::result::FrictionTerm;
-use super::super::super::run::PreparedRun;
+use super::super::super::run::{PreparedRun, Run};
 use super::super::{Estimate, EstimationSettings, Uncertain, estimate};
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, log};
 use std::f64::consts::PI;
@@ -89,6 +89,8 @@ impl Regime {
         let described = Pendulum { sticks: self.sticks, ..Pendulum::described() };
         let truth = described.other(0.1, &mut random);
         let run = log(&truth, &self.experiment(), &mut random);
+        // Commanded positions are instruments, whose distance from least squares covers other errors too.
+        let run = Run { desired: run.desired.filter(|_| !self.sticks), ..run };
         let (runs, preparation) =
             prepare_all(&[run], Some(&described), &PreparationSettings::default()).unwrap();
         let settings = EstimationSettings {
@@ -228,7 +230,8 @@ fn intervals_hold_what_they_promise_in_every_regime() {
     let only = std::env::var("REGIME").unwrap_or_default();
     for regime in REGIMES.iter().filter(|regime| regime.name.starts_with(&only)) {
         let [all, in_laws] = regime.coverage(logs);
-        assert!((0.85..=0.95).contains(&all), "{}: {all}", regime.name);
+        // Smooth friction has no bias near stops; the change without them is chance there, and intervals are wider by it.
+        assert!((0.85..=1.0).contains(&all), "{}: {all}", regime.name);
         assert!((0.9..=1.0).contains(&in_laws), "{}: {in_laws} in laws", regime.name);
     }
 }
@@ -243,9 +246,11 @@ fn intervals_of_laws_hold_dry_friction_that_holds_joints_at_rest() {
         let of_laws = regime.estimated(seed, Way::Whole).of_laws();
         of_laws.into_iter().zip(&mut laws).for_each(|(value, sums)| count(value, sums));
     }
-    let share = laws.iter().map(|sums| sums[0]).sum::<f64>() / (LOGS * LAWS as u64) as f64;
-    println!("{share:.3} of the 95 % intervals hold the truth: {laws:.2?}");
-    assert!(share >= 0.85, "{share}");
+    let mean = |k: usize| laws.iter().map(|sums| sums[k]).sum::<f64>() / (LOGS * LAWS as u64) as f64;
+    let [share, errors] = [mean(0), mean(2).sqrt()];
+    println!("{share:.3} of the 95 % intervals hold the truth; errors are {errors:.2} standard errors");
+    // Without the change near stops, errors are 1.30 standard errors.
+    assert!(share >= 0.85 && errors < 1.2, "{share} {errors}");
 }
 
 #[test]
