@@ -234,8 +234,8 @@ impl Estimated<'_> {
         std::iter::once(WEIGHT.found(weight)).chain(doubted).chain(self.delays_found())
     }
 
-    /// An unknown beyond `base`, with its interval. Where least squares is biased, the interval reaches as far as instrumental
-    /// variables ask for.
+    /// An unknown beyond `base`. The interval counts its change without the samples near rests and reversals and, where least
+    /// squares is biased, the distance to instrumental variables.
     pub(super) fn uncertain(&self, global: usize, base: f64) -> Uncertain {
         let error = self.covariance.deviation(self.solved, global);
         let unknown = self.solved.values.unknowns[global];

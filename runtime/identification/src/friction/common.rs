@@ -4,7 +4,7 @@
 //! The common estimate has friction terms F of its own with the covariance C. Where least squares is biased, instrumental
 //! variables put their coefficients `d` away, and C is theirs. A law has other terms Θ, and is fitted to torques with the same errors:
 //! its coefficients move by `P d` with the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is least squares again. Where the law
-//! has the terms of the estimate, P is one, and its intervals are those of the estimate.
+//! has the terms of the estimate, P is one. Changes of the estimate without the samples near stops move the law by P in the same way.
 
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
@@ -15,7 +15,7 @@ use super::errors::{Errors, rescaled};
 use nalgebra::{DMatrix, DVector};
 
 impl Errors {
-    /// Errors that count what the residuals do not show: the covariance of the common estimate where it is the larger one, and the
+    /// Errors that count what the residuals do not show: the covariance of the common estimate if it is the larger one, and the
     /// changes of this and of the law itself without the samples near rests and reversals.
     ///
     /// - `bread`: `(ΘᵀWΘ)⁻¹` of the chosen terms; `changes`: of the law itself

@@ -26,9 +26,9 @@ pub struct FrictionTerm {
     pub coefficient: f64,
     /// Standard error for correlated residuals, where known.
     pub standard_error: Option<f64>,
-    /// Half the width of the interval at 95 %, where noise of the velocities biases least squares and the interval
-    /// reaches as far as instrumental variables put the true coefficient. The standard error then is the root of the mean
-    /// square distance from it.
+    /// Half the width of the interval at 95 %, where it is known that the coefficient may be biased: Student's, and the
+    /// distances of other estimates (instrumental variables, and least squares without the samples near rests and reversals).
+    /// The standard error then is the root of the sum of the squares of error and distance.
     pub reach: Option<f64>,
     /// Standard error if all other coefficients were known, where known: terms that resemble each other have
     /// vague coefficients and a sharp sum, so the coefficient is written with the digits of this one.
