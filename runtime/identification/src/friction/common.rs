@@ -26,7 +26,8 @@ impl Errors {
         changes: &DVector<f64>,
     ) -> Result<Self> {
         let mut changes = changes.clone();
-        let (mut distances, mut errors) = (0.0 * &changes, vec![[0.0, self.freedom]; active.len()]);
+        let (mut distances, mut errors) =
+            (DVector::zeros(active.len()), vec![[0.0, self.freedom]; active.len()]);
         if let Some(other) = design.data.common {
             let map = bread * design.products(active, &Library::new(&other.bases, &["v"])?)?;
             distances = &map * &other.distances;

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct Errors {
     pub(super) covariance: DMatrix<f64>,
     pub(super) standard: Vec<f64>,
-    /// Half the width of the interval, where instrumental variables make it wider than the standard error says.
+    /// Half the width of the interval, where it is not Student's alone, see [`FrictionTerm::reach`].
     pub(super) reach: Vec<Option<f64>>,
     /// As if all other coefficients were known.
     pub(super) resolution: Vec<f64>,
@@ -56,7 +56,7 @@ impl Errors {
         if design.data.common.is_none() && design.data.filtered.is_none() {
             return Ok(found);
         }
-        let changes = changes(design, active, binding, residuals);
+        let changes = changes(design, active, binding, &scores);
         found.with_biases(design, (active, &bread), &changes)
     }
 
@@ -117,22 +117,20 @@ fn score(design: &Design, term: usize, residuals: &[f64]) -> Vec<f64> {
 }
 
 /// Changes of the coefficients without the samples near rests and reversals, on the face where constraints bind.
-fn changes(design: &Design, active: &[usize], binding: &DMatrix<f64>, residuals: &[f64]) -> DVector<f64> {
+///
+/// - `scores`: of each coefficient
+fn changes(design: &Design, active: &[usize], binding: &DMatrix<f64>, scores: &[Vec<f64>]) -> DVector<f64> {
     let Some(filtered) = design.data.filtered else { return DVector::zeros(active.len()) };
-    let away: Vec<f64> = filtered.near().into_iter().map(|near| if near { 0.0 } else { 1.0 }).collect();
-    let weight = |i: usize| design.data.weights.map_or(1.0, |w| w[i]);
-    let sum = |one: usize, other: &[f64], part: &dyn Fn(usize) -> f64| -> f64 {
-        let products = design.column(active[one]).iter().zip(other).enumerate();
-        products.map(|(i, (x, y))| part(i) * weight(i) * x * y).sum()
-    };
-    let gram = |part: &dyn Fn(usize) -> f64| {
-        DMatrix::from_fn(active.len(), active.len(), |i, k| sum(i, design.column(active[k]), part))
+    let near = filtered.near();
+    let away = |series: &[f64]| series.iter().zip(&near).filter(|(_, near)| !**near).map(|(x, _)| x).sum();
+    let gram = |part: &dyn Fn(&[f64]) -> f64| {
+        let product = |i: usize, k: usize| part(&score(design, active[i], design.column(active[k])));
+        DMatrix::from_fn(active.len(), active.len(), product)
     };
     let face = null_space(&binding.select_columns(active), active.len());
-    let on_face = |gram: DMatrix<f64>| face.tr_mul(&gram) * &face;
-    let score = DVector::from_fn(active.len(), |i, _| sum(i, residuals, &|sample| away[sample]));
-    let (all, left) = (on_face(gram(&|_| 1.0)), on_face(gram(&|sample| away[sample])));
-    &face * change(&all, &left, &face.tr_mul(&score))
+    let on_face = |part: &dyn Fn(&[f64]) -> f64| face.tr_mul(&gram(part)) * &face;
+    let left = DVector::from_iterator(active.len(), scores.iter().map(|series| away(series)));
+    &face * change(&on_face(&|series| series.iter().sum()), &on_face(&away), &face.tr_mul(&left))
 }
 
 /// Standard error of a coefficient if all others were known.

@@ -230,8 +230,8 @@ fn intervals_hold_what_they_promise_in_every_regime() {
     let only = std::env::var("REGIME").unwrap_or_default();
     for regime in REGIMES.iter().filter(|regime| regime.name.starts_with(&only)) {
         let [all, in_laws] = regime.coverage(logs);
-        // Smooth friction has no bias near stops; the change without them is chance there, and intervals are wider by it.
-        assert!((0.85..=1.0).contains(&all), "{}: {all}", regime.name);
+        // Smooth friction has no bias near stops. The change without samples near them is chance, and widens the intervals.
+        assert!(all >= 0.85, "{}: {all}", regime.name);
         assert!((0.9..=1.0).contains(&in_laws), "{}: {in_laws} in laws", regime.name);
     }
 }
