@@ -16,7 +16,8 @@ use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
 use crate::functions::size::MOST_OPERATIONS;
 use crate::model::{
-    Actuator, Dependent, FrictionTerm, Input, Joint, LimitedInput, Model, Motion, Parameter, QuaternionKind,
+    Actuator, Dependent, Drive, FrictionTerm, Input, Joint, LimitedInput, Model, Motion, Parameter,
+    QuaternionKind,
 };
 
 /// Functions of a described robot that identification calls, evaluated without a compiler. Its parameters are
@@ -255,6 +256,11 @@ impl Robot for InterpretedRobot {
 
     fn input_matrix(&self) -> Vec<f64> {
         self.input_matrix.clone()
+    }
+
+    fn described_currents(&self) -> Vec<bool> {
+        let is_current = |input| matches!(input, Actuator::Drive(Drive { input: Input::Current(_), .. }));
+        self.model.inputs().map(is_current).collect()
     }
 
     fn input_limits(&self) -> Vec<[f64; 2]> {

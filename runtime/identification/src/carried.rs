@@ -75,7 +75,7 @@ fn carried(
     let (loaded, runs_with, _) = read_and_prepare(robot, with, &alike, noted, progress)?;
     noted.extend(beyond_range(robot, &empty, &runs_without, settings.accept_poor)?);
     noted.extend(beyond_range(robot, &loaded, &runs_with, settings.accept_poor)?);
-    noted.extend(unit_doubts(robot, [&runs_without, &runs_with], load, settings.accept_poor)?);
+    noted.extend(unit_doubts(robot, [&runs_without, &runs_with], settings.accept_poor)?);
     progress("comparing the logs without and with the load");
     let payload = estimate(robot, &runs_without, &runs_with, load)?;
     noted.extend(payload.findings.iter().cloned());
@@ -86,11 +86,10 @@ fn carried(
 fn unit_doubts(
     robot: &dyn Robot,
     [without, with]: [&[PreparedRun]; 2],
-    load: &PayloadSettings,
     accept_poor: bool,
 ) -> Result<Option<Finding>> {
     let judged = |runs: &[PreparedRun]| {
-        let ratio = described_ratio(robot, runs, load.gains.as_deref());
+        let ratio = described_ratio(robot, runs);
         ratio.map(|ratio| ratio.judged(accept_poor)).transpose().map(Option::flatten)
     };
     let doubt = judged(without)?;

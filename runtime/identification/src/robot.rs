@@ -53,6 +53,11 @@ pub trait Robot {
     /// B, `N × M`, rows first: joint forces of unit inputs; columns of inputs that act at frames are zero.
     fn input_matrix(&self) -> Vec<f64>;
 
+    /// Tells of each input whether it is a current as described, so that B holds its motor constant.
+    fn described_currents(&self) -> Vec<bool> {
+        vec![false; self.input_names().len()]
+    }
+
     /// Tells whether inputs act at frames: B depends on the positions then, and efforts must be forces at the
     /// joints.
     fn has_inputs_at_frames(&self) -> bool {

@@ -9,9 +9,7 @@ use gelenk_identification::validation::JointValidation;
 use serde_json::{Value, json};
 
 use super::super::print;
-use super::motor_constants;
 use crate::identify::{page, terms_as_json};
-use crate::model::Model;
 
 fn uncertain(p: &Uncertain) -> Value {
     json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
@@ -51,7 +49,6 @@ fn terms(found: &Identification, row: usize) -> Value {
 
 /// What was found, and where it was written.
 pub(super) fn as_json(
-    model: &Model,
     (found, findings): (&Identification, &[Finding]),
     validation: &[JointValidation],
     output: &Path,
@@ -74,8 +71,8 @@ pub(super) fn as_json(
             })),
         });
         joint["friction_terms"] = terms(found, index);
-        if found.estimate.joints[index].gain.is_some() {
-            joint["motor_constant"] = motor_constants::as_json(model, found, index);
+        if let Some(constant) = found.estimate.joints[index].gain {
+            joint["motor_constant"] = uncertain(&constant);
         }
         if found.shafts.is_some() {
             joint["is_shaft"] = json!(found.shaft(index).is_some());

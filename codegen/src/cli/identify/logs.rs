@@ -22,7 +22,7 @@ use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
 use super::found_json;
-use super::motor_constants::{self, motor_constant};
+use super::motor_constants;
 use super::read::{read, say};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{
@@ -62,7 +62,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let output = output(arguments, &loaded)?;
     let settings = settings(arguments)?;
     let mut found = print::identified(identify(&robot, &arguments.logs, &settings, &mut say))?;
-    motor_constants::add_doubts(&loaded.model, &mut found);
+    motor_constants::add_doubts(&mut found);
     let validation = match arguments.validate.as_slice() {
         [] => Vec::new(),
         logs => {
@@ -90,7 +90,7 @@ pub(super) fn finish(
         friction_of_followers(&loaded.model),
         rotors_without_input(&loaded.model),
     ];
-    let constants = motor_constants::findings(&loaded.model, found);
+    let constants = motor_constants::findings(found);
     let findings: Vec<Finding> =
         found.findings(robot).into_iter().chain(remarks.into_iter().flatten()).chain(constants).collect();
     let described = describe(arguments, (&loaded.model, robot), (found, &findings), command, output);
@@ -105,7 +105,7 @@ pub(super) fn finish(
     };
     let found = (found, findings.as_slice());
     match format {
-        Format::Json => print::json(&found_json::as_json(&loaded.model, found, validation, output, &files)),
+        Format::Json => print::json(&found_json::as_json(found, validation, output, &files)),
         Format::Text => print::out(&as_text(found, validation, output, &files)).map(|()| ExitCode::SUCCESS),
     }
 }
@@ -264,17 +264,12 @@ fn describe(
     round_bodies(&mut bodies, &bodies_of(&robot.parameters()[..links.len()])?, &found.estimate);
     let mut tables: Vec<String> = bodies.iter().flat_map(LinkBodies::toml).collect();
     tables.extend(drive_tables(described, robot, found, others)?);
-    let of_joint = |(index, (rotor, joint)): (usize, (Option<usize>, &JointEstimate))| {
-        let drive = robot.model().input_drives().find(|drive| drive.coordinate() == Some(index));
-        let constant =
-            drive.zip(joint.gain).map(|(drive, gain)| motor_constant(described, drive, gain.value));
-        IdentifiedDrive {
-            rotor: rotor.map(|place| others[place]),
-            reflected: joint.armature.map(|inertia| inertia.value),
-            motor_constant: constant,
-        }
+    let of_joint = |(rotor, joint): (Option<usize>, &JointEstimate)| IdentifiedDrive {
+        rotor: rotor.map(|place| others[place]),
+        reflected: joint.armature.map(|inertia| inertia.value),
+        motor_constant: joint.gain.map(|gain| gain.value),
     };
-    let joints = rotors(robot.model()).into_iter().zip(&found.estimate.joints).enumerate();
+    let joints = rotors(robot.model()).into_iter().zip(&found.estimate.joints);
     let identified: Vec<IdentifiedDrive> = joints.map(of_joint).collect();
     let of_joints = found.friction.iter().filter(|law| found.shaft(law.joint).is_none());
     let friction = of_joints.filter_map(|law| law.report.as_ref().ok());
@@ -313,7 +308,7 @@ fn drive_tables(
     }
     for drive in model.input_drives().filter(|drive| drive.stands_apart) {
         let rotor = shaft_rotor(model, &drive.name).map(|place| others[place]);
-        let identified = identified_drive(described, found, drive, rotor);
+        let identified = identified_drive(found, drive, rotor);
         if identified == (IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() }) {
             continue;
         }
@@ -327,7 +322,6 @@ fn drive_tables(
 
 /// What was found of a drive that is described by itself.
 fn identified_drive<'a>(
-    described: &Model,
     found: &'a Identification,
     drive: &'a Drive,
     rotor: Option<f64>,
@@ -341,7 +335,7 @@ fn identified_drive<'a>(
         friction: shaft.and_then(|row| law(found, row)),
         rotor,
         added: estimate.armature.map(|inertia| inertia.value),
-        motor_constant: estimate.gain.map(|gain| motor_constant(described, drive, gain.value)),
+        motor_constant: estimate.gain.map(|gain| gain.value),
         ..nothing
     }
 }

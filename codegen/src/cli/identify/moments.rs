@@ -61,7 +61,7 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
     }
     let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say);
     let mut found = print::identified(found)?;
-    motor_constants::add_doubts(&loaded.model, &mut found);
+    motor_constants::add_doubts(&mut found);
     finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
 }
 

@@ -17,7 +17,7 @@ use super::super::{place, print};
 use super::logs::{command, relative, settings};
 use super::read::{read, say};
 use crate::identify::{BodyValues, InterpretedRobot, rounded_load};
-use crate::model::{Input, Model};
+use crate::model::Model;
 use crate::wording::list;
 
 /// What a load is called in the description that holds it.
@@ -31,11 +31,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let logs = arguments.logs.iter().chain(&arguments.payload);
     place::require_writable(&output, loaded.files.iter().chain(logs))?;
     let carrier = carrier(arguments, &robot)?;
-    let load = PayloadSettings {
-        body: Some(carrier.body),
-        gains: described_gains(&loaded.model),
-        ..PayloadSettings::default()
-    };
+    let load = PayloadSettings { body: Some(carrier.body), ..PayloadSettings::default() };
     let both = (&settings(arguments)?, &load);
     let found = identify_load(&robot, &arguments.logs, &arguments.payload, both, &mut say);
     let found = print::identified(found)?;
@@ -72,14 +68,6 @@ fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Fa
         let known = list((0..joints.len()).map(link));
         Failure::Usage(format!("--payload-on {of}: the robot's moving links are {known}"))
     })
-}
-
-/// Factors of described inputs; none where the description has no motor constants, so that currents are no forces.
-fn described_gains(model: &Model) -> Option<Vec<f64>> {
-    let mut drives = model.input_drives();
-    drives
-        .all(|drive| matches!(drive.input, Input::Current(_)))
-        .then(|| vec![1.0; model.input_drives().count()])
 }
 
 fn describe(

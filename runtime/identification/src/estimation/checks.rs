@@ -244,10 +244,10 @@ impl Checked<'_> {
     }
 }
 
-/// A joint whose effort no log has.
+/// A joint whose effort no log tells.
 pub(super) fn no_effort(robot: &dyn Robot, joint: usize) -> Finding {
-    let message = "it has no measured effort: its friction, drive and offset stay as described, and its body is known from the \
-                   efforts of other joints alone";
+    let message = "it has no measured effort, or a current while it rests: its friction, drive and offset stay as described, and \
+                   its body is known from the efforts of other joints alone";
     NO_EFFORT.found(message).of(robot.subject(joint))
 }
 

@@ -4,16 +4,15 @@
 use super::super::error::Result;
 use super::super::inertial::PER_BODY;
 use super::super::methods::subset::MOST_ALIKE;
-use super::super::run::Effort;
 use super::fit::{HeldOut, Weighting, held_out, reweighted};
-use super::gains::{Gain, gains as found_gains};
+use super::gains::{Gains, gains};
 use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
 use super::result::{Offsets, WeightTried};
 use super::sums::Sums;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Weights of the description that are tried: two for each decade.
 const LEAST_WEIGHT: f64 = 1e-3;
@@ -28,7 +27,8 @@ pub(super) struct Chosen<'a> {
     pub(super) model: Model,
     pub(super) weighting: Weighting,
     pub(super) values: Values,
-    pub(super) gains: Vec<Gain>,
+    /// Covariance of the logarithms of the gains.
+    pub(super) log_gains: DMatrix<f64>,
     pub(super) centred: Centred<'a>,
     pub(super) tried: Vec<WeightTried>,
 }
@@ -58,28 +58,23 @@ pub(super) fn choose<'a>(
     prior: &Prior,
     freedom: Freedom<'_>,
 ) -> Result<Chosen<'a>> {
-    let gains = layout.effort == Effort::Current;
     let model = Model {
         coulomb: vec![0; layout.joints],
         asymmetry: vec![false; layout.joints],
         armature: vec![false; layout.joints],
         load: vec![false; layout.joints],
         offsets: freedom.offsets.unwrap_or(Offsets::Common),
-        gains,
         consistent: false,
     };
     let centred = Centred::new(layout, sums, model.offsets, vec![0.0; layout.joints]);
-    let gains = if gains { found_gains(&centred, &model, prior)? } else { vec![Gain::ONE; layout.joints] };
-    let start = Values {
-        unknowns: DVector::zeros(layout.len()),
-        gains: gains.iter().map(|gain| gain.value).collect(),
-    };
+    let Gains { values, covariance: log_gains } = gains(&centred, prior)?;
+    let start = Values { unknowns: DVector::zeros(layout.len()), gains: values };
     let weighting = Weighting {
         sigma: super::fit::deviations(&centred, &start),
         description: 1.0,
         trust: vec![1.0; layout.parameters],
     };
-    let mut chosen = Chosen { model, weighting, values: start, gains, centred, tried: Vec::new() };
+    let mut chosen = Chosen { model, weighting, values: start, log_gains, centred, tried: Vec::new() };
     chosen.reweight(prior)?;
     chosen.weigh_offsets(layout, sums, prior);
     chosen.choose_weight(prior, true)?;
@@ -245,7 +240,7 @@ impl<'a> Chosen<'a> {
             model: self.model.clone(),
             weighting: self.weighting.clone(),
             values: self.values.clone(),
-            gains: self.gains.clone(),
+            log_gains: self.log_gains.clone(),
             centred: Centred::new(self.centred.layout, sums, self.model.offsets, self.centred.zeros.clone()),
             tried: self.tried.clone(),
         }

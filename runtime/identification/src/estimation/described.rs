@@ -4,6 +4,7 @@
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
+use super::normal::with_ridge;
 use super::unit::{CommonRatio, Sizes, common_ratio};
 use nalgebra::{DMatrix, DVector};
 
@@ -11,26 +12,19 @@ use nalgebra::{DMatrix, DVector};
 const COLUMNS: usize = 4;
 /// Share of a joint's largest speed within which Coulomb friction is smoothed.
 const STEEPNESS: f64 = 30.0;
-/// Share of the diagonal that keeps equal columns apart.
-const RIDGE: f64 = 1e-9;
 
 /// The factor of the robot as a whole.
-///
-/// - `gains`: of inputs, where efforts are currents; without them currents say nothing here
-pub(crate) fn described_ratio(
-    robot: &dyn Robot,
-    runs: &[PreparedRun],
-    gains: Option<&[f64]>,
-) -> Option<CommonRatio> {
+/// Currents say nothing here unless all motor constants are described.
+pub(crate) fn described_ratio(robot: &dyn Robot, runs: &[PreparedRun]) -> Option<CommonRatio> {
     let (joints, effort) = (robot.joint_names().len(), runs.first()?.effort);
-    if effort == Effort::Current && gains.is_none() {
+    if effort == Effort::Current && robot.described_currents().contains(&false) {
         return None;
     }
     let exact = rows_of(&robot.quaternion_joints(), joints);
     let mut sums = vec![DMatrix::zeros(COLUMNS + 1, COLUMNS + 1); joints];
     let fastest: Vec<f64> = (0..joints).map(|joint| fastest(runs, joint)).collect();
     for run in runs {
-        add(robot, run, (&fastest, gains), &mut sums);
+        add(robot, run, &fastest, &mut sums);
     }
     let known: Vec<bool> =
         (0..joints).map(|j| !exact[j] && fastest[j] > 0.0 && is_finite(&sums[j])).collect();
@@ -47,22 +41,14 @@ fn is_finite(sums: &DMatrix<f64>) -> bool {
 }
 
 /// Adds the products of the columns and of the measured force of each joint, rests left out.
-fn add(
-    robot: &dyn Robot,
-    run: &PreparedRun,
-    (fastest, gains): (&[f64], Option<&[f64]>),
-    sums: &mut [DMatrix<f64>],
-) {
+fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatrix<f64>]) {
     let (matrix, inputs) = (robot.input_matrix(), robot.input_names().len());
-    let gain = |input: usize| {
-        if run.effort == Effort::Current { gains.map_or(1.0, |gains| gains[input]) } else { 1.0 }
-    };
     let measured = |joint: usize, i: usize| -> f64 {
         if run.effort == Effort::Joint {
             return run.efforts[joint][i];
         }
         let row = matrix[joint * inputs..(joint + 1) * inputs].iter().enumerate();
-        row.filter(|(_, b)| **b != 0.0).map(|(input, b)| b * gain(input) * run.efforts[input][i]).sum()
+        row.filter(|(_, b)| **b != 0.0).map(|(input, b)| b * run.efforts[input][i]).sum()
     };
     let mut forces = vec![0.0; sums.len()];
     for i in 0..run.times.len() {
@@ -80,10 +66,7 @@ fn add(
 
 /// Root sums of squares of the force that the efforts ask for, of the described one, and of the measured one.
 fn sizes(sums: &DMatrix<f64>) -> Sizes {
-    let mut normal = sums.view((0, 0), (COLUMNS, COLUMNS)).into_owned();
-    for i in 0..COLUMNS {
-        normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + f64::MIN_POSITIVE;
-    }
+    let normal = with_ridge(sums.view((0, 0), (COLUMNS, COLUMNS)).into_owned());
     let right = sums.view((0, COLUMNS), (COLUMNS, 1)).into_owned();
     let factor = normal.cholesky().map_or(0.0, |normal| normal.solve(&right)[(0, 0)]);
     let size = |place: usize| sums[(place, place)].max(0.0).sqrt();

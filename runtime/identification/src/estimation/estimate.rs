@@ -14,7 +14,7 @@ use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scor
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
-use super::margin::change_at_margin;
+use super::margin::{change_at_margin, runs_away_from_stops};
 use super::normal::{Centred, Values, residual_vector};
 use super::prior::Prior;
 use super::report::Report;
@@ -220,7 +220,15 @@ fn pass(
 type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
+    /// Sums of samples in which the joints move, and without those near stops where gains are to be found.
     pub(super) fn sums(&self, robust: Option<Robust>) -> Sums {
+        let away = self.layout.known_gains.contains(&false).then(|| runs_away_from_stops(self)).flatten();
+        let away = away.map(|runs| Box::new(Task { runs: &runs, ..self.clone() }.weighted(robust)));
+        Sums { away, ..self.weighted(robust) }
+    }
+
+    /// Sums of samples in which the joints move.
+    pub(super) fn weighted(&self, robust: Option<Robust>) -> Sums {
         let factors: Vec<DVector<f64>> = robust.map_or(Vec::new(), |(values, ..)| {
             (0..self.layout.joints).map(|j| residual_vector(self.layout, values, j)).collect()
         });
@@ -337,6 +345,7 @@ impl Task<'_> {
             values: &solved.values,
             offsets: &offsets,
             outlier,
+            log_gains: &last.log_gains,
         };
         let margin = change_at_margin(self, last, &fitted);
         let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);

@@ -10,7 +10,6 @@ use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::endogeneity::Endogeneity;
 use super::fit::Solved;
-use super::gains::{Gain, UNTOLD};
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::residual_vector;
@@ -45,8 +44,8 @@ const WEIGHT: Rule = Rule::note("description-weight");
 /// Fixture: `estimation/tests/simulated.rs`.
 const CONTRADICTED: Rule = Rule::note("body-contradicted");
 
-/// Sees: a current that hardly shows the described force.
-/// Matters: its motor constant is a guess.
+/// Sees: a motor constant whose interval is wider than a factor of 2.
+/// Matters: torques, friction and inertia of the joint may be wrong by it.
 /// Example: a joint with a vertical axis.
 /// Fixture: `estimation/tests/currents.rs`.
 const MOTOR_CONSTANT: Rule = Rule::warning("motor-constant-unknown");
@@ -297,26 +296,36 @@ impl Estimated<'_> {
         smooth_sign(self.layout.steepness[joint][self.chosen.model.coulomb[joint]])
     }
 
-    /// K_M in proportion to the description.
+    /// K_M, of which the logarithm has an interval.
     fn gain(&self, joint: usize) -> Uncertain {
-        let Gain { value, relative_error } = self.chosen.gains[joint];
+        let (value, error) = (self.solved.values.gains[joint], self.log_gain(joint));
         let folds = self.chosen.centred.without.len();
-        self.with_interval(value, value.abs() * relative_error, folds.saturating_sub(1))
+        let [low, high] = self.with_interval(0.0, error, folds.saturating_sub(1)).interval;
+        let mut interval = [low, high].map(|end| value * end.exp());
+        interval.sort_by(f64::total_cmp);
+        Uncertain { value, standard_error: value.abs() * error, interval }
+    }
+
+    /// Standard error of the logarithm of a gain.
+    fn log_gain(&self, joint: usize) -> f64 {
+        self.chosen.log_gains[(joint, joint)].max(0.0).sqrt()
     }
 
     /// Joints whose gain the description does not tell.
     fn untold_gains(&self) -> Vec<Finding> {
         let layout = self.layout;
-        let untold =
-            |joint: &usize| layout.moves[*joint] && self.chosen.gains[*joint].relative_error > UNTOLD;
-        let all = if self.chosen.model.gains { layout.joints } else { 0 };
+        let untold = |joint: &usize| {
+            let is_estimated = layout.moves[*joint] && !layout.known_gains[*joint];
+            is_estimated && !self.gain(*joint).has_one_size()
+        };
         let finding = |joint: usize| {
-            let message = "its current hardly shows the described force, so that the motor constant is a guess: its torques may be \
-                           wrong by a factor, with masses, inertias and friction";
-            let remedy = "take the motor constant from its data sheet, or convert the currents to torques";
+            let message = "its motor constant is not known: the described bodies do not load the joint enough, or only by its inertia, \
+                           to which the drive's adds. Its torques may be wrong by a factor, with friction and inertia; its \
+                           currents are not";
+            let remedy = "describe `motor_constant`, from the data sheet or from a known load, or convert the currents to torques";
             MOTOR_CONSTANT.found(message).of(self.robot.subject(joint)).help(remedy)
         };
-        (0..all).filter(untold).map(finding).collect()
+        (0..layout.joints).filter(untold).map(finding).collect()
     }
 
     fn joint(&self, joint: usize, name: String, fit: JointFit) -> JointEstimate {
@@ -331,7 +340,7 @@ impl Estimated<'_> {
             load: has(&model.load)
                 .then(|| EstimatedTerm { basis: self.coulomb(joint), coefficient: of_term(LOAD) }),
             armature: has(&model.armature).then(|| of_term(ARMATURE)),
-            gain: (model.gains && measured).then(|| self.gain(joint)),
+            gain: (!layout.known_gains[joint] && measured).then(|| self.gain(joint)),
             offsets: fit.offsets,
             offset_errors: fit.offset_errors,
             sigma: if measured { (fit.squares / fit.samples.max(1) as f64).sqrt() } else { f64::NAN },

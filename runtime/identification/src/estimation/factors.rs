@@ -6,7 +6,6 @@
 
 use super::super::error::Result;
 use super::super::numeric::digits::plain;
-use super::super::run::Effort;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
 use super::hypotheses::{gain, offered};
@@ -54,7 +53,7 @@ impl Factors<'_> {
 /// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` where none does.
 pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Finding)>> {
     let layout = chosen.centred.layout;
-    if layout.effort == Effort::Current {
+    if layout.known_gains.contains(&false) {
         return Ok(None);
     }
     let model = Model { consistent: false, ..chosen.model.clone() };

@@ -1,157 +1,341 @@
-//! Gains of drives where efforts are currents: the scale of torque is that of the described masses.
+//! Gains of drives where efforts are currents and no motor constants are described.
 //!
-//! Currents tell forces up to a factor. A fit of gains beside free bodies has no scale of its own: bodies and gains that
-//! shrink together leave the data as they are, and make all that differs from the description small. So a gain is the
-//! one with which a force that does not know it explains the current of its joint, beside friction and an offset: that of the
-//! description, as the joints have corrected it whose gains are known already. The joint that shows the described force
-//! best comes first. What the description has wrong counts by the forces that it makes.
+//! Currents tell forces up to a factor: the scale of torque is that of the described bodies, and a gain is known as well as
+//! these are. With the measured effort z of a joint and its gain K,
+//!
+//! `z = (f₀ + W δ + Θ φ + o) / K + e`
+//!
+//! Two things are known of the gains. First, the factor of the described force f₀ in z, by least squares next to friction, offset and
+//! inertia of the drive, is 1/K in the mean over the bodies' differences δ, whatever their size. Its relative error is that of
+//! these, `s² bᵀ M⁻¹ b` with the spread s of [`BODIES`], their metric M and `b = Wᵀ f₀ / ‖f₀‖²`, and that of the jackknife
+//! over the folds. Second, joints move the same bodies, which tells ratios of gains: with free bodies the equations of all
+//! joints hold at the right ratios alone. So a joint that shows its inertia alone has a gain only if its bodies load other joints.
 
 use super::super::error::Result;
-use super::fit::{Weighting, deviations, fit};
-use super::layout::{ASYMMETRY, Layout, VISCOUS};
-use super::normal::{Centred, Model, Values, force_vector};
+use super::super::methods::margin::LEAST_SHARE;
+use super::super::numeric::spectrum::symmetric_eigen;
+use super::fit::deviations;
+use super::joint_prior::JointPrior;
+use super::layout::{ARMATURE, ASYMMETRY, Layout, VISCOUS};
+use super::normal::{Centred, Factor, RIDGE, Values};
+use super::normal::{assemble, force_vector, regularized, residual_vector, with_ridge};
 use super::prior::Prior;
+use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of the diagonal that keeps equal columns of friction apart.
-const RIDGE: f64 = 1e-9;
+/// Standard deviation of a described body in its metric: 14 % of its mass, and for its centre a fifth of its radius of gyration.
+const BODIES: f64 = 0.12;
+/// Largest standard deviation of ln K: three decades.
+const DECADES: f64 = 7.0;
+/// Least share of the squares of the described force that friction and inertia must leave: less is rounding.
+const LEAST: f64 = 1e-6;
+/// Longest step of ln K, most steps, and steps within which it is settled.
+const STEP: f64 = 1.0;
+const STEPS: usize = 50;
+const SETTLED: f64 = 1e-4;
 
-/// Partial correlation of effort and force below which neither size nor sign of a gain follow from it.
-const LEAST_CORRELATION: f64 = 0.1;
-
-/// Weights of the description beside the joints before: from one sample to a million, by decades.
-const WEIGHTS: i32 = 7;
-
-/// Relative standard error beyond which the description does not tell a gain.
-pub(super) const UNTOLD: f64 = 0.3;
-
-/// A gain and its relative standard error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Gain {
-    pub(super) value: f64,
-    pub(super) relative_error: f64,
+/// Gains of all joints.
+pub(super) struct Gains {
+    /// One where the effort is a force, or not measured.
+    pub(super) values: Vec<f64>,
+    /// Covariance of their logarithms; zero where they are known.
+    pub(super) covariance: DMatrix<f64>,
 }
 
-impl Gain {
-    /// That of efforts which are forces.
-    pub(super) const ONE: Self = Self { value: 1.0, relative_error: 0.0 };
-}
-
-/// The gain of each joint; one where nothing was measured.
-///
-/// - `model`: what is estimated to correct the description
-pub(super) fn gains(centred: &Centred, model: &Model, prior: &Prior) -> Result<Vec<Gain>> {
+/// # Errors
+/// Sums without a solution.
+pub(super) fn gains(centred: &Centred, prior: &Prior) -> Result<Gains> {
     let layout = centred.layout;
-    let as_described = Values { unknowns: DVector::zeros(layout.len()), gains: vec![1.0; layout.joints] };
-    let mut gains: Vec<Gain> = (0..layout.joints)
-        .map(|joint| Explanation::new(centred, joint, &as_described).gain(centred))
-        .collect();
-    let mut order: Vec<usize> = (0..layout.joints).filter(|&joint| layout.measured[joint]).collect();
-    order.sort_by(|a, b| gains[*a].relative_error.total_cmp(&gains[*b].relative_error));
-    for place in 1..order.len() {
-        let (known, joint) = (&order[..place], order[place]);
-        let mut best = Explanation::new(centred, joint, &as_described);
-        for decade in 0..WEIGHTS {
-            let corrected = corrected(centred, (model, prior), known, &gains, 10_f64.powi(decade))?;
-            let explanation = Explanation::new(centred, joint, &corrected);
-            if explanation.correlation() > best.correlation() {
-                best = explanation;
+    let is_unknown = |joint: &usize| layout.measured[*joint] && !layout.known_gains[*joint];
+    let joints: Vec<usize> = (0..layout.joints).filter(is_unknown).collect();
+    let mut found =
+        Gains { values: vec![1.0; layout.joints], covariance: DMatrix::zeros(layout.joints, layout.joints) };
+    if joints.is_empty() {
+        return Ok(found);
+    }
+    let equations = Equations::new(centred, prior, &joints)?;
+    let at = equations.solved()?;
+    let covariance = equations.covariance(&at)?;
+    for (i, &row) in joints.iter().enumerate() {
+        for (k, &column) in joints.iter().enumerate() {
+            found.covariance[(row, column)] = covariance[(i, k)];
+        }
+    }
+    found.values = at.values.gains;
+    Ok(found)
+}
+
+/// The factor of a joint's described force in its effort.
+struct Projection {
+    /// One over its absolute value, with the sign of the gain.
+    gain: f64,
+    /// Relative influence of the bodies, in coordinates in which they are independent with the variance one, and that of each fold.
+    influence: DVector<f64>,
+}
+
+impl Projection {
+    /// - `root`: L⁻¹ of the metric `M = L Lᵀ`, with zeros for what is held; `all`: products of the joint; `without`: without each fold
+    fn new(
+        layout: &Layout,
+        root: &DMatrix<f64>,
+        (all, without): (&DMatrix<f64>, &[&DMatrix<f64>]),
+        joint: usize,
+    ) -> Self {
+        let left = without_friction(layout, all, joint);
+        let (force, effort) = (left.nrows() - 2, left.nrows() - 1);
+        let [energy, measured] = [force, effort].map(|place| left[(place, place)].max(0.0));
+        let (own, count) = (left[(force, effort)] / energy, without.len() as f64);
+        let sign = sign(layout, all, joint);
+        let unknown = DVector::from_element(1, DECADES);
+        let is_shown = energy > LEAST * all[(force, force)] && measured > 0.0 && own != 0.0;
+        if !is_shown {
+            return Self { gain: sign, influence: unknown };
+        }
+        let bodies = layout.local[joint].iter().take_while(|global| **global < layout.parameters);
+        let mut slopes = DVector::zeros(root.nrows());
+        bodies.enumerate().for_each(|(k, &global)| slopes[global] = BODIES * left[(force, k)] / energy);
+        let of_fold = |products: &&DMatrix<f64>| {
+            let left = without_friction(layout, products, joint);
+            (left[(force, effort)] / left[(force, force)] / own - 1.0) * ((count - 1.0) / count).sqrt()
+        };
+        let mut folds = DVector::from_iterator(without.len(), without.iter().map(of_fold));
+        folds.add_scalar_mut(-folds.mean());
+        let bodies = root * slopes;
+        let mut influence =
+            DVector::from_iterator(bodies.len() + folds.len(), bodies.iter().chain(&folds).copied());
+        // The logarithm of a factor that is one standard deviation smaller; of one that may be zero nothing is known.
+        let error = influence.norm();
+        let logarithm = if error < 1.0 { (-(-error).ln_1p()).min(DECADES) } else { DECADES };
+        influence *= logarithm / error;
+        Self { gain: sign / own.abs(), influence }
+    }
+}
+
+/// Products of a joint without what friction and the drive's inertia explain.
+fn without_friction(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> DMatrix<f64> {
+    let places: Vec<usize> = terms(layout, joint).map(|term| layout.first_term(joint) + term).collect();
+    let rows = products.select_rows(&places);
+    let explained = with_ridge(rows.select_columns(&places)).cholesky().map(|factor| factor.solve(&rows));
+    explained.map_or_else(|| products.clone(), |explained| products - rows.tr_mul(&explained))
+}
+
+/// All terms of a joint's friction, and its drive's inertia.
+fn terms(layout: &Layout, joint: usize) -> std::ops::Range<usize> {
+    VISCOUS..if layout.takes_inertia[joint] { ARMATURE + 1 } else { ASYMMETRY + 1 }
+}
+
+/// Sign of a gain, by least squares of the effort over the described force and friction. It is that of the greater part: friction
+/// brakes, and the described force has the direction of the real one.
+fn sign(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> f64 {
+    let (first, effort) = (layout.first_term(joint), products.nrows() - 1);
+    let (speed, force) = (first + VISCOUS, effort - 1);
+    let places: Vec<usize> = (speed..=first + ASYMMETRY).chain([force]).collect();
+    let normal = with_ridge(products.select_rows(&places).select_columns(&places));
+    let Some(normal) = normal.cholesky() else { return 1.0 };
+    let mut factors = normal.solve(&products.column(effort).select_rows(&places));
+    let of_force = factors[places.len() - 1] * products[(force, force)].sqrt();
+    factors[places.len() - 1] = 0.0;
+    let power = products.column(speed).select_rows(&places).dot(&factors);
+    let of_friction = if power == 0.0 { 0.0 } else { power / products[(speed, speed)].sqrt() };
+    if of_force * of_force.abs() + of_friction * of_friction.abs() < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// The equations of all joints at given gains.
+struct Equations<'a> {
+    centred: &'a Centred<'a>,
+    /// Products of each joint, and the same without each fold.
+    all: Vec<DMatrix<f64>>,
+    without: Vec<Vec<DMatrix<f64>>>,
+    /// Samples of each joint that count as one.
+    times: Vec<f64>,
+    /// Those whose gains are unknown, what projections say of these, and the inverse of their logarithms' covariance.
+    joints: &'a [usize],
+    first: Vec<f64>,
+    precision: DMatrix<f64>,
+    active: Vec<usize>,
+    /// How many of the active unknowns are inertial parameters, and their metric.
+    bodies: usize,
+    metric: DMatrix<f64>,
+}
+
+/// The best values at given gains, and how well they fit.
+struct At {
+    values: Values,
+    /// Weights of the joints' equations in units of force.
+    weights: Vec<f64>,
+    /// Negative logarithm of the likelihood, its negative gradient by ln K, and its curvature.
+    objective: f64,
+    score: DVector<f64>,
+    curvature: DMatrix<f64>,
+    /// Derivatives of the active unknowns by ln K of each unknown gain.
+    slopes: DMatrix<f64>,
+}
+
+impl<'a> Equations<'a> {
+    fn new(centred: &'a Centred<'a>, prior: &Prior, joints: &'a [usize]) -> Result<Self> {
+        let layout = centred.layout;
+        let (all, without) = away_from_stops(centred);
+        let metric = prior.round_metric();
+        let count = metric.nrows();
+        let free = DMatrix::from_diagonal(&DVector::from_fn(count, |i, _| f64::from(!prior.held[i])));
+        let root = Factor::new(&metric)?.whitened(free);
+        let project = |&joint: &usize| {
+            let without: Vec<&DMatrix<f64>> = without.iter().map(|fold| &fold[joint]).collect();
+            Projection::new(layout, &root, (&all[joint], &without), joint)
+        };
+        let projections: Vec<Projection> = joints.iter().map(project).collect();
+        let covariance = DMatrix::from_fn(joints.len(), joints.len(), |i, k| {
+            let [one, other] = [&projections[i].influence, &projections[k].influence];
+            if one.len() == other.len() { one.dot(other) } else { 0.0 }
+        });
+        let precision = Factor::new(&covariance)?.solve(&DMatrix::identity(joints.len(), joints.len()));
+        let active = active(layout, prior);
+        let bodies = active.iter().take_while(|&&global| global < layout.parameters).count();
+        let metric = DMatrix::from_fn(bodies, bodies, |i, k| metric[(active[i], active[k])]);
+        let times =
+            (0..layout.joints).map(|joint| prior.joints.get(joint).map_or(1.0, JointPrior::time)).collect();
+        let first = projections.iter().map(|projection| projection.gain).collect();
+        Ok(Self { centred, all, without, times, joints, first, precision, active, bodies, metric })
+    }
+
+    /// Newton's method with shorter steps where the objective would rise.
+    fn solved(&self) -> Result<At> {
+        let mut logs = DVector::zeros(self.joints.len());
+        let values = Values { unknowns: DVector::zeros(self.centred.layout.len()), gains: self.gains(&logs) };
+        let mut at = self.at(&deviations(self.centred, &values), &logs)?;
+        for _ in 0..STEPS {
+            let sigma = deviations(self.centred, &at.values);
+            at = self.at(&sigma, &logs)?;
+            let right = DMatrix::from_column_slice(logs.len(), 1, at.score.as_slice());
+            let mut step = Factor::new(&at.curvature)?.solve(&right).column(0).into_owned();
+            step *= (STEP / step.amax()).min(1.0);
+            let mut next = self.at(&sigma, &(&logs + &step))?;
+            while next.objective > at.objective && step.amax() > SETTLED {
+                step *= 0.5;
+                next = self.at(&sigma, &(&logs + &step))?;
+            }
+            if step.amax() <= SETTLED {
+                break;
+            }
+            logs += step;
+            at = next;
+        }
+        Ok(at)
+    }
+
+    fn gains(&self, logs: &DVector<f64>) -> Vec<f64> {
+        let mut gains = vec![1.0; self.centred.layout.joints];
+        for ((&joint, first), log) in self.joints.iter().zip(&self.first).zip(logs.iter()) {
+            gains[joint] = first * log.exp();
+        }
+        gains
+    }
+
+    /// - `sigma`: standard deviations of the joints' residuals in units of their efforts
+    /// - `logs`: logarithms of the gains over their first values
+    fn at(&self, sigma: &[f64], logs: &DVector<f64>) -> Result<At> {
+        let (layout, n, count) = (self.centred.layout, self.active.len(), logs.len());
+        let mut values = Values { unknowns: DVector::zeros(layout.len()), gains: self.gains(logs) };
+        let scales = sigma.iter().zip(&values.gains).zip(&self.times);
+        let weights: Vec<f64> = scales.map(|((sigma, gain), time)| (sigma * gain).powi(-2) / time).collect();
+        let normal = assemble(layout, &self.all, &self.active, &weights, &values.gains);
+        let mut stiffness = DMatrix::zeros(n, n);
+        stiffness.view_mut((0, 0), (self.bodies, self.bodies)).copy_from(&self.metric);
+        // Terms of friction resemble each other.
+        (self.bodies..n).for_each(|i| stiffness[(i, i)] = RIDGE * normal.hessian[(i, i)]);
+        let factor = Factor::new(&regularized(&normal, &stiffness))?;
+        let x = factor.solve(&DMatrix::from_column_slice(n, 1, normal.linear.as_slice()));
+        self.active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
+        let pull = &self.precision * logs;
+        let mut objective = 0.5 * ((&stiffness * &x).dot(&x) + pull.dot(logs));
+        for (joint, weight) in weights.iter().enumerate() {
+            let residual = residual_vector(layout, &values, joint);
+            objective += 0.5 * weight * (&self.all[joint] * &residual).dot(&residual);
+        }
+        let (mut score, mut own, mut mixed) = (-pull, DMatrix::zeros(count, count), DMatrix::zeros(n, count));
+        for (k, &joint) in self.joints.iter().enumerate() {
+            let force = self.force(&values, joint);
+            let products = &self.all[joint] * &force * weights[joint];
+            score[k] -= products.dot(&residual_vector(layout, &values, joint));
+            own[(k, k)] = products.dot(&force);
+            mixed.set_column(k, &self.columns(&values.gains, joint).tr_mul(&products));
+        }
+        let slopes = factor.solve(&mixed);
+        let curvature = without_negative(own - mixed.tr_mul(&slopes)) + &self.precision;
+        Ok(At { values, weights, objective, score, curvature, slopes })
+    }
+
+    /// Columns of a joint in the active unknowns, as factors of its sums.
+    fn columns(&self, gains: &[f64], joint: usize) -> DMatrix<f64> {
+        let layout = self.centred.layout;
+        let mut columns = DMatrix::zeros(layout.width(joint), self.active.len());
+        for (k, global) in layout.local[joint].iter().enumerate() {
+            if let Ok(i) = self.active.binary_search(global) {
+                columns[(k, i)] = layout.scale(*global, gains[joint]);
             }
         }
-        gains[joint] = best.gain(centred);
-    }
-    Ok(gains)
-}
-
-/// The description as joints with known gains correct it.
-fn corrected(
-    centred: &Centred,
-    (model, prior): (&Model, &Prior),
-    known: &[usize],
-    gains: &[Gain],
-    description: f64,
-) -> Result<Values> {
-    let layout = centred.layout;
-    let start = Values {
-        unknowns: DVector::zeros(layout.len()),
-        gains: gains.iter().map(|gain| gain.value).collect(),
-    };
-    let mut sigma = deviations(centred, &start);
-    (0..layout.joints).filter(|joint| !known.contains(joint)).for_each(|joint| sigma[joint] = f64::INFINITY);
-    let weighting = Weighting { sigma, description, trust: vec![1.0; layout.parameters] };
-    fit(centred, &centred.all, model, prior, &weighting, &start).map(|solved| solved.values)
-}
-
-/// A joint's effort over a force that may explain it.
-struct Explanation {
-    joint: usize,
-    /// Factors of the force in the joint's columns.
-    force: DVector<f64>,
-    all: Regression,
-}
-
-impl Explanation {
-    fn new(centred: &Centred, joint: usize, values: &Values) -> Self {
-        let force = force_vector(centred.layout, values, joint);
-        let all = Regression::new(centred.layout, &centred.all[joint], joint, &force);
-        Self { joint, force, all }
+        columns
     }
 
-    fn correlation(&self) -> f64 {
-        (self.all.factor * self.all.force / self.all.effort).abs()
+    /// Force of a joint without its delay, as factors of its sums.
+    fn force(&self, values: &Values, joint: usize) -> DVector<f64> {
+        let layout = self.centred.layout;
+        let mut force = force_vector(layout, values, joint);
+        let local = layout.local[joint].iter().enumerate().filter(|(_, global)| !layout.is_delay(**global));
+        local.for_each(|(k, &global)| force[k] = values.unknowns[global]);
+        force
     }
 
-    /// The gain. Where the force explains nothing, it is that with which the force is as large as what friction leaves.
-    ///
-    /// Its error is that of the jackknife over the folds: contiguous pieces, whose residuals hardly know of each other.
-    fn gain(&self, centred: &Centred) -> Gain {
-        let Regression { factor, effort, force } = self.all;
-        if effort == 0.0 || force == 0.0 {
-            return Gain { relative_error: f64::INFINITY, ..Gain::ONE };
+    /// Covariance of the logarithms of the gains: `C⁻¹ (S + P) C⁻¹` with the precision P of the projections, and the variance S
+    /// of the score between the folds.
+    fn covariance(&self, at: &At) -> Result<DMatrix<f64>> {
+        let folds = self.without.len();
+        let mut scores = DMatrix::zeros(self.joints.len(), folds);
+        for (joint, weight) in at.weights.iter().enumerate() {
+            let residual = residual_vector(self.centred.layout, &at.values, joint);
+            let mut factors = self.columns(&at.values.gains, joint) * &at.slopes;
+            if let Some(k) = self.joints.iter().position(|other| *other == joint) {
+                factors.column_mut(k).axpy(-1.0, &self.force(&at.values, joint), 1.0);
+            }
+            for (without, mut score) in self.without.iter().zip(scores.column_iter_mut()) {
+                score += factors.tr_mul(&((&self.all[joint] - &without[joint]) * &residual)) * *weight;
+            }
         }
-        if self.correlation() < LEAST_CORRELATION {
-            return Gain { value: force / effort, relative_error: f64::INFINITY };
-        }
-        let of_fold = |products: &Vec<DMatrix<f64>>| {
-            Regression::new(centred.layout, &products[self.joint], self.joint, &self.force).factor
-        };
-        let without: Vec<f64> = centred.without.iter().map(of_fold).collect();
-        let n = without.len() as f64;
-        let mean = without.iter().sum::<f64>() / n;
-        let squares: f64 = without.iter().map(|factor| (factor - mean).powi(2)).sum();
-        Gain { value: 1.0 / factor, relative_error: (squares * (n - 1.0) / n).sqrt() / factor.abs() }
+        let mean = scores.column_mean();
+        scores.column_iter_mut().for_each(|mut score| score -= &mean);
+        let variance = &scores * scores.transpose() * (folds as f64 / (folds as f64 - 1.0).max(1.0));
+        let factor = Factor::new(&at.curvature)?;
+        Ok(factor.solve(&factor.solve(&(variance + &self.precision)).transpose()))
     }
 }
 
-/// Least squares of a joint's effort over a force, with friction taken out of both.
-struct Regression {
-    /// Effort per force.
-    factor: f64,
-    /// Size of the effort without what friction explains.
-    effort: f64,
-    /// The same of the force.
-    force: f64,
+/// A matrix without the negative eigenvalues that rounding left.
+fn without_negative(matrix: DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = symmetric_eigen(matrix);
+    let values = DMatrix::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0)));
+    &eigen.eigenvectors * values * eigen.eigenvectors.transpose()
 }
 
-impl Regression {
-    fn new(layout: &Layout, products: &DMatrix<f64>, joint: usize, force: &DVector<f64>) -> Self {
-        let first = layout.first_term(joint);
-        let friction = products.rows(first + VISCOUS, ASYMMETRY + 1 - VISCOUS);
-        let mut normal = friction.columns(first + VISCOUS, ASYMMETRY + 1 - VISCOUS).into_owned();
-        for i in 0..normal.nrows() {
-            normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + f64::MIN_POSITIVE;
+/// Products of all joints, and the same without each fold: of the samples away from the stops of a joint, if there are enough. Dry
+/// friction jumps at stops, and no smooth term has this jump.
+fn away_from_stops(centred: &Centred) -> (Vec<DMatrix<f64>>, Vec<Vec<DMatrix<f64>>>) {
+    let (mut all, mut without) = (centred.all.clone(), centred.without.clone());
+    let Some(away) = &centred.sums.away else { return (all, without) };
+    let away = Centred::new(centred.layout, away, centred.offsets, centred.zeros.clone());
+    let weight = |sums: &Sums, joint| sums.by_run(joint, None).iter().map(|(weight, _)| weight).sum::<f64>();
+    for joint in 0..centred.layout.joints {
+        if weight(away.sums, joint) >= LEAST_SHARE * weight(centred.sums, joint) {
+            all[joint].clone_from(&away.all[joint]);
+            without.iter_mut().zip(&away.without).for_each(|(own, away)| own[joint].clone_from(&away[joint]));
         }
-        let effort =
-            DVector::from_fn(products.nrows(), |i, _| if i + 1 == products.nrows() { 1.0 } else { 0.0 });
-        let factor = normal.cholesky();
-        // Σ of two columns without what friction explains of them.
-        let left = |a: &DVector<f64>, b: &DVector<f64>| {
-            let explained =
-                factor.as_ref().map_or(0.0, |factor| factor.solve(&(friction * a)).dot(&(friction * b)));
-            (products * a).dot(b) - explained
-        };
-        let sizes = [&effort, force].map(|column| left(column, column).max(0.0).sqrt());
-        let factor = if sizes[1] > 0.0 { left(force, &effort) / (sizes[1] * sizes[1]) } else { 0.0 };
-        Self { factor, effort: sizes[0], force: sizes[1] }
     }
+    (all, without)
+}
+
+/// Global numbers of the bodies, of all terms of friction, of the drives' inertias and of the delays.
+fn active(layout: &Layout, prior: &Prior) -> Vec<usize> {
+    let bodies = (0..layout.parameters).filter(|&i| !prior.held[i]);
+    let of_joint = |joint: usize| terms(layout, joint).map(move |term| layout.term(joint, term));
+    let delays = (0..layout.delay_count()).map(|number| layout.delay(number));
+    bodies.chain(layout.rubbing().flat_map(of_joint)).chain(delays).collect()
 }

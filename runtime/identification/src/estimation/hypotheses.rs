@@ -250,7 +250,7 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
     let fitted = Chosen {
         weighting: Weighting { sigma: moved_by(order, &chosen.weighting.sigma), ..chosen.weighting.clone() },
         values: Values { unknowns: DVector::zeros(layout.len()), gains: vec![1.0; layout.joints] },
-        gains: moved_by(order, &chosen.gains),
+        log_gains: chosen.log_gains.clone(),
         centred: Centred::new(&layout, &sums, model.offsets, zeros),
         model,
         tried: Vec::new(),

@@ -42,6 +42,8 @@ pub(super) struct Fitted<'a> {
     pub(super) offsets: &'a RunOffsets,
     /// Deviations beyond which samples lose weight; infinite without.
     pub(super) outlier: &'a [f64],
+    /// Covariance of the logarithms of the gains.
+    pub(super) log_gains: &'a DMatrix<f64>,
 }
 
 /// Integrated autocorrelation time of a series in samples, `1 + 2 Σ ρ`, window of five times itself (Sokal 1997).
@@ -249,6 +251,22 @@ impl Covariance {
     }
 }
 
+/// Derivatives of the right side of the equations by the logarithm of each joint's gain.
+fn slopes_of_gains(of: &Fitted) -> DMatrix<f64> {
+    let (layout, gains) = (of.centred.layout, &of.values.gains);
+    let weights = force_weights(of.weighting, gains);
+    let mut place = vec![None; layout.len()];
+    of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+    let of_joint = |joint: usize| {
+        let mut slope = DVector::zeros(of.solved.active.len());
+        let products = &of.centred.all[joint];
+        let effort = products.column(products.ncols() - 1) * (weights[joint] * gains[joint]);
+        add(&mut slope, (layout, joint, gains[joint]), &place, &effort);
+        slope
+    };
+    DMatrix::from_columns(&(0..layout.joints).map(of_joint).collect::<Vec<_>>())
+}
+
 /// Covariance of the active unknowns.
 pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<Covariance> {
     let solved = of.solved;
@@ -266,6 +284,8 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     // Both parts as products with their transposes: rounding makes no variance negative.
     let projected = factor.solve(&scores.projected()) / (1.0 - spent).max(0.25).sqrt();
     let described = factor.solve(&(described(of, prior, spread) * &inverse));
-    let matrix = &projected * projected.transpose() / scores.freedom() as f64 + described;
+    let slopes = factor.solve(&slopes_of_gains(of));
+    let of_gains = &slopes * of.log_gains * slopes.transpose();
+    let matrix = &projected * projected.transpose() / scores.freedom() as f64 + described + of_gains;
     Ok(Covariance { matrix, decided, spread, freedom: scores.freedom() })
 }

@@ -98,9 +98,9 @@ impl JointPrior {
     }
 }
 
-/// Largest force that was measured at a joint; zero where efforts are currents, of which the force is not known.
+/// Largest force that was measured at a joint; zero if it is a current with an unknown gain.
 fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
-    if layout.effort == super::super::run::Effort::Current || !layout.measured[joint] {
+    if !layout.known_gains[joint] || !layout.measured[joint] {
         return 0.0;
     }
     let of_sample = |run: &PreparedRun, i: usize| -> f64 {

@@ -54,15 +54,16 @@ pub(super) struct Layout {
     /// Whether the joint's force was measured: its equations have entries.
     pub(super) measured: Vec<bool>,
     pub(super) effort: Effort,
+    /// Whether the joint's effort is a force up to B: no current, or one with a described motor constant.
+    pub(super) known_gains: Vec<bool>,
     /// B, rows first.
     pub(super) input_matrix: Vec<f64>,
 }
 
 impl Layout {
-    /// Joints that move, and whose efforts are measured; none where the described bodies calibrate currents.
+    /// Joints that move, and whose efforts are measured; none where the described bodies calibrate the current.
     pub(super) fn known_efforts(&self) -> Vec<bool> {
-        let is_known =
-            |joint: usize| self.effort != Effort::Current && self.moves[joint] && self.measured[joint];
+        let is_known = |joint: usize| self.known_gains[joint] && self.moves[joint] && self.measured[joint];
         (0..self.joints).map(is_known).collect()
     }
 
@@ -93,7 +94,7 @@ impl Layout {
         let steepness =
             (0..joints).map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()])).collect();
         let layout = Self::without_data(robot, first.effort, steepness, moves, loads)?;
-        Ok(Self { measured, ..layout })
+        Ok(Self { measured, ..layout }.without_resting_currents())
     }
 
     /// The layout before there are data: with given factors of the Coulomb terms of each joint.
@@ -120,6 +121,7 @@ impl Layout {
             takes_inertia: robot.takes_inertia(),
             measured: vec![true; joints],
             effort,
+            known_gains: known_gains(robot, effort),
             input_matrix: robot.input_matrix(),
         })
     }
@@ -148,6 +150,14 @@ impl Layout {
             (self.measured[joint], self.moves[joint]) = (false, false);
         }
         self
+    }
+
+    /// The layout without the equations of currents with unknown gains whose joints rest: stiction holds these, and what a
+    /// current makes of a constant is any gain.
+    pub(super) fn without_resting_currents(self) -> Self {
+        let rests = |joint: &usize| !self.known_gains[*joint] && !self.moves[*joint];
+        let joints: Vec<usize> = (0..self.joints).filter(rests).collect();
+        self.without(&joints)
     }
 
     /// The layout with more parameters of every joint, behind the others.
@@ -302,7 +312,18 @@ fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
                 .into(),
         });
     }
-    if effort == Effort::Current { require_own_inputs(robot) } else { Ok(()) }
+    if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
+}
+
+/// Whether no input acts on a joint whose effort is a current without a described motor constant.
+fn known_gains(robot: &dyn Robot, effort: Effort) -> Vec<bool> {
+    let joints = robot.joint_names().len();
+    if effort != Effort::Current {
+        return vec![true; joints];
+    }
+    let (b, described) = (robot.input_matrix(), robot.described_currents());
+    let row = |joint: usize| b[joint * described.len()..].iter().zip(&described);
+    (0..joints).map(|joint| row(joint).all(|(b, described)| *described || *b == 0.0)).collect()
 }
 
 /// A current's gain can be told from the joint's force only where each joint has one input of its own.

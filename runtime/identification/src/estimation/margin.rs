@@ -9,17 +9,29 @@ use super::normal::{Centred, Normal, assemble};
 use super::task::Task;
 use nalgebra::DVector;
 
+/// The runs with the samples near stops of a joint among its rests; `None` where the runs passed no filter.
+pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
+    let reach = task.settings.filter.as_ref()?.half_length();
+    let of_run = |run: &PreparedRun| {
+        let mut resting: Vec<Vec<bool>> = run
+            .velocities
+            .iter()
+            .enumerate()
+            .map(|(joint, v)| (0..v.len()).map(|i| run.rests(joint, i)).collect())
+            .collect();
+        for joint in task.layout.rubbing() {
+            resting[joint] = near(&run.velocities[joint], |sample| run.rests(joint, sample), reach);
+        }
+        PreparedRun { resting, ..run.clone() }
+    };
+    Some(task.runs.iter().map(of_run).collect())
+}
+
 /// Change of each unknown. Weights and offsets' priors stay; none where the runs passed no filter.
 pub(super) fn change_at_margin(task: &Task, last: &Chosen, of: &Fitted) -> DVector<f64> {
     let mut changes = DVector::zeros(task.layout.len());
-    let Some(filter) = &task.settings.filter else { return changes };
-    let away = |run: &PreparedRun| {
-        let joints = run.velocities.iter().enumerate();
-        let near = joints.map(|(joint, v)| near(v, |sample| run.rests(joint, sample), filter.half_length()));
-        PreparedRun { resting: near.collect(), ..run.clone() }
-    };
-    let runs: Vec<PreparedRun> = task.runs.iter().map(away).collect();
-    let sums = Task { runs: &runs, ..task.clone() }.sums(Some((of.values, of.offsets, of.outlier)));
+    let Some(runs) = runs_away_from_stops(task) else { return changes };
+    let sums = Task { runs: &runs, ..task.clone() }.weighted(Some((of.values, of.offsets, of.outlier)));
     let left = Centred::new(task.layout, &sums, last.model.offsets, last.centred.zeros.clone());
     let (active, weights) = (&of.solved.active, force_weights(of.weighting, &of.values.gains));
     let normal = |centred: &Centred| assemble(task.layout, &centred.all, active, &weights, &of.values.gains);

@@ -17,7 +17,6 @@ pub(super) struct Model {
     /// Friction under load.
     pub(super) load: Vec<bool>,
     pub(super) offsets: Offsets,
-    pub(super) gains: bool,
     /// Whether bodies must be able to exist.
     pub(super) consistent: bool,
 }
@@ -258,6 +257,17 @@ pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64
         a[(i, i)] = if own > 0.0 { own * (1.0 + 1e-12) } else { 1.0 };
     }
     a
+}
+
+/// Share of the diagonal that keeps equal columns apart.
+pub(super) const RIDGE: f64 = 1e-9;
+
+/// Normal equations of columns of which some may be equal, or zero.
+pub(super) fn with_ridge(mut normal: DMatrix<f64>) -> DMatrix<f64> {
+    for i in 0..normal.nrows() {
+        normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + f64::MIN_POSITIVE;
+    }
+    normal
 }
 
 /// Sums of products beyond this are no longer those of data in sensible units.

@@ -8,7 +8,7 @@ use super::super::inertial::{PER_BODY, from_pseudo_inertia, margin, pseudo_inert
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::normal::Model;
-use nalgebra::{Cholesky, Const, DMatrix, DVector, Matrix4};
+use nalgebra::{Cholesky, Const, DMatrix, DVector, Matrix3, Matrix4};
 
 /// Share of the body's own radius of gyration, squared, below which a description's inertia is not believed:
 /// exporters write point masses and thin bodies.
@@ -26,6 +26,8 @@ pub(super) struct Prior {
     pub(super) held: Vec<bool>,
     /// The bodies with mass.
     pub(super) bodies: Vec<usize>,
+    /// Mean squared radius of gyration of the bodies [m²].
+    size: f64,
     /// Cholesky factors L of their believed pseudo-inertias, P₀ = L Lᵀ.
     factors: Vec<Matrix4<f64>>,
     /// Of each joint; empty where nothing is known.
@@ -49,16 +51,16 @@ impl Prior {
             described: described.to_vec(),
             held: vec![false; p],
             bodies: Vec::new(),
+            size: mean_radius(described, bodies),
             factors: Vec::new(),
             joints,
         };
-        let radius = mean_radius(described, bodies);
         for body in 0..bodies {
             let start = body * PER_BODY;
             let mut parameters = [0.0; PER_BODY];
             parameters.copy_from_slice(&described[start..start + PER_BODY]);
             if parameters[0] > 0.0 {
-                let factor = believed(&parameters, radius);
+                let factor = believed(&parameters, prior.size);
                 let block = body_metric(&factor.inverse());
                 prior.factors.push(factor.l());
                 prior.metric.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&block);
@@ -94,6 +96,25 @@ impl Prior {
             found.time[place] = prior.time();
         }
         found
+    }
+
+    /// The form of [`Self::metric`] in which a body's size is the same in all directions about its centre: centres are as uncertain
+    /// across a slender link as along it. One for parameters that are held.
+    pub(super) fn round_metric(&self) -> DMatrix<f64> {
+        let mut metric = self.metric.clone();
+        (0..self.held.len()).filter(|i| self.held[*i]).for_each(|i| metric[(i, i)] = 1.0);
+        for &body in &self.bodies {
+            let start = body * PER_BODY;
+            let mut p = pseudo_inertia(&std::array::from_fn(|k| self.described[start + k]));
+            let (mass, first) = (p[(3, 3)], p.fixed_view::<3, 1>(0, 3).into_owned());
+            let about = first * first.transpose() / mass;
+            let moments = (p.fixed_view::<3, 3>(0, 0) - about).trace().max(COMMON_FLOOR * mass * self.size);
+            p.fixed_view_mut::<3, 3>(0, 0).copy_from(&(about + Matrix3::identity() * (moments / 3.0)));
+            if let Some(inverse) = p.try_inverse() {
+                metric.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&body_metric(&inverse));
+            }
+        }
+        metric
     }
 
     /// Whether all bodies with mass can exist when the parameters differ by `changes` from the described ones.

@@ -136,6 +136,16 @@ pub struct Uncertain {
     pub interval: [f64; 2],
 }
 
+impl Uncertain {
+    /// Whether the ends of its interval have one sign and differ by a factor of 2 at most.
+    #[must_use]
+    pub fn has_one_size(&self) -> bool {
+        let [low, high] = self.interval;
+        let [near, far] = [low.abs().min(high.abs()), low.abs().max(high.abs())];
+        low * high > 0.0 && far <= 2.0 * near
+    }
+}
+
 /// What belongs to one joint, or to the shaft that takes its row ([`crate::shafts`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointEstimate {
@@ -149,8 +159,8 @@ pub struct JointEstimate {
     pub load: Option<EstimatedTerm>,
     /// Reflected inertia that the description does not have [kg m² or kg], where it was chosen.
     pub armature: Option<Uncertain>,
-    /// Force per unit of the input as described, where efforts are currents: the motor constant K_M [N·m/A or N/A], or where the description has one
-    /// its factor. In proportion to the described masses.
+    /// Motor constant K_M [N·m/A or N/A], if the effort is a current and the description has none. The scale of torque is that
+    /// of the described bodies. Intervals of parameters and friction count its own.
     pub gain: Option<Uncertain>,
     /// Offset of the measured force in each run, `measured = model + offset`.
     pub offsets: Vec<f64>,

@@ -82,7 +82,7 @@ impl Columns {
         let scales = robot.speed_scales().into_iter();
         let steepness = scales.map(|scale| STEEPNESS.map(|factor| slope(factor, scale))).collect();
         let layout = Layout::without_data(robot, effort, steepness, moves, false)?;
-        Ok(Self { layout: Layout { measured, ..layout } })
+        Ok(Self { layout: Layout { measured, ..layout }.without_resting_currents() })
     }
 
     /// Number of columns of each joint.
@@ -267,6 +267,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         values: &solved.values,
         offsets: &Vec::new(),
         outlier: &[],
+        log_gains: &chosen.log_gains,
     };
     let scores = Scores::of_folds(&fitted, data.correlation_time);
     let held_out = chosen.held_out(&prior)?;
@@ -318,6 +319,7 @@ fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
         columns: share.products.iter().enumerate().map(columns).collect(),
     };
     Sums {
+        away: None,
         folds: shares.iter().map(of_estimate).collect(),
         pieces: shares.iter().enumerate().map(piece).collect(),
         samples: shares.iter().map(|share| share.samples).sum(),

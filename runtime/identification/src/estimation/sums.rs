@@ -43,6 +43,8 @@ pub(super) struct Sums {
     pub(super) folds: Vec<Vec<DMatrix<f64>>>,
     pub(super) pieces: Vec<PieceSums>,
     pub(super) samples: usize,
+    /// The same without samples near stops, where gains are found from them.
+    pub(super) away: Option<Box<Sums>>,
 }
 
 /// Cuts runs into contiguous pieces and deals these into folds.
@@ -170,7 +172,12 @@ pub(super) fn sum(
         DMatrix::from_fn(q, q, |i, j| sums[i.max(j) * q + i.min(j)])
     };
     let folds = products.iter().map(|fold| fold.iter().enumerate().map(|(j, s)| square(j, s)).collect());
-    Sums { folds: folds.collect(), pieces: sums, samples: runs.iter().map(|r| r.times.len()).sum() }
+    Sums {
+        folds: folds.collect(),
+        pieces: sums,
+        samples: runs.iter().map(|r| r.times.len()).sum(),
+        away: None,
+    }
 }
 
 fn add(columns: &[&[f64]], weight: &[f64], sums: &mut [f64]) {
@@ -207,7 +214,7 @@ impl PieceSums {
 impl Sums {
     /// Both, over the same pieces.
     pub(super) fn with(&self, other: &Self) -> Self {
-        let mut sum = self.clone();
+        let mut sum = Self { away: None, ..self.clone() };
         for (fold, other) in sum.folds.iter_mut().zip(&other.folds) {
             fold.iter_mut().zip(other).for_each(|(a, b)| *a += b);
         }

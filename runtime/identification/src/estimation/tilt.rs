@@ -9,7 +9,7 @@ use super::super::methods::confidence::quantile;
 use super::super::numeric::digits::plain;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::{JointLimits, Robot};
-use super::super::run::{Effort, PreparedRun};
+use super::super::run::PreparedRun;
 use super::choice::Chosen;
 use super::fit::{HeldOut, Weighting, fit};
 use super::hypotheses::{as_described, gain, harms, offered};
@@ -45,7 +45,7 @@ const UNTOLD: f64 = 0.01;
 ///
 /// - the fit with the described gravity and its errors; `time`: the residuals' correlation time
 pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
-    let is_usual = task.gravity == Gravity::Recorded && task.layout.effort != Effort::Current;
+    let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
     let (mut gravity, mut changes) = (described, last.values.unknowns.clone());
@@ -117,6 +117,9 @@ impl Robot for Turning<'_> {
     }
     fn input_matrix(&self) -> Vec<f64> {
         self.robot.input_matrix()
+    }
+    fn described_currents(&self) -> Vec<bool> {
+        self.robot.described_currents()
     }
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
         let count = self.pi.len();
@@ -206,7 +209,7 @@ impl Turning<'_> {
         Chosen {
             weighting: Weighting { description, trust, ..last.weighting.clone() },
             values: Values { unknowns: DVector::zeros(layout.len()), gains: last.values.gains.clone() },
-            gains: last.gains.clone(),
+            log_gains: last.log_gains.clone(),
             centred: Centred::new(layout, sums, last.model.offsets, last.centred.zeros.clone()),
             model: Model { consistent: false, ..last.model.clone() },
             tried: Vec::new(),
@@ -258,8 +261,9 @@ impl Angles {
         if let Some(time) = time {
             let (offsets, outlier) = (chosen.offsets(), vec![f64::INFINITY; task.layout.joints]);
             let values = &solved.values;
-            let fitted =
-                Fitted { centred, solved: &solved, weighting, values, offsets: &offsets, outlier: &outlier };
+            let log_gains = &chosen.log_gains;
+            let (offsets, outlier) = (&offsets, &outlier);
+            let fitted = Fitted { centred, solved: &solved, weighting, values, offsets, outlier, log_gains };
             let scores = scores(&mut task.rows(), task.layout, task.runs, &fitted, time);
             let all = covariance(&fitted, task.prior, &scores)?;
             (found.covariance, found.freedom) = (block(&all.matrix), all.freedom as f64);

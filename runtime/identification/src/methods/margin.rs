@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 /// Least share of the curvature in a direction that must be left for a change in it to be counted: with less, the
 /// change is mostly noise. Values from 0.005 to 0.05 change the coverage of intervals of simulated arms that stick by at most 2 %. Values of
 /// 0.1 and 0.2 lower it by 3 and 10 %.
-const LEAST_SHARE: f64 = 0.02;
+pub(crate) const LEAST_SHARE: f64 = 0.02;
 
 /// Eigenvalues below this share of the largest belong to directions that the data do not have.
 const NEGLIGIBLE: f64 = 1e-12;

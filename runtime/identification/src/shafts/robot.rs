@@ -130,6 +130,10 @@ impl Robot for RobotRows<'_> {
         matrix
     }
 
+    fn described_currents(&self) -> Vec<bool> {
+        self.robot.described_currents()
+    }
+
     fn has_inputs_at_frames(&self) -> bool {
         self.robot.has_inputs_at_frames()
     }

@@ -11,6 +11,8 @@ pub(in super::super) struct Chain {
     pub(in super::super) gears: Vec<f64>,
     /// Largest forces.
     pub(in super::super) efforts: Vec<f64>,
+    /// Whether inputs are currents, so that B holds motor constants.
+    pub(in super::super) currents: bool,
 }
 
 /// A joint's place on its parent, its axis, and the ten parameters of what it moves.
@@ -144,6 +146,9 @@ impl Robot for Chain {
         let n = self.count();
         (0..n * n).map(|k| if k / n == k % n { self.gears[k / n] } else { 0.0 }).collect()
     }
+    fn described_currents(&self) -> Vec<bool> {
+        vec![self.currents; self.count()]
+    }
     fn gravity(&self) -> Option<[f64; 3]> {
         Some(self.gravity.into())
     }
@@ -204,5 +209,5 @@ pub(in super::super) fn ur10() -> Chain {
         ),
     ];
     let efforts = vec![330.0, 330.0, 150.0, 54.0, 54.0, 54.0];
-    Chain { joints, gravity: Vector3::new(0.0, 0.0, -9.80665), gears: vec![1.0; 6], efforts }
+    Chain { joints, gravity: Vector3::new(0.0, 0.0, -9.80665), gears: vec![1.0; 6], efforts, currents: false }
 }

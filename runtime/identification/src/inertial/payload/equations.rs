@@ -79,7 +79,7 @@ impl Equations {
         for (what, runs) in [("runs without the load", without), ("runs with the load", with)] {
             require_samples(what, 1, runs.len())?;
         }
-        let columns = Columns::new(robot, without.iter().chain(with), body, settings)?;
+        let columns = Columns::new(robot, without.iter().chain(with), body)?;
         let count = |runs: &[PreparedRun]| runs.iter().map(|run| run.times.len()).sum::<usize>();
         let samples = count(without) + count(with);
         require_samples("a payload, samples of both logs", BLOCKS * PER_BODY, samples)?;
@@ -245,12 +245,11 @@ impl<'a> Columns<'a> {
         robot: &'a dyn Robot,
         runs: impl Iterator<Item = &'b PreparedRun>,
         body: usize,
-        settings: &PayloadSettings,
     ) -> Result<Self> {
         let runs: Vec<&PreparedRun> = runs.collect();
         let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
         let effort = runs[0].effort;
-        let to_joints = to_joints(robot, effort, settings)?;
+        let to_joints = to_joints(robot, effort)?;
         let quaternions = robot.quaternion_joints();
         for run in &runs {
             check_run(run, [joints, quaternions.len(), to_joints.ncols()], effort)?;
@@ -373,21 +372,17 @@ impl<'a> Columns<'a> {
 }
 
 /// Joint forces of unit efforts.
-fn to_joints(robot: &dyn Robot, effort: Effort, settings: &PayloadSettings) -> Result<DMatrix<f64>> {
+fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
     let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
     if effort == Effort::Joint {
         return Ok(DMatrix::identity(joints, joints));
     }
-    let mut map = DMatrix::from_row_slice(joints, inputs, &robot.input_matrix());
     if effort == Effort::Current {
-        let given = settings.gains.as_deref().unwrap_or_default();
+        let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
         let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
-        require_length(what, inputs, given.len())?;
-        for (k, gain) in given.iter().enumerate() {
-            map.column_mut(k).scale_mut(*gain);
-        }
+        require_length(what, inputs, given)?;
     }
-    Ok(map)
+    Ok(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()))
 }
 
 fn check_run(run: &PreparedRun, [joints, quaternions, channels]: [usize; 3], effort: Effort) -> Result<()> {

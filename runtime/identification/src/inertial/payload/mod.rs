@@ -46,7 +46,7 @@ const BALL: f64 = 0.1;
 ///
 /// # Errors
 /// No runs of one kind, shapes that disagree with the robot, joints that something else moves, efforts of different kinds, currents
-/// without gains, settings out of range, too few samples, or no minimum.
+/// whose motor constants are not described, settings out of range, too few samples, or no minimum.
 pub fn estimate(
     robot: &dyn Robot,
     without: &[PreparedRun],
@@ -94,9 +94,6 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
     require_setting("weight of the description", settings.weight, settings.weight > 0.0, positive)?;
     let inside = settings.confidence > 0.0 && settings.confidence < 1.0;
     require_setting("confidence", settings.confidence, inside, "it must lie between 0 and 1")?;
-    for gain in settings.gains.iter().flatten() {
-        require_setting("gain of an input", *gain, *gain != 0.0, "it must not be zero")?;
-    }
     Ok(body)
 }
 

@@ -5,8 +5,6 @@
 pub struct PayloadSettings {
     /// Body that carries the load, from 0; the last one unless stated.
     pub body: Option<usize>,
-    /// K_M of each input [N·m/A or N/A], needed where logs hold currents.
-    pub gains: Option<Vec<f64>>,
     /// Cost of a body at distance one from its description, in samples with an error of one standard deviation,
     /// as in `inertial::regularized::towards`.
     pub weight: f64,
@@ -16,6 +14,6 @@ pub struct PayloadSettings {
 
 impl Default for PayloadSettings {
     fn default() -> Self {
-        Self { body: None, gains: None, weight: 1.0, confidence: 0.95 }
+        Self { body: None, weight: 1.0, confidence: 0.95 }
     }
 }

@@ -16,10 +16,14 @@ const P: usize = 60;
 /// Gear ratio of the inputs, for logs of inputs and currents.
 const RATIO: f64 = 101.0;
 
-/// The described robot.
-struct Ur5;
+/// The described robot, and whether its inputs are currents.
+struct Described {
+    currents: bool,
+}
 
-impl Robot for Ur5 {
+const UR5: Described = Described { currents: false };
+
+impl Robot for Described {
     fn joint_names(&self) -> Vec<String> {
         ur5::JOINT_NAMES.map(String::from).to_vec()
     }
@@ -41,6 +45,9 @@ impl Robot for Ur5 {
     fn bodies(&self) -> usize {
         N
     }
+    fn described_currents(&self) -> Vec<bool> {
+        vec![self.currents; N]
+    }
     fn input_matrix(&self) -> Vec<f64> {
         (0..N * N).map(|k| if k % (N + 1) == 0 { RATIO } else { 0.0 }).collect()
     }
@@ -55,7 +62,7 @@ impl Robot for Ur5 {
 
 fn product(y: &[f64], v: &[f64], a: &[f64], pi: &[f64]) -> Vec<f64> {
     let mut w = vec![0.0; N * P];
-    Ur5.inertial_regressor(y, v, a, &mut w);
+    UR5.inertial_regressor(y, v, a, &mut w);
     w.chunks_exact(P).map(|row| row.iter().zip(pi).map(|(w, p)| w * p).sum()).collect()
 }
 
@@ -72,7 +79,7 @@ impl Simulation {
     /// Stribeck friction with an offset; noise that is correlated over 0.05 s; a robot that differs from its
     /// description.
     fn run(&self, load: &[f64; PER_BODY]) -> PreparedRun {
-        let mut pi = Ur5.parameters();
+        let mut pi = UR5.parameters();
         pi.iter_mut().for_each(|x| *x *= 1.08);
         pi[P - PER_BODY..].iter_mut().zip(load).for_each(|(x, l)| *x += l);
         let mut random = SplitMix64::new(self.seed);
@@ -157,7 +164,7 @@ fn a_load_is_found_whatever_the_efforts_are() {
     let truth = of(2.5, 0.15, [0.02, -0.03, 0.09]);
     let with = Simulation { seed: 2, samples: 500, ..LOG }.run(&truth);
     let settings = PayloadSettings::default();
-    let found = estimate(&Ur5, slice::from_ref(without()), slice::from_ref(&with), &settings).unwrap();
+    let found = estimate(&UR5, slice::from_ref(without()), slice::from_ref(&with), &settings).unwrap();
     assert_eq!(found.body, 5);
     assert!((found.mass.value - 2.5).abs() < 0.05, "{:?}", found.mass);
     for (e, truth) in found.centre_of_mass.iter().zip([0.02, -0.03, 0.09]) {
@@ -170,20 +177,21 @@ fn a_load_is_found_whatever_the_efforts_are() {
     // The same logs as currents of motors behind gears.
     let runs = [without(), &with].map(|run| {
         let mut run = PreparedRun { effort: Effort::Current, ..run.clone() };
-        run.efforts.iter_mut().flatten().for_each(|x| *x /= 0.1 * RATIO);
+        run.efforts.iter_mut().flatten().for_each(|x| *x /= RATIO);
         run
     });
-    let gains = PayloadSettings { gains: Some(vec![0.1; N]), ..PayloadSettings::default() };
-    let again = estimate(&Ur5, &runs[..1], &runs[1..], &gains).unwrap();
+    let described = Described { currents: true };
+    let again = estimate(&described, &runs[..1], &runs[1..], &settings).unwrap();
     assert!((again.mass.value - found.mass.value).abs() < 1e-6);
-    // Without gains, and against a log of another kind.
+    // Without motor constants, and against a log of another kind.
     assert!(
-        estimate(&Ur5, &runs[..1], &runs[1..], &settings)
+        estimate(&UR5, &runs[..1], &runs[1..], &settings)
             .unwrap_err()
             .to_string()
             .starts_with("motor constants (`motor_constant`")
     );
-    let other = estimate(&Ur5, slice::from_ref(without()), &runs[1..], &gains).unwrap_err().to_string();
+    let other =
+        estimate(&described, slice::from_ref(without()), &runs[1..], &settings).unwrap_err().to_string();
     assert!(other.contains("its efforts are Current, those of the first run are Joint"), "{other}");
 }
 
@@ -192,7 +200,7 @@ fn what_the_motion_does_not_show_is_said() {
     // No load at all.
     let with = Simulation { seed: 3, ..LOG }.run(&NOTHING);
     let settings = PayloadSettings::default();
-    let found = estimate(&Ur5, slice::from_ref(without()), slice::from_ref(&with), &settings).unwrap();
+    let found = estimate(&UR5, slice::from_ref(without()), slice::from_ref(&with), &settings).unwrap();
     assert!(
         found.mass.value < 0.05
             && texts(&found.findings, Severity::Warning).iter().any(|w| w.contains("no load is seen")),
@@ -203,7 +211,7 @@ fn what_the_motion_does_not_show_is_said() {
     let alone = Simulation { moving: 1, ..LOG };
     let load = of(2.5, 0.15, [0.02, -0.03, 0.09]);
     let with = Simulation { seed: 4, ..alone }.run(&load);
-    let found = estimate(&Ur5, &[alone.run(&NOTHING)], &[with], &settings).unwrap();
+    let found = estimate(&UR5, &[alone.run(&NOTHING)], &[with], &settings).unwrap();
     assert!(!found.shown[0] && found.residuals[1].is_none() && found.residuals[0].is_some(), "{found:?}");
     let said = |start: &str| texts(&found.findings, Severity::Warning).iter().any(|w| w.contains(start));
     assert!(said("the motion does not show m, "), "{:?}", texts(&found.findings, Severity::Warning));
@@ -215,7 +223,7 @@ fn bad_logs_have_messages() {
     let run = PreparedRun { times: vec![0.0], ..without().clone() };
     let good = slice::from_ref(without());
     let message = |without: &[PreparedRun], with: &[PreparedRun], settings: PayloadSettings| {
-        estimate(&Ur5, without, with, &settings).unwrap_err().to_string()
+        estimate(&UR5, without, with, &settings).unwrap_err().to_string()
     };
     let default = PayloadSettings::default;
     assert!(message(&[], good, default()).starts_with("runs without the load is empty"));
@@ -246,7 +254,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         let log = Simulation { samples: 2000, seed: 1000 + seed, ..LOG };
         let with = Simulation { seed: 2000 + seed, ..log }.run(&truth);
         let settings = PayloadSettings { confidence: 0.9, ..PayloadSettings::default() };
-        let found = estimate(&Ur5, &[log.run(&NOTHING)], &[with], &settings).unwrap();
+        let found = estimate(&UR5, &[log.run(&NOTHING)], &[with], &settings).unwrap();
         for k in 0..PER_BODY {
             counts[k] += usize::from(inside(&found.parameters[k], truth[k]));
         }
