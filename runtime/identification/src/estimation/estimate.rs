@@ -410,7 +410,7 @@ impl Task<'_> {
         let ratio = checked.common_ratio();
         let mut doubts = other_explanations(self, judged, ratio.as_ref().map(CommonRatio::factor))?;
         doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
-        other_factors(self, judged.0, held_out, &mut doubts)?;
+        other_factors(self, judged.0, &mut doubts)?;
         let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
         other_order(self, judged.0, &mut doubts, has_other_unit)?;
         let refusals = doubts.refusals();

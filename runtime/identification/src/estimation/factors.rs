@@ -6,9 +6,10 @@
 
 use super::super::error::Result;
 use super::super::numeric::digits::plain;
+use super::super::run::Effort;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
-use super::hypotheses::{gain, offered};
+use super::hypotheses::{POOR, gain, offered};
 use super::normal::Model;
 use super::prior::Prior;
 use gelenk_findings::{Finding, Rule};
@@ -50,6 +51,12 @@ impl Factors<'_> {
     }
 }
 
+/// Whether nothing is left to explain in the efforts of the joints.
+fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
+    let r_squared = chosen.centred_r_squared(&errors.rss);
+    chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= POOR)
+}
+
 /// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` where none does.
 pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Finding)>> {
     let layout = chosen.centred.layout;
@@ -62,7 +69,7 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     for joint in layout.rubbing() {
         let own = factors.error(joint, 1.0)?;
         let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
-        let Some(share) = gain(&own, &other) else { continue };
+        let Some(share) = gain(&own, &other).filter(|_| explains(chosen, &other)) else { continue };
         if clearest.is_none_or(|(.., most)| share > most) {
             clearest = Some((joint, factor, share));
         }
@@ -70,7 +77,7 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     let Some((joint, factor, share)) = clearest else { return Ok(None) };
     let near = (-STEPS..=STEPS).map(|i| factor * FINE.powi(i));
     let factor = factors.best(joint, near)?.map_or(factor, |(factor, _)| factor);
-    Ok(Some((joint, offered(other_factor(factor), share))))
+    Ok(Some((joint, offered(other_factor(layout.effort, factor), share))))
 }
 
 /// Sees: the effort of one joint that fits better with a factor.
@@ -79,11 +86,15 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
 /// Fixture: `factor` in `codegen/tests/findings/arm.rs`.
 const OTHER_FACTOR: Rule = Rule::error("other-factor");
 
-fn other_factor(factor: f64) -> Finding {
+fn other_factor(effort: Effort, factor: f64) -> Finding {
     let shown = plain(factor, 2);
+    let (sources, example) = match effort {
+        Effort::Joint => ("gear ratio and sensor", format!("'torque=tau1|tau2[{shown} Nm]|tau3'")),
+        Effort::Input => ("gear ratio and sensor", format!("'input=u1|u2[{shown} Nm]|u3'")),
+        Effort::Current => ("gear ratio and motor constant", format!("'current=i1|i2[{shown} A]|i3'")),
+    };
     let remedy = format!(
-        "check the effort's unit, gear ratio and sensor, and the zero of its position; --columns gives one column a factor, as in \
-         'torque=tau1|tau2[{shown} Nm]|tau3'"
+        "check the effort's unit, {sources}, and the zero of its position; --columns gives one column a factor, as in {example}"
     );
     let message = format!("the data are explained better with its effort times {shown}");
     OTHER_FACTOR.found(message).with("factor", factor, "").help(remedy)

@@ -23,7 +23,9 @@ use super::prior::Prior;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
 
-/// Standard deviation of a described body in its metric: 14 % of its mass, and for its centre a fifth of its radius of gyration.
+/// Standard deviation of a described body in [`Prior::round_metric`]: 17 % of its mass, and 7 % of its radius of gyration for each coordinate of its
+/// centre. In 24 logs of a simulated arm (masses within a factor of 1.25, centres within some 12 mm) 90 % intervals of the
+/// constants that are known within a factor of 2 hold 83, 94 and 96 % with 0.1, 0.12 and 0.14.
 const BODIES: f64 = 0.12;
 /// Largest standard deviation of ln K: three decades.
 const DECADES: f64 = 7.0;
@@ -69,7 +71,8 @@ pub(super) fn gains(centred: &Centred, prior: &Prior) -> Result<Gains> {
 struct Projection {
     /// One over its absolute value, with the sign of the gain.
     gain: f64,
-    /// Relative influence of the bodies, in coordinates in which they are independent with the variance one, and that of each fold.
+    /// Influence on ln K of the bodies, in coordinates in which they are independent with the variance one, and of each fold; one entry
+    /// if the gain is unknown.
     influence: DVector<f64>,
 }
 
@@ -186,7 +189,9 @@ impl<'a> Equations<'a> {
         let projections: Vec<Projection> = joints.iter().map(project).collect();
         let covariance = DMatrix::from_fn(joints.len(), joints.len(), |i, k| {
             let [one, other] = [&projections[i].influence, &projections[k].influence];
-            if one.len() == other.len() { one.dot(other) } else { 0.0 }
+            // Of what is unknown, influences by bodies are none.
+            let shares = one.len() == other.len() && one.len() > 1;
+            if i == k || shares { one.dot(other) } else { 0.0 }
         });
         let precision = Factor::new(&covariance)?.solve(&DMatrix::identity(joints.len(), joints.len()));
         let active = active(layout, prior);

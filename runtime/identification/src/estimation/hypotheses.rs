@@ -25,7 +25,7 @@ pub(super) const CLEARLY: f64 = 0.1;
 const FALL: &str = "fall of the held-out error";
 
 /// R² below which a sign is doubted.
-const POOR: f64 = 0.5;
+pub(super) const POOR: f64 = 0.5;
 /// Power of driving friction, as a share of the power of a force as large as the measured one.
 const NOTICEABLE: f64 = 0.05;
 
@@ -298,17 +298,9 @@ fn earlier(task: &Task, chosen: &Chosen, (joint, seconds): (usize, f64)) -> Resu
     chosen.over(&sums).held_out(task.prior)
 }
 
-/// Tries other factors of the efforts, where nothing else is doubted and no joint is hardly explained: what is wrong there
-/// would pass for a factor.
-pub(super) fn other_factors(
-    task: &Task,
-    chosen: &Chosen,
-    held_out: &[f64],
-    doubts: &mut Doubts,
-) -> Result<()> {
-    let poor = chosen.centred.layout.rubbing().any(|joint| held_out[joint] < POOR);
-    let has_doubts = !doubts.of_all.is_empty() || doubts.of_joints.iter().any(Option::is_some);
-    if poor || has_doubts || too_short(task).is_some() {
+/// Tries other factors of the efforts, if nothing else is doubted.
+pub(super) fn other_factors(task: &Task, chosen: &Chosen, doubts: &mut Doubts) -> Result<()> {
+    if !doubts.is_empty() || too_short(task).is_some() {
         return Ok(());
     }
     if let Some((joint, doubt)) = factor(chosen, task.prior)? {

@@ -36,7 +36,7 @@ const BEYOND_LIMITS: f64 = 0.01;
 /// Part of the described speed that a log shows at least where nothing is said.
 const SMALL_PART: f64 = 0.1;
 
-/// Friction over the described effort that no joint has.
+/// Speed or friction over the described limit that no joint has.
 const ABSURD: f64 = 3.0;
 
 /// What is collected on the way.
@@ -80,7 +80,8 @@ impl<'a> Findings<'a> {
         self.add(POOR_LAW.found(message).help(remedy));
     }
 
-    /// Refuses a law whose data lie beyond a described limit.
+    /// Doubts a law whose data lie beyond a described limit; refuses it where they lie so far beyond that their unit is another one.
+    /// Limits are rounded, and drives exceed them.
     pub(super) fn judge_limit(&mut self, what: &str, share: f64, [limit, largest]: [f64; 2], unit: &str) {
         if share > BEYOND_LIMITS {
             let message = format!(
@@ -90,7 +91,8 @@ impl<'a> Findings<'a> {
                 plain(largest, 4)
             );
             let remedy = "the log's columns or units are not this joint's (--columns), or the description's limits are wrong";
-            self.add(BEYOND_LIMIT.found(message).help(remedy));
+            let found = BEYOND_LIMIT.found(message).help(remedy);
+            self.add(if largest > ABSURD * limit { found } else { found.accepted() });
         }
     }
 
