@@ -109,6 +109,10 @@ impl Projection {
         // The logarithm of a factor that is one standard deviation smaller; of one that may be zero nothing is known.
         let error = influence.norm();
         let logarithm = if error < 1.0 { (-(-error).ln_1p()).min(DECADES) } else { DECADES };
+        // A fold without force says nothing of the others.
+        if !error.is_finite() {
+            return Self { gain: sign, influence: unknown };
+        }
         influence *= logarithm / error;
         Self { gain: sign / own.abs(), influence }
     }

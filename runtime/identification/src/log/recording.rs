@@ -129,7 +129,7 @@ impl Recording {
     }
 
     /// The columns that were taken, one note for each quantity, and one note for the columns that nothing uses.
-    pub fn columns_found(&self) -> Vec<Finding> {
+    pub(crate) fn columns_found(&self) -> Vec<Finding> {
         let shown: Vec<String> =
             self.unused.iter().take(MOST_UNUSED).map(|header| format!("`{header}`")).collect();
         let more = self.unused.len().saturating_sub(MOST_UNUSED);
