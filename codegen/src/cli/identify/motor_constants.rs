@@ -15,16 +15,15 @@ const ESTIMATED: Rule = Rule::note("motor-constant");
 /// Sees: a motor constant that is negative, or that no motor has.
 /// Matters: the current is in another unit, or the masses are described wrong.
 /// Example: 300 N·m/A.
-/// Fixture: `codegen/tests/external_arm/units.rs`.
+/// Fixture: `codegen/tests/external_arm/said.rs`.
 const DOUBTFUL_CONSTANT: Rule = Rule::warning("motor-constant-doubtful");
 
 /// Constants that motors of turning joints have, with gears that the description does not have [N m/A].
 const USUAL: [f64; 2] = [1e-3, 100.0];
 
-/// Motor constants of the joints that move, if they are known within a factor of 2.
+/// Motor constants that are known within a factor of 2.
 fn known(found: &Identification) -> impl Iterator<Item = (&JointEstimate, Uncertain)> {
-    let joints = found.estimate.joints.iter().filter(|joint| joint.moves);
-    let constants = joints.filter_map(|joint| Some((joint, joint.gain?)));
+    let constants = found.estimate.joints.iter().filter_map(|joint| Some((joint, joint.gain?)));
     constants.filter(|(_, constant)| constant.has_one_size())
 }
 

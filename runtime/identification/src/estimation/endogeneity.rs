@@ -20,7 +20,7 @@ use super::fit::force_weights;
 use super::instruments::{InstrumentSource, Instruments};
 use super::intervals::{Fitted, MOST_BLOCKS, column_means, described};
 use super::layout::Layout;
-use super::normal::{Factor, Values, residual_vector};
+use super::normal::{Factor, Values, residual_vector, selection};
 use super::residuals::{forces, huber, residual};
 use super::result::Offsets;
 use super::task::Task;
@@ -286,17 +286,6 @@ impl Products {
         let centre = |products: &DMatrix<f64>, sum: &DVector<f64>| products - mean * sum.transpose();
         [centre(&self.zx, &self.x), centre(&self.zz, &self.z)]
     }
-}
-
-/// Which of a joint's columns make which active unknown's.
-fn selection((layout, joint, gain): (&Layout, usize, f64), active: &[usize]) -> DMatrix<f64> {
-    let mut selection = DMatrix::zeros(layout.width(joint), active.len());
-    for (i, &global) in active.iter().enumerate() {
-        if let Some(k) = layout.local[joint].iter().position(|local| *local == global) {
-            selection[(k, i)] = layout.scale(global, gain);
-        }
-    }
-    selection
 }
 
 /// `ZᵀΩX`, `ZᵀΩZ`, and the moments `XᵀΩr` and `ZᵀΩr` of the blocks, as columns.

@@ -298,7 +298,8 @@ impl Estimated<'_> {
 
     /// K_M, of which the logarithm has an interval.
     fn gain(&self, joint: usize) -> Uncertain {
-        let (value, error) = (self.solved.values.gains[joint], self.log_gain(joint));
+        let value = self.solved.values.gains[joint];
+        let error = self.chosen.log_gains[(joint, joint)].max(0.0).sqrt();
         let folds = self.chosen.centred.without.len();
         let [low, high] = self.with_interval(0.0, error, folds.saturating_sub(1)).interval;
         let mut interval = [low, high].map(|end| value * end.exp());
@@ -306,18 +307,9 @@ impl Estimated<'_> {
         Uncertain { value, standard_error: value.abs() * error, interval }
     }
 
-    /// Standard error of the logarithm of a gain.
-    fn log_gain(&self, joint: usize) -> f64 {
-        self.chosen.log_gains[(joint, joint)].max(0.0).sqrt()
-    }
-
-    /// Joints whose gain the description does not tell.
+    /// Joints whose gains are not known within a factor of 2.
     fn untold_gains(&self) -> Vec<Finding> {
-        let layout = self.layout;
-        let untold = |joint: &usize| {
-            let is_estimated = layout.moves[*joint] && !layout.known_gains[*joint];
-            is_estimated && !self.gain(*joint).has_one_size()
-        };
+        let untold = |joint: &usize| !self.gain(*joint).has_one_size();
         let finding = |joint: usize| {
             let message = "its motor constant is not known: the described bodies do not load the joint enough, or only by its inertia, \
                            to which the drive's adds. Its torques may be wrong by a factor, with friction and inertia; its \
@@ -325,7 +317,7 @@ impl Estimated<'_> {
             let remedy = "describe `motor_constant`, from the data sheet or from a known load, or convert the currents to torques";
             MOTOR_CONSTANT.found(message).of(self.robot.subject(joint)).help(remedy)
         };
-        (0..layout.joints).filter(untold).map(finding).collect()
+        self.layout.unknown_gains().filter(untold).map(finding).collect()
     }
 
     fn joint(&self, joint: usize, name: String, fit: JointFit) -> JointEstimate {

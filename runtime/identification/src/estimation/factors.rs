@@ -51,7 +51,7 @@ impl Factors<'_> {
     }
 }
 
-/// Whether nothing is left to explain in the efforts of the joints.
+/// Whether no joint is hardly explained.
 fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
     let r_squared = chosen.centred_r_squared(&errors.rss);
     chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= POOR)

@@ -18,7 +18,7 @@ use super::fit::deviations;
 use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, Layout, VISCOUS};
 use super::normal::{Centred, Factor, RIDGE, Values};
-use super::normal::{assemble, force_vector, regularized, residual_vector, with_ridge};
+use super::normal::{assemble, force_vector, regularized, residual_vector, selection, with_ridge};
 use super::prior::Prior;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
@@ -48,8 +48,7 @@ pub(super) struct Gains {
 /// Sums without a solution.
 pub(super) fn gains(centred: &Centred, prior: &Prior) -> Result<Gains> {
     let layout = centred.layout;
-    let is_unknown = |joint: &usize| layout.measured[*joint] && !layout.known_gains[*joint];
-    let joints: Vec<usize> = (0..layout.joints).filter(is_unknown).collect();
+    let joints: Vec<usize> = layout.unknown_gains().collect();
     let mut found =
         Gains { values: vec![1.0; layout.joints], covariance: DMatrix::zeros(layout.joints, layout.joints) };
     if joints.is_empty() {
@@ -89,10 +88,10 @@ impl Projection {
         let [energy, measured] = [force, effort].map(|place| left[(place, place)].max(0.0));
         let (own, count) = (left[(force, effort)] / energy, without.len() as f64);
         let sign = sign(layout, all, joint);
-        let unknown = DVector::from_element(1, DECADES);
+        let unknown = Self { gain: sign, influence: DVector::from_element(1, DECADES) };
         let is_shown = energy > LEAST * all[(force, force)] && measured > 0.0 && own != 0.0;
         if !is_shown {
-            return Self { gain: sign, influence: unknown };
+            return unknown;
         }
         let bodies = layout.local[joint].iter().take_while(|global| **global < layout.parameters);
         let mut slopes = DVector::zeros(root.nrows());
@@ -106,13 +105,13 @@ impl Projection {
         let bodies = root * slopes;
         let mut influence =
             DVector::from_iterator(bodies.len() + folds.len(), bodies.iter().chain(&folds).copied());
-        // The logarithm of a factor that is one standard deviation smaller; of one that may be zero nothing is known.
         let error = influence.norm();
-        let logarithm = if error < 1.0 { (-(-error).ln_1p()).min(DECADES) } else { DECADES };
-        // A fold without force says nothing of the others.
+        // The force is zero without one of the folds.
         if !error.is_finite() {
-            return Self { gain: sign, influence: unknown };
+            return unknown;
         }
+        // The logarithm of a factor that is one standard deviation smaller; of one that may be zero nothing is known.
+        let logarithm = if error < 1.0 { (-(-error).ln_1p()).min(DECADES) } else { DECADES };
         influence *= logarithm / error;
         Self { gain: sign / own.abs(), influence }
     }
@@ -276,14 +275,7 @@ impl<'a> Equations<'a> {
 
     /// Columns of a joint in the active unknowns, as factors of its sums.
     fn columns(&self, gains: &[f64], joint: usize) -> DMatrix<f64> {
-        let layout = self.centred.layout;
-        let mut columns = DMatrix::zeros(layout.width(joint), self.active.len());
-        for (k, global) in layout.local[joint].iter().enumerate() {
-            if let Ok(i) = self.active.binary_search(global) {
-                columns[(k, i)] = layout.scale(*global, gains[joint]);
-            }
-        }
-        columns
+        selection((self.centred.layout, joint, gains[joint]), &self.active)
     }
 
     /// Force of a joint without its delay, as factors of its sums.

@@ -24,7 +24,7 @@ pub(super) const CLEARLY: f64 = 0.1;
 /// Name of the number by which a hypothesis is better, in percent.
 const FALL: &str = "fall of the held-out error";
 
-/// R² below which a sign is doubted.
+/// R² below which a joint is hardly explained, and its sign is doubted.
 pub(super) const POOR: f64 = 0.5;
 /// Power of driving friction, as a share of the power of a force as large as the measured one.
 const NOTICEABLE: f64 = 0.05;

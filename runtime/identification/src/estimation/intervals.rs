@@ -13,7 +13,7 @@ use super::cosines;
 use super::fit::{Solved, Weighting, force_weights};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
-use super::normal::{Centred, Factor, Values, residual_vector};
+use super::normal::{Centred, Factor, Values, residual_vector, selection};
 use super::prior::Prior;
 use super::residuals::{RunOffsets, huber, residual};
 use super::result::Offsets;
@@ -255,14 +255,10 @@ impl Covariance {
 fn slopes_of_gains(of: &Fitted) -> DMatrix<f64> {
     let (layout, gains) = (of.centred.layout, &of.values.gains);
     let weights = force_weights(of.weighting, gains);
-    let mut place = vec![None; layout.len()];
-    of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
     let of_joint = |joint: usize| {
-        let mut slope = DVector::zeros(of.solved.active.len());
         let products = &of.centred.all[joint];
         let effort = products.column(products.ncols() - 1) * (weights[joint] * gains[joint]);
-        add(&mut slope, (layout, joint, gains[joint]), &place, &effort);
-        slope
+        selection((layout, joint, gains[joint]), &of.solved.active).tr_mul(&effort)
     };
     DMatrix::from_columns(&(0..layout.joints).map(of_joint).collect::<Vec<_>>())
 }

@@ -152,8 +152,13 @@ impl Layout {
         self
     }
 
-    /// The layout without the equations of currents with unknown gains whose joints rest: stiction holds these, and what a
-    /// current makes of a constant is any gain.
+    /// Joints whose gains are to be found.
+    pub(super) fn unknown_gains(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.joints).filter(|&joint| self.measured[joint] && !self.known_gains[joint])
+    }
+
+    /// The layout without the equations of joints that rest and whose gains are unknown: stiction holds such a joint, and its current
+    /// does not tell its force.
     pub(super) fn without_resting_currents(self) -> Self {
         let rests = |joint: &usize| !self.known_gains[*joint] && !self.moves[*joint];
         let joints: Vec<usize> = (0..self.joints).filter(rests).collect();
@@ -315,7 +320,7 @@ fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
 }
 
-/// Whether no input acts on a joint whose effort is a current without a described motor constant.
+/// Tells of each joint whether its efforts are forces up to B: no currents, or all with described motor constants.
 fn known_gains(robot: &dyn Robot, effort: Effort) -> Vec<bool> {
     let joints = robot.joint_names().len();
     if effort != Effort::Current {

@@ -13,16 +13,12 @@ use nalgebra::DVector;
 pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
     let reach = task.settings.filter.as_ref()?.half_length();
     let of_run = |run: &PreparedRun| {
-        let mut resting: Vec<Vec<bool>> = run
-            .velocities
-            .iter()
-            .enumerate()
-            .map(|(joint, v)| (0..v.len()).map(|i| run.rests(joint, i)).collect())
-            .collect();
-        for joint in task.layout.rubbing() {
-            resting[joint] = near(&run.velocities[joint], |sample| run.rests(joint, sample), reach);
-        }
-        PreparedRun { resting, ..run.clone() }
+        let resting = |(joint, v): (usize, &Vec<f64>)| {
+            let rests = |sample: usize| run.rests(joint, sample);
+            let rubs = task.layout.rubbing().any(|rubbing| rubbing == joint);
+            if rubs { near(v, rests, reach) } else { (0..v.len()).map(rests).collect() }
+        };
+        PreparedRun { resting: run.velocities.iter().enumerate().map(resting).collect(), ..run.clone() }
     };
     Some(task.runs.iter().map(of_run).collect())
 }

@@ -231,6 +231,17 @@ impl Normal {
     }
 }
 
+/// Which of a joint's columns make which active unknown's.
+pub(super) fn selection((layout, joint, gain): (&Layout, usize, f64), active: &[usize]) -> DMatrix<f64> {
+    let mut selection = DMatrix::zeros(layout.width(joint), active.len());
+    for (i, &global) in active.iter().enumerate() {
+        if let Some(k) = layout.local[joint].iter().position(|local| *local == global) {
+            selection[(k, i)] = layout.scale(global, gain);
+        }
+    }
+    selection
+}
+
 fn target_vector(unknowns: usize, gain: f64) -> DVector<f64> {
     let mut t = DVector::zeros(unknowns + 2);
     t[unknowns] = -1.0;
