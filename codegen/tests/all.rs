@@ -2,6 +2,7 @@
 //! their own.
 
 mod bad;
+mod bands;
 mod c_command_line;
 mod c_module;
 mod check;

@@ -6,7 +6,7 @@ use super::estimation::Gravity;
 use super::friction::FrictionReport;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
-use super::preparation::{Filter, PreparationSettings, prepare_all};
+use super::preparation::{Filter, PreparationSettings, prepare_as};
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
 use gelenk_findings::{Finding, Rule};
@@ -65,7 +65,7 @@ pub fn validate(
         delay: joint.map(|joint| joint.delay),
         ..settings.preparation.clone()
     };
-    let (prepared, report) = prepare_all(&recording.runs, Some(robot), &preparation)?;
+    let (prepared, report) = prepare_as(&recording.runs, robot, &preparation, &found.preparation.filter)?;
     far_beyond(robot, &recording, &prepared).into_iter().for_each(|found| say(&found.accepted()));
     let rows = found.rows(robot);
     let prepared = rows.along(prepared);

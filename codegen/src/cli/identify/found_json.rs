@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gelenk_findings::{Finding, Severity, texts};
 use gelenk_identification::estimation::{Gravity, InstrumentalEstimate, Uncertain};
+use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::Identification;
 use gelenk_identification::validation::JointValidation;
 use serde_json::{Value, json};
@@ -40,11 +41,19 @@ fn gravity(gravity: Gravity) -> &'static str {
     }
 }
 
+fn law(found: &Identification, row: usize) -> Option<&FrictionReport> {
+    let of_row = found.friction.iter().find(|law| law.joint == row);
+    of_row.and_then(|law| law.report.as_ref().ok())
+}
+
 /// Terms of a row's friction law; null where there is none.
 fn terms(found: &Identification, row: usize) -> Value {
-    let of_row = found.friction.iter().find(|law| law.joint == row);
-    let report = of_row.and_then(|law| law.report.as_ref().ok());
-    report.map_or(Value::Null, terms_as_json)
+    law(found, row).map_or(Value::Null, terms_as_json)
+}
+
+/// The least speed at which a row's friction law is resolved; null if there is none.
+fn resolved_from(found: &Identification, row: usize) -> Value {
+    json!(law(found, row).and_then(|report| report.result.resolved_from))
 }
 
 /// What was found, and where it was written.
@@ -71,6 +80,7 @@ pub(super) fn as_json(
             })),
         });
         joint["friction_terms"] = terms(found, index);
+        joint["friction_resolved_from"] = resolved_from(found, index);
         if let Some(constant) = found.estimate.joints[index].gain {
             joint["motor_constant"] = uncertain(&constant);
         }

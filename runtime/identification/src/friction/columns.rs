@@ -6,7 +6,21 @@ use super::super::result::FrictionLaw;
 use super::task::FrictionData;
 use nalgebra::DMatrix;
 
+/// Samples away from rests and reversals by which a speed is resolved.
+const RESOLVING: usize = 10;
+
 impl FrictionData<'_> {
+    /// The least speed of samples that are farther from rests and reversals than the filter reaches, but for a few of them; the
+    /// largest speed if there are fewer.
+    pub(super) fn resolved_from(&self) -> Option<f64> {
+        let near = self.filtered?.near();
+        let away = self.velocities.iter().zip(near).filter(|(_, near)| !near);
+        let mut speeds: Vec<f64> = away.map(|(v, _)| v.abs()).collect();
+        speeds.sort_by(f64::total_cmp);
+        let fastest = || self.velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        Some(speeds.get(RESOLVING - 1).copied().unwrap_or_else(fastest))
+    }
+
     /// The terms of a library at the samples.
     pub(super) fn columns(&self, library: &Library) -> Result<Vec<Vec<f64>>> {
         match self.filtered {
@@ -20,23 +34,23 @@ impl FrictionData<'_> {
 
     /// The torques of a law at the samples.
     pub(super) fn torques_of(&self, law: &FrictionLaw) -> Result<Vec<f64>> {
-        match (self.filtered, law) {
-            (Some(filtered), FrictionLaw::Terms(_)) => {
+        match self.filtered {
+            Some(filtered) => {
                 let torques = |v: &[f64]| Ok(DMatrix::from_column_slice(v.len(), 1, &law.torques(v)?));
                 Ok(filtered.columns(torques)?.pop().unwrap_or_default())
             }
-            (None, _) | (_, FrictionLaw::Stribeck(_)) => law.torques(self.velocities),
+            None => law.torques(self.velocities),
         }
     }
 
     /// Derivatives of a law's torques by its coefficients at the samples.
     pub(super) fn gradients_of(&self, law: &FrictionLaw) -> Result<DMatrix<f64>> {
-        match (self.filtered, law) {
-            (Some(filtered), FrictionLaw::Terms(_)) => {
+        match self.filtered {
+            Some(filtered) => {
                 let columns = filtered.columns(|v| law.gradients(v))?;
                 Ok(DMatrix::from_fn(self.velocities.len(), columns.len(), |i, k| columns[k][i]))
             }
-            (None, _) | (_, FrictionLaw::Stribeck(_)) => law.gradients(self.velocities),
+            None => law.gradients(self.velocities),
         }
     }
 }

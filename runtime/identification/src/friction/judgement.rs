@@ -58,6 +58,7 @@ impl Findings<'_> {
             samples: judged.residuals.len(),
             freedom: judged.freedom,
             velocity_range: velocity_range(data.velocities),
+            resolved_from: data.resolved_from(),
             residual: rms_of(&judged.residuals),
             r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
             held_out,

@@ -13,7 +13,6 @@ mod dependence;
 mod design;
 mod drift;
 mod errors;
-mod filtered;
 mod findings;
 mod held_out;
 pub(crate) mod joint_samples;
@@ -29,7 +28,7 @@ mod terms;
 #[cfg(test)]
 mod tests;
 
-pub use filtered::{Filtered, FilteredRun};
+pub use super::methods::filtered::{Filtered, FilteredRun};
 pub use report::{Candidate, FrictionReport};
 pub(crate) use shares::SharedFriction;
 pub use task::{CommonTerms, FrictionData, FrictionIdentification, FrictionMethod, LambdaChoice, Offsets};

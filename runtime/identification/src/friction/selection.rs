@@ -71,11 +71,12 @@ fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
 /// Chooses terms by a method; `folds` are made where it needs them.
 ///
 /// - `rows`: of `A ξ ≥ 0`, where the law has to dissipate; subsets are judged by fits under them
+/// - `values`: of all terms at speeds of the data; a subset whose terms cancel each other at one of them is not chosen
 pub(super) fn choose(
     method: &FrictionMethod,
     reduced: &Reduced,
     folds: impl Fn() -> Result<Vec<Moments>>,
-    rows: Option<&DMatrix<f64>>,
+    (rows, values): (Option<&DMatrix<f64>>, DMatrix<f64>),
 ) -> Result<Chosen> {
     match method {
         FrictionMethod::Thresholding(settings) => {
@@ -85,16 +86,20 @@ pub(super) fn choose(
             Chosen::directly(Selection::Thresholding(*settings), reduced, note)
         }
         FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?),
-        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?, rows),
+        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?, (rows, values)),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
             Chosen::directly(Selection::All, reduced, "least squares on all terms".into())
         }
     }
 }
 
-fn by_subsets(reduced: &Reduced, folds: &[Moments], rows: Option<&DMatrix<f64>>) -> Result<Chosen> {
-    let conditions =
-        Conditions { requirements: requirements(reduced.moments().names()), rows: rows.cloned() };
+fn by_subsets(
+    reduced: &Reduced,
+    folds: &[Moments],
+    (rows, values): (Option<&DMatrix<f64>>, DMatrix<f64>),
+) -> Result<Chosen> {
+    let requirements = requirements(reduced.moments().names());
+    let conditions = Conditions { requirements, rows: rows.cloned(), values: Some(values) };
     let subsets = SubsetValidation::new(folds, 0, &conditions)?;
     let best = &subsets.best[subsets.one_standard_error];
     Ok(Chosen {

@@ -2,7 +2,7 @@
 
 use super::super::error::Result;
 use super::super::methods::offset::centre;
-use super::super::methods::stribeck::{StribeckFit, StribeckRegression, stribeck_torque};
+use super::super::methods::stribeck::{Observed, StribeckFit, StribeckRegression, stribeck_torque};
 use super::super::numeric::digits::plain;
 use super::super::result::FrictionLaw;
 use super::design::{folds, offset_ranges, offsets};
@@ -43,9 +43,14 @@ pub(super) fn identify(
     let separate = settings.offsets == Offsets::Separate;
     let regression = StribeckRegression { offset: separate, ..regression.clone() };
     let runs = offset_ranges(data);
-    let (v, torques) = (data.velocities, data.torques);
-    let fit = regression.fit_runs(v, torques, data.weights, &runs)?;
-    let fit = fit.with_correlated_errors(v, torques, data.weights, &runs);
+    let samples = Observed {
+        v: data.velocities,
+        torque: data.torques,
+        weights: data.weights,
+        runs: &runs,
+        filtered: data.filtered,
+    };
+    let fit = regression.fit_runs(&samples)?.with_correlated_errors(&samples);
     let mut findings = Findings::new(data);
     findings.note(format!(
         "Stribeck law{} by least squares, samples weigh the same, {} starts, {} passes",
@@ -54,33 +59,39 @@ pub(super) fn identify(
         fit.iterations
     ));
     fit.warnings.iter().for_each(|warning| findings.add(PARAMETERS.found(warning.clone())));
-    refuse_other_laws(&fit, v, &mut findings);
+    refuse_other_laws(&fit, data.velocities, &mut findings);
     if settings.passive {
-        refuse_driving(&fit, v, &mut findings);
+        refuse_driving(&fit, data.velocities, &mut findings);
     }
-    let unseen = held_out(data, settings, &regression, &fit, &runs);
-    let judged = judged(data, &fit, &runs, Some(unseen));
+    let unseen = held_out(data, settings, &regression, &fit, &samples)?;
+    let judged = judged(data, &fit, &runs, Some(unseen))?;
     let mut report = findings.report(settings, judged)?;
     report.condition = fit.condition;
     report.covariance = DMatrix::from_fn(5, 5, |i, j| fit.covariance[(i, j)]);
     Ok(report)
 }
 
-fn judged(data: &FrictionData, fit: &StribeckFit, runs: &[Range<usize>], unseen: Option<Unseen>) -> Judged {
-    let law: Vec<f64> = data.velocities.iter().map(|v| fit.torque(*v)).collect();
-    let mut residuals: Vec<f64> = data.torques.iter().zip(&law).map(|(t, l)| t - l).collect();
+fn judged(
+    data: &FrictionData,
+    fit: &StribeckFit,
+    runs: &[Range<usize>],
+    unseen: Option<Unseen>,
+) -> Result<Judged> {
+    let law = FrictionLaw::stribeck(fit.parameters, fit.standard_errors, fit.resolutions);
+    let torques = data.torques_of(&law)?;
+    let mut residuals: Vec<f64> = data.torques.iter().zip(&torques).map(|(t, l)| t - l).collect();
     for (run, offset) in runs.iter().zip(&fit.offsets) {
         residuals[run.clone()].iter_mut().for_each(|r| *r -= offset);
     }
     let separate = !fit.offsets.is_empty();
-    Judged {
-        law: FrictionLaw::stribeck(fit.parameters, fit.standard_errors, fit.resolutions),
-        offsets: if separate { offsets(data, runs, &law, &residuals) } else { Vec::new() },
+    Ok(Judged {
+        law,
+        offsets: if separate { offsets(data, runs, &torques, &residuals) } else { Vec::new() },
         unseen,
         residuals,
         freedom: fit.freedom as f64,
         stribeck: Some(fit.words()),
-    }
+    })
 }
 
 /// Fewest samples that tell of the fall from static to Coulomb friction.
@@ -152,26 +163,27 @@ fn held_out(
     settings: &FrictionIdentification,
     regression: &StribeckRegression,
     fit: &StribeckFit,
-    runs: &[Range<usize>],
-) -> Unseen {
+    samples: &Observed,
+) -> Result<Unseen> {
     let folds = folds(data, settings.folds);
     let mut unseen = Unseen { residual: 0.0, total: variation(data, regression.offset, &folds.concat()) };
     let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
     for fold in &folds {
         let is_left_out = |i: usize| fold.iter().any(|range| range.contains(&i));
         let others = |i: usize| if is_left_out(i) { 0.0 } else { weight(i) };
-        let weights: Vec<f64> = (0..data.velocities.len()).map(others).collect();
-        let law = regression.refit(fit, data.velocities, data.torques, &weights, runs);
-        let left = |(v, t): (&f64, &f64)| t - stribeck_torque(*v, &law);
-        let mut residuals: Vec<f64> = data.velocities.iter().zip(data.torques).map(left).collect();
+        let weights: Vec<f64> = (0..samples.v.len()).map(others).collect();
+        let law = regression.refit(fit, &Observed { weights: Some(&weights), ..*samples });
+        let mut residuals = data.torques.to_vec();
+        let torques = data.torques_of(&FrictionLaw::stribeck(law, [None; 5], [None; 5]))?;
+        residuals.iter_mut().zip(torques).for_each(|(left, law)| *left -= law);
         if regression.offset {
             // As for terms, a run keeps its offset where a part of it is left out.
-            centre(&mut residuals, runs, data.weights);
+            centre(&mut residuals, samples.runs, data.weights);
         }
         unseen.residual +=
             fold.iter().cloned().flatten().map(|i| weight(i) * residuals[i] * residuals[i]).sum::<f64>();
     }
-    unseen
+    Ok(unseen)
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Samples of one joint, and the settings by which its law is found.
 
 use super::super::error::Result;
+use super::super::methods::filtered::Filtered;
 use super::super::methods::lasso::Lasso;
 use super::super::methods::library::Library;
 use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::thresholding::Thresholding;
 use super::super::robot::JointLimits;
-use super::filtered::Filtered;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -38,8 +38,7 @@ pub struct FrictionData<'a> {
     pub runs: Option<&'a [Range<usize>]>,
     /// Whether all runs share one offset.
     pub one_offset: bool,
-    /// Where the torques passed a filter: the terms of the library pass it too. Stribeck laws, which are no sums of terms,
-    /// do not.
+    /// The filter that the torques passed: laws pass it too.
     pub filtered: Option<&'a Filtered<'a>>,
     /// y, where residuals that depend on it are to be noticed.
     pub positions: Option<&'a [f64]>,

@@ -97,7 +97,7 @@ impl Candidates<'_> {
         findings: &mut Findings,
     ) -> Result<Fitted> {
         let rows = settings.passive.then(|| passive(self.library, self.velocity_range)).transpose()?;
-        let chosen = choose(&settings.method, self.reduced, self.folds, rows.as_ref())?;
+        let chosen = choose(&settings.method, self.reduced, self.folds, (rows.as_ref(), self.values()?))?;
         findings.note(chosen.note.clone());
         let ensemble = self.draw(settings, &chosen.selection, findings)?;
         let samples = self.reduced.moments().samples();
@@ -105,6 +105,20 @@ impl Candidates<'_> {
         let (solution, binding) = restrict(self.reduced, free, rows.as_ref(), samples, findings)?;
         doubt(self.reduced, &solution.active, findings);
         Ok(Fitted { chosen, ensemble, rows, solution, binding })
+    }
+
+    /// Values of the terms at speeds of the data in both directions, from a hundredth of the fastest on; zeros for a constant,
+    /// with which a law is zero at some speed.
+    fn values(&self) -> Result<DMatrix<f64>> {
+        let share = |i: i32| 0.01_f64.powf(f64::from(i) / 20.0);
+        let speeds = self.velocity_range.into_iter().flat_map(|end| (0..=20).map(move |i| end * share(i)));
+        let mut values = self.library.matrix(&[&speeds.collect::<Vec<_>>()])?;
+        for mut term in values.column_iter_mut() {
+            if term.iter().all(|value| *value == term[0]) {
+                term.fill(0.0);
+            }
+        }
+        Ok(values)
     }
 
     /// How often bootstrap draws choose each term.

@@ -6,6 +6,8 @@ pub mod cross_validation;
 pub mod differentiation;
 pub(crate) mod ensemble;
 pub mod expression;
+pub(crate) mod filter;
+pub(crate) mod filtered;
 pub mod lasso;
 pub mod least_squares;
 pub mod library;

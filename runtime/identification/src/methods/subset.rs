@@ -63,16 +63,33 @@ pub(crate) struct Conditions {
     pub requirements: Vec<Requirement>,
     /// Rows of `A ξ ≥ 0` over all terms, which every fit meets; none where fits are free.
     pub rows: Option<DMatrix<f64>>,
+    /// Values of all terms, a row for each speed: no law is made of terms that cancel each other at one of them.
+    pub values: Option<DMatrix<f64>>,
+}
+
+/// Largest ratio of Σ |terms| to |law| at a speed. A joint that brakes one way up to three times as hard as the other is
+/// within it.
+const MOST_CANCELLED: f64 = 3.0;
+
+fn cancels(values: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
+    let cancels_at = |row: nalgebra::RowDVector<f64>| {
+        let terms = row.iter().zip(coefficients).map(|(value, x)| value * x);
+        let [law, all] = terms.fold([0.0, 0.0], |[law, all], term| [law + term, all + term.abs()]);
+        all > MOST_CANCELLED * law.abs() * (1.0 + 1e-9)
+    };
+    values.row_iter().any(|row| cancels_at(row.into_owned()))
 }
 
 impl Conditions {
-    /// Least squares on a subset under the rows; `None` where it cannot be solved.
+    /// Least squares on a subset under the rows; `None` where it cannot be solved or its terms cancel each other.
     fn fit(&self, moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
         let free = fit(moments, target, active)?;
-        match &self.rows {
-            Some(rows) if breaks(rows, &free) => constrained(moments, free, active, rows).ok(),
-            _ => Some(free),
-        }
+        let met = match &self.rows {
+            Some(rows) if breaks(rows, &free) => constrained(moments, free, active, rows).ok()?,
+            _ => free,
+        };
+        let cancels = self.values.as_ref().is_some_and(|values| cancels(values, &met));
+        (!cancels).then_some(met)
     }
 }
 
@@ -373,7 +390,7 @@ mod tests {
         let library = Library::new(&["abs(v)", "v"], &["v"]).unwrap();
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
         let folds = Moments::blocks(&samples, 5).unwrap();
-        let needs = Conditions { requirements: requirements(library.terms()), rows: None };
+        let needs = Conditions { requirements: requirements(library.terms()), ..Conditions::default() };
         let found = SubsetValidation::new(&folds, 0, &needs).unwrap();
         assert_eq!(found.best[0].active, [1]);
     }

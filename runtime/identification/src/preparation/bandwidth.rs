@@ -1,6 +1,6 @@
 //! The common bandwidth that the positions themselves ask for.
 
-use super::filter::gain;
+use super::super::methods::filter::gain;
 use super::spectrum::Spectrum;
 use std::f64::consts::PI;
 

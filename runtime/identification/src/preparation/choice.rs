@@ -1,6 +1,7 @@
 //! The order of the preparation: channels, noise, bandwidth, delay, and then the bandwidth that efforts confirm.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::methods::filter::{Band, Filter};
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun, Run};
@@ -8,9 +9,8 @@ use super::bandwidth::{PositionQuality, from_positions, speed_noise};
 use super::channel::Channel;
 use super::check::{check, effort_fault};
 use super::delay::{DelayEstimate, Delays, estimate};
-use super::filter::Filter;
 use super::grid::{Piece, interpolate, pieces};
-use super::regression::Columns;
+use super::regression::{Columns, SHARP};
 use super::rest::Speeds;
 use super::result::{Delay, PreparationReport};
 use super::settings::PreparationSettings;
@@ -38,7 +38,7 @@ const HIGHEST: f64 = 0.2;
 
 /// Least relative fall of the residual sum of squares by which a common delay counts, and one of an effort's own:
 /// errors of the model imitate delays, and then the fall is small although it is significant.
-const DROPS: [f64; 2] = [0.02, 0.1];
+pub(super) const DROPS: [f64; 2] = [0.02, 0.1];
 
 /// Runs as signals, and what is known of them before a bandwidth is chosen.
 pub(super) struct Recorded<'a> {
@@ -51,25 +51,37 @@ pub(super) struct Recorded<'a> {
 }
 
 /// As [`super::prepare_all`].
+///
+/// - `known`: the filter whose band the efforts have passed
 pub(super) fn prepare_all(
     runs: &[Run],
     robot: Option<&dyn Robot>,
     settings: &PreparationSettings,
+    known: Option<&Filter>,
 ) -> Result<(Vec<PreparedRun>, PreparationReport)> {
     check(runs, robot, settings)?;
     let mut recorded = Recorded::new(runs, robot, settings);
     let widest = recorded.widest()?;
     recorded.find_rests(widest)?;
-    let first = recorded.delays_at(widest)?;
+    let first = recorded.delays_at((widest, None))?;
     let bandwidth = match (settings.bandwidth, robot) {
         (None, Some(robot)) => {
             recorded.confirmed(robot, widest, &removed(settings, &first, recorded.efforts()))?
         }
         _ => widest,
     };
-    let found = if bandwidth == widest { first } else { recorded.delays_at(bandwidth)? };
-    let delays = removed(settings, &found, recorded.efforts());
-    let how = recorded.smoothing(bandwidth, delays.iter().map(|d| d.removed).collect());
+    let mut found = if bandwidth == widest { first } else { recorded.delays_at((bandwidth, None))? };
+    let mut delays = removed(settings, &found, recorded.efforts());
+    let band = match (known, settings.bandwidth, robot) {
+        (Some(filter), ..) => filter.band(),
+        (None, None, Some(robot)) => recorded.band(robot, bandwidth, &delays)?,
+        _ => None,
+    };
+    if band.is_some() {
+        found = recorded.delays_at((bandwidth, band))?;
+        delays = removed(settings, &found, recorded.efforts());
+    }
+    let how = recorded.smoothing((bandwidth, band), delays.iter().map(|d| d.removed).collect());
     let smoothed = recorded.smooth(&how, bandwidth)?;
     if smoothed.is_empty() {
         return Err(recorded.too_short(&how));
@@ -175,7 +187,7 @@ impl<'a> Recorded<'a> {
 
     /// Looks for rests of the joints that friction brakes, by speeds through a filter of `bandwidth`.
     fn find_rests(&mut self, bandwidth: f64) -> Result<()> {
-        let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
+        let how = self.smoothing((bandwidth, None), vec![0.0; self.efforts()]);
         let mut pieces = Vec::new();
         for (run, signals) in self.signals.iter().enumerate() {
             for piece in self.pieces(signals, bandwidth) {
@@ -205,7 +217,9 @@ impl<'a> Recorded<'a> {
         self.step * (1.0 / (self.step * rate)).floor().max(1.0)
     }
 
-    pub(super) fn smoothing(&self, bandwidth: f64, delays: Vec<f64>) -> Smoothing {
+    pub(super) fn smoothing(&self, (bandwidth, band): (f64, Option<Band>), delays: Vec<f64>) -> Smoothing {
+        // Little of the efforts is left an octave above their band.
+        let bandwidth = band.map_or(bandwidth, |band| bandwidth.min(2.0 * band.frequency));
         Smoothing {
             bandwidth,
             lowest: bandwidth,
@@ -213,6 +227,7 @@ impl<'a> Recorded<'a> {
             cut: self.settings.cut.unwrap_or(1.0 / bandwidth),
             delays,
             faulty: self.faults.iter().map(Option::is_some).collect(),
+            band,
         }
     }
 
@@ -232,18 +247,18 @@ impl<'a> Recorded<'a> {
         &self,
         robot: &'a dyn Robot,
         runs: &[&PreparedRun],
-        filter: Option<&Filter>,
+        filter: Option<Filter>,
+        roundings: &[f64],
     ) -> Columns<'a> {
-        Columns::new(robot, runs, (filter, self.settings.gravity_compensated))
+        Columns::new(robot, runs, (filter, self.settings.gravity_compensated), roundings)
     }
 
-    fn delays_at(&self, bandwidth: f64) -> Result<Option<Delays>> {
+    fn delays_at(&self, (bandwidth, band): (f64, Option<Band>)) -> Result<Option<Delays>> {
         let (None, Some(robot)) = (self.settings.delay, self.robot) else { return Ok(None) };
-        let how = self.smoothing(bandwidth, vec![0.0; self.efforts()]);
+        let how = self.smoothing((bandwidth, band), vec![0.0; self.efforts()]);
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        let filter = Filter::new(how.bandwidth, how.step)?;
-        Ok(estimate(&self.columns(robot, &runs, Some(&filter)), &runs, how.step))
+        Ok(estimate(&self.columns(robot, &runs, Some(how.filter()?), &[SHARP]), &runs, how.step))
     }
 }
 

@@ -5,7 +5,7 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::bandwidth::candidates;
 use super::choice::Recorded;
-use super::regression::spread;
+use super::regression::{SHARP, spread};
 use super::result::Delay;
 use super::signals::{Smoothed, Smoothing};
 use super::together::{Efforts, together};
@@ -32,7 +32,7 @@ impl<'a> Recorded<'a> {
         let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
         let (mut least, mut scores) = (f64::INFINITY, Vec::new());
         for bandwidth in tried.iter().rev() {
-            let mut how = self.smoothing(*bandwidth, delays.iter().map(|d| d.removed).collect());
+            let mut how = self.smoothing((*bandwidth, None), delays.iter().map(|d| d.removed).collect());
             // The same samples for all, so that their residuals compare.
             (how.cut, how.step, how.lowest) = (cut, self.output_step(widest), tried[0]);
             let unexplained = self.unexplained(robot, &how, widest)?;
@@ -60,7 +60,7 @@ impl<'a> Recorded<'a> {
             filtered: efforts().map(|m| column(&|s| &s.run.efforts[m])).collect(),
             measured: efforts().map(|m| column(&|s| &s.measured[m])).collect(),
         };
-        let scores = together(&self.columns(robot, &runs, None), &runs, &samples, &efforts);
+        let scores = together(&self.columns(robot, &runs, None, &[SHARP]), &runs, &samples, &efforts);
         Ok(if scores.is_empty() { 0.0 } else { scores.iter().sum::<f64>() / scores.len() as f64 })
     }
 }

@@ -7,13 +7,13 @@
 //! explain the efforts, all of them by one set of parameters; the delay of the efforts is the one at which the motion
 //! explains them best.
 
+mod band;
 mod bandwidth;
 mod channel;
 mod check;
 mod choice;
 mod confirmation;
 mod delay;
-mod filter;
 mod grid;
 mod poses;
 mod regression;
@@ -27,7 +27,7 @@ mod spectrum;
 mod study;
 mod together;
 
-pub use filter::Filter;
+pub use super::methods::filter::Filter;
 pub(crate) use result::Delay;
 pub use result::{JointPreparation, PreparationReport};
 pub use settings::PreparationSettings;
@@ -50,5 +50,20 @@ pub fn prepare_all(
     robot: Option<&dyn Robot>,
     settings: &PreparationSettings,
 ) -> Result<(Vec<PreparedRun>, PreparationReport)> {
-    choice::prepare_all(runs, robot, settings)
+    choice::prepare_all(runs, robot, settings, None)
+}
+
+/// Prepares runs whose efforts passed what those of other runs passed.
+///
+/// - `filter`: of the other runs
+///
+/// # Errors
+/// As [`prepare_all`].
+pub(crate) fn prepare_as(
+    runs: &[Run],
+    robot: &dyn Robot,
+    settings: &PreparationSettings,
+    filter: &Filter,
+) -> Result<(Vec<PreparedRun>, PreparationReport)> {
+    choice::prepare_all(runs, Some(robot), settings, Some(filter))
 }

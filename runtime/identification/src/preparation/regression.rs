@@ -1,12 +1,12 @@
 //! Efforts explained by a robot's regressor, with friction and an offset for each joint: the judge of delays and
 //! bandwidths. Here each effort has parameters of its own.
 
+use super::super::methods::filter::{Band, Filter};
 use super::super::methods::moments::contiguous_blocks;
 use super::super::numeric::spectrum::svd;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
-use super::filter::Filter;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -14,15 +14,19 @@ use std::ops::Range;
 const RIDGE: f64 = 1e-7;
 
 /// Share of a joint's largest speed within which the sign of its velocity is rounded.
-const ROUNDING: f64 = 0.02;
+pub(super) const SHARP: f64 = 0.02;
 
 /// Where the columns come from.
 pub(super) struct Columns<'a> {
     robot: &'a dyn Robot,
     /// `B⁺`, `M × N`, where efforts are inputs; `None` where they are joint forces.
     inverse: Option<DMatrix<f64>>,
-    /// Rounded signs of velocities, for each run and joint.
-    signs: Vec<Vec<Vec<f64>>>,
+    /// Rounded signs of velocities, for each run, joint and rounding.
+    signs: Vec<Vec<Vec<Vec<f64>>>>,
+    /// What the signs pass, because the efforts passed it.
+    filter: Option<Filter>,
+    /// What the motion passes too.
+    band: Option<Filter>,
     /// Rows of joints with a quaternion, which have neither friction nor an offset here.
     exact: Vec<bool>,
     /// The robot compensates gravity. What it takes the bodies to weigh is unknown: inertial forces and weight have
@@ -33,10 +37,13 @@ pub(super) struct Columns<'a> {
 impl<'a> Columns<'a> {
     /// Columns for the efforts of `runs`; a `filter` that rounded the steps of Coulomb friction in the efforts
     /// rounds the signs of the velocities too.
+    ///
+    /// - `roundings`: shares of a joint's largest speed within which the sign of its velocity is rounded, a column each
     pub(crate) fn new(
         robot: &'a dyn Robot,
         runs: &[&PreparedRun],
-        (filter, is_compensated): (Option<&Filter>, bool),
+        (filter, is_compensated): (Option<Filter>, bool),
+        roundings: &[f64],
     ) -> Self {
         let joints = robot.joint_names().len();
         let inputs = runs.first().is_some_and(|r| r.effort != Effort::Joint);
@@ -44,14 +51,36 @@ impl<'a> Columns<'a> {
             let inputs = robot.input_names().len();
             svd(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix())).pseudo_inverse(1e-9).ok()
         };
-        let slow: Vec<f64> = (0..joints).map(|j| (ROUNDING * fastest(runs, j)).max(1e-12)).collect();
-        let sign = |(v, slow): (&Vec<f64>, &f64)| -> Vec<f64> {
-            let sharp: Vec<f64> = v.iter().map(|v| (v / slow).tanh()).collect();
-            filter.map_or(sharp.clone(), |f| f.apply(&sharp))
+        let fastest: Vec<f64> = (0..joints).map(|j| fastest(runs, j).max(1e-12)).collect();
+        let sign = |(v, fastest): (&Vec<f64>, &f64)| {
+            let rounded = |share: &f64| v.iter().map(|v| (v / (share * fastest)).tanh()).collect();
+            roundings.iter().map(rounded).collect()
         };
-        let signs = runs.iter().map(|r| r.velocities.iter().zip(&slow).map(sign).collect()).collect();
+        let signs = runs.iter().map(|r| r.velocities.iter().zip(&fastest).map(sign).collect()).collect();
         let exact = rows_of(&robot.quaternion_joints(), joints);
-        Self { robot, inverse: if inputs { inverse() } else { None }, signs, exact, is_compensated }
+        Self {
+            robot,
+            inverse: if inputs { inverse() } else { None },
+            signs,
+            exact,
+            is_compensated,
+            filter,
+            band: None,
+        }
+    }
+
+    /// The same columns behind a filter of the efforts.
+    pub(crate) fn behind(&self, band: Band) -> Self {
+        let filter = self.filter.clone().map(|filter| filter.behind(Some(band)));
+        let band = self.filter.as_ref().map(|filter| filter.alone(band));
+        Self {
+            signs: self.signs.clone(),
+            exact: self.exact.clone(),
+            inverse: self.inverse.clone(),
+            filter,
+            band,
+            ..*self
+        }
     }
 
     /// Whether a joint rests that an effort acts on.
@@ -69,16 +98,23 @@ impl<'a> Columns<'a> {
     /// Columns at sample `i` of run `r`, one row for each effort.
     fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
         let run = runs[r];
-        let state = |all: &[Vec<f64>]| -> Vec<f64> { all.iter().map(|c| c[i]).collect() };
+        let through = |filter: &Option<Filter>, column: &[f64]| match filter {
+            Some(filter) => filter.at(column, i),
+            None => column[i],
+        };
+        let state = |all: &[Vec<f64>]| -> Vec<f64> { all.iter().map(|c| through(&self.band, c)).collect() };
         let (y, v, a) = (state(run.coordinates()), state(&run.velocities), state(&run.accelerations));
         let joints = v.len();
         let inertial = self.inertial(&y, &v, &a);
-        let mut all = inertial.clone().resize_horizontally(inertial.ncols() + 3 * joints, 0.0);
+        let terms = 2 + self.signs[r].first().map_or(0, Vec::len);
+        let mut all = inertial.clone().resize_horizontally(inertial.ncols() + terms * joints, 0.0);
         for j in (0..joints).filter(|j| !self.exact[*j]) {
-            let friction = inertial.ncols() + 3 * j;
+            let friction = inertial.ncols() + terms * j;
             all[(j, friction)] = v[j];
-            all[(j, friction + 1)] = self.signs[r][j][i];
-            all[(j, friction + 2)] = 1.0;
+            all[(j, friction + 1)] = 1.0;
+            for (k, sign) in self.signs[r][j].iter().enumerate() {
+                all[(j, friction + 2 + k)] = through(&self.filter, sign);
+            }
         }
         match &self.inverse {
             Some(inverse) => inverse * all,

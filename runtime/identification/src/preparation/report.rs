@@ -1,12 +1,12 @@
 //! Numbers and findings of the preparation.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::methods::filter::Band;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use super::bandwidth::{from_positions, noise_share};
 use super::channel::Channel;
 use super::choice::{Recorded, USUAL};
-use super::filter::Filter;
 use super::grid::Piece;
 use super::result::{Delay, JointPreparation, PreparationReport, VelocityCheck};
 use super::signals::{Signals, Smoothed, Smoothing, is_too_short};
@@ -72,6 +72,22 @@ const DELAY: Rule = Rule::note("delay-removed");
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const FEWER_SAMPLES: Rule = Rule::note("fewer-samples");
 
+/// Sees: efforts that are explained better through a low-pass filter than without one.
+/// Matters: friction at reversals is smoothed. Positions and terms of friction pass the filter too.
+/// Example: efforts that a script smoothed at 4 Hz.
+/// Fixture: `low_passed` in `codegen/tests/findings/arm.rs`.
+const LOW_PASSED: Rule = Rule::warning("efforts-low-passed");
+
+fn low_passed(band: Band) -> Finding {
+    let Band { frequency, order } = band;
+    let message = format!(
+        "the efforts look as if they had passed a low-pass filter of {frequency:.3} Hz and order {order}, and the positions did \
+         not: positions and terms of friction pass it here"
+    );
+    let help = "record efforts without a filter; --bandwidth takes the efforts as they are";
+    LOW_PASSED.found(message).help(help)
+}
+
 impl Recorded<'_> {
     pub(super) fn too_short(&self, how: &Smoothing) -> IdentificationError {
         let longest = self.signals.iter().flat_map(|s| self.pieces(s, how.bandwidth));
@@ -92,12 +108,13 @@ impl Recorded<'_> {
         delays: Vec<Delay>,
         smoothed: &[Smoothed],
     ) -> Result<PreparationReport> {
-        let filter = Filter::new(how.bandwidth, how.step)?;
+        let filter = how.filter()?;
         let joints: Vec<JointPreparation> =
             (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
         let mut findings = self.of_runs(how);
         findings.extend(joints.iter().flat_map(remarks));
         findings.extend(self.held());
+        findings.extend(how.band.map(low_passed));
         findings.extend(delay_findings(&joints, |_| true));
         findings.extend(self.of_rests(smoothed));
         if how.step > 1.5 * self.step {

@@ -1,6 +1,6 @@
 //! Prepared runs, and what was found on the way.
 
-use super::filter::Filter;
+use super::super::methods::filter::Filter;
 use gelenk_findings::Finding;
 
 /// What was found and chosen for all runs together.

@@ -1,11 +1,11 @@
 //! A run as channels of informative samples, and its pieces smoothed onto an even grid.
 
 use super::super::error::Result;
+use super::super::methods::filter::{Band, Filter, continued, convolved, kernel};
 use super::super::pose::{plain_positions, rows_of};
 use super::super::robot::Robot;
 use super::super::run::{DesiredMotion, Effort, PreparedRun, Run};
 use super::channel::{Channel, median_step};
-use super::filter::{continued, kernel};
 use super::grid::{Piece, interpolate};
 use super::poses::PoseSignal;
 use super::rest::Rests;
@@ -108,6 +108,15 @@ pub(super) struct Smoothing {
     pub delays: Vec<f64>,
     /// Efforts that are not used: their columns hold NaN.
     pub faulty: Vec<bool>,
+    /// What the efforts passed before they were recorded. All other signals pass it here.
+    pub band: Option<Band>,
+}
+
+impl Smoothing {
+    /// The filter of all signals.
+    pub(super) fn filter(&self) -> Result<Filter> {
+        Ok(Filter::new(self.bandwidth, self.step)?.behind(self.band))
+    }
 }
 
 /// A smoothed piece, and its efforts as they were measured, at the same times.
@@ -136,7 +145,9 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     let Some(sampler) = Sampler::new(signals.step, piece, how) else { return Ok(None) };
     let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c]).collect();
     let through = |channel: &Channel, order: usize, shift: f64| -> Result<Vec<f64>> {
-        sampler.filter(&interpolate(channel, &sampler.grid), &kernel_at(&sampler, how, order, shift)?)
+        let taps = kernel_at(&sampler, how, order, shift)?;
+        let taps = how.band.map_or(taps.clone(), |band| convolved(&taps, &band.taps(sampler.step)));
+        sampler.filter(&interpolate(channel, &sampler.grid), &taps)
     };
     let all =
         |order: usize| signals.positions.iter().map(|c| through(c, order, 0.0)).collect::<Result<Vec<_>>>();

@@ -5,7 +5,7 @@ use super::methods::confidence::quantile;
 use super::methods::library::Library;
 pub use super::methods::offset::Offset;
 use super::methods::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
-use super::numeric::digits::{rounded, vanishes, with_error};
+use super::numeric::digits::{plain, rounded, vanishes, with_error};
 pub use drift::{Drift, Trend};
 use gelenk_findings::{Finding, Severity};
 use nalgebra::DMatrix;
@@ -211,6 +211,9 @@ pub struct FrictionResult {
     pub freedom: f64,
     /// Range of the velocities in the data; outside the law is extrapolated.
     pub velocity_range: [f64; 2],
+    /// Least speed of ten samples that are farther from rests and reversals than the filter reaches. At lower speeds the data
+    /// show the law through the filter alone. `None` if the torques passed no filter.
+    pub resolved_from: Option<f64>,
     /// Residual rms.
     pub residual: f64,
     /// `1 − RSS/Σ (τ − τ̄)²` on the data that were fitted, τ̄ by run where offsets are separate.
@@ -297,6 +300,10 @@ impl FrictionResult {
         let mut lines: Vec<String> =
             self.stribeck.iter().map(|words| words.line(&self.unit, &self.velocity_unit)).collect();
         lines.extend(self.offset_line());
+        lines.extend(self.resolved_from.map(|speed| {
+            let (speed, unit) = (plain(speed, 2), &self.velocity_unit);
+            format!("resolved from {speed} {unit} on: all slower samples are within the filter of a rest or a reversal")
+        }));
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(
             "residual {} {} rms, R² {:.4} in the fit, {held_out} on left-out data",
@@ -382,6 +389,7 @@ pub(super) mod tests {
             samples: 3000,
             freedom: 60.0,
             velocity_range: [-0.7, 0.71],
+            resolved_from: Some(0.043),
             residual: 0.1234,
             r_squared: 0.998,
             held_out: Some(0.9971),
@@ -427,6 +435,6 @@ pub(super) mod tests {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
         let table = FrictionResult { law, ..example() }.table();
-        assert!(table.lines().count() == 9 && table.contains("a5"), "{table}");
+        assert!(table.lines().count() == 10 && table.contains("a5"), "{table}");
     }
 }

@@ -2,17 +2,15 @@
 
 use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::offset::centre;
-use super::law::{NAMES, StribeckFit, stribeck_block};
-use super::refine::{Data, Normal};
+use super::law::{NAMES, StribeckFit};
+use super::refine::{Data, Normal, Observed};
 use crate::numeric::digits::plain;
-use crate::numeric::kernel::BLOCK;
 use crate::numeric::spectrum::symmetric_eigen;
 use nalgebra::{DMatrix, SMatrix};
-use std::ops::Range;
 
 pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
-    let constants = if data.offset { data.runs.len() } else { 0 };
-    let freedom = data.v.len().saturating_sub(5 + constants).max(1);
+    let constants = if data.offset { data.samples.runs.len() } else { 0 };
+    let freedom = data.samples.v.len().saturating_sub(5 + constants).max(1);
     let variance = state.cost / freedom as f64;
     let (inverse, lost, condition) = inverse(&state.h);
     let known = |i: usize, variance: f64| (!lost[i]).then(|| variance.max(0.0).sqrt());
@@ -64,16 +62,10 @@ impl StribeckFit {
     /// The same fit with covariance and standard errors that hold where the errors of neighbouring samples are
     /// correlated, see [`super::super::confidence`]; the arguments are those of the regression.
     #[must_use]
-    pub(crate) fn with_correlated_errors(
-        mut self,
-        velocities: &[f64],
-        torques: &[f64],
-        weights: Option<&[f64]>,
-        runs: &[Range<usize>],
-    ) -> Self {
-        let scores = self.scores(velocities, torques, weights, runs);
+    pub(crate) fn with_correlated_errors(mut self, samples: &Observed) -> Self {
+        let (scores, runs) = (self.scores(samples), samples.runs);
         let (inverse, ..) = inverse(&self.information);
-        let m = velocities.len();
+        let m = samples.v.len();
         let influence = |j: usize| -> Vec<f64> {
             (0..m).map(|i| (0..5).map(|k| inverse[(j, k)] * scores[k][i]).sum()).collect()
         };
@@ -92,27 +84,15 @@ impl StribeckFit {
     }
 
     /// Contributions of each sample to the normal equations, offsets eliminated.
-    fn scores(
-        &self,
-        velocities: &[f64],
-        torques: &[f64],
-        weights: Option<&[f64]>,
-        runs: &[Range<usize>],
-    ) -> Vec<Vec<f64>> {
-        let m = velocities.len();
-        let mut all: Vec<Vec<f64>> = vec![Vec::new(); 6];
-        let mut columns = [[0.0; BLOCK]; 6];
-        for (v, torque) in velocities.chunks(BLOCK).zip(torques.chunks(BLOCK)) {
-            stribeck_block(v, torque, &self.parameters, &mut columns);
-            all.iter_mut().zip(&columns).for_each(|(all, column)| all.extend_from_slice(&column[..v.len()]));
-        }
+    fn scores(&self, samples: &Observed) -> Vec<Vec<f64>> {
+        let mut all = samples.columns(&self.parameters).to_vec();
         if !self.offsets.is_empty() {
-            all.iter_mut().for_each(|column| centre(column, runs, weights));
+            all.iter_mut().for_each(|column| centre(column, samples.runs, samples.weights));
         }
         let Some(residual) = all.pop() else { return all };
         for column in &mut all {
-            for i in 0..m {
-                column[i] *= weights.map_or(1.0, |w| w[i]) * residual[i];
+            for (i, score) in column.iter_mut().enumerate() {
+                *score *= samples.weights.map_or(1.0, |w| w[i]) * residual[i];
             }
         }
         all
@@ -154,7 +134,7 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<String> {
             }
         }
     }
-    let slow = data.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count();
+    let slow = data.samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count();
     if slow < 10 {
         warnings.push(format!(
             "only {slow} samples are slower than 1/a3 = {}: the step at zero is a guess",

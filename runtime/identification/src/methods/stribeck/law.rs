@@ -45,7 +45,7 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
 /// Settings of the regression.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StribeckRegression {
-    /// How many of the best starts are refined on the binned data.
+    /// How many of the best starts are refined on a part of the samples.
     pub starts: usize,
     /// Whether each run has a constant torque beside the law.
     pub offset: bool,
@@ -57,7 +57,7 @@ pub struct StribeckRegression {
 
 impl Default for StribeckRegression {
     fn default() -> Self {
-        Self { starts: 5, offset: true, max_iterations: 100, tolerance: 1e-13 }
+        Self { starts: 8, offset: true, max_iterations: 100, tolerance: 1e-13 }
     }
 }
 

@@ -1,15 +1,15 @@
 //! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, beside a
 //! constant offset of each run.
 //!
-//! Starts are found on binned data, where (a1, a2, a4) and an offset follow from (a3, a5) by linear least squares
-//! and Levenberg–Marquardt costs microseconds; the best one is refined on all samples with one pass per
-//! iteration. Offsets are eliminated from the normal equations (Golub, Pereyra 1973): they are free, cost no
-//! iteration, and the law stays odd.
+//! Starts are found on at most 4000 samples, where (a1, a2, a4) and the offsets follow from (a3, a5) by linear least
+//! squares. The best of them are refined on all samples by Levenberg–Marquardt with one pass per iteration. Offsets are
+//! eliminated from the normal equations (Golub, Pereyra 1973): they are free, cost no iteration, and the law stays odd.
+//! If the torques passed a filter, the law and its derivatives pass it too.
 
-mod bins;
 mod errors;
 mod law;
 mod refine;
+mod starts;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -21,10 +21,10 @@ pub use words::{Estimate, StribeckWords};
 use super::super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
 };
-use bins::Bins;
 use errors::summarize;
+pub(crate) use refine::Observed;
 use refine::{Data, NEAR};
-use std::ops::Range;
+use starts::search;
 
 impl StribeckRegression {
     /// Fits the law to a single run.
@@ -35,47 +35,27 @@ impl StribeckRegression {
     /// Fewer than six samples, values that are not finite, or constant velocity.
     pub fn fit(&self, velocities: &[f64], torques: &[f64], weights: Option<&[f64]>) -> Result<StribeckFit> {
         let whole = 0..velocities.len();
-        self.fit_runs(velocities, torques, weights, &[whole])
+        self.fit_runs(&Observed { v: velocities, torque: torques, weights, runs: &[whole], filtered: None })
     }
 
     /// Fits one law to several runs, each with an offset of its own.
     ///
-    /// - `velocities`, `torques`: m samples [rad/s, N·m]; `weights`: m or none
-    /// - `runs`: ranges of samples that follow each other and hold all
-    ///
     /// # Errors
     /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end
     /// with a warning.
-    pub(crate) fn fit_runs(
-        &self,
-        velocities: &[f64],
-        torques: &[f64],
-        weights: Option<&[f64]>,
-        runs: &[Range<usize>],
-    ) -> Result<StribeckFit> {
-        self.check(velocities, torques, weights)?;
-        let covered = runs.iter().try_fold(0, |end, run| (run.start == end).then_some(run.end));
-        require_length("samples in the runs", velocities.len(), covered.unwrap_or(0))?;
-        let data = Data { v: velocities, torque: torques, runs, offset: self.offset };
-        let bins = Bins::new(&data, weights);
-        let (start, offset) = bins.best_start(self.starts.max(1))?;
-        let offsets = bins.offsets(offset);
-        let state = data.refine(start, offsets, weights, self, NEAR);
-        Ok(summarize(&data, &state))
+    pub(crate) fn fit_runs(&self, samples: &Observed) -> Result<StribeckFit> {
+        self.check(samples.v, samples.torque, samples.weights)?;
+        let covered = samples.runs.iter().try_fold(0, |end, run| (run.start == end).then_some(run.end));
+        require_length("samples in the runs", samples.v.len(), covered.unwrap_or(0))?;
+        let data = Data { samples: *samples, offset: self.offset };
+        Ok(summarize(&data, &search(&data, self)?))
     }
 
     /// Parameters of a fit to samples with other weights that begins at a known law; outliers are not sought again.
-    pub(crate) fn refit(
-        &self,
-        known: &StribeckFit,
-        velocities: &[f64],
-        torques: &[f64],
-        weights: &[f64],
-        runs: &[Range<usize>],
-    ) -> [f64; 5] {
-        let data = Data { v: velocities, torque: torques, runs, offset: self.offset };
-        let offsets = if self.offset { known.offsets.clone() } else { vec![0.0; runs.len()] };
-        data.refine(known.parameters, offsets, Some(weights), self, NEAR).a
+    pub(crate) fn refit(&self, known: &StribeckFit, samples: &Observed) -> [f64; 5] {
+        let data = Data { samples: *samples, offset: self.offset };
+        let offsets = if self.offset { known.offsets.clone() } else { vec![0.0; samples.runs.len()] };
+        data.refine(known.parameters, offsets, self, NEAR).a
     }
 
     fn check(&self, v: &[f64], torque: &[f64], weights: Option<&[f64]>) -> Result<()> {

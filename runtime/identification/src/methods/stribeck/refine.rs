@@ -1,5 +1,6 @@
 //! Refinement on all samples.
 
+use super::super::filtered::Filtered;
 use super::law::{StribeckRegression, stribeck_block};
 use crate::numeric::kernel::{BLOCK, add_products};
 use nalgebra::{SMatrix, SVector};
@@ -11,10 +12,79 @@ const WIDTH: usize = 6;
 /// First damping for starts near the result.
 pub(super) const NEAR: f64 = 1e-8;
 
+/// The samples of a regression.
+#[derive(Clone, Copy)]
+pub(crate) struct Observed<'a> {
+    /// ẏ of m samples [rad/s or m/s].
+    pub(crate) v: &'a [f64],
+    /// Their torques [N·m or N].
+    pub(crate) torque: &'a [f64],
+    /// Their weights, 1 where absent.
+    pub(crate) weights: Option<&'a [f64]>,
+    /// Ranges of samples that follow each other and hold all.
+    pub(crate) runs: &'a [Range<usize>],
+    /// The filter that the torques passed: the law passes it too.
+    pub(crate) filtered: Option<&'a Filtered<'a>>,
+}
+
+impl Observed<'_> {
+    /// Columns ∂τ/∂a and residual of the law at the samples, six numbers each.
+    ///
+    /// - `rows`: at most [`BLOCK`] samples; `passed`: the columns of all samples, where they passed a filter
+    fn block(
+        &self,
+        rows: Range<usize>,
+        a: &[f64; 5],
+        passed: Option<&Columns>,
+        columns: &mut [[f64; BLOCK]; WIDTH],
+    ) {
+        match passed {
+            Some(passed) => {
+                for (column, all) in columns.iter_mut().zip(passed) {
+                    column[..rows.len()].copy_from_slice(&all[rows.clone()]);
+                }
+            }
+            None => stribeck_block(&self.v[rows.clone()], &self.torque[rows], a, columns),
+        }
+    }
+
+    /// The columns of all samples, if they pass a filter.
+    fn passed(&self, a: &[f64; 5]) -> Option<Columns> {
+        let filtered = self.filtered?;
+        let mut columns = Columns::default();
+        for run in &filtered.runs {
+            // The law itself is the residual of no torque with the sign changed.
+            let whole = evaluated(run.velocities, &vec![0.0; run.velocities.len()], a);
+            for (column, values) in columns.iter_mut().zip(&whole) {
+                column.extend(filtered.pass(run, values));
+            }
+        }
+        columns[WIDTH - 1].iter_mut().zip(self.torque).for_each(|(left, torque)| *left += torque);
+        Some(columns)
+    }
+
+    /// The columns of all samples.
+    pub(super) fn columns(&self, a: &[f64; 5]) -> Columns {
+        self.passed(a).unwrap_or_else(|| evaluated(self.v, self.torque, a))
+    }
+}
+
+/// Columns ∂τ/∂a and residual of the law at all samples.
+type Columns = [Vec<f64>; WIDTH];
+
+fn evaluated(v: &[f64], torque: &[f64], a: &[f64; 5]) -> Columns {
+    let mut all = Columns::default();
+    let mut columns = [[0.0; BLOCK]; WIDTH];
+    for (v, torque) in v.chunks(BLOCK).zip(torque.chunks(BLOCK)) {
+        stribeck_block(v, torque, a, &mut columns);
+        all.iter_mut().zip(&columns).for_each(|(all, column)| all.extend_from_slice(&column[..v.len()]));
+    }
+    all
+}
+
+/// A regression of these samples.
 pub(super) struct Data<'a> {
-    pub(super) v: &'a [f64],
-    pub(super) torque: &'a [f64],
-    pub(super) runs: &'a [Range<usize>],
+    pub(super) samples: Observed<'a>,
     /// Whether each run has a constant beside the law.
     pub(super) offset: bool,
 }
@@ -25,7 +95,7 @@ pub(super) struct Normal {
     pub(super) a: [f64; 5],
     pub(super) cost: f64,
     pub(super) h: SMatrix<f64, 5, 5>,
-    g: SVector<f64, 5>,
+    pub(super) g: SVector<f64, 5>,
     /// The best offset of each run at this point.
     pub(super) offsets: Vec<f64>,
     /// Mean of the derivatives in each run: by their product with a step the offset sinks.
@@ -38,7 +108,7 @@ impl Data<'_> {
     /// One pass over the samples.
     ///
     /// - `offsets`: near the best ones, so that their elimination cancels no digits
-    fn normal(&self, a: [f64; 5], offsets: &[f64], weights: Option<&[f64]>) -> Normal {
+    pub(super) fn normal(&self, a: [f64; 5], offsets: &[f64]) -> Normal {
         let mut state = Normal {
             a,
             cost: 0.0,
@@ -49,8 +119,9 @@ impl Data<'_> {
             iterations: 1,
             converged: false,
         };
-        for (k, run) in self.runs.iter().enumerate() {
-            let (sums, constant, total) = self.products(run, &a, offsets[k], weights);
+        let passed = self.samples.passed(&a);
+        for (k, run) in self.samples.runs.iter().enumerate() {
+            let (sums, constant, total) = self.products(run, (&a, passed.as_ref()), offsets[k]);
             // Without weight or offset nothing is eliminated.
             let share = if self.offset && total > 0.0 { 1.0 / total } else { 0.0 };
             let product =
@@ -68,9 +139,8 @@ impl Data<'_> {
     fn products(
         &self,
         run: &Range<usize>,
-        a: &[f64; 5],
+        (a, passed): (&[f64; 5], Option<&Columns>),
         offset: f64,
-        weights: Option<&[f64]>,
     ) -> ([f64; WIDTH * WIDTH], [f64; WIDTH], f64) {
         let (mut sums, mut constants, mut total) = ([0.0; WIDTH * WIDTH], [0.0; WIDTH], 0.0);
         let mut columns = [[0.0; BLOCK]; WIDTH];
@@ -78,11 +148,11 @@ impl Data<'_> {
         for start in run.clone().step_by(BLOCK) {
             let rows = start..run.end.min(start + BLOCK);
             let n = rows.len();
-            stribeck_block(&self.v[rows.clone()], &self.torque[rows.clone()], a, &mut columns);
+            self.samples.block(rows.clone(), a, passed, &mut columns);
             if offset != 0.0 {
                 columns[5].iter_mut().for_each(|r| *r -= offset);
             }
-            if let Some(weights) = weights {
+            if let Some(weights) = self.samples.weights {
                 roots.iter_mut().zip(&weights[rows]).for_each(|(root, w)| *root = w.sqrt());
                 for column in &mut columns {
                     column.iter_mut().zip(&roots).for_each(|(c, root)| *c *= root);
@@ -107,13 +177,12 @@ impl Data<'_> {
         &self,
         start: [f64; 5],
         offsets: Vec<f64>,
-        weights: Option<&[f64]>,
         settings: &StribeckRegression,
         first_damping: f64,
     ) -> Normal {
-        let mut best = self.normal(start, &offsets, weights);
+        let mut best = self.normal(start, &offsets);
         // What rounding in the residuals leaves of the cost where the law fits exactly.
-        let floor = 1e-28 * self.torque.iter().map(|t| t * t).sum::<f64>();
+        let floor = 1e-28 * self.samples.torque.iter().map(|t| t * t).sum::<f64>();
         let mut damping = first_damping;
         let mut passes = 1;
         while passes < settings.max_iterations {
@@ -131,7 +200,7 @@ impl Data<'_> {
             if damping > 1e12 {
                 break;
             }
-            let trial = (a[2] > 0.0 && a[4] > 0.0).then(|| self.normal(a, &ahead(&best, &step), weights));
+            let trial = (a[2] > 0.0 && a[4] > 0.0).then(|| self.normal(a, &ahead(&best, &step)));
             passes += 1;
             match trial {
                 Some(trial) if trial.cost <= best.cost => {

@@ -1,8 +1,11 @@
 //! The regression on made data.
 
 use super::super::confidence::quantile;
+use super::super::filtered::{Filtered, FilteredRun};
 use super::*;
+use crate::methods::filter::Filter;
 use crate::numeric::random::SplitMix64;
+use std::ops::Range;
 
 const TRUE: [f64; 5] = [2.1, 1.4, 20.0, 0.9, 8.0];
 
@@ -12,6 +15,10 @@ fn data(m: usize, sigma: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
         (0..m).map(|i| 1.2 * (0.002 * i as f64).sin() + 0.7 * (0.0052 * i as f64 + 0.4).sin()).collect();
     let torque = v.iter().map(|v| stribeck_torque(*v, &TRUE) + sigma * random.normal()).collect();
     (v, torque)
+}
+
+fn observed<'a>(v: &'a [f64], torque: &'a [f64], runs: &'a [Range<usize>]) -> Observed<'a> {
+    Observed { v, torque, weights: None, runs, filtered: None }
 }
 
 #[test]
@@ -82,8 +89,8 @@ fn an_offset_is_found_beside_the_law_and_leaves_it_alone() {
     let mut moved = torque.clone();
     moved[..2000].iter_mut().for_each(|t| *t += 3.0);
     moved[2000..].iter_mut().for_each(|t| *t -= 1.0);
-    let fit = StribeckRegression::default().fit_runs(&v, &moved, None, &runs).unwrap();
-    let plain = StribeckRegression::default().fit_runs(&v, &torque, None, &runs).unwrap();
+    let fit = StribeckRegression::default().fit_runs(&observed(&v, &moved, &runs)).unwrap();
+    let plain = StribeckRegression::default().fit_runs(&observed(&v, &torque, &runs)).unwrap();
     for i in 0..5 {
         assert!((fit.parameters[i] / plain.parameters[i] - 1.0).abs() < 1e-4, "{:?}", fit.parameters);
         assert!((fit.parameters[i] - TRUE[i]).abs() < 4.0 * fit.standard_errors[i].unwrap());
@@ -158,7 +165,7 @@ fn correlated_errors_widen_the_intervals() {
     }
     let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
     let whole = 0..v.len();
-    let honest = fit.clone().with_correlated_errors(&v, &torque, None, &[whole]);
+    let honest = fit.clone().with_correlated_errors(&observed(&v, &torque, &[whole]));
     for i in 0..5 {
         let (narrow, wide) = (fit.standard_errors[i].unwrap(), honest.standard_errors[i].unwrap());
         assert!(wide > 1.5 * narrow && wide < 10.0 * narrow, "{i}: {narrow} {wide}");
@@ -167,4 +174,70 @@ fn correlated_errors_widen_the_intervals() {
     }
     assert!(honest.freedom < fit.freedom);
     assert_eq!(honest.parameters, fit.parameters);
+}
+
+/// A second search: from the law that made the data. Laws are steep and flat, with and without an excess.
+#[test]
+fn no_worse_minimum_is_taken_than_the_one_near_the_truth() {
+    let mut random = SplitMix64::new(31);
+    for case in 0..16 {
+        let between =
+            |random: &mut SplitMix64, low: f64, high: f64| low * (high / low).powf(random.uniform());
+        let mut a = [
+            between(&mut random, 0.1, 10.0),
+            between(&mut random, 0.5, 10.0),
+            between(&mut random, 5.0, 200.0),
+            between(&mut random, 0.1, 5.0),
+            between(&mut random, 2.0, 50.0),
+        ];
+        // Ties and zeros: no viscous friction, the excess of Coulomb's size, as steep as the fall.
+        match case % 4 {
+            0 => a[0] = 0.0,
+            1 => a[3] = a[1],
+            2 => a[4] = a[2],
+            _ => {}
+        }
+        let (v, _) = data([1000, 6000][case % 2], 0.0, 1);
+        let torque: Vec<f64> = v.iter().map(|v| stribeck_torque(*v, &a) + 0.1 * random.normal()).collect();
+        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        let whole = 0..v.len();
+        let runs = [whole];
+        let data = Data { samples: observed(&v, &torque, &runs), offset: true };
+        let near = data.refine(a, vec![0.0], &StribeckRegression::default(), NEAR);
+        let cost = fit.variance * fit.freedom as f64;
+        assert!(cost < 1.001 * near.cost, "{case}: {cost}, not {}, {a:?} {:?}", near.cost, fit.parameters);
+    }
+}
+
+/// The law passes the filter of the torques: positions of a log at 100 Hz, a filter that rounds the step at zero.
+#[test]
+fn a_filter_of_the_torques_changes_no_parameter() {
+    let filter = Filter::new(6.0, 0.01).unwrap();
+    let mut inside = 0;
+    for seed in 0..6 {
+        let mut random = SplitMix64::new(seed);
+        let a = [4.0, 3.0, 20.0 * 4f64.powf(random.uniform()), 1.5, 6.0 + 10.0 * random.uniform()];
+        let v: Vec<f64> = (0..3000)
+            .map(|i| 0.7 * (0.02 * f64::from(i)).sin() + 0.3 * (0.051 * f64::from(i)).sin())
+            .collect();
+        let torque: Vec<f64> = v.iter().map(|v| stribeck_torque(*v, &a) + 0.1 * random.normal()).collect();
+        let torque = filter.apply(&torque);
+        // The ends are left out: there the filter sees a continuation.
+        let kept: Vec<usize> = (50..2950).filter(|i| i % 400 > 40).collect();
+        let of = |all: &[f64]| -> Vec<f64> { kept.iter().map(|i| all[*i]).collect() };
+        let (samples, torques) = (of(&v), of(&torque));
+        let whole = 0..kept.len();
+        let runs = [whole];
+        let run = FilteredRun { velocities: &v, kept: kept.clone() };
+        let filtered = Filtered { filter: &filter, runs: vec![run] };
+        let observed = Observed { filtered: Some(&filtered), ..observed(&samples, &torques, &runs) };
+        let fit =
+            StribeckRegression::default().fit_runs(&observed).unwrap().with_correlated_errors(&observed);
+        let t = quantile(0.95, fit.freedom as f64).unwrap();
+        inside += (0..5)
+            .filter(|i| (fit.parameters[*i] - a[*i]).abs() <= t * fit.standard_errors[*i].unwrap())
+            .count();
+        assert!((fit.parameters[2] / a[2] - 1.0).abs() < 0.15, "{:?} instead of {a:?}", fit.parameters);
+    }
+    assert!((25..=30).contains(&inside), "{inside} of 30 intervals hold");
 }

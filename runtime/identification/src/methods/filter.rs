@@ -28,6 +28,7 @@ pub struct Filter {
     bandwidth: f64,
     step: f64,
     taps: Vec<f64>,
+    band: Option<Band>,
 }
 
 impl Filter {
@@ -42,7 +43,23 @@ impl Filter {
         let requirement = format!("it must lie between 0 and a quarter of the sample rate, {most} Hz");
         require_setting("bandwidth", bandwidth, bandwidth > 0.0 && bandwidth <= most, &requirement)?;
         let taps = kernel(bandwidth, step, 0, 0.0)?;
-        Ok(Self { bandwidth, step, taps })
+        Ok(Self { bandwidth, step, taps, band: None })
+    }
+
+    /// The same filter behind one of `band`.
+    pub(crate) fn behind(self, band: Option<Band>) -> Self {
+        let Some(band) = band else { return self };
+        Self { taps: convolved(&self.taps, &band.taps(self.step)), band: Some(band), ..self }
+    }
+
+    /// The band of the efforts, which this filter has too.
+    pub(crate) fn band(&self) -> Option<Band> {
+        self.band
+    }
+
+    /// The filter of `band` alone, for the same samples.
+    pub(crate) fn alone(&self, band: Band) -> Self {
+        Self { bandwidth: band.frequency, step: self.step, taps: band.taps(self.step), band: Some(band) }
     }
 
     /// Half-amplitude frequency f_c \[Hz\].
@@ -60,16 +77,18 @@ impl Filter {
 
     /// The filtered samples `rows` of a signal.
     pub(crate) fn apply_within(&self, signal: &[f64], rows: Range<usize>) -> Vec<f64> {
+        rows.map(|i| self.at(signal, i)).collect()
+    }
+
+    /// Sample `i` of the filtered signal.
+    pub(crate) fn at(&self, signal: &[f64], i: usize) -> f64 {
         let half = self.taps.len() / 2;
-        let at = |i: usize| -> f64 {
-            if i >= half && i + half < signal.len() {
-                let window = &signal[i - half..=i + half];
-                return window.iter().zip(self.taps.iter().rev()).map(|(x, h)| x * h).sum();
-            }
-            let sample = |k: usize| self.taps[k] * continued(signal, (i + half) as isize - k as isize);
-            (0..self.taps.len()).map(sample).sum()
-        };
-        rows.map(at).collect()
+        if i >= half && i + half < signal.len() {
+            let window = &signal[i - half..=i + half];
+            return window.iter().zip(self.taps.iter().rev()).map(|(x, h)| x * h).sum();
+        }
+        let sample = |k: usize| self.taps[k] * continued(signal, (i + half) as isize - k as isize);
+        (0..self.taps.len()).map(sample).sum()
     }
 
     /// Samples on either side that a filtered one depends on.
@@ -78,13 +97,53 @@ impl Filter {
     }
 }
 
+/// A zero-phase low-pass filter `H(f) = 1/(1 + (f/f_0)^(2n))`: a Butterworth filter of order n, there and back.
+///
+/// With n = 1 it also is any filter that falls with the square of the frequency, to this order: a mean over the last samples, a
+/// single pass of first order. With n = 2 a single pass of a Butterworth filter of second order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Band {
+    /// Half-amplitude frequency f_0 \[Hz\].
+    pub(crate) frequency: f64,
+    /// n.
+    pub(crate) order: u32,
+}
+
+impl Band {
+    /// `h(t) = ω_0/(2n) Σ_k exp(−ω_0 |t| s_k) (s_k cos ω_0 c_k t + c_k sin ω_0 c_k |t|)` with `ω_0 = 2π f_0` and `s_k`, `c_k`
+    /// of the angles `π (2k + 1)/(2n)`, at multiples of `step`; constants pass unchanged.
+    pub(crate) fn taps(&self, step: f64) -> Vec<f64> {
+        let (omega, n) = (2.0 * PI * self.frequency, f64::from(self.order));
+        let parts: Vec<(f64, f64)> =
+            (0..self.order).map(|k| (PI * f64::from(2 * k + 1) / (2.0 * n)).sin_cos()).collect();
+        let slowest = parts.iter().fold(f64::INFINITY, |least, part| least.min(part.0));
+        let half = (0.5 * ENVELOPE * ENVELOPE / (slowest * omega * step)).ceil() as i64;
+        let at = |t: f64| -> f64 {
+            let part = |(s, c): &(f64, f64)| (-t * s).exp() * (s * (t * c).cos() + c * (t * c).sin());
+            parts.iter().map(part).sum()
+        };
+        let taps: Vec<f64> = (-half..=half).map(|k| at(omega * step * k.abs() as f64)).collect();
+        let sum: f64 = taps.iter().sum();
+        taps.iter().map(|tap| tap / sum).collect()
+    }
+}
+
+/// The kernel of one filter behind another.
+pub(crate) fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut all = vec![0.0; a.len() + b.len() - 1];
+    for (i, x) in a.iter().enumerate() {
+        all[i..i + b.len()].iter_mut().zip(b).for_each(|(sum, y)| *sum += x * y);
+    }
+    all
+}
+
 /// Half the length of the kernel of `bandwidth` \[s\].
-pub(super) fn reach(bandwidth: f64) -> f64 {
+pub(crate) fn reach(bandwidth: f64) -> f64 {
     ENVELOPE * envelope(bandwidth)
 }
 
 /// `H(f)` of the filter with `bandwidth`.
-pub(super) fn gain(bandwidth: f64, frequency: f64) -> f64 {
+pub(crate) fn gain(bandwidth: f64, frequency: f64) -> f64 {
     let edge = |x: f64| statrs::function::erf::erf(x / (2.0_f64.sqrt() * EDGE * bandwidth));
     0.5 * (edge(bandwidth + frequency) + edge(bandwidth - frequency))
 }
@@ -100,7 +159,7 @@ fn envelope(bandwidth: f64) -> f64 {
 ///
 /// # Errors
 /// Fewer taps than the moments that are corrected.
-pub(super) fn kernel(bandwidth: f64, step: f64, order: usize, shift: f64) -> Result<Vec<f64>> {
+pub(crate) fn kernel(bandwidth: f64, step: f64, order: usize, shift: f64) -> Result<Vec<f64>> {
     let half = (reach(bandwidth) / step).ceil() as usize;
     let times: Vec<f64> = (0..=2 * half).map(|k| (k as f64 - half as f64) * step + shift).collect();
     let deviation = envelope(bandwidth);
@@ -165,7 +224,7 @@ fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize
 }
 
 /// Sample `i`, continued beyond the ends by point reflection; the last value where even this has ended.
-pub(super) fn continued(signal: &[f64], i: isize) -> f64 {
+pub(crate) fn continued(signal: &[f64], i: isize) -> f64 {
     let last = signal.len() as isize - 1;
     let value = |k: isize| signal[k.clamp(0, last) as usize];
     if i < 0 {

@@ -4,8 +4,8 @@
 //! where the terms pass the same filter (Gautier 1997, parallel filtering).
 
 use super::super::error::Result;
-use super::super::methods::margin::near;
-use super::super::preparation::Filter;
+use super::filter::Filter;
+use super::margin::near;
 use nalgebra::DMatrix;
 
 /// The filter of the torques, and the whole runs that samples were taken of.
@@ -28,7 +28,7 @@ pub struct FilteredRun<'a> {
 
 impl Filtered<'_> {
     /// Whether the filter of each sample sees a rest, which is left out of the samples, or a reversal.
-    pub(super) fn near(&self) -> Vec<bool> {
+    pub(crate) fn near(&self) -> Vec<bool> {
         let of_run = |run: &FilteredRun| {
             let mut rests = vec![true; run.velocities.len()];
             run.kept.iter().for_each(|i| rests[*i] = false);
@@ -39,16 +39,24 @@ impl Filtered<'_> {
     }
 
     /// Columns of a matrix over the velocities of each run, through the filter, at the samples.
-    pub(super) fn columns(&self, of: impl Fn(&[f64]) -> Result<DMatrix<f64>>) -> Result<Vec<Vec<f64>>> {
+    pub(crate) fn columns(&self, of: impl Fn(&[f64]) -> Result<DMatrix<f64>>) -> Result<Vec<Vec<f64>>> {
         let mut all: Vec<Vec<f64>> = Vec::new();
         for run in &self.runs {
             let matrix = of(run.velocities)?;
             all.resize(matrix.ncols(), Vec::new());
             for (column, values) in all.iter_mut().zip(matrix.column_iter()) {
-                let passed = self.filter.apply(&values.iter().copied().collect::<Vec<_>>());
-                column.extend(run.kept.iter().map(|i| passed[*i]));
+                column.extend(self.pass(run, &values.iter().copied().collect::<Vec<_>>()));
             }
         }
         Ok(all)
+    }
+
+    /// A column over the instants of a run, through the filter, at its samples.
+    pub(crate) fn pass<'b>(
+        &'b self,
+        run: &'b FilteredRun,
+        column: &'b [f64],
+    ) -> impl Iterator<Item = f64> + 'b {
+        run.kept.iter().map(|i| self.filter.at(column, *i))
     }
 }
