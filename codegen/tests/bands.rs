@@ -195,7 +195,7 @@ fn efforts_that_were_low_passed_have_the_same_friction() {
         let [fast, slow] = found.errors;
         println!("{name}: {fast:.3?} {slow:.3?}, resolved from {:.3?}", found.resolved);
         assert!(found.is_noticed, "{name}");
-        assert!(largest(fast) < 0.03 && largest(slow) < 0.25, "{name}: {fast:.3?} {slow:.3?}");
+        assert!(largest(fast) < 0.03 && largest(slow) < 0.27, "{name}: {fast:.3?} {slow:.3?}");
         assert!(
             found.resolved.iter().zip(resolved).all(|(now, before)| *now > before),
             "{:.3?}",
