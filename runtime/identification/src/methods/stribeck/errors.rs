@@ -12,7 +12,8 @@ pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
     let constants = if data.offset { data.samples.runs.len() } else { 0 };
     let freedom = data.samples.v.len().saturating_sub(5 + constants).max(1);
     let variance = state.cost / freedom as f64;
-    let (inverse, lost, condition) = inverse(&state.h);
+    let information = shown(data, state);
+    let (inverse, lost, condition) = inverse(&information);
     let known = |i: usize, variance: f64| (!lost[i]).then(|| variance.max(0.0).sqrt());
     let covariance = inverse * variance;
     let mut fit = StribeckFit {
@@ -20,17 +21,33 @@ pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
         offsets: if data.offset { state.offsets.clone() } else { Vec::new() },
         covariance,
         standard_errors: std::array::from_fn(|i| known(i, covariance[(i, i)])),
-        resolutions: std::array::from_fn(|i| known(i, variance / state.h[(i, i)])),
+        resolutions: std::array::from_fn(|i| known(i, variance / information[(i, i)])),
         variance,
         freedom,
         condition,
         iterations: state.iterations,
         converged: state.converged,
         warnings: Vec::new(),
-        information: state.h,
+        information,
     };
     fit.warnings = warnings(&fit, data);
     fit
+}
+
+/// Square of the share of the torques below which the influence of a parameter is rounding.
+const ROUNDING: f64 = 1e-24;
+
+/// JᵀWJ, with zeros for a3 and a5 if the law does not depend on them, as where a2 and a4 vanish.
+fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
+    let energy = data.samples.torque.iter().map(|t| t * t).sum::<f64>();
+    let mut information = state.h;
+    for i in [2, 4] {
+        if state.a[i].powi(2) * information[(i, i)] <= ROUNDING * energy {
+            information.row_mut(i).fill(0.0);
+            information.column_mut(i).fill(0.0);
+        }
+    }
+    information
 }
 
 /// `H⁻¹` with zeros for what is not identifiable, which parameters these are, and the condition number of the
