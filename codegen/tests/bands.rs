@@ -5,7 +5,7 @@
 use std::f64::consts::{PI, SQRT_2};
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
@@ -13,16 +13,7 @@ use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
-/// The folder of the cases; none with a note if it is missing.
-fn cases() -> Option<PathBuf> {
-    let next = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let folder = std::env::var_os("GELENK_SHARED").map_or(next, PathBuf::from).join("cases/identification");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: {} is not there; set GELENK_SHARED", folder.display());
-    None
-}
+use super::common::shared;
 
 fn read(file: &Path) -> InterpretedRobot {
     InterpretedRobot::new(&model::read(file, &ReadOptions::default()).unwrap().model).unwrap()
@@ -44,7 +35,7 @@ fn identify(folder: &Path, arguments: &[&str]) -> Value {
 fn a_stribeck_law_passes_the_filter_of_the_torques() {
     const TRUTH: [f64; 5] = [4.0, 3.0, 40.0, 1.5, 12.5];
     const BY_SCIPY: [f64; 5] = [4.004, 2.998, 40.3, 1.473, 12.31];
-    let Some(cases) = cases() else { return };
+    let Some(cases) = shared("cases/identification") else { return };
     let folder = tempfile::tempdir().unwrap();
     for name in ["joint.toml", "joint_log.csv"] {
         fs::copy(cases.join(name), folder.path().join(name)).unwrap();
@@ -165,7 +156,7 @@ struct Found {
 
 fn found_with(filter: Filter, arguments: &[&str]) -> Option<Found> {
     let folder = tempfile::tempdir().unwrap();
-    fs::copy(cases()?.join("arm3.urdf"), folder.path().join("arm3.urdf")).unwrap();
+    fs::copy(shared("cases/identification")?.join("arm3.urdf"), folder.path().join("arm3.urdf")).unwrap();
     let robot = read(&folder.path().join("arm3.urdf"));
     fs::write(folder.path().join("log.csv"), log(&robot, filter)).unwrap();
     let found = identify(folder.path(), &[&["arm3.urdf", "log.csv"], arguments].concat());

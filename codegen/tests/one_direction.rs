@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
@@ -13,23 +13,14 @@ use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
+use super::common::shared;
+
 /// Viscous and Coulomb friction of the simulated robot.
 const FRICTION: [[f64; 2]; 7] =
     [[4.0, 3.0], [4.0, 3.5], [4.0, 3.0], [4.0, 3.0], [1.2, 1.0], [1.2, 1.0], [1.2, 1.0]];
 
 /// Speeds of the logs at which laws are compared [rad/s].
 const SPEEDS: [f64; 4] = [-0.6, -0.3, 0.3, 0.6];
-
-/// The folder of the logs; none with a note if it is missing.
-fn cases() -> Option<PathBuf> {
-    let next = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let folder = std::env::var_os("GELENK_SHARED").map_or(next, PathBuf::from).join("cases/identification");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: {} is not there; set GELENK_SHARED", folder.display());
-    None
-}
 
 /// A folder with the description, its friction times a factor, and the logs.
 fn folder(cases: &Path, factor: f64) -> tempfile::TempDir {
@@ -100,7 +91,7 @@ fn holds(([low, high], truth): &([f64; 2], f64)) -> bool {
 
 #[test]
 fn friction_of_a_motion_in_one_direction_is_no_offset() {
-    let Some(cases) = cases() else { return };
+    let Some(cases) = shared("cases/identification") else { return };
     let folder = folder(&cases, 1.0);
     let (found, robot) = identify(folder.path(), &["one_way.csv"]);
     for joint in 0..FRICTION.len() {
@@ -113,7 +104,7 @@ fn friction_of_a_motion_in_one_direction_is_no_offset() {
 /// A description with half the friction: the interval of Coulomb friction tells how far an offset may be part of it.
 #[test]
 fn a_worn_robot_is_known_after_a_motion_in_one_direction_as_far_as_offsets_are() {
-    let Some(cases) = cases() else { return };
+    let Some(cases) = shared("cases/identification") else { return };
     let folder = folder(&cases, 0.5);
     let (found, robot) = identify(folder.path(), &["one_way.csv"]);
     for joint in 0..FRICTION.len() {
@@ -125,7 +116,7 @@ fn a_worn_robot_is_known_after_a_motion_in_one_direction_as_far_as_offsets_are()
 
 #[test]
 fn there_and_back_tells_friction_from_offsets() {
-    let Some(cases) = cases() else { return };
+    let Some(cases) = shared("cases/identification") else { return };
     for factor in [1.0, 0.5] {
         let folder = folder(&cases, factor);
         for logs in [&["one_way.csv", "way_back.csv"][..], &["both.csv"]] {

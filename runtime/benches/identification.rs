@@ -175,7 +175,7 @@ fn stribeck(data: &Data, m: usize) -> Outcome {
     row(
         "Stribeck",
         m,
-        "gelenk, bins + one pass LM",
+        "gelenk, grid + LM",
         time,
         &format!("{} passes {} {:?}", list(fit.parameters), fit.iterations, fit.warnings),
     );

@@ -2,6 +2,7 @@
 
 use gelenk_findings::{Severity, texts};
 use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
+use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::methods::subset::{SubsetValidation, ValidatedSubset};
 use gelenk_identification::numeric::digits;
@@ -73,12 +74,16 @@ pub fn has_rest(found: &Identification) -> bool {
     found.estimate.joints.iter().any(|joint| joint.rest > 0.0)
 }
 
+/// The report on the law of a row; none if it has no law.
+pub(crate) fn law_report(found: &Identification, row: usize) -> Option<&FrictionReport> {
+    let of_row = found.friction.iter().find(|friction| friction.joint == row);
+    of_row.and_then(|friction| friction.report.as_ref().ok())
+}
+
 /// Law of a joint, or a dash.
 #[must_use]
 pub fn law(found: &Identification, joint: usize) -> String {
-    let of_joint = found.friction.iter().find(|friction| friction.joint == joint);
-    let report = of_joint.and_then(|friction| friction.report.as_ref().ok());
-    report.map_or_else(|| "–".to_owned(), |report| report.result.formula())
+    law_report(found, joint).map_or_else(|| "–".to_owned(), |report| report.result.formula())
 }
 
 fn summary(found: &Identification) -> Section {

@@ -4,7 +4,7 @@
 #![allow(clippy::approx_constant, reason = "rounded numbers, as descriptions have them")]
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use gelenk_codegen::formula::{Formula, Function as Call};
@@ -15,6 +15,18 @@ use gelenk_codegen::model::{
     RotorCoupling,
 };
 use gelenk_codegen::program::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
+
+/// A folder of `$GELENK_SHARED`, or of the folder `shared` next to the repository; none with a note if it is missing.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from);
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let found = folder.unwrap_or(beside).join(path);
+    if found.exists() {
+        return Some(found);
+    }
+    println!("skipped: {} is not there; set GELENK_SHARED", found.display());
+    None
+}
 
 pub fn number(value: f64) -> Formula {
     Formula::Number(value)

@@ -1,21 +1,10 @@
 //! Logs of the reference folder.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use super::super::common::shared;
 use super::{assert_said, said};
-
-/// A folder of `$GELENK_SHARED`, or of the folder `shared` next to the repository; none with a note if it is missing.
-fn shared(path: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from);
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let found = folder.unwrap_or(beside).join(path);
-    if found.exists() {
-        return Some(found);
-    }
-    println!("skipped: {} is not there; set GELENK_SHARED", found.display());
-    None
-}
 
 fn copied(from: &Path, files: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use gelenk_findings::{Finding, Severity, texts};
 use gelenk_identification::estimation::{Gravity, InstrumentalEstimate, Uncertain};
-use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::Identification;
 use gelenk_identification::validation::JointValidation;
 use serde_json::{Value, json};
@@ -41,21 +40,6 @@ fn gravity(gravity: Gravity) -> &'static str {
     }
 }
 
-fn law(found: &Identification, row: usize) -> Option<&FrictionReport> {
-    let of_row = found.friction.iter().find(|law| law.joint == row);
-    of_row.and_then(|law| law.report.as_ref().ok())
-}
-
-/// Terms of a row's friction law; null where there is none.
-fn terms(found: &Identification, row: usize) -> Value {
-    law(found, row).map_or(Value::Null, terms_as_json)
-}
-
-/// The least speed at which a row's friction law is resolved; null if there is none.
-fn resolved_from(found: &Identification, row: usize) -> Value {
-    json!(law(found, row).and_then(|report| report.result.resolved_from))
-}
-
 /// What was found, and where it was written.
 pub(super) fn as_json(
     (found, findings): (&Identification, &[Finding]),
@@ -79,8 +63,9 @@ pub(super) fn as_json(
                 "term": term.basis, "coefficient": uncertain(&term.coefficient),
             })),
         });
-        joint["friction_terms"] = terms(found, index);
-        joint["friction_resolved_from"] = resolved_from(found, index);
+        let law = page::law_report(found, index);
+        joint["friction_terms"] = law.map_or(Value::Null, terms_as_json);
+        joint["friction_resolved_from"] = json!(law.and_then(|report| report.result.resolved_from));
         if let Some(constant) = found.estimate.joints[index].gain {
             joint["motor_constant"] = uncertain(&constant);
         }

@@ -342,8 +342,7 @@ fn identified_drive<'a>(
 
 /// The law that was found in a row.
 fn law(found: &Identification, row: usize) -> Option<&FrictionResult> {
-    let of_row = found.friction.iter().find(|law| law.joint == row)?;
-    of_row.report.as_ref().ok().map(|report| &report.result)
+    page::law_report(found, row).map(|report| &report.result)
 }
 
 fn laws(found: &Identification) -> impl Iterator<Item = &FrictionReport> {

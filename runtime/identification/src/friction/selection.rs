@@ -9,7 +9,6 @@ use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, 
 use super::super::methods::thresholding::Thresholding;
 use super::super::numeric::digits::plain;
 use super::task::{FrictionMethod, LambdaChoice};
-use nalgebra::DMatrix;
 
 /// A choice of terms.
 pub(super) enum Selection {
@@ -70,13 +69,12 @@ fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
 
 /// Chooses terms by a method; `folds` are made where it needs them.
 ///
-/// - `rows`: of `A ξ ≥ 0`, where the law has to dissipate; subsets are judged by fits under them
-/// - `values`: of all terms at speeds of the data; a subset whose terms cancel each other at one of them is not chosen
+/// - `conditions`: that subsets have to meet
 pub(super) fn choose(
     method: &FrictionMethod,
     reduced: &Reduced,
     folds: impl Fn() -> Result<Vec<Moments>>,
-    (rows, values): (Option<&DMatrix<f64>>, DMatrix<f64>),
+    conditions: Conditions,
 ) -> Result<Chosen> {
     match method {
         FrictionMethod::Thresholding(settings) => {
@@ -86,20 +84,14 @@ pub(super) fn choose(
             Chosen::directly(Selection::Thresholding(*settings), reduced, note)
         }
         FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?),
-        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?, (rows, values)),
+        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?, conditions),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
             Chosen::directly(Selection::All, reduced, "least squares on all terms".into())
         }
     }
 }
 
-fn by_subsets(
-    reduced: &Reduced,
-    folds: &[Moments],
-    (rows, values): (Option<&DMatrix<f64>>, DMatrix<f64>),
-) -> Result<Chosen> {
-    let requirements = requirements(reduced.moments().names());
-    let conditions = Conditions { requirements, rows: rows.cloned(), values: Some(values) };
+fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> Result<Chosen> {
     let subsets = SubsetValidation::new(folds, 0, &conditions)?;
     let best = &subsets.best[subsets.one_standard_error];
     Ok(Chosen {

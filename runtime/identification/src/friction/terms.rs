@@ -5,7 +5,7 @@ use super::super::methods::ensemble::{Ensemble, bootstrap};
 use super::super::methods::least_squares::{Reduced, Solution, Solver};
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
-use super::super::methods::subset::{MOST_TERMS, ModelAverage, requirements};
+use super::super::methods::subset::{Conditions, MOST_TERMS, ModelAverage, requirements};
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::design::{Design, folds};
 use super::errors::Errors;
@@ -97,7 +97,12 @@ impl Candidates<'_> {
         findings: &mut Findings,
     ) -> Result<Fitted> {
         let rows = settings.passive.then(|| passive(self.library, self.velocity_range)).transpose()?;
-        let chosen = choose(&settings.method, self.reduced, self.folds, (rows.as_ref(), self.values()?))?;
+        let conditions = Conditions {
+            requirements: requirements(self.library.terms()),
+            rows: rows.clone(),
+            values: Some(self.values()?),
+        };
+        let chosen = choose(&settings.method, self.reduced, self.folds, conditions)?;
         findings.note(chosen.note.clone());
         let ensemble = self.draw(settings, &chosen.selection, findings)?;
         let samples = self.reduced.moments().samples();

@@ -99,8 +99,8 @@ impl Filter {
 
 /// A zero-phase low-pass filter `H(f) = 1/(1 + (f/f_0)^(2n))`: a Butterworth filter of order n, there and back.
 ///
-/// With n = 1 it also is any filter that falls with the square of the frequency, to this order: a mean over the last samples, a
-/// single pass of first order. With n = 2 a single pass of a Butterworth filter of second order.
+/// To second order in f, n = 1 stands for each filter whose gain falls with f² at first, as a mean over the last samples or one
+/// pass of first order. To fourth order, n = 2 stands for one pass of a Butterworth filter of second order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Band {
     /// Half-amplitude frequency f_0 \[Hz\].

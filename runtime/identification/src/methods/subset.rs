@@ -71,13 +71,14 @@ pub(crate) struct Conditions {
 /// within it.
 const MOST_CANCELLED: f64 = 3.0;
 
+/// Whether the terms of a law cancel each other at some speed.
 fn cancels(values: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
-    let cancels_at = |row: nalgebra::RowDVector<f64>| {
-        let terms = row.iter().zip(coefficients).map(|(value, x)| value * x);
+    let cancels_at = |speed: usize| {
+        let terms = (0..coefficients.len()).map(|term| values[(speed, term)] * coefficients[term]);
         let [law, all] = terms.fold([0.0, 0.0], |[law, all], term| [law + term, all + term.abs()]);
         all > MOST_CANCELLED * law.abs() * (1.0 + 1e-9)
     };
-    values.row_iter().any(|row| cancels_at(row.into_owned()))
+    (0..values.nrows()).any(cancels_at)
 }
 
 impl Conditions {

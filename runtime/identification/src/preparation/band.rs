@@ -54,8 +54,8 @@ impl<'a> Recorded<'a> {
     /// The band of the efforts, if the motion explains all of them better through it: all other signals have to pass it.
     ///
     /// Each effort has parameters of its own, as in the search for delays, and several widths of friction: a law that grows
-    /// slowly with the speed is no band. The band has to be narrower than the bandwidth, and
-    /// to lower the misfit of each effort by a tenth. Robots with quaternions have none: nothing rubs in their joints.
+    /// slowly with the speed is no band. The band has to be narrower than a quarter of the bandwidth, and to lower ln RSS of each
+    /// effort by a tenth. No band is looked for if a joint has a quaternion, because filtered quaternions have no unit length.
     pub(super) fn band(
         &self,
         robot: &'a dyn Robot,
@@ -65,7 +65,7 @@ impl<'a> Recorded<'a> {
         if !robot.quaternion_joints().is_empty() {
             return Ok(None);
         }
-        let how = self.smoothing((bandwidth, None), delays.iter().map(|d| d.removed).collect());
+        let how = self.smoothing(bandwidth, None, delays.iter().map(|d| d.removed).collect());
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
         let fits = Fits::new(self.columns(robot, &runs, Some(how.filter()?), &ROUNDINGS), &runs);
@@ -105,6 +105,7 @@ impl<'a> Fits<'a> {
         problems(columns, self.runs, &self.samples).into_iter().zip(&self.efforts).map(misfit).collect()
     }
 
+    /// A band and what it changes.
     fn through(&self, frequency: f64, order: u32) -> Tried {
         let band = Band { frequency, order };
         let misfits = self.misfits(&self.columns.behind(band));

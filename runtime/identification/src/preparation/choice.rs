@@ -36,7 +36,7 @@ const KEPT: f64 = 0.6;
 /// Highest bandwidth as a share of the rate at which the slowest channel has new samples.
 const HIGHEST: f64 = 0.2;
 
-/// Least relative fall of the residual sum of squares by which a common delay counts, and one of an effort's own:
+/// Least relative fall of the residual sum of squares by which a common delay counts, and one of an effort's own or a band:
 /// errors of the model imitate delays, and then the fall is small although it is significant.
 pub(super) const DROPS: [f64; 2] = [0.02, 0.1];
 
@@ -63,14 +63,14 @@ pub(super) fn prepare_all(
     let mut recorded = Recorded::new(runs, robot, settings);
     let widest = recorded.widest()?;
     recorded.find_rests(widest)?;
-    let first = recorded.delays_at((widest, None))?;
+    let first = recorded.delays_at(widest, None)?;
     let bandwidth = match (settings.bandwidth, robot) {
         (None, Some(robot)) => {
             recorded.confirmed(robot, widest, &removed(settings, &first, recorded.efforts()))?
         }
         _ => widest,
     };
-    let mut found = if bandwidth == widest { first } else { recorded.delays_at((bandwidth, None))? };
+    let mut found = if bandwidth == widest { first } else { recorded.delays_at(bandwidth, None)? };
     let mut delays = removed(settings, &found, recorded.efforts());
     let band = match (known, settings.bandwidth, robot) {
         (Some(filter), ..) => filter.band(),
@@ -78,10 +78,10 @@ pub(super) fn prepare_all(
         _ => None,
     };
     if band.is_some() {
-        found = recorded.delays_at((bandwidth, band))?;
+        found = recorded.delays_at(bandwidth, band)?;
         delays = removed(settings, &found, recorded.efforts());
     }
-    let how = recorded.smoothing((bandwidth, band), delays.iter().map(|d| d.removed).collect());
+    let how = recorded.smoothing(bandwidth, band, delays.iter().map(|d| d.removed).collect());
     let smoothed = recorded.smooth(&how, bandwidth)?;
     if smoothed.is_empty() {
         return Err(recorded.too_short(&how));
@@ -187,7 +187,7 @@ impl<'a> Recorded<'a> {
 
     /// Looks for rests of the joints that friction brakes, by speeds through a filter of `bandwidth`.
     fn find_rests(&mut self, bandwidth: f64) -> Result<()> {
-        let how = self.smoothing((bandwidth, None), vec![0.0; self.efforts()]);
+        let how = self.smoothing(bandwidth, None, vec![0.0; self.efforts()]);
         let mut pieces = Vec::new();
         for (run, signals) in self.signals.iter().enumerate() {
             for piece in self.pieces(signals, bandwidth) {
@@ -217,7 +217,7 @@ impl<'a> Recorded<'a> {
         self.step * (1.0 / (self.step * rate)).floor().max(1.0)
     }
 
-    pub(super) fn smoothing(&self, (bandwidth, band): (f64, Option<Band>), delays: Vec<f64>) -> Smoothing {
+    pub(super) fn smoothing(&self, bandwidth: f64, band: Option<Band>, delays: Vec<f64>) -> Smoothing {
         // Little of the efforts is left an octave above their band.
         let bandwidth = band.map_or(bandwidth, |band| bandwidth.min(2.0 * band.frequency));
         Smoothing {
@@ -253,9 +253,9 @@ impl<'a> Recorded<'a> {
         Columns::new(robot, runs, (filter, self.settings.gravity_compensated), roundings)
     }
 
-    fn delays_at(&self, (bandwidth, band): (f64, Option<Band>)) -> Result<Option<Delays>> {
+    fn delays_at(&self, bandwidth: f64, band: Option<Band>) -> Result<Option<Delays>> {
         let (None, Some(robot)) = (self.settings.delay, self.robot) else { return Ok(None) };
-        let how = self.smoothing((bandwidth, band), vec![0.0; self.efforts()]);
+        let how = self.smoothing(bandwidth, band, vec![0.0; self.efforts()]);
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
         Ok(estimate(&self.columns(robot, &runs, Some(how.filter()?), &[SHARP]), &runs, how.step))

@@ -32,7 +32,7 @@ impl<'a> Recorded<'a> {
         let cut = self.settings.cut.unwrap_or(1.0 / tried[0]);
         let (mut least, mut scores) = (f64::INFINITY, Vec::new());
         for bandwidth in tried.iter().rev() {
-            let mut how = self.smoothing((*bandwidth, None), delays.iter().map(|d| d.removed).collect());
+            let mut how = self.smoothing(*bandwidth, None, delays.iter().map(|d| d.removed).collect());
             // The same samples for all, so that their residuals compare.
             (how.cut, how.step, how.lowest) = (cut, self.output_step(widest), tried[0]);
             let unexplained = self.unexplained(robot, &how, widest)?;

@@ -9,6 +9,7 @@ use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use std::rc::Rc;
 
 /// Ridge on columns of unit length: parameters that the motion does not show stay at zero.
 const RIDGE: f64 = 1e-7;
@@ -22,7 +23,7 @@ pub(super) struct Columns<'a> {
     /// `B⁺`, `M × N`, where efforts are inputs; `None` where they are joint forces.
     inverse: Option<DMatrix<f64>>,
     /// Rounded signs of velocities, for each run, joint and rounding.
-    signs: Vec<Vec<Vec<Vec<f64>>>>,
+    signs: Rc<Vec<Vec<Vec<Vec<f64>>>>>,
     /// What the signs pass, because the efforts passed it.
     filter: Option<Filter>,
     /// What the motion passes too.
@@ -61,7 +62,7 @@ impl<'a> Columns<'a> {
         Self {
             robot,
             inverse: if inputs { inverse() } else { None },
-            signs,
+            signs: Rc::new(signs),
             exact,
             is_compensated,
             filter,
@@ -74,7 +75,7 @@ impl<'a> Columns<'a> {
         let filter = self.filter.clone().map(|filter| filter.behind(Some(band)));
         let band = self.filter.as_ref().map(|filter| filter.alone(band));
         Self {
-            signs: self.signs.clone(),
+            signs: Rc::clone(&self.signs),
             exact: self.exact.clone(),
             inverse: self.inverse.clone(),
             filter,

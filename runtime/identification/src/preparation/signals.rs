@@ -144,10 +144,14 @@ struct Sampler {
 pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Result<Option<Smoothed>> {
     let Some(sampler) = Sampler::new(signals.step, piece, how) else { return Ok(None) };
     let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c]).collect();
+    let band = how.band.map(|band| band.taps(sampler.step));
     let through = |channel: &Channel, order: usize, shift: f64| -> Result<Vec<f64>> {
         let taps = kernel_at(&sampler, how, order, shift)?;
-        let taps = how.band.map_or(taps.clone(), |band| convolved(&taps, &band.taps(sampler.step)));
-        sampler.filter(&interpolate(channel, &sampler.grid), &taps)
+        let signal = interpolate(channel, &sampler.grid);
+        match &band {
+            Some(band) => sampler.filter(&signal, &convolved(&taps, band)),
+            None => sampler.filter(&signal, &taps),
+        }
     };
     let all =
         |order: usize| signals.positions.iter().map(|c| through(c, order, 0.0)).collect::<Result<Vec<_>>>();

@@ -212,7 +212,7 @@ pub struct FrictionResult {
     /// Range of the velocities in the data; outside the law is extrapolated.
     pub velocity_range: [f64; 2],
     /// Least speed of ten samples that are farther from rests and reversals than the filter reaches. At lower speeds the data
-    /// show the law through the filter alone. `None` if the torques passed no filter.
+    /// show the law through the filter only. `None` if the torques passed no filter.
     pub resolved_from: Option<f64>,
     /// Residual rms.
     pub residual: f64,

@@ -39,7 +39,7 @@ const ROUNDING: f64 = 1e-24;
 
 /// JᵀWJ, with zeros for a3 and a5 if the law does not depend on them, as where a2 and a4 vanish.
 fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
-    let energy = data.samples.torque.iter().map(|t| t * t).sum::<f64>();
+    let energy = data.samples.energy();
     let mut information = state.h;
     for i in [2, 4] {
         if state.a[i].powi(2) * information[(i, i)] <= ROUNDING * energy {

@@ -63,6 +63,11 @@ impl Observed<'_> {
         Some(columns)
     }
 
+    /// Σ τ².
+    pub(super) fn energy(&self) -> f64 {
+        self.torque.iter().map(|t| t * t).sum()
+    }
+
     /// The columns of all samples.
     pub(super) fn columns(&self, a: &[f64; 5]) -> Columns {
         self.passed(a).unwrap_or_else(|| evaluated(self.v, self.torque, a))
@@ -121,7 +126,7 @@ impl Data<'_> {
         };
         let passed = self.samples.passed(&a);
         for (k, run) in self.samples.runs.iter().enumerate() {
-            let (sums, constant, total) = self.products(run, (&a, passed.as_ref()), offsets[k]);
+            let (sums, constant, total) = self.products(run, &a, passed.as_ref(), offsets[k]);
             // Without weight or offset nothing is eliminated.
             let share = if self.offset && total > 0.0 { 1.0 / total } else { 0.0 };
             let product =
@@ -139,7 +144,8 @@ impl Data<'_> {
     fn products(
         &self,
         run: &Range<usize>,
-        (a, passed): (&[f64; 5], Option<&Columns>),
+        a: &[f64; 5],
+        passed: Option<&Columns>,
         offset: f64,
     ) -> ([f64; WIDTH * WIDTH], [f64; WIDTH], f64) {
         let (mut sums, mut constants, mut total) = ([0.0; WIDTH * WIDTH], [0.0; WIDTH], 0.0);
@@ -182,7 +188,7 @@ impl Data<'_> {
     ) -> Normal {
         let mut best = self.normal(start, &offsets);
         // What rounding in the residuals leaves of the cost where the law fits exactly.
-        let floor = 1e-28 * self.samples.torque.iter().map(|t| t * t).sum::<f64>();
+        let floor = 1e-28 * self.samples.energy();
         let mut damping = first_damping;
         let mut passes = 1;
         while passes < settings.max_iterations {
