@@ -310,9 +310,13 @@ pub(super) struct Identify {
     pub(super) friction_on: FrictionPlace,
     /// Terms that friction laws are chosen from: viscous, coulomb, asymmetric, quadratic, and expressions in the speed v
     /// such as 'tanh(50*v)'; or stribeck alone, the law of Stribeck with its five parameters [default:
-    /// viscous,coulomb,asymmetric]
+    /// viscous,coulomb,asymmetric, then stribeck if it predicts left-out data better]
     #[arg(long, value_name = "TERMS", conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) friction: Option<String>,
+    /// How the terms of friction laws are chosen [default: subset, then the law of Stribeck if it predicts left-out
+    /// data better]
+    #[arg(long, value_enum, value_name = "METHOD", conflicts_with_all = ["plan", "reduce", "payload"])]
+    pub(super) method: Option<MethodName>,
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
@@ -378,6 +382,19 @@ pub(super) enum EffortName {
     Input,
     /// Motor currents, whose torque constants are to be found
     Current,
+}
+
+/// How terms are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum MethodName {
+    /// Best subset: the fewest terms within one standard error of the least error on left-out data
+    Subset,
+    /// SINDy: sequentially thresholded least squares with the threshold 0.1
+    Stls,
+    /// LASSO, cross-validated with one standard error, then least squares on its terms
+    Lasso,
+    /// Least squares on all terms
+    All,
 }
 
 /// Where friction is looked for.

@@ -7,6 +7,7 @@ use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, r
 use super::friction::joint_samples::JointSamples;
 use super::friction::{CommonTerms, FrictionIdentification, FrictionMethod, FrictionReport};
 use super::log::{ColumnOptions, GEAR_DOUBTFUL, Recording, runs_noting};
+use super::methods::stribeck::StribeckRegression;
 use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
 use super::robot::{Robot, require_no_quaternions};
@@ -60,7 +61,10 @@ impl IdentificationSettings {
             preparation: PreparationSettings::default(),
             estimation: EstimationSettings::default(),
             friction: FrictionIdentification {
-                method: FrictionMethod::BestSubset,
+                method: FrictionMethod::Ladder(StribeckRegression {
+                    starts: 4,
+                    ..StribeckRegression::default()
+                }),
                 ..FrictionIdentification::new()?
             },
             accept_poor: false,

@@ -5,10 +5,13 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_findings::{Finding, Rule};
+use gelenk_identification::IdentificationError;
 use gelenk_identification::estimation::JointEstimate;
-use gelenk_identification::friction::FrictionReport;
+use gelenk_identification::friction::{FrictionMethod, FrictionReport, LambdaChoice};
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
+use gelenk_identification::methods::lasso::Lasso;
+use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_identification::numeric::digits::plain;
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::result::description::{Identified, write_identified};
@@ -17,7 +20,7 @@ use gelenk_identification::run::Effort;
 use gelenk_identification::shafts::ShaftRows;
 use gelenk_identification::validation::{JointValidation, validate};
 
-use super::super::arguments::{EffortName, Format, FrictionPlace, Identify};
+use super::super::arguments::{EffortName, Format, FrictionPlace, Identify, MethodName};
 use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
@@ -128,7 +131,26 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     if let Some(terms) = &arguments.friction {
         settings.friction = settings.friction.of_terms(terms)?;
     }
+    if let Some(name) = arguments.method {
+        if matches!(settings.friction.method, FrictionMethod::Stribeck(_)) {
+            let message = "the law of Stribeck has no terms to choose from: leave --method out".into();
+            return Err(IdentificationError::Expression { text: "stribeck".into(), message }.into());
+        }
+        settings.friction.method = method(name);
+    }
     Ok(settings)
+}
+
+fn method(name: MethodName) -> FrictionMethod {
+    match name {
+        MethodName::Subset => FrictionMethod::BestSubset,
+        MethodName::Stls => FrictionMethod::Thresholding(Thresholding::default()),
+        MethodName::Lasso => FrictionMethod::Lasso(
+            Lasso { standardize: true, ..Lasso::default() },
+            LambdaChoice::OneStandardError,
+        ),
+        MethodName::All => FrictionMethod::LeastSquares,
+    }
 }
 
 /// Wrenches would act if a log had them.
@@ -229,6 +251,10 @@ pub(super) fn command(arguments: &Identify) -> String {
         arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned()),
         arguments.load_friction.then(|| "--load-friction".to_owned()),
         word("--friction", arguments.friction.clone()),
+        word(
+            "--method",
+            arguments.method.and_then(|name| Some(name.to_possible_value()?.get_name().to_owned())),
+        ),
         word("--payload-on", arguments.payload_on.clone()),
         on_joints(arguments),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),

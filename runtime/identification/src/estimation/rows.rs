@@ -145,7 +145,7 @@ impl<'a> Rows<'a> {
             let mut set = |term: usize, of: &dyn Fn(f64) -> f64| {
                 let sharp: Vec<f64> = velocities[around.clone()].iter().map(|v| of(*v)).collect();
                 let values = match self.filter {
-                    Some(filter) => filter.apply_within(&sharp, inner.clone()),
+                    Some(filter) => filter.apply_at(&sharp, inner.clone()),
                     None => sharp,
                 };
                 let start = (first + term) * BLOCK;

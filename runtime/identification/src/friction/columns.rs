@@ -1,6 +1,7 @@
 //! What a library and a law give at the samples, through the filter of the torques where there is one.
 
 use super::super::error::Result;
+use super::super::methods::filtered::Filtered;
 use super::super::methods::library::Library;
 use super::super::result::FrictionLaw;
 use super::task::FrictionData;
@@ -12,13 +13,17 @@ const RESOLVING: usize = 10;
 impl FrictionData<'_> {
     /// The least speed of samples that are farther from rests and reversals than the filter reaches, but for a few of them; the
     /// largest speed if there are fewer.
-    pub(super) fn resolved_from(&self) -> Option<f64> {
-        let near = self.filtered?.near();
+    pub(super) fn resolved_from(&self) -> f64 {
+        let near = self.filtered.map_or_else(|| vec![false; self.velocities.len()], Filtered::near);
         let away = self.velocities.iter().zip(near).filter(|(_, near)| !near);
         let mut speeds: Vec<f64> = away.map(|(v, _)| v.abs()).collect();
         speeds.sort_by(f64::total_cmp);
-        let fastest = || self.velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        Some(speeds.get(RESOLVING - 1).copied().unwrap_or_else(fastest))
+        speeds.get(RESOLVING - 1).copied().unwrap_or_else(|| self.fastest())
+    }
+
+    /// The largest speed.
+    pub(super) fn fastest(&self) -> f64 {
+        self.velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()))
     }
 
     /// The terms of a library at the samples.

@@ -74,6 +74,7 @@ fn explained_share(
     }
     let folds = Moments::folds(&samples, &super::design::folds(data, folds)).ok()?;
     let energy: f64 = folds.iter().map(|fold| fold.energy(0)).sum();
-    let left = by_folds(&folds, &Selection::All, None).ok()?;
+    let left =
+        by_folds(&folds, &Selection::All, None).ok()?.iter().map(|[residual, _]| residual).sum::<f64>();
     (energy > 0.0).then(|| 1.0 - left / energy)
 }

@@ -5,6 +5,7 @@ use super::super::methods::constrained::{breaks, constrained_fit};
 use super::super::methods::least_squares::Reduced;
 use super::super::methods::moments::{Moments, splits};
 use super::super::methods::offset::{centre, mean};
+use super::super::numeric::statistics::mean_with_error;
 use super::design::offset_ranges;
 use super::findings::Findings;
 use super::selection::Selection;
@@ -19,17 +20,27 @@ use std::ops::Range;
 /// Fixture: `friction/tests.rs`.
 const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 
-/// Sums over folds that were left out.
-#[derive(Debug, Clone, Copy, Default)]
+/// Errors on folds that were left out.
+#[derive(Debug, Clone)]
 pub(super) struct Unseen {
-    pub(super) residual: f64,
+    /// `Σ w r²` of each fold and its number of samples.
+    pub(super) folds: Vec<[f64; 2]>,
+    /// `Σ w (τ − τ̄)²` over the folds.
     pub(super) total: f64,
 }
 
 impl Unseen {
-    /// `1 − RSS / Σ w (τ − τ̄)²`; `None` where the torque never changes.
-    pub(super) fn r_squared(&self) -> Option<f64> {
-        (self.total > 0.0).then(|| 1.0 - self.residual / self.total)
+    /// `1 − RSS / Σ w (τ − τ̄)²` with more of both sums; `None` if the torque never changes.
+    pub(super) fn r_squared(&self, more: f64) -> Option<f64> {
+        let residual: f64 = self.folds.iter().map(|[residual, _]| residual).sum();
+        let total = self.total + more;
+        (total > 0.0).then(|| 1.0 - (residual + more) / total)
+    }
+
+    /// Mean over the folds of their mean squared errors, with its standard error.
+    pub(super) fn error(&self) -> [f64; 2] {
+        let errors = self.folds.iter().map(|[residual, samples]| residual / samples.max(1.0));
+        mean_with_error(&errors.collect::<Vec<_>>())
     }
 }
 
@@ -47,7 +58,7 @@ pub(super) fn held_out(
     findings: &mut Findings,
 ) -> Option<Unseen> {
     match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
-        Ok(residual) => Some(Unseen { residual, total }),
+        Ok(folds) => Some(Unseen { folds, total }),
         Err(reason) => {
             findings.add(NO_HELD_OUT.found(format!("no R² on left-out data: {reason}")));
             None
@@ -55,14 +66,18 @@ pub(super) fn held_out(
     }
 }
 
-/// Σ r² over folds of laws that were chosen and fitted without them.
-pub(super) fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<f64> {
-    let mut sum = 0.0;
-    for split in splits(folds) {
+/// Σ r² and number of samples of each fold, for laws that were chosen and fitted without it.
+pub(super) fn by_folds(
+    folds: &[Moments],
+    selection: &Selection,
+    rows: Option<&DMatrix<f64>>,
+) -> Result<Vec<[f64; 2]>> {
+    let of_split = |split: Result<(Moments, &Moments)>| {
         let (training, fold) = split?;
-        sum += fold.residual(0, &fit(&Reduced::from_moments(training)?, selection, rows)?);
-    }
-    Ok(sum)
+        let law = fit(&Reduced::from_moments(training)?, selection, rows)?;
+        Ok([fold.residual(0, &law), fold.samples() as f64])
+    };
+    splits(folds).map(of_split).collect()
 }
 
 fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<DVector<f64>> {

@@ -36,11 +36,10 @@ impl Findings<'_> {
         let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
         let rss: f64 = judged.residuals.iter().enumerate().map(|(i, r)| weight(i) * r * r).sum();
         let total = variation(data, separate, &[whole]);
-        let held_out = judged.unseen.and_then(|unseen| unseen.r_squared());
+        let held_out = judged.unseen.as_ref().and_then(|unseen| unseen.r_squared(0.0));
         self.judge(held_out, settings.least_r_squared);
         self.check_limits();
-        let fastest = data.velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
-        self.judge_unseen_speeds(&judged.law, fastest)?;
+        self.judge_unseen_speeds(&judged.law, data.fastest())?;
         let rms = (total / judged.residuals.len() as f64).sqrt();
         self.all.extend(dependences(data, settings.folds, &judged.residuals, rms));
         let law = &judged.law;
@@ -58,7 +57,7 @@ impl Findings<'_> {
             samples: judged.residuals.len(),
             freedom: judged.freedom,
             velocity_range: velocity_range(data.velocities),
-            resolved_from: data.resolved_from(),
+            resolved_from: data.filtered.map(|_| data.resolved_from()),
             residual: rms_of(&judged.residuals),
             r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
             held_out,
@@ -67,7 +66,8 @@ impl Findings<'_> {
             settings,
             findings,
         };
-        Ok(FrictionReport::alone(result, judged.residuals))
+        let unseen_error = judged.unseen.as_ref().map(Unseen::error);
+        Ok(FrictionReport { unseen_error, ..FrictionReport::alone(result, judged.residuals) })
     }
 
     fn check_limits(&mut self) {

@@ -50,6 +50,9 @@ impl FrictionIdentification {
         require_setting("least R²", limit, limit <= 1.0, "it must be finite and at most 1")?;
         match &self.method {
             FrictionMethod::Stribeck(regression) => stribeck::identify(self, data, regression),
+            FrictionMethod::Ladder(regression) => {
+                stribeck::or_simpler(self, data, regression, terms::identify(self, data)?)
+            }
             _ => terms::identify(self, data),
         }
     }

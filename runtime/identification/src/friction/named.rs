@@ -18,7 +18,7 @@ const WORDS: [(&str, &[&str]); 4] = [
 const STRIBECK: &str = "stribeck";
 
 impl FrictionIdentification {
-    /// The same search among other terms.
+    /// The same search among other terms, which ends at these terms.
     ///
     /// - `terms`: words and expressions in the speed `v` between commas, as in `viscous, coulomb, v*v*v`. The words are `viscous`, `coulomb`,
     ///   `asymmetric` and `quadratic`; `stribeck` stands alone for the Stribeck law.
@@ -46,7 +46,11 @@ impl FrictionIdentification {
         });
         let library = Library::new(&meant.collect::<Vec<_>>(), &["v"])?;
         library.terms().iter().try_for_each(|term| require_generated(term))?;
-        Ok(Self { library, ..self.clone() })
+        let method = match &self.method {
+            FrictionMethod::Ladder(_) => FrictionMethod::BestSubset,
+            method => method.clone(),
+        };
+        Ok(Self { library, method, ..self.clone() })
     }
 }
 
@@ -109,6 +113,9 @@ mod tests {
         terms.retain(|term| term != "1");
         assert_eq!(library.terms(), terms);
         assert!(matches!(of("stribeck").unwrap().method, FrictionMethod::Stribeck(_)));
+        let method = FrictionMethod::Ladder(StribeckRegression::default());
+        let ladder = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() };
+        assert_eq!(ladder.of_terms("viscous").unwrap().method, FrictionMethod::BestSubset);
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub struct FrictionReport {
     /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than
     /// twelve terms.
     pub(crate) average: Option<ModelAverage>,
+    /// Mean squared error over folds that were left out, and its standard error.
+    pub(super) unseen_error: Option<[f64; 2]>,
     /// Torque minus offset minus law at the samples.
     pub residuals: Vec<f64>,
 }
@@ -80,6 +82,7 @@ impl FrictionReport {
             subsets: None,
             ensemble: None,
             average: None,
+            unseen_error: None,
             residuals,
         }
     }

@@ -84,7 +84,7 @@ pub(super) fn choose(
             Chosen::directly(Selection::Thresholding(*settings), reduced, note)
         }
         FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?),
-        FrictionMethod::BestSubset => by_subsets(reduced, &folds()?, conditions),
+        FrictionMethod::BestSubset | FrictionMethod::Ladder(_) => by_subsets(reduced, &folds()?, conditions),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
             Chosen::directly(Selection::All, reduced, "least squares on all terms".into())
         }

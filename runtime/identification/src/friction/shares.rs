@@ -7,9 +7,9 @@ use super::super::methods::moments::Moments;
 use super::super::result::{FrictionLaw, FrictionResult};
 use super::errors::Errors;
 use super::findings::Findings;
-use super::held_out::{Unseen, held_out};
+use super::held_out::held_out;
 use super::report::FrictionReport;
-use super::task::{FrictionData, FrictionIdentification};
+use super::task::{FrictionData, FrictionIdentification, FrictionMethod};
 use super::terms::{Candidates, average};
 use nalgebra::DVector;
 
@@ -52,17 +52,16 @@ impl FrictionIdentification {
             block: "shares",
             velocity_range: data.velocity_range,
         };
+        if matches!(self.method, FrictionMethod::Ladder(_)) {
+            findings.note("the Stribeck law needs samples: it was not tried".into());
+        }
         let fitted = candidates.fitted(self, &mut findings)?;
         let (coefficients, active) = (&fitted.solution.coefficients, &fitted.solution.active);
         let errors = Errors::of_shares(&reduced, &data.shares, coefficients, active, &fitted.binding);
         let average = average(&reduced, &errors)?;
         let total: f64 = data.shares.iter().map(|share| share.energy(0)).sum();
         let unseen = held_out(shares(), total, fitted.way(), &mut findings);
-        let with_lost = |unseen: Unseen| Unseen {
-            residual: unseen.residual + data.lost,
-            total: unseen.total + data.lost,
-        };
-        let held_out = unseen.and_then(|unseen| with_lost(unseen).r_squared());
+        let held_out = unseen.and_then(|unseen| unseen.r_squared(data.lost));
         findings.judge(held_out, self.least_r_squared);
         data.require_limits(&mut findings);
         let law = fitted.law(&library, &errors, average.as_ref());

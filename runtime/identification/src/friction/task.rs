@@ -78,6 +78,8 @@ pub enum FrictionMethod {
     BestSubset,
     /// Nonlinear regression of the Stribeck law; the library is not used.
     Stribeck(StribeckRegression),
+    /// [`FrictionMethod::BestSubset`], or the Stribeck law if its error on left-out data is less by more than one standard error.
+    Ladder(StribeckRegression),
 }
 
 /// Friction by the common estimate, or by instrumental variables where least squares is biased.

@@ -1,6 +1,7 @@
 //! The one filter that positions, efforts and regressor columns pass through.
 
 use super::super::error::{IdentificationError, Result, require_setting};
+use super::super::numeric::kernel::dot;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -72,23 +73,12 @@ impl Filter {
     /// Beyond its ends the signal is continued by point reflection; within half the length of the kernel of them results
     /// depend on this continuation.
     pub(crate) fn apply(&self, signal: &[f64]) -> Vec<f64> {
-        self.apply_within(signal, 0..signal.len())
+        self.apply_at(signal, 0..signal.len())
     }
 
-    /// The filtered samples `rows` of a signal.
-    pub(crate) fn apply_within(&self, signal: &[f64], rows: Range<usize>) -> Vec<f64> {
-        rows.map(|i| self.at(signal, i)).collect()
-    }
-
-    /// Sample `i` of the filtered signal.
-    pub(crate) fn at(&self, signal: &[f64], i: usize) -> f64 {
-        let half = self.taps.len() / 2;
-        if i >= half && i + half < signal.len() {
-            let window = &signal[i - half..=i + half];
-            return window.iter().zip(self.taps.iter().rev()).map(|(x, h)| x * h).sum();
-        }
-        let sample = |k: usize| self.taps[k] * continued(signal, (i + half) as isize - k as isize);
-        (0..self.taps.len()).map(sample).sum()
+    /// Some samples of the filtered signal.
+    pub(crate) fn apply_at(&self, signal: &[f64], samples: impl Iterator<Item = usize> + Clone) -> Vec<f64> {
+        weighted(signal, &self.taps, samples.map(|i| i as isize))
     }
 
     /// Samples on either side that a filtered one depends on.
@@ -223,17 +213,29 @@ fn correct_moments(taps: &mut [f64], times: &[f64], deviation: f64, order: usize
     Ok(())
 }
 
-/// Sample `i`, continued beyond the ends by point reflection; the last value where even this has ended.
-pub(crate) fn continued(signal: &[f64], i: isize) -> f64 {
+/// `Σ taps[k] · signal[centre + half − k]` at each centre.
+///
+/// Beyond its ends the signal is continued by point reflection, then by the last value of that.
+pub(crate) fn weighted(
+    signal: &[f64],
+    taps: &[f64],
+    centres: impl Iterator<Item = isize> + Clone,
+) -> Vec<f64> {
+    let half = (taps.len() / 2) as isize;
+    let (Some(least), Some(most)) = (centres.clone().min(), centres.clone().max()) else { return Vec::new() };
+    let signal = continued(signal, least - half..most + half + 1);
+    let taps: Vec<f64> = taps.iter().rev().copied().collect();
+    centres.map(|centre| dot(&signal[(centre - least) as usize..][..taps.len()], &taps)).collect()
+}
+
+/// Samples of a signal that is continued beyond its ends.
+fn continued(signal: &[f64], samples: Range<isize>) -> Vec<f64> {
     let last = signal.len() as isize - 1;
     let value = |k: isize| signal[k.clamp(0, last) as usize];
-    if i < 0 {
-        2.0 * value(0) - value(-i)
-    } else if i > last {
-        2.0 * value(last) - value(2 * last - i)
-    } else {
-        value(i)
-    }
+    let before = (samples.start..samples.end.min(0)).map(|i| 2.0 * value(0) - value(-i));
+    let [first, end] = [samples.start, samples.end].map(|i| i.clamp(0, last + 1) as usize);
+    let after = (samples.start.max(last + 1)..samples.end).map(|i| 2.0 * value(last) - value(2 * last - i));
+    before.chain(signal[first..end].iter().copied()).chain(after).collect()
 }
 
 #[cfg(test)]

@@ -52,11 +52,10 @@ impl Filtered<'_> {
     }
 
     /// A column over the instants of a run, through the filter, at its samples.
-    pub(crate) fn pass<'b>(
-        &'b self,
-        run: &'b FilteredRun,
-        column: &'b [f64],
-    ) -> impl Iterator<Item = f64> + 'b {
-        run.kept.iter().map(|i| self.filter.at(column, *i))
+    pub(crate) fn pass(&self, run: &FilteredRun, column: &[f64]) -> Vec<f64> {
+        if column.iter().all(|value| *value == 0.0) {
+            return vec![0.0; run.kept.len()];
+        }
+        self.filter.apply_at(column, run.kept.iter().copied())
     }
 }

@@ -82,9 +82,13 @@ fn cancels(values: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
 }
 
 impl Conditions {
-    /// Least squares on a subset under the rows; `None` where it cannot be solved or its terms cancel each other.
+    /// Least squares on a subset under the rows; `None` if it cannot be solved or its terms cancel each other.
     fn fit(&self, moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64>> {
-        let free = fit(moments, target, active)?;
+        self.met(moments, fit(moments, target, active)?, active)
+    }
+
+    /// The same from the fit without the rows.
+    fn met(&self, moments: &Moments, free: DVector<f64>, active: &[usize]) -> Option<DVector<f64>> {
         let met = match &self.rows {
             Some(rows) if breaks(rows, &free) => constrained(moments, free, active, rows).ok()?,
             _ => free,
@@ -281,9 +285,11 @@ pub(crate) fn best_of_size(
 ) -> Result<DVector<f64>> {
     let mut best: Option<(f64, DVector<f64>)> = None;
     for active in subsets(moments.terms(), &conditions.requirements).filter(|a| a.len() == size && size > 0) {
-        let Some(coefficients) = conditions.fit(moments, target, &active) else {
-            continue;
-        };
+        // Conditions only make the residual larger.
+        let free = fit(moments, target, &active);
+        let bound = best.as_ref().map_or(f64::INFINITY, |(residual, _)| *residual);
+        let Some(free) = free.filter(|free| moments.residual(target, free) < bound) else { continue };
+        let Some(coefficients) = conditions.met(moments, free, &active) else { continue };
         let residual = moments.residual(target, &coefficients);
         if best.as_ref().is_none_or(|b| residual < b.0) {
             best = Some((residual, coefficients));

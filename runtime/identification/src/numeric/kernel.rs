@@ -6,6 +6,7 @@
 
 use multiversion::multiversion;
 use multiversion::target::match_target;
+use nalgebra::DVectorView;
 use std::ops::Range;
 
 /// Samples per block: eight columns of a block stay in the first-level cache.
@@ -27,6 +28,11 @@ pub(crate) fn add_products(columns: &[&[f64]], sums: &mut [f64]) {
         "x86_64+avx512f+avx512dq+avx512vl" => add_tiles::<2>(columns, sums),
         _ => add_tiles::<1>(columns, sums),
     }
+}
+
+/// `Σ aᵢ bᵢ` of two slices of the same length, in eight lanes.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    DVectorView::from_slice(a, a.len()).dot(&DVectorView::from_slice(b, b.len()))
 }
 
 #[inline(always)]
@@ -110,6 +116,10 @@ mod tests {
 
     #[test]
     fn products_of_whole_numbers_are_exact() {
+        for n in [0, 1, 31, 32, 33, 100] {
+            let a: Vec<f64> = (0..n).map(f64::from).collect();
+            assert_eq!(dot(&a, &a), f64::from(n * (n - 1) * (2 * n - 1) / 6));
+        }
         let a: Vec<f64> = (0..251).map(f64::from).collect();
         let b: Vec<f64> = a.iter().map(|a| 3.0 - a).collect();
         let mut sums = [0.0; 36];

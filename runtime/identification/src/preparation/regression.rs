@@ -28,6 +28,8 @@ pub(super) struct Columns<'a> {
     filter: Option<Filter>,
     /// What the motion passes too.
     band: Option<Filter>,
+    /// Number of inertial parameters.
+    parameters: usize,
     /// Rows of joints with a quaternion, which have neither friction nor an offset here.
     exact: Vec<bool>,
     /// The robot compensates gravity. What it takes the bodies to weigh is unknown: inertial forces and weight have
@@ -63,6 +65,7 @@ impl<'a> Columns<'a> {
             robot,
             inverse: if inputs { inverse() } else { None },
             signs: Rc::new(signs),
+            parameters: robot.parameter_names().len(),
             exact,
             is_compensated,
             filter,
@@ -100,7 +103,7 @@ impl<'a> Columns<'a> {
     fn at(&self, runs: &[&PreparedRun], (r, i): Sample) -> DMatrix<f64> {
         let run = runs[r];
         let through = |filter: &Option<Filter>, column: &[f64]| match filter {
-            Some(filter) => filter.at(column, i),
+            Some(filter) => filter.apply_at(column, std::iter::once(i))[0],
             None => column[i],
         };
         let state = |all: &[Vec<f64>]| -> Vec<f64> { all.iter().map(|c| through(&self.band, c)).collect() };
@@ -125,7 +128,7 @@ impl<'a> Columns<'a> {
 
     /// Columns of the inertial parameters, one row for each joint.
     fn inertial(&self, y: &[f64], v: &[f64], a: &[f64]) -> DMatrix<f64> {
-        let (joints, parameters) = (v.len(), self.robot.parameter_names().len());
+        let (joints, parameters) = (v.len(), self.parameters);
         let regressor = |v: &[f64], a: &[f64]| {
             let mut columns = vec![0.0; joints * parameters];
             self.robot.inertial_regressor(y, v, a, &mut columns);

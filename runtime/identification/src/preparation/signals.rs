@@ -1,7 +1,7 @@
 //! A run as channels of informative samples, and its pieces smoothed onto an even grid.
 
 use super::super::error::Result;
-use super::super::methods::filter::{Band, Filter, continued, convolved, kernel};
+use super::super::methods::filter::{Band, Filter, convolved, kernel, weighted};
 use super::super::pose::{plain_positions, rows_of};
 use super::super::robot::Robot;
 use super::super::run::{DesiredMotion, Effort, PreparedRun, Run};
@@ -143,15 +143,12 @@ struct Sampler {
 /// A piece of a run, smoothed; `None` if too little is left between its cut ends.
 pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Result<Option<Smoothed>> {
     let Some(sampler) = Sampler::new(signals.step, piece, how) else { return Ok(None) };
-    let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c]).collect();
+    let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c as usize]).collect();
     let band = how.band.map(|band| band.taps(sampler.step));
     let through = |channel: &Channel, order: usize, shift: f64| -> Result<Vec<f64>> {
         let taps = kernel_at(&sampler, how, order, shift)?;
-        let signal = interpolate(channel, &sampler.grid);
-        match &band {
-            Some(band) => sampler.filter(&signal, &convolved(&taps, band)),
-            None => sampler.filter(&signal, &taps),
-        }
+        let taps = band.as_ref().map_or_else(|| taps.clone(), |band| convolved(&taps, band));
+        Ok(weighted(&interpolate(channel, &sampler.grid), &taps, sampler.centres()))
     };
     let all =
         |order: usize| signals.positions.iter().map(|c| through(c, order, 0.0)).collect::<Result<Vec<_>>>();
@@ -214,12 +211,8 @@ impl Sampler {
         (count >= FEWEST).then_some(Self { grid, step, ratio, first, count })
     }
 
-    fn centres(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.count).map(|i| self.first + i * self.ratio)
-    }
-
-    fn filter(&self, signal: &[f64], taps: &[f64]) -> Result<Vec<f64>> {
-        Ok(self.centres().map(|c| weighted(signal, taps, c as isize)).collect())
+    fn centres(&self) -> impl Iterator<Item = isize> + Clone + '_ {
+        (0..self.count).map(|i| (self.first + i * self.ratio) as isize)
     }
 
     /// Effort `m` at its delay: whole steps by the index, the rest by the kernel.
@@ -227,17 +220,6 @@ impl Sampler {
         let steps = (how.delays[m] / self.step).round();
         let taps = kernel_at(self, how, 0, how.delays[m] - steps * self.step)?;
         let signal = interpolate(channel, &self.grid);
-        Ok(self.centres().map(|c| weighted(&signal, &taps, c as isize + steps as isize)).collect())
+        Ok(weighted(&signal, &taps, self.centres().map(|centre| centre + steps as isize)))
     }
-}
-
-/// `Σ taps[k] · signal[centre + half − k]`.
-fn weighted(signal: &[f64], taps: &[f64], centre: isize) -> f64 {
-    let half = (taps.len() / 2) as isize;
-    let (first, last) = (centre - half, centre + half);
-    if first >= 0 && (last as usize) < signal.len() {
-        let window = &signal[first as usize..=last as usize];
-        return window.iter().zip(taps.iter().rev()).map(|(x, h)| x * h).sum();
-    }
-    (first..=last).zip(taps.iter().rev()).map(|(i, h)| h * continued(signal, i)).sum()
 }

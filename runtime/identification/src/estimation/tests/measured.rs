@@ -234,7 +234,6 @@ fn the_even_runs_of_the_schunk_predict_the_odd_ones() {
 }
 
 #[test]
-#[ignore = "half a minute without optimization"]
 fn the_odd_runs_of_the_schunk_predict_the_even_ones() {
     predicts_the_others(1);
 }

@@ -2,7 +2,7 @@
 
 use super::super::filtered::Filtered;
 use super::law::{StribeckRegression, stribeck_block};
-use crate::numeric::kernel::{BLOCK, add_products};
+use crate::numeric::kernel::{BLOCK, add_products, dot};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
@@ -53,13 +53,14 @@ impl Observed<'_> {
         let filtered = self.filtered?;
         let mut columns = Columns::default();
         for run in &filtered.runs {
-            // The law itself is the residual of no torque with the sign changed.
             let whole = evaluated(run.velocities, &vec![0.0; run.velocities.len()], a);
-            for (column, values) in columns.iter_mut().zip(&whole) {
+            for (column, values) in columns.iter_mut().zip(&whole[..WIDTH - 1]) {
                 column.extend(filtered.pass(run, values));
             }
         }
-        columns[WIDTH - 1].iter_mut().zip(self.torque).for_each(|(left, torque)| *left += torque);
+        // The law is linear in a1, a2 and a4.
+        let law = |i: usize| a[0] * columns[0][i] + a[1] * columns[1][i] + a[3] * columns[3][i];
+        columns[WIDTH - 1] = self.torque.iter().enumerate().map(|(i, torque)| torque - law(i)).collect();
         Some(columns)
     }
 
@@ -218,19 +219,6 @@ impl Data<'_> {
         }
         Normal { iterations: passes, ..best }
     }
-}
-
-/// Eight sums side by side, as vector units add.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let (eights, rest) = (a.chunks_exact(8).zip(b.chunks_exact(8)), a.len() / 8 * 8);
-    for (a, b) in eights {
-        for l in 0..8 {
-            lanes[l] += a[l] * b[l];
-        }
-    }
-    let tail: f64 = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum();
-    lanes.iter().sum::<f64>() + tail
 }
 
 /// Offsets after a step, to first order.
