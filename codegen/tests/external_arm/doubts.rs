@@ -109,6 +109,25 @@ fn a_log_that_was_fitted_validates_nothing() {
     assert!(said.contains("copy.csv: it is one of the fitted logs"), "{said}");
 }
 
+/// Efforts with the other sign.
+#[test]
+fn a_log_that_is_not_predicted_is_named() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    arm.record_as("arm.toml", "other.csv", Recorded { factors: [1.0, 1.0, -1.0], ..RIGHT });
+    let validated = |log: &str| {
+        let done = arm.run(&["arm.toml", "log.csv", "--validate", log, "--output", "found.toml"]);
+        assert!(done.status.success());
+        String::from_utf8(done.stderr).unwrap()
+    };
+    let said = validated("other.csv");
+    for joint in ["turn", "lift", "reach"] {
+        let warning = format!("in the logs to validate, warning[validation-failed]: joint {joint}: R² is -");
+        assert!(said.contains(&warning), "{said}");
+    }
+    assert!(!validated("log.csv").contains("validation-failed"));
+}
+
 #[test]
 fn currents_may_be_called_efforts() {
     let arm = Arm::new();

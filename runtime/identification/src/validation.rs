@@ -6,6 +6,7 @@ use super::estimation::Gravity;
 use super::friction::FrictionReport;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
+use super::numeric::digits::plain;
 use super::preparation::{Filter, PreparationSettings, prepare_as};
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
@@ -15,8 +16,14 @@ use std::path::PathBuf;
 /// Sees: a log to validate that was fitted, too.
 /// Matters: R² of it says nothing of other data.
 /// Example: the same file twice on the command line.
-/// Fixture: `codegen/tests/external_arm/said.rs`.
+/// Fixture: `codegen/tests/external_arm/doubts.rs`.
 const FITTED: Rule = Rule::warning("fitted-log");
+
+/// Sees: efforts of a log to validate that are farther from the prediction than from their mean.
+/// Matters: the description is worse than none for this log, or the log is of another robot, load or unit.
+/// Example: efforts with the other sign.
+/// Fixture: `codegen/tests/external_arm/doubts.rs`.
+const NOT_PREDICTED: Rule = Rule::warning("validation-failed");
 
 /// Prediction of a joint's efforts in logs that nothing was fitted to.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +85,16 @@ pub fn validate(
         }
     }
     let joints = found.estimate.joints.iter().zip(sums);
-    Ok(joints.map(|(joint, sums)| judged(joint.name.clone(), sums)).collect())
+    let judged: Vec<JointValidation> = joints.map(|(joint, sums)| judged(joint.name.clone(), sums)).collect();
+    for (joint, JointValidation { r_squared, .. }) in
+        judged.iter().enumerate().filter(|(_, of)| of.r_squared < 0.0)
+    {
+        let r_squared = plain(*r_squared, 3);
+        let message =
+            format!("R² is {r_squared}: the efforts are farther from the prediction than from their mean");
+        say(&NOT_PREDICTED.found(message).of(rows.subject(joint)));
+    }
+    Ok(judged)
 }
 
 /// Sums of one joint's measured forces and errors.
