@@ -109,6 +109,7 @@ def identify(
     load_friction: bool = False,
     friction_on: str | None = None,
     friction: str | Iterable[str] | None = None,
+    method: str | None = None,
     accept_poor: bool = False,
     merge: bool = False,
     snap_angles: float | None = None,
@@ -125,6 +126,7 @@ def identify(
     - `columns`: which columns are what, `{"position": "pos_{}", "torque": "tau_{}"}`
     - `hold`: joints that the logs leave out, at rest at a position in rad or m, `{"finger_*": 0.02}`
     - `friction`: terms that friction laws are chosen from, `["viscous", "coulomb", "tanh(50*v)"]`, or `"stribeck"`
+    - `method`: how the terms are chosen, `"subset"`, `"stls"`, `"lasso"` or `"all"`
     - `merge`: `logs` are files of moments, which `reduce` wrote
     - all others: as `gelenk identify --help` says
     """
@@ -134,7 +136,8 @@ def identify(
         "output": output, "report": report, "payload_on": payload_on, "columns": _patterns(columns), "separator": separator,
         "effort": effort,
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay,
-        "load_friction": load_friction, "friction_on": friction_on, "friction": _listed(friction), "accept_poor": accept_poor,
+        "load_friction": load_friction, "friction_on": friction_on, "friction": _listed(friction), "method": method,
+        "accept_poor": accept_poor,
         "merge": merge,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
         "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,

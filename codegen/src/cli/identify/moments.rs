@@ -46,8 +46,9 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
 pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let path = output(arguments, &loaded)?;
-    if is_moments(&path) && arguments.report.is_some() {
-        return Err(Failure::Usage("--report needs a result: name a description with --output".to_owned()));
+    let of_results = [("--report", arguments.report.is_some()), ("--method", arguments.method.is_some())];
+    if let Some((option, _)) = of_results.iter().find(|(_, is_given)| is_moments(&path) && *is_given) {
+        return Err(Failure::Usage(format!("{option} needs a result: name a description with --output")));
     }
     let description = Description::of(arguments, &loaded, &robot)?;
     let mut sum = Sum::default();
