@@ -62,6 +62,7 @@ impl IdentificationSettings {
             estimation: EstimationSettings::default(),
             friction: FrictionIdentification {
                 method: FrictionMethod::Ladder(StribeckRegression {
+                    // Eight take 1.33 s of CPU for a log that takes 1.1 s with four. A worse minimum leaves the law of terms.
                     starts: 4,
                     ..StribeckRegression::default()
                 }),

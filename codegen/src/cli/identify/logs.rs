@@ -240,21 +240,17 @@ pub(super) fn command(arguments: &Identify) -> String {
     let files = files.map(|file| quoted(&shown(file, workspace.as_ref())));
     let word =
         |option: &str, value: Option<String>| value.map(|value| format!("{option} {}", quoted(&value)));
-    let effort = arguments.effort.and_then(|effort| Some(effort.to_possible_value()?.get_name().to_owned()));
     let loaded = arguments.payload.iter().map(|log| word("--payload", Some(shown(log, workspace.as_ref()))));
     let options = [
         word("--columns", arguments.columns.clone()),
         word("--separator", arguments.separator.map(String::from)),
-        word("--effort", effort),
+        word("--effort", arguments.effort.and_then(name_of)),
         word("--bandwidth", arguments.bandwidth.map(|hertz| format!("{hertz:?}"))),
         word("--delay", arguments.delay.map(|seconds| format!("{seconds:?}"))),
         arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned()),
         arguments.load_friction.then(|| "--load-friction".to_owned()),
         word("--friction", arguments.friction.clone()),
-        word(
-            "--method",
-            arguments.method.and_then(|name| Some(name.to_possible_value()?.get_name().to_owned())),
-        ),
+        word("--method", arguments.method.and_then(name_of)),
         word("--payload-on", arguments.payload_on.clone()),
         on_joints(arguments),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),
@@ -263,6 +259,11 @@ pub(super) fn command(arguments: &Identify) -> String {
         .chain(files)
         .chain(options.into_iter().chain(loaded).flatten());
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
+}
+
+/// The word of an option's value.
+fn name_of(value: impl ValueEnum) -> Option<String> {
+    Some(value.to_possible_value()?.get_name().to_owned())
 }
 
 /// The option that looks for friction on joints alone.

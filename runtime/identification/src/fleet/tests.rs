@@ -198,6 +198,7 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
         let band = law.band(&[speed], 0.999).unwrap()[0];
         assert!((torque - truth).abs() < band.max(0.02), "{torque} ± {band}, {truth}");
     }
+    assert!(law.result.settings.contains(&"the Stribeck law needs samples: it was not tried".to_owned()));
     let FrictionLaw::Terms(terms) = &law.result.law else { panic!("a law of terms") };
     assert!(terms.iter().all(|term| term.standard_error.is_some() && term.inclusion.is_some()));
     // Alike, not equal: offsets belong to runs here.

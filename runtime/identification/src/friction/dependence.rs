@@ -5,7 +5,7 @@ use super::super::methods::moments::{Moments, Samples};
 use super::super::methods::offset::centre;
 use super::super::numeric::digits::plain;
 use super::design::offset_ranges;
-use super::held_out::by_folds;
+use super::held_out::{Unseen, by_folds};
 use super::selection::Selection;
 use super::task::FrictionData;
 use gelenk_findings::{Finding, Rule};
@@ -74,7 +74,6 @@ fn explained_share(
     }
     let folds = Moments::folds(&samples, &super::design::folds(data, folds)).ok()?;
     let energy: f64 = folds.iter().map(|fold| fold.energy(0)).sum();
-    let left =
-        by_folds(&folds, &Selection::All, None).ok()?.iter().map(|[residual, _]| residual).sum::<f64>();
-    (energy > 0.0).then(|| 1.0 - left / energy)
+    let left = by_folds(&folds, &Selection::All, None).ok()?;
+    Unseen { folds: left, total: energy }.r_squared(0.0)
 }

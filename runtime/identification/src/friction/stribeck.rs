@@ -2,7 +2,7 @@
 
 use super::super::error::Result;
 use super::super::methods::offset::centre;
-use super::super::methods::stribeck::{Observed, StribeckFit, StribeckRegression, stribeck_torque};
+use super::super::methods::stribeck::{Observed, StribeckFit, StribeckRegression, slower, stribeck_torque};
 use super::super::numeric::digits::plain;
 use super::super::numeric::statistics::simplest;
 use super::super::result::FrictionLaw;
@@ -51,8 +51,8 @@ pub(super) fn identify(
 /// The Stribeck law of one joint if its error on left-out data is less than that of a law of terms by more than one standard
 /// error of its own (Breiman 1984), else that law.
 ///
-/// It is taken as a curve: its parameters may mean nothing. A peak at speeds that are not resolved is refused: a joint that
-/// sticks before it reverses looks like it.
+/// It is taken as a curve: its parameters may have no physical meaning. A law with a peak at speeds that are not resolved is
+/// refused, because sticking before a reversal gives such a peak. If the regression fails, the law of terms is returned.
 pub(super) fn or_simpler(
     settings: &FrictionIdentification,
     data: &FrictionData,
@@ -60,7 +60,7 @@ pub(super) fn or_simpler(
     terms: FrictionReport,
 ) -> Result<FrictionReport> {
     let runs = offset_ranges(data);
-    let attempt = Attempt::new(settings, data, regression, &runs)?;
+    let Ok(attempt) = Attempt::new(settings, data, regression, &runs) else { return Ok(terms) };
     if !attempt.findings.all.is_empty() || !falls(&attempt.fit, data) {
         return Ok(terms);
     }
@@ -75,7 +75,7 @@ struct Attempt<'a> {
     regression: StribeckRegression,
     samples: Observed<'a>,
     fit: StribeckFit,
-    /// Why its parameters mean nothing.
+    /// Why its parameters have no physical meaning.
     other_law: Option<Finding>,
     /// Refusals of the curve.
     findings: Findings<'a>,
@@ -173,13 +173,8 @@ fn falls(fit: &StribeckFit, data: &FrictionData) -> bool {
     fit.parameters[3] >= 0.0 && slower(resolved).all(|v| fit.torque(v).abs() <= bound)
 }
 
-/// Speeds down to a ten-thousandth of one.
-fn slower(speed: f64) -> impl Iterator<Item = f64> {
-    (1..=180).map(move |i| speed * 0.95_f64.powi(i))
-}
-
 /// Standard errors by which static friction has to exceed Coulomb friction.
-const TOLD: f64 = 2.0;
+const DISTINCT: f64 = 2.0;
 
 /// Fewest samples that tell of the fall from static to Coulomb friction.
 const FEWEST_SLOW: usize = 10;
@@ -207,7 +202,7 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
     let [said_coulomb, said_highest, said_speed, said_fastest] =
         [coulomb, highest, speed, fastest].map(|x| plain(x, 4));
     let error = fit.standard_errors[3].unwrap_or(f64::INFINITY);
-    let differ = highest - coulomb > TOLD * error;
+    let differ = highest - coulomb > DISTINCT * error;
     let faults = [
         (!fit.converged).then(|| format!("the regression did not converge in {} passes", fit.iterations)),
         (coulomb < 0.0).then(|| format!("Coulomb friction F_c = {said_coulomb} {torque} is negative")),
@@ -215,7 +210,7 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
             format!("static friction F_s = {said_highest} {torque} is less than Coulomb friction F_c = {said_coulomb} {torque}")
         }),
         (highest >= coulomb && !differ).then(|| {
-            format!("static friction F_s = {said_highest} {torque} is not told from Coulomb friction F_c = {said_coulomb} {torque}")
+            format!("static friction F_s = {said_highest} {torque} cannot be distinguished from Coulomb friction F_c = {said_coulomb} {torque}")
         }),
         (speed > fastest).then(|| {
             format!("the Stribeck speed v_s = {said_speed} {velocity} is beyond the fastest motion of {said_fastest} {velocity}")
@@ -277,6 +272,22 @@ mod tests {
         // A peak within the slowest ten samples, and a law that drives the joint there.
         assert!(!is_taken(|v| stribeck_torque(v, &[2.0, 3.0, 1000.0, 200.0, 1000.0])));
         assert!(!is_taken(|v| stribeck_torque(v, &[2.0, 3.0, 1000.0, -30.0, 100.0])));
+    }
+
+    /// Five samples are enough for a law of terms, and too few for the Stribeck law.
+    #[test]
+    fn too_few_samples_for_the_stribeck_law_leave_the_law_of_terms() {
+        let (velocities, torques) = ([-1.0, -0.5, 0.25, 0.5, 1.0], [-2.0, -1.01, 0.5, 1.01, 2.0]);
+        let data = FrictionData { velocities: &velocities, torques: &torques, ..FrictionData::default() };
+        let settings = FrictionIdentification {
+            method: FrictionMethod::Ladder(StribeckRegression::default()),
+            offsets: Offsets::Known,
+            folds: 2,
+            draws: 0,
+            ..FrictionIdentification::new().unwrap().of_terms("viscous").unwrap()
+        };
+        let law = settings.identify(&data).unwrap().result.law;
+        assert!(matches!(law, FrictionLaw::Terms(_)), "{law:?}");
     }
 
     /// Laws of the Schunk arm and of simulated joints with and without Stribeck friction, as they were found.

@@ -53,6 +53,7 @@ impl Filtered<'_> {
 
     /// A column over the instants of a run, through the filter, at its samples.
     pub(crate) fn pass(&self, run: &FilteredRun, column: &[f64]) -> Vec<f64> {
+        // As of derivatives of a law by parameters on which it does not depend.
         if column.iter().all(|value| *value == 0.0) {
             return vec![0.0; run.kept.len()];
         }

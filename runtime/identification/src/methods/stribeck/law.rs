@@ -13,6 +13,11 @@ pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
     a[0] * v + a[1] * (a[2] * v).tanh() + a[3] * (-a[4] * v.abs()).exp() * (3.0 * a[2] * v).tanh()
 }
 
+/// Speeds from one down to a ten-thousandth of it.
+pub(crate) fn slower(speed: f64) -> impl Iterator<Item = f64> {
+    (0..=180).map(move |i| speed * 0.95_f64.powi(i))
+}
+
 /// The law's derivatives by a1 … a5 at velocity `v`.
 pub(crate) fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
     let mut columns = [[0.0; BLOCK]; 6];

@@ -14,7 +14,7 @@ mod starts;
 mod tests;
 mod words;
 
-pub(crate) use law::{NAMES, stribeck_gradient};
+pub(crate) use law::{NAMES, slower, stribeck_gradient};
 pub use law::{StribeckFit, StribeckRegression, stribeck_torque};
 pub use words::{Estimate, StribeckWords};
 

@@ -1,7 +1,7 @@
 //! The search for the best minimum: starts on a grid over (a3, a5), refined on a part of the samples.
 
 use super::super::filtered::{Filtered, FilteredRun};
-use super::law::{StribeckRegression, stribeck_torque};
+use super::law::{StribeckRegression, slower, stribeck_torque};
 use super::refine::{Data, NEAR, Normal, Observed};
 use crate::error::{IdentificationError, Result};
 use nalgebra::{SMatrix, SVector};
@@ -112,7 +112,7 @@ fn alike(mut laws: Vec<Normal>) -> Vec<Normal> {
 
 /// Whether the law is positive at speeds from a ten-thousandth of the fastest to all of it.
 fn dissipates(a: &[f64; 5], fastest: f64) -> bool {
-    (0..=80).all(|i| stribeck_torque(fastest * 10_f64.powf(-0.05 * f64::from(i)), a) >= 0.0)
+    slower(fastest).all(|v| stribeck_torque(v, a) >= 0.0)
 }
 
 fn grid(data: &Data, fastest: f64) -> Vec<Vec<Option<Normal>>> {
