@@ -90,13 +90,15 @@ fn summary(found: &Identification) -> Section {
     let mut table = Table::new(
         "joints",
         "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred. Samples in which a \
-         joint rests are left out: dry friction takes any value there up to the static one. One column counts them.",
+         joint rests are left out: dry friction takes any value there up to the static one. One column counts them. Predictions are \
+         those of the written description. Offsets of single runs are not in it.",
     )
     .column(rows_are(found), "joint", "")
     .column("$R^2$ held-out", "r_squared_held_out", "")
     .column("with rest", "r_squared_with_rest", "")
     .column("$R^2$ in the fit", "r_squared", "")
     .column("residual $\\sigma$", "sigma", "")
+    .column("offset", "offset", "")
     .column("unit", "unit", "")
     .column("friction", "friction", "");
     for (index, joint) in found.estimate.joints.iter().enumerate() {
@@ -106,12 +108,28 @@ fn summary(found: &Identification) -> Section {
             if joint.rest > 0.0 { share(joint, joint.held_out_with_rest) } else { Cell::Empty },
             share(joint, joint.r_squared),
             if joint.measured { Cell::Rounded(joint.sigma, 3) } else { Cell::Empty },
+            Cell::text(offsets(joint)),
             Cell::text(joint.unit),
             Cell::Code(law(found, index)),
         ]);
     }
     let choices = texts(&found.estimate.findings, Severity::Note).into_iter().map(plain);
     Section::new("summary", "How well it fits").block(Block::Table(table)).blocks(choices)
+}
+
+/// Offsets of a joint's runs that are not written, from the lowest to the highest.
+#[must_use]
+pub fn offsets(joint: &JointEstimate) -> String {
+    let error = joint.offset_errors.first().copied();
+    let end = |of: fn(f64, f64) -> f64| {
+        let end = joint.offsets.iter().copied().reduce(of);
+        end.map(|end| digits::rounded(end, error))
+    };
+    match (end(f64::min), end(f64::max)) {
+        (Some(low), Some(high)) if low == high => low,
+        (Some(low), Some(high)) => format!("{low} … {high}"),
+        _ => "–".to_owned(),
+    }
 }
 
 /// R² of a joint that moves; none where nothing acts on it.
@@ -157,9 +175,8 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     if let Some(report) = law {
         let [low, high] = report.result.velocity_range;
         let grid: Vec<f64> = (0..=CURVE).map(|i| low + (high - low) * i as f64 / CURVE as f64).collect();
-        if let Ok(torques) = report.result.law.torques(&grid) {
-            plot = plot.series("law", Marks::Line, grid.iter().zip(torques).map(|(v, t)| [*v, t]).collect());
-        }
+        let point = |v: &f64| report.result.torque(*v, 0.0).ok().map(|torque| [*v, torque]);
+        plot = plot.series("law", Marks::Line, grid.iter().filter_map(point).collect());
         figure = figure.plot(plot);
         if let Some(subsets) = &report.subsets {
             figure = figure.plot(front(subsets, force));

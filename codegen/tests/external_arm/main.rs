@@ -5,6 +5,7 @@
 
 mod doubts;
 mod held;
+mod offsets;
 mod said;
 mod tilted;
 mod units;
@@ -87,10 +88,21 @@ struct Recorded {
     turn: fn(f64) -> f64,
     /// Position of the last joint if it rests.
     resting: Option<f64>,
+    /// Zero errors of the sensors of efforts.
+    offsets: [f64; 3],
+    /// Seed of the noise.
+    seed: u64,
 }
 
-const RIGHT: Recorded =
-    Recorded { constants: None, factors: [1.0; 3], delay: 0.0, turn: |_| 0.0, resting: None };
+const RIGHT: Recorded = Recorded {
+    constants: None,
+    factors: [1.0; 3],
+    delay: 0.0,
+    turn: |_| 0.0,
+    resting: None,
+    offsets: [0.0; 3],
+    seed: 7,
+};
 
 struct Arm(tempfile::TempDir);
 
@@ -117,7 +129,7 @@ impl Arm {
 
     /// The same, recorded as somebody else would.
     fn record_as(&self, description: &str, log: &str, how: Recorded) {
-        let Recorded { constants, factors, delay, turn, resting } = how;
+        let Recorded { constants, factors, delay, turn, resting, offsets, seed } = how;
         let motion = |t: f64| {
             let [mut y, mut v, mut a] = motion(t);
             if let Some(position) = resting {
@@ -130,7 +142,7 @@ impl Arm {
         let mut text = "t,q_turn,q_lift,q_reach".to_owned();
         ["turn", "lift", "reach"].iter().for_each(|name| write!(text, ",{kind}_{name}").unwrap());
         text.push('\n');
-        let mut noise = 7_u64;
+        let mut noise = seed;
         let mut draw = || {
             noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (noise >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
@@ -146,7 +158,7 @@ impl Arm {
             for joint in 0..3 {
                 let friction = FRICTION[joint][0] * v[joint] + FRICTION[joint][1] * (50.0 * v[joint]).tanh();
                 let friction = if joint == 0 { friction + turn(v[0]) } else { friction };
-                let effort = forces[joint] + friction + 0.2 * draw();
+                let effort = forces[joint] + friction + offsets[joint] + 0.2 * draw();
                 let unit = constants.map_or(1.0, |constants| GEARS[joint] * constants[joint]);
                 write!(text, ",{}", factors[2] * effort / unit).unwrap();
             }

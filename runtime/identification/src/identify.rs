@@ -1,7 +1,7 @@
 //! From logs to an identified robot, in one call.
 
 use super::doubts::range::far_beyond;
-use super::doubts::written;
+use super::doubts::written::{self, Written};
 use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, repeated_motions};
 use super::friction::joint_samples::JointSamples;
@@ -176,9 +176,12 @@ fn identified(
     });
     let mut friction: Vec<JointFriction> = friction.collect();
     for JointFriction { joint, report, .. } in &mut friction {
-        let Ok(report) = report else { continue };
-        written::judge(&mut estimate.joints[*joint], &mut report.result);
-        written::predict(&mut estimate, *joint, &prepared, &report.residuals);
+        let mut law = report.as_mut().ok();
+        if let Some(report) = &mut law {
+            written::judge(&mut estimate.joints[*joint], &mut report.result);
+        }
+        let of_joint = Written { robot, filter: &preparation.filter, joint: *joint };
+        of_joint.predict(&mut estimate, law, &prepared)?;
     }
     if let Some(shafts) = &shafts {
         estimate.findings.splice(0..0, shafts.found(joints, &estimate));
@@ -211,11 +214,8 @@ impl Identification {
 fn no_law(reasons: &[Finding]) -> Finding {
     let messages: Vec<&str> = reasons.iter().map(|reason| reason.message.as_str()).collect();
     let remedies: Vec<&str> = reasons.iter().filter_map(|reason| reason.remedy.as_deref()).collect();
-    let message = format!(
-        "no friction law is written: {}. The described friction stays; R² and residual of this joint are those of the estimate with \
-         friction of its own",
-        messages.join("; ")
-    );
+    let message =
+        format!("no friction law is written: {}. The described friction stays", messages.join("; "));
     let found = NO_LAW.found(message);
     if remedies.is_empty() { found } else { found.help(remedies.join("; ")) }
 }

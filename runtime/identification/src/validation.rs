@@ -1,13 +1,14 @@
 //! How well an identified robot predicts logs that it was not identified from.
 
 use super::doubts::range::far_beyond;
+use super::doubts::written::Written;
 use super::error::Result;
 use super::estimation::Gravity;
-use super::friction::FrictionReport;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
 use super::numeric::digits::plain;
 use super::preparation::{Filter, PreparationSettings, prepare_as};
+use super::result::FrictionResult;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
 use gelenk_findings::{Finding, Rule};
@@ -37,11 +38,15 @@ pub struct JointValidation {
     pub r_squared_with_rest: f64,
     /// Root mean square of τ − τ̂ [N·m or N].
     pub residual: f64,
+    /// Mean of τ − τ̂ over the samples in which the joint moves [N·m or N]: an offset of the logs that the description does not have.
+    pub offset: f64,
+    /// R² of the moving samples with this offset added to τ̂.
+    pub r_squared_with_offset: f64,
 }
 
 /// Predicts the efforts of other logs by the identified values: inertial parameters, added inertias, the chosen
-/// friction laws, gains, and the mean offset of each joint. Nothing is fitted again. Friction passes the filter of the
-/// efforts.
+/// friction laws with their constants, and gains. Nothing is fitted again, and offsets of the fitted logs are not added: this is
+/// the prediction by the written description. Friction passes the filter of the efforts.
 ///
 /// Signals pass the filter of the identification, and efforts lose its delay.
 ///
@@ -104,6 +109,7 @@ struct Sums {
     mean: f64,
     spread: f64,
     errors: f64,
+    error: f64,
 }
 
 impl Sums {
@@ -114,17 +120,29 @@ impl Sums {
         self.mean += before / self.count;
         self.spread += before * (measured - self.mean);
         self.errors += (measured - predicted).powi(2);
+        self.error += measured - predicted;
     }
 
-    fn r_squared(&self) -> f64 {
-        if self.spread > 0.0 { 1.0 - self.errors / self.spread } else { f64::NAN }
+    /// Mean error.
+    fn offset(&self) -> f64 {
+        self.error / self.count
+    }
+
+    fn r_squared(&self, squares: f64) -> f64 {
+        if self.spread > 0.0 { 1.0 - squares / self.spread } else { f64::NAN }
     }
 }
 
 /// - `moving`: over the samples in which the joint moves; `all`: over those at rest too
 fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
-    let residual = (moving.errors / moving.count).sqrt();
-    JointValidation { name, r_squared: moving.r_squared(), r_squared_with_rest: all.r_squared(), residual }
+    JointValidation {
+        name,
+        r_squared: moving.r_squared(moving.errors),
+        r_squared_with_rest: all.r_squared(all.errors),
+        residual: (moving.errors / moving.count).sqrt(),
+        offset: moving.offset(),
+        r_squared_with_offset: moving.r_squared(moving.errors - moving.count * moving.offset().powi(2)),
+    }
 }
 
 /// The identified model.
@@ -136,14 +154,12 @@ struct Prediction<'a> {
     joints: usize,
     /// Difference of π from the description.
     changes: Vec<f64>,
-    offsets: Vec<f64>,
     /// `M ÿ + k − q` with gravity, whoever holds it: what the gears carry.
     loads: Vec<f64>,
     input_matrix: Vec<f64>,
     regressor: Vec<f64>,
     forces: Vec<f64>,
-    /// Friction of each joint along the run, through the filter of its efforts; none where there is no law, or where it
-    /// needs the load.
+    /// Friction of each joint along the run, through the filter of its efforts; none where it needs the load.
     friction: Vec<Option<Vec<f64>>>,
 }
 
@@ -152,18 +168,15 @@ impl<'a> Prediction<'a> {
         let joints = robot.joint_names().len();
         let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
         let changes: Vec<f64> = values.iter().zip(robot.parameters()).map(|(new, old)| new - old).collect();
-        let mean = |offsets: &[f64]| offsets.iter().sum::<f64>() / offsets.len().max(1) as f64;
         let compensated = is_gravity_compensated.then(|| match found.estimate.gravity {
             Gravity::CompensatedAsDescribed => robot.parameters(),
             Gravity::Compensated | Gravity::Recorded => values,
         });
-        let offset = |joint: usize| mean(&found.estimate.joints[joint].offsets);
         Ok(Self {
             robot,
             found,
             compensated,
             joints,
-            offsets: (0..joints).map(offset).collect(),
             loads: vec![0.0; joints],
             input_matrix: robot.input_matrix(),
             regressor: vec![0.0; joints * changes.len()],
@@ -173,17 +186,19 @@ impl<'a> Prediction<'a> {
         })
     }
 
-    /// The report on a joint's law.
-    fn law(&self, joint: usize) -> Option<&'a FrictionReport> {
+    /// A joint's law.
+    fn law(&self, joint: usize) -> Option<&'a FrictionResult> {
         let law = self.found.friction.iter().find(|friction| friction.joint == joint);
-        law.and_then(|law| law.report.as_ref().ok())
+        law.and_then(|law| law.report.as_ref().ok()).map(|report| &report.result)
     }
 
     fn set_friction(&mut self, run: &PreparedRun, filter: &Filter) -> Result<()> {
         for joint in 0..self.joints {
-            let law = self.law(joint).filter(|report| report.result.load.is_empty());
-            let sharp = law.map(|report| report.result.law.torques(&run.velocities[joint])).transpose()?;
-            self.friction[joint] = sharp.map(|sharp| filter.apply(&sharp));
+            let law = self.law(joint);
+            let needs_load = law.is_some_and(|law| !law.load.is_empty());
+            let written = Written { robot: self.robot, filter, joint };
+            let friction = (!needs_load).then(|| written.friction(law, &run.velocities[joint]));
+            self.friction[joint] = friction.transpose()?;
         }
         Ok(())
     }
@@ -224,17 +239,17 @@ impl<'a> Prediction<'a> {
         }
     }
 
-    /// Friction, added inertia and offset of a joint.
+    /// Friction and added inertia of a joint.
     fn at_joint(&self, joint: usize, sample: usize, [v, a]: [f64; 2]) -> f64 {
         let inertia = self.found.estimate.joints[joint].armature.map_or(0.0, |armature| armature.value);
         let load = self.loads[joint] + inertia * a;
         let friction = match (&self.friction[joint], self.law(joint)) {
             (Some(friction), _) => friction[sample],
             // A law that cannot be evaluated makes the prediction NaN, which is not counted.
-            (None, Some(report)) => report.result.torque(v, load).unwrap_or(f64::NAN),
+            (None, Some(law)) => law.torque(v, load).unwrap_or(f64::NAN),
             (None, None) => 0.0,
         };
-        friction + inertia * a + self.offsets[joint]
+        friction + inertia * a
     }
 
     fn measured(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {

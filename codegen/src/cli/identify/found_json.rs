@@ -57,6 +57,7 @@ pub(super) fn as_json(
             "rest": joint.rest,
             "r_squared": joint.r_squared,
             "residual": joint.sigma,
+            "offsets": joint.offsets,
             "unit": joint.unit,
             "friction": page::law(found, index),
             "load_friction": joint.load.as_ref().map(|term| json!({
@@ -84,7 +85,7 @@ pub(super) fn as_json(
         "inertial_parameters": parameters.map(uncertain).collect::<Value>(),
         "validation": validation.iter().map(|joint| json!({
             "name": joint.name, "r_squared": joint.r_squared, "r_squared_with_rest": joint.r_squared_with_rest,
-            "residual": joint.residual,
+            "residual": joint.residual, "offset": joint.offset, "r_squared_with_offset": joint.r_squared_with_offset,
         })).collect::<Value>(),
         "mapping": found.recording.mapping,
         "unused_columns": found.recording.unused,

@@ -427,8 +427,9 @@ fn as_text(
     let rest = page::has_rest(found);
     let with_rest = |words: &'static str| rest.then(|| words.to_owned());
     let head = [page::rows_are(found), "R² held-out"].map(str::to_owned).into_iter();
-    let head =
-        head.chain(with_rest("with rest")).chain(["R² fit", "residual", "friction"].map(str::to_owned));
+    let head = head
+        .chain(with_rest("with rest"))
+        .chain(["R² fit", "residual", "offset", "friction"].map(str::to_owned));
     let rows = found.estimate.joints.iter().enumerate().map(|(index, joint)| {
         let number =
             |value: f64| if page::is_judged(joint) { format!("{value:.4}") } else { "–".to_owned() };
@@ -436,6 +437,7 @@ fn as_text(
         let last = [
             number(joint.r_squared),
             if joint.measured { residual(joint) } else { "–".to_owned() },
+            page::offsets(joint),
             page::law(found, index),
         ];
         first.chain(rest.then(|| number(joint.held_out_with_rest))).chain(last).collect()
@@ -454,12 +456,19 @@ fn validated(validation: &[JointValidation]) -> String {
     if validation.is_empty() {
         return String::new();
     }
-    let head = ["joint", "R² in the logs to validate", "with rest", "residual"].map(str::to_owned).to_vec();
+    let head = ["joint", "R² in the logs to validate", "with rest", "residual", "offset", "R² with it"]
+        .map(str::to_owned)
+        .to_vec();
     let rows = validation.iter().map(|joint| {
         let share = |r: f64| if r.is_nan() { "–".to_owned() } else { format!("{r:.4}") };
-        let shares = [joint.r_squared, joint.r_squared_with_rest].map(share);
-        let residual = plain(joint.residual, 3);
-        std::iter::once(joint.name.clone()).chain(shares).chain([residual]).collect()
+        vec![
+            joint.name.clone(),
+            share(joint.r_squared),
+            share(joint.r_squared_with_rest),
+            plain(joint.residual, 3),
+            plain(joint.offset, 2),
+            share(joint.r_squared_with_offset),
+        ]
     });
     format!("\n{}", print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>()))
 }

@@ -197,7 +197,8 @@ impl LogMoments {
         let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
         let plural = if logs == 1 { "log" } else { "logs" };
         vec![format!(
-            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of {filters}"
+            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of {filters}; R² is with an offset of \
+             each run, which they do not hold"
         )]
     }
 

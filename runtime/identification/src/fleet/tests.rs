@@ -202,7 +202,8 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
     let FrictionLaw::Terms(terms) = &law.result.law else { panic!("a law of terms") };
     assert!(terms.iter().all(|term| term.standard_error.is_some() && term.inclusion.is_some()));
     // Alike, not equal: offsets belong to runs here.
-    let [here, there] = [&found, &from_logs].map(|found| found.estimate.joints[0].sigma);
+    let residual = |found: &Identification| found.friction[0].report.as_ref().unwrap().result.residual;
+    let [here, there] = [&found, &from_logs].map(residual);
     assert!((here / there - 1.0).abs() < 0.1, "{here} {there}");
 }
 

@@ -52,6 +52,7 @@ impl Findings<'_> {
             velocity_unit: data.velocity_unit.into(),
             law: judged.law,
             load: Vec::new(),
+            constant: None,
             stribeck: judged.stribeck,
             offsets: judged.offsets,
             samples: judged.residuals.len(),

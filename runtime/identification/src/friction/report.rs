@@ -50,10 +50,10 @@ pub struct Candidate<'a> {
 }
 
 impl FrictionReport {
-    /// The terms of the law, then those that were left out. Friction under load is in neither.
+    /// The terms of the law with its constant, then those that were left out. Friction under load is in neither.
     pub fn candidates(&self) -> Vec<Candidate<'_>> {
         let law = self.result.law.coefficients();
-        let chosen = law.iter().map(|term| Candidate {
+        let chosen = law.iter().chain(&self.result.constant).map(|term| Candidate {
             basis: &term.basis,
             chosen: Some(term),
             inclusion: term.inclusion,

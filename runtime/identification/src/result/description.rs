@@ -146,18 +146,23 @@ pub fn friction_value(result: &FrictionResult) -> Result<String> {
     if !findings.is_empty() {
         return Err(IdentificationError::Found { findings });
     }
-    let part = match &result.law {
-        FrictionLaw::Terms(terms) => FrictionPart::Terms(written(&result.joint, terms)?),
+    let (curve, mut terms) = match &result.law {
+        FrictionLaw::Terms(terms) => (None, written(&result.joint, terms)?),
         FrictionLaw::Stribeck(parameters) => {
             require_finite(&result.joint, &**parameters)?;
             let text = |parameter: &FrictionTerm| literal(parameter.coefficient, parameter.written_error());
-            FrictionPart::Stribeck(parameters.each_ref().map(text))
+            (Some(FrictionPart::Stribeck(parameters.each_ref().map(text))), Vec::new())
         }
     };
-    if part == FrictionPart::Terms(Vec::new()) {
+    if curve.is_none() && terms.is_empty() {
         return Err(IdentificationError::Empty { what: format!("the friction law of {}", result.joint) });
     }
-    let law = gelenk_formula::FrictionLaw { parts: vec![part], load: written(&result.joint, &result.load)? };
+    terms.extend(written(&result.joint, result.constant.as_slice())?);
+    let terms = (!terms.is_empty()).then_some(FrictionPart::Terms(terms));
+    let law = gelenk_formula::FrictionLaw {
+        parts: curve.into_iter().chain(terms).collect(),
+        load: written(&result.joint, &result.load)?,
+    };
     Ok(law.toml())
 }
 

@@ -201,9 +201,11 @@ pub struct FrictionResult {
     pub law: FrictionLaw,
     /// Terms of s₁: friction gains |τ_l| s₁ with the load τ_l. Empty where it does not grow with the load.
     pub load: Vec<FrictionTerm>,
+    /// The constant torque that repeats over the runs: it is written with the law. `None` where the runs do not tell it from zero.
+    pub constant: Option<FrictionTerm>,
     /// A Stribeck law in physical words.
     pub stribeck: Option<StribeckWords>,
-    /// The constant torque of each run; none where it belongs to the law.
+    /// The constant torque of each run beyond [`Self::constant`], which is not written; none where it belongs to the law.
     pub offsets: Vec<Offset>,
     /// Samples used.
     pub samples: usize,
@@ -247,13 +249,18 @@ impl FrictionResult {
         terms.all(|term| vanishes(term.coefficient, term.written_error()))
     }
 
-    /// Friction at a velocity and a load τ_l: the law, and `|τ_l| s₁(v)` where friction grows with the load.
+    /// The constant that is written; 0 without one.
+    pub(crate) fn level(&self) -> f64 {
+        self.constant.as_ref().map_or(0.0, |term| term.coefficient)
+    }
+
+    /// Friction at a velocity and a load τ_l: the law with its constant, and `|τ_l| s₁(v)` where friction grows with the load.
     ///
     /// # Errors
     /// As [`FrictionLaw::torques`].
     pub fn torque(&self, velocity: f64, load: f64) -> Result<f64> {
         let first = |torques: Vec<f64>| torques.first().copied().unwrap_or(0.0);
-        let law = first(self.law.torques(&[velocity])?);
+        let law = self.level() + first(self.law.torques(&[velocity])?);
         if self.load.is_empty() {
             return Ok(law);
         }
@@ -264,7 +271,8 @@ impl FrictionResult {
     /// grows with it.
     pub fn formula(&self) -> String {
         let under_load = self.load.iter().map(|term| format!("{}*abs(load)*{}", term.written(), term.basis));
-        let terms = std::iter::once(self.law.formula()).chain(under_load);
+        let constant = self.constant.iter().map(FrictionTerm::written);
+        let terms = std::iter::once(self.law.formula()).chain(constant).chain(under_load);
         terms.collect::<Vec<_>>().join(" + ").replace("+ -", "- ")
     }
 
@@ -289,9 +297,10 @@ impl FrictionResult {
         self.named().map(line).collect()
     }
 
-    /// The law's coefficients, then those of the load, with their names.
+    /// The law's coefficients, its constant, then those of the load, with their names.
     fn named(&self) -> impl Iterator<Item = (String, &FrictionTerm)> {
-        let law = self.law.coefficients().iter().map(|term| (term.basis.clone(), term));
+        let law = self.law.coefficients().iter().chain(&self.constant);
+        let law = law.map(|term| (term.basis.clone(), term));
         law.chain(self.load.iter().map(|term| (format!("load: {}", term.basis), term)))
     }
 
