@@ -6,6 +6,7 @@ use super::super::estimation::{Estimate, JointEstimate};
 use super::super::friction::FrictionReport;
 use super::super::friction::joint_samples::kept;
 use super::super::methods::confidence::{LongRun, quantile};
+use super::super::methods::offset::{centre, mean};
 use super::super::numeric::digits::plain;
 use super::super::preparation::Filter;
 use super::super::result::{CONFIDENCE, FrictionResult, FrictionTerm};
@@ -89,66 +90,66 @@ impl Written<'_> {
         law: Option<&mut FrictionReport>,
         runs: &[PreparedRun],
     ) -> Result<()> {
-        let residuals = self.residuals(estimate, law.as_deref(), runs)?;
+        let left = self.left(estimate, law.as_deref().map(|report| &report.result), runs)?;
+        let moving = |(errors, run): (&Vec<f64>, &PreparedRun)| -> Vec<f64> {
+            kept(run, self.joint, errors).map(|i| errors[i]).collect()
+        };
+        let errors: Vec<Vec<f64>> = left.iter().zip(runs).map(moving).collect();
         let joint = &estimate.joints[self.joint];
-        let offsets = by_recording(runs, &residuals, &joint.offsets);
+        let offsets = by_recording(runs, &errors);
         let mut level = 0.0;
         if let Some(report) = law {
-            report.result.constant = repeated(&offsets, &residuals, joint, estimate.freedom);
+            report.result.constant = repeated(&offsets, &errors, joint, estimate.freedom);
             level = report.result.level();
             report.result.offsets.iter_mut().for_each(|offset| offset.value -= level);
         }
+        for (index, left) in left.iter().enumerate() {
+            let forces = estimate.measured[index][self.joint].iter().zip(left);
+            estimate.predicted[index][self.joint] =
+                forces.map(|(force, error)| force - error + level).collect();
+        }
         estimate.joints[self.joint].offsets.iter_mut().for_each(|offset| *offset -= level);
-        let doubt = self.judge(estimate, &residuals, (runs, offsets.len()));
+        let doubt = self.judge(estimate, runs, offsets.len());
         estimate.findings.extend(doubt);
         Ok(())
     }
 
-    /// Measured minus predicted forces of each run beyond its offset, where the joint moves.
-    fn residuals(
+    /// Measured minus predicted forces of each run.
+    fn left(
         &self,
         estimate: &Estimate,
-        law: Option<&FrictionReport>,
+        law: Option<&FrictionResult>,
         runs: &[PreparedRun],
     ) -> Result<Vec<Vec<f64>>> {
-        let mut of_law = law.map(|report| report.residuals.iter().copied());
         let of_run = |(index, run): (usize, &PreparedRun)| {
-            let torques = &estimate.friction[index][self.joint];
-            let kept = kept(run, self.joint, torques);
-            if let Some(residuals) = &mut of_law {
-                return Ok(kept.zip(residuals).map(|(_, residual)| residual).collect());
+            let mut left = estimate.friction[index][self.joint].clone();
+            let friction = self.friction(law, &run.velocities[self.joint])?;
+            left.iter_mut().zip(friction).for_each(|(left, friction)| *left -= friction);
+            if let Some(load) = estimate.load_friction.get(index).filter(|_| law.is_some()) {
+                left.iter_mut().zip(&load[self.joint]).for_each(|(left, load)| *left -= load);
             }
-            let described = self.friction(None, &run.velocities[self.joint])?;
-            let offset = estimate.joints[self.joint].offsets[index];
-            Ok(kept.map(|i| torques[i] - described[i] - offset).collect())
+            Ok(left)
         };
         runs.iter().enumerate().map(of_run).collect()
     }
 
-    /// Predicted forces and numbers without the offsets that are left; a warning if these cost much.
-    fn judge(
-        &self,
-        estimate: &mut Estimate,
-        residuals: &[Vec<f64>],
-        (runs, recordings): (&[PreparedRun], usize),
-    ) -> Option<Finding> {
+    /// The joint's numbers without the offsets that are left; a warning if these cost much.
+    fn judge(&self, estimate: &mut Estimate, runs: &[PreparedRun], recordings: usize) -> Option<Finding> {
         let (mut fitted, mut written, mut measured) = (0.0, 0.0, Vec::new());
         for (index, run) in runs.iter().enumerate() {
             let offset = estimate.joints[self.joint].offsets[index];
             let forces = &estimate.measured[index][self.joint];
-            let predicted = &mut estimate.predicted[index][self.joint];
-            for (i, residual) in
-                kept(run, self.joint, &estimate.friction[index][self.joint]).zip(&residuals[index])
-            {
-                predicted[i] = forces[i] - residual - offset;
-                fitted += residual * residual;
-                written += (residual + offset).powi(2);
+            let predicted = &estimate.predicted[index][self.joint];
+            for i in kept(run, self.joint, predicted) {
+                let error = forces[i] - predicted[i];
+                fitted += (error - offset).powi(2);
+                written += error.powi(2);
                 measured.push(forces[i]);
             }
         }
         let samples = measured.len() as f64;
-        let mean = measured.iter().sum::<f64>() / samples;
-        let total: f64 = measured.iter().map(|force| (force - mean).powi(2)).sum::<f64>() / samples;
+        let middle = mean(&measured, None);
+        let total: f64 = measured.iter().map(|force| (force - middle).powi(2)).sum::<f64>() / samples;
         let joint = &mut estimate.joints[self.joint];
         let within = joint.sigma.powi(2) / (1.0 - joint.r_squared);
         if !(within.is_finite() && total > 0.0) {
@@ -166,20 +167,16 @@ impl Written<'_> {
     }
 }
 
-/// Offset of each recording, parts of which share it.
-fn by_recording(runs: &[PreparedRun], residuals: &[Vec<f64>], offsets: &[f64]) -> Vec<f64> {
-    let mut sums: Vec<(&str, f64, f64)> = Vec::new();
-    for ((run, residuals), offset) in
-        runs.iter().zip(residuals).zip(offsets).filter(|((_, r), _)| !r.is_empty())
-    {
-        let samples = residuals.len() as f64;
-        let sum = samples * offset + residuals.iter().sum::<f64>();
-        match sums.iter_mut().find(|(name, ..)| *name == run.name) {
-            Some((_, total, count)) => (*total, *count) = (*total + sum, *count + samples),
-            None => sums.push((&run.name, sum, samples)),
+/// Mean error of each recording, parts of which share an offset.
+fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
+    let mut all: Vec<(&str, Vec<f64>)> = Vec::new();
+    for (run, errors) in runs.iter().zip(errors).filter(|(_, errors)| !errors.is_empty()) {
+        match all.iter_mut().find(|(name, _)| *name == run.name) {
+            Some((_, known)) => known.extend(errors),
+            None => all.push((&run.name, errors.clone())),
         }
     }
-    sums.into_iter().map(|(_, sum, samples)| sum / samples).collect()
+    all.iter().map(|(_, errors)| mean(errors, None)).collect()
 }
 
 /// The mean c of the offsets of n ≥ 2 recordings, if |c| > √((t s/√n)² + (t' e)²) with their standard deviation s, the standard
@@ -189,22 +186,25 @@ fn by_recording(runs: &[PreparedRun], residuals: &[Vec<f64>], offsets: &[f64]) -
 /// - `freedom`: degrees of freedom of the estimate
 fn repeated(
     offsets: &[f64],
-    residuals: &[Vec<f64>],
+    errors: &[Vec<f64>],
     joint: &JointEstimate,
     freedom: usize,
 ) -> Option<FrictionTerm> {
     let n = offsets.len() as f64;
-    let mean = offsets.iter().sum::<f64>() / n;
-    let spread = (offsets.iter().map(|offset| (offset - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
-    let noise = LongRun::of_sum(&residuals.concat(), &ranges(residuals));
-    let samples: usize = residuals.iter().map(Vec::len).sum();
-    let alone = noise.standard_error() / samples as f64;
+    let constant = mean(offsets, None);
+    let spread =
+        (offsets.iter().map(|offset| (offset - constant).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
+    let ranges = ranges(errors);
+    let mut left = errors.concat();
+    centre(&mut left, &ranges, None);
+    let noise = LongRun::of_sum(&left, &ranges);
+    let alone = noise.standard_error() / left.len() as f64;
     let known = joint.offset_errors.iter().copied().fold(0.0, f64::max);
     let half = |freedom: f64, error: f64| quantile(CONFIDENCE, freedom).map_or(f64::INFINITY, |t| t * error);
     let random = half(n - 1.0, spread).hypot(half(noise.freedom, alone));
-    (offsets.len() > 1 && mean.abs() > random).then(|| FrictionTerm {
+    (offsets.len() > 1 && constant.abs() > random).then(|| FrictionTerm {
         basis: "1".into(),
-        coefficient: mean,
+        coefficient: constant,
         standard_error: Some(spread.hypot(known)),
         reach: Some(random.hypot(half(freedom.max(1) as f64, known))),
         resolution: Some(spread.hypot(alone)),
