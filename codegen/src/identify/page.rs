@@ -1,7 +1,7 @@
 //! The page of an identification.
 
 use gelenk_findings::{Severity, texts};
-use gelenk_identification::estimation::{InstrumentalEstimate, JointEstimate, Uncertain};
+use gelenk_identification::estimation::{JointEstimate, Uncertain};
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::methods::subset::{SubsetValidation, ValidatedSubset};
@@ -284,42 +284,7 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
         let cells = [*value, *low, *high].map(|x| terms::measured(x, Some(*standard_error)));
         table = table.row([Cell::Code(name), Cell::Rounded(described, 4)].into_iter().chain(cells));
     }
-    let instrumental = found.estimate.instrumental.as_ref().map(|other| instrumental(robot, found, other));
-    Section::new("parameters", "Inertial parameters").block(Block::Table(table)).blocks(instrumental)
-}
-
-/// The same by instrumental variables, and friction beside it.
-fn instrumental(robot: &dyn Robot, found: &Identification, other: &InstrumentalEstimate) -> Block {
-    let [tested, left] = other.degrees_of_freedom;
-    let mut table = Table::new(
-        "instrumental_variables",
-        &format!(
-            "Least squares beside instrumental variables, which noise of the positions does not bias; the instruments are \
-             {}. Durbin–Wu–Hausman: $F({tested}, {left})$ = {}, {} where least squares is not biased.",
-            other.source,
-            digits::plain(other.statistic, 3),
-            digits::p_value(other.p_value)
-        ),
-    )
-    .column("value", "value", "")
-    .column("least squares", "least_squares", "")
-    .column("instruments", "instruments", "")
-    .column("lowest", "lowest", "")
-    .column("highest", "highest", "");
-    let parameters =
-        robot.parameter_names().into_iter().zip(&found.estimate.parameters).zip(&other.parameters);
-    let parameters = parameters.map(|((name, least), other)| (name, least.value, *other));
-    let terms = found.estimate.joints.iter().zip(&other.terms).flat_map(|(joint, terms)| {
-        let pairs = joint.terms.iter().zip(terms);
-        pairs.map(|(least, other)| {
-            (format!("{}: {}", joint.name, least.basis), least.coefficient.value, other.coefficient)
-        })
-    });
-    for (name, least, Uncertain { value, interval: [low, high], .. }) in parameters.chain(terms) {
-        let cells = [least, value, low, high].map(|x| Cell::Rounded(x, 4));
-        table = table.row([Cell::Code(name)].into_iter().chain(cells));
-    }
-    Block::Table(table)
+    Section::new("parameters", "Inertial parameters").block(Block::Table(table))
 }
 
 fn data(found: &Identification) -> Section {

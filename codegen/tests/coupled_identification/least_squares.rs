@@ -121,7 +121,6 @@ fn data(random: &Random, robot: &InterpretedRobot) -> (PreparedRun, DMatrix<f64>
         accelerations,
         efforts,
         effort: Effort::Input,
-        desired: None,
     };
     (run, columns, torques)
 }

@@ -14,7 +14,6 @@ use super::robot::{Robot, require_no_quaternions};
 use super::run::PreparedRun;
 use super::shafts::{RobotRows, ShaftRows};
 use gelenk_findings::{Finding, Rule, Severity, distinct};
-use nalgebra::DVector;
 use std::path::PathBuf;
 
 /// Sees: a friction law that is refused or cannot be fitted.
@@ -341,28 +340,14 @@ fn source(recording: &Recording) -> String {
     logs.collect::<Vec<_>>().join(", ")
 }
 
-/// What the estimate says of a joint's friction, and instrumental variables where least squares is biased; `None` where the
-/// joint has no terms.
+/// What the estimate says of a joint's friction; `None` where the joint has no terms.
 pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let own = Some(&estimate.joints[joint].terms).filter(|terms| !terms.is_empty())?;
-    let bases = own.iter().map(|term| term.basis.clone()).collect();
-    let Some(other) = estimate.instrumental.as_ref().filter(|other| other.is_counted) else {
-        return Some(CommonTerms {
-            bases,
-            distances: DVector::zeros(own.len()),
-            margins: estimate.terms_margins[joint].clone(),
-            covariance: estimate.terms_covariance[joint].clone(),
-            freedom: estimate.freedom.max(1) as f64,
-        });
-    };
-    let terms = other.terms[joint].iter().zip(own);
-    let distances = terms.map(|(other, own)| other.coefficient.value - own.coefficient.value);
     Some(CommonTerms {
-        bases,
-        distances: DVector::from_iterator(own.len(), distances),
+        bases: own.iter().map(|term| term.basis.clone()).collect(),
         margins: estimate.terms_margins[joint].clone(),
-        covariance: other.terms_covariance[joint].clone(),
-        freedom: other.freedom.max(1) as f64,
+        covariance: estimate.terms_covariance[joint].clone(),
+        freedom: estimate.freedom.max(1) as f64,
     })
 }
 

@@ -23,8 +23,6 @@ pub struct Run {
     pub efforts: Vec<Vec<f64>>,
     /// What the efforts are.
     pub effort: Effort,
-    /// Commanded positions [rad or m], for each joint, where the log has them for all joints.
-    pub desired: Option<Vec<Vec<f64>>>,
 }
 
 /// Fewest samples of a run that is prepared.
@@ -65,8 +63,6 @@ pub struct PreparedRun {
     pub resting: Vec<Vec<bool>>,
     /// What the efforts are.
     pub effort: Effort,
-    /// The commanded motion at the same times, through the same filter, where the log has it.
-    pub desired: Option<DesiredMotion>,
 }
 
 impl PreparedRun {
@@ -127,15 +123,4 @@ impl PreparedRun {
     pub(crate) fn is_moving(&self, sample: usize) -> bool {
         (0..self.positions.len()).any(|joint| !self.rests(joint, sample))
     }
-}
-
-/// A motion that was asked for. Noise of the measurement is not in it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DesiredMotion {
-    /// Positions [rad or m], for each joint.
-    pub positions: Vec<Vec<f64>>,
-    /// Their first derivatives.
-    pub velocities: Vec<Vec<f64>>,
-    /// Their second derivatives.
-    pub accelerations: Vec<Vec<f64>>,
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gelenk_findings::{Finding, Severity, texts};
-use gelenk_identification::estimation::{Gravity, InstrumentalEstimate, Uncertain};
+use gelenk_identification::estimation::{Gravity, Uncertain};
 use gelenk_identification::identify::Identification;
 use gelenk_identification::validation::JointValidation;
 use serde_json::{Value, json};
@@ -13,22 +13,6 @@ use crate::identify::{page, terms_as_json};
 
 fn uncertain(p: &Uncertain) -> Value {
     json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
-}
-
-/// The estimate by instrumental variables and its test; friction terms of each joint.
-fn instrumental(found: &InstrumentalEstimate) -> Value {
-    let terms = found.terms.iter().map(|terms| {
-        let terms = terms.iter();
-        terms.map(|t| json!({"term": t.basis, "coefficient": uncertain(&t.coefficient)})).collect::<Value>()
-    });
-    json!({
-        "instruments": found.source.to_string(),
-        "statistic": found.statistic,
-        "degrees_of_freedom": found.degrees_of_freedom,
-        "p_value": found.p_value,
-        "inertial_parameters": found.parameters.iter().map(uncertain).collect::<Value>(),
-        "friction": terms.collect::<Value>(),
-    })
 }
 
 /// Who carries the weight.
@@ -90,7 +74,6 @@ pub(super) fn as_json(
         "mapping": found.recording.mapping,
         "unused_columns": found.recording.unused,
         "findings": print::findings(findings),
-        "instrumental_variables": found.estimate.instrumental.as_ref().map(instrumental),
         "choices": texts(&found.estimate.findings, Severity::Note),
         "warnings": texts(findings, Severity::Warning),
     })

@@ -6,7 +6,6 @@ use super::super::run::PreparedRun;
 use super::checks::Checked;
 use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
-use super::endogeneity::endogeneity;
 use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::hypotheses::{Doubts, is_driving, other_delays, other_explanations, other_factors, other_order};
@@ -352,7 +351,6 @@ impl Task<'_> {
         let covariance = covariance(&fitted, self.prior, &scores)?;
         let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);
         let offset_errors: RunOffsets = (0..self.layout.joints).map(errors).collect();
-        let endogeneity = endogeneity(self, &fitted, covariance.spread, time)?;
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
@@ -370,7 +368,6 @@ impl Task<'_> {
                 solved: &solved,
                 covariance: &covariance,
                 margin: &margin,
-                instead: endogeneity.as_ref().filter(|found| found.is_counted()),
                 delays: self.first_fit.map_or(&[], |fit| &fit.delays),
             },
             runs: self.runs,
@@ -379,7 +376,6 @@ impl Task<'_> {
             offset_errors: &offset_errors,
             held_out: &held_out,
             with_rest: with_rest.as_deref().unwrap_or(&held_out),
-            endogeneity: endogeneity.as_ref(),
             has_loads: self.loads.is_some(),
         };
         Ok(report.estimate(doubts.findings()))

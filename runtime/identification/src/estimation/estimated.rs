@@ -8,7 +8,6 @@ use super::super::methods::library::smooth_sign;
 use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::choice::Chosen;
-use super::endogeneity::Endogeneity;
 use super::fit::Solved;
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
@@ -62,8 +61,6 @@ pub(super) struct Estimated<'a> {
     pub(super) covariance: &'a Covariance,
     /// Change of each unknown without the samples near rests and reversals.
     pub(super) margin: &'a DVector<f64>,
-    /// The estimate by instrumental variables, where least squares differs from it by more than chance.
-    pub(super) instead: Option<&'a Endogeneity>,
     /// Delays that were taken off the efforts before the fit, by their numbers \[s\].
     pub(super) delays: &'a [f64],
 }
@@ -104,7 +101,6 @@ impl Estimated<'_> {
             friction: Vec::new(),
             load_friction: Vec::new(),
             confidence: self.settings.confidence,
-            instrumental: None,
             terms_covariance: (0..self.layout.joints).map(|joint| self.terms_covariance(joint)).collect(),
             terms_margins: (0..self.layout.joints).map(|joint| self.terms_margins(joint)).collect(),
             freedom: self.covariance.freedom,
@@ -233,31 +229,17 @@ impl Estimated<'_> {
         std::iter::once(WEIGHT.found(weight)).chain(doubted).chain(self.delays_found())
     }
 
-    /// An unknown beyond `base`. The interval counts its change without the samples near rests and reversals and, where least
-    /// squares is biased, the distance to instrumental variables.
+    /// An unknown beyond `base`. Student's interval is wider on both sides by its change without the samples near rests and reversals.
     pub(super) fn uncertain(&self, global: usize, base: f64) -> Uncertain {
         let error = self.covariance.deviation(self.solved, global);
-        let unknown = self.solved.values.unknowns[global];
-        let margin = self.margin[global];
-        let by_itself = self.around(base + unknown, [margin.abs(), error], self.covariance.freedom);
-        let other = self.instead.map(|other| {
-            let distance = (other.values.unknowns[global] - unknown).abs() + margin.abs();
-            self.around(
-                by_itself.value,
-                [distance, other.deviation(&self.solved.active, global)],
-                other.freedom,
-            )
-        });
-        other.filter(|other| other.standard_error > by_itself.standard_error).unwrap_or(by_itself)
-    }
-
-    /// Student's interval, wider on both sides by what is known to be wrong.
-    ///
-    /// - `distance`: of other estimates
-    fn around(&self, value: f64, [distance, error]: [f64; 2], freedom: usize) -> Uncertain {
-        let [low, high] = self.with_interval(value, error, freedom).interval;
-        let interval = [low - distance, high + distance];
-        Uncertain { value, standard_error: distance.hypot(error), interval }
+        let distance = self.margin[global].abs();
+        let value = base + self.solved.values.unknowns[global];
+        let [low, high] = self.with_interval(value, error, self.covariance.freedom).interval;
+        Uncertain {
+            value,
+            standard_error: distance.hypot(error),
+            interval: [low - distance, high + distance],
+        }
     }
 
     /// Student's interval. The settings are checked, and there is one degree of freedom.

@@ -232,8 +232,6 @@ pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
     /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over them.
     pub(super) decided: f64,
-    /// ω², how far descriptions are from robots.
-    pub(super) spread: f64,
     /// Degrees of freedom of the matrix.
     pub(super) freedom: usize,
 }
@@ -283,5 +281,5 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let slopes = factor.solve(&slopes_of_gains(of));
     let of_gains = &slopes * of.log_gains * slopes.transpose();
     let matrix = &projected * projected.transpose() / scores.freedom() as f64 + described + of_gains;
-    Ok(Covariance { matrix, decided, spread, freedom: scores.freedom() })
+    Ok(Covariance { matrix, decided, freedom: scores.freedom() })
 }

@@ -267,11 +267,6 @@ fn check_run(robot: &dyn Robot, run: &PreparedRun, effort: Effort) -> Result<()>
         ("velocities", &run.velocities, joints),
         ("accelerations", &run.accelerations, joints),
     ];
-    if let Some(desired) = &run.desired {
-        kinds.push(("commanded positions", &desired.positions, joints));
-        kinds.push(("commanded velocities", &desired.velocities, joints));
-        kinds.push(("commanded accelerations", &desired.accelerations, joints));
-    }
     let entries = joints + robot.quaternion_joints().len();
     if entries > joints {
         kinds.push(("poses", &run.poses, entries));

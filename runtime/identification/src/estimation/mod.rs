@@ -6,14 +6,12 @@ mod consistent;
 mod cosines;
 mod delays;
 mod described;
-mod endogeneity;
 mod estimate;
 mod estimated;
 mod factors;
 mod fit;
 mod gains;
 mod hypotheses;
-mod instruments;
 mod intervals;
 mod joint_prior;
 mod layout;
@@ -36,8 +34,7 @@ mod tilt;
 mod unit;
 
 pub use estimate::estimate;
-pub use instruments::InstrumentSource;
-pub use result::{Estimate, EstimatedTerm, Gravity, InstrumentalEstimate, JointEstimate, Offsets, Uncertain};
+pub use result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
 pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {

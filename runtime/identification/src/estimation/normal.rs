@@ -332,11 +332,6 @@ impl Factor {
         b
     }
 
-    /// `D⁻¹ B D⁻¹`.
-    pub(super) fn both_sides(&self, b: DMatrix<f64>) -> DMatrix<f64> {
-        self.scaled(self.scaled(b).transpose()).transpose()
-    }
-
     /// `L⁻¹ D⁻¹ B`: coordinates in which A is the identity.
     pub(super) fn whitened(&self, b: DMatrix<f64>) -> DMatrix<f64> {
         let mut whitened = self.scaled(b);

@@ -1,13 +1,11 @@
 //! The estimate from samples as it is returned.
 
-use super::super::numeric::digits::{self, plain};
+use super::super::numeric::digits::plain;
 use super::super::run::PreparedRun;
-use super::endogeneity::{Endogeneity, Test};
 use super::estimated::{Estimated, JointFit};
 use super::residuals::{Forces, RunOffsets};
-use super::result::{Estimate, Gravity, InstrumentalEstimate};
+use super::result::{Estimate, Gravity};
 use gelenk_findings::{Finding, Rule};
-use nalgebra::DMatrix;
 
 /// Sees: a robot that compensates the weight of its bodies as described.
 /// Matters: the efforts hold what they weigh beyond it.
@@ -21,12 +19,6 @@ const AS_DESCRIBED: Rule = Rule::note("compensated-as-described");
 /// Fixture: `inertial/regularized.rs`.
 const PULL: Rule = Rule::note("pull-to-description");
 
-/// Sees: whether least squares differs from instrumental variables.
-/// Matters: noise of the positions biases least squares in closed loop.
-/// Example: a stiff controller and a coarse encoder.
-/// Fixture: `estimation/tests/closed_loop.rs`.
-const CLOSED_LOOP: Rule = Rule::note("closed-loop-bias");
-
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
     pub(super) fitted: Estimated<'a>,
@@ -36,7 +28,6 @@ pub(super) struct Report<'a> {
     pub(super) offset_errors: &'a RunOffsets,
     pub(super) held_out: &'a [f64],
     pub(super) with_rest: &'a [f64],
-    pub(super) endogeneity: Option<&'a Endogeneity>,
     /// Whether friction under load was asked for.
     pub(super) has_loads: bool,
 }
@@ -58,7 +49,6 @@ impl Report<'_> {
             friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
             measured: each(&|r, j| measured[r][j].clone()),
             load_friction: if self.has_loads { each(&|r, j| load[r][j].clone()) } else { Vec::new() },
-            instrumental: self.endogeneity.map(|found| self.instrumental(found)),
             ..self.fitted.estimate(self.fits(), self.choices().chain(doubts).collect())
         }
     }
@@ -88,7 +78,7 @@ impl Report<'_> {
     fn choices(&self) -> impl Iterator<Item = Finding> {
         let offsets = self.fitted.offsets_found(self.fitted.chosen.model.offsets);
         let found = offsets.chain(self.gravity()).chain(self.fitted.choices());
-        found.chain(self.pull()).chain([self.closed_loop()])
+        found.chain(self.pull())
     }
 
     /// The weight that the robot compensates, if it is not all of it.
@@ -111,65 +101,5 @@ impl Report<'_> {
                 plain(pull, 1)
             ))
         })
-    }
-
-    /// Whether noise of the motion biases least squares.
-    fn closed_loop(&self) -> Finding {
-        let Some(found) = self.endogeneity else {
-            return CLOSED_LOOP.found(
-                "the logs hold no instruments (commanded positions, or repeats of a motion), or are too short for them: whether \
-                 noise of the positions biases the estimate in closed loop is not known",
-            );
-        };
-        let Endogeneity { source, test: Test { statistic, freedoms: [q, rest], p_value }, .. } = found;
-        let numbers = format!(
-            "F({q}, {rest}) = {}, {}, instruments are {source}",
-            plain(*statistic, 3),
-            digits::p_value(*p_value)
-        );
-        let message = match (found.rejects(), found.is_counted()) {
-            (true, _) => format!(
-                "least squares differs from instrumental variables by more than chance ({numbers}): noise of the positions biases \
-                 it in closed loop, or what the model lacks follows the control error. Intervals reach from each value as far as \
-                 instrumental variables put the true one"
-            ),
-            (false, true) => format!(
-                "least squares is not biased in closed loop as far as the data tell ({numbers}). Intervals reach as far as \
-                 instrumental variables put the true value all the same: the test sees large biases alone"
-            ),
-            (false, false) => {
-                format!("least squares is not biased in closed loop as far as the data tell ({numbers})")
-            }
-        };
-        CLOSED_LOOP.found(message)
-    }
-
-    fn instrumental(&self, found: &Endogeneity) -> InstrumentalEstimate {
-        let (fitted, active) = (&self.fitted, &self.fitted.solved.active);
-        let uncertain = |global: usize, base: f64| {
-            let error = found.deviation(active, global);
-            fitted.with_interval(base + found.values.unknowns[global], error, found.freedom)
-        };
-        let terms = |joint: usize| fitted.terms(joint, |global| uncertain(global, 0.0));
-        InstrumentalEstimate {
-            source: found.source,
-            parameters: fitted.parameters(uncertain),
-            terms: (0..fitted.layout.joints).map(terms).collect(),
-            terms_covariance: (0..fitted.layout.joints).map(|j| self.terms_covariance(found, j)).collect(),
-            freedom: found.freedom,
-            rejects: found.rejects(),
-            is_counted: found.is_counted(),
-            statistic: found.test.statistic,
-            degrees_of_freedom: found.test.freedoms,
-            p_value: found.test.p_value,
-        }
-    }
-
-    /// Covariance of the coefficients of a joint's terms by instrumental variables.
-    fn terms_covariance(&self, found: &Endogeneity, joint: usize) -> DMatrix<f64> {
-        let unknowns = self.fitted.term_unknowns(joint);
-        let active = &self.fitted.solved.active;
-        let of = |i: usize, k: usize| found.covariance(active, unknowns[i], unknowns[k]);
-        DMatrix::from_fn(unknowns.len(), unknowns.len(), of)
     }
 }

@@ -1,7 +1,6 @@
 //! The estimate and how far to trust it.
 
 use super::super::run::Effort;
-use super::instruments::InstrumentSource;
 use super::sensitivity::Sensitivity;
 use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
@@ -80,8 +79,6 @@ pub struct Estimate {
     pub load_friction: Vec<Vec<Vec<f64>>>,
     /// Level of all intervals.
     pub confidence: f64,
-    /// The estimate by instrumental variables and the test of this one against it, where the logs hold instruments.
-    pub instrumental: Option<InstrumentalEstimate>,
     /// Covariance of the coefficients of each joint's terms, and its degrees of freedom.
     pub terms_covariance: Vec<DMatrix<f64>>,
     /// Change of the coefficients of each joint's terms without the samples near rests and reversals.
@@ -95,42 +92,12 @@ pub struct Estimate {
     pub findings: Vec<Finding>,
 }
 
-/// An estimate that noise of the measured motion does not bias, and the Durbin–Wu–Hausman test of least squares.
-///
-/// The terms are those of [`Estimate`]. Its intervals are wider where instruments are weak: it is a check, and the
-/// estimate to take where the test rejects and noise is the reason.
-#[derive(Debug, Clone, PartialEq)]
-pub struct InstrumentalEstimate {
-    /// Where the instruments come from.
-    pub source: InstrumentSource,
-    /// The P inertial parameters, in the robot's order. Bodies need not be able to exist.
-    pub parameters: Vec<Uncertain>,
-    /// Friction terms of each joint, as in [`JointEstimate::terms`].
-    pub terms: Vec<Vec<EstimatedTerm>>,
-    /// Covariance of the coefficients of each joint's terms.
-    pub terms_covariance: Vec<DMatrix<f64>>,
-    /// Degrees of freedom of the covariances.
-    pub freedom: usize,
-    /// Whether least squares differs by more than chance, at a level of 5 %.
-    pub rejects: bool,
-    /// Whether intervals count it, at a level of 30 %: a test at 5 % does not see every bias that makes them too narrow.
-    pub is_counted: bool,
-    /// The test's statistic, which has Fisher's F distribution where least squares is not biased.
-    pub statistic: f64,
-    /// Its degrees of freedom: tested directions, and what is left for their variance under correlated residuals.
-    pub degrees_of_freedom: [f64; 2],
-    /// Probability of a statistic at least as large where least squares is not biased.
-    pub p_value: f64,
-}
-
-/// A value with its interval, which holds under correlated residuals. Where least squares differs from instrumental variables
-/// ([`InstrumentalEstimate::is_counted`]), the interval holds what these say of the true value.
+/// A value with its interval, which holds under correlated residuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
     /// The estimate.
     pub value: f64,
-    /// Standard error; zero where the data may not change the value. Where least squares is biased, the root of the mean square
-    /// distance from the true value.
+    /// Standard error; zero where the data may not change the value.
     pub standard_error: f64,
     /// Ends of the interval at the estimate's level.
     pub interval: [f64; 2],

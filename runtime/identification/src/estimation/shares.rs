@@ -285,8 +285,6 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
             solved: &solved,
             covariance: &covariance,
             margin: &DVector::zeros(layout.len()),
-            // Moments hold no instruments.
-            instead: None,
             delays: &[],
         },
         held_out,

@@ -265,7 +265,6 @@ mod tests {
             accelerations: vec![vec![0.0; 200]],
             efforts: vec![vec![0.0; 200]],
             effort: Effort::Joint,
-            desired: None,
             times,
         }
     }

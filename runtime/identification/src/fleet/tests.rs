@@ -233,7 +233,6 @@ fn sums_are_those_of_the_centred_columns() {
         accelerations: vec![column(m)],
         efforts: vec![column(m).iter().map(|x| x + 50.0).collect()],
         effort: Effort::Joint,
-        desired: None,
     };
     let columns = Columns::new(&Arm, Effort::Joint, (&[1.0], vec![true])).unwrap();
     let weights = vec![vec![column(m).iter().map(|x| 0.5 + 0.5 / (1.0 + x * x)).collect::<Vec<f64>>()]];

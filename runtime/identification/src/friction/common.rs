@@ -1,9 +1,8 @@
 //! What the common estimate says of a law's coefficients: errors of the rigid body and of the delay stand in the torques
 //! that the law is fitted to, and no residual shows them.
 //!
-//! The common estimate has friction terms F of its own with the covariance C. Where least squares is biased, instrumental
-//! variables put their coefficients `d` away, and C is theirs. A law has other terms Θ, and is fitted to torques with the same errors:
-//! its coefficients move by `P d` with the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is least squares again. Where the law
+//! The common estimate has friction terms F of its own with the covariance C. A law has other terms Θ, and is fitted to torques with
+//! the same errors: its coefficients have the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is least squares again. If the law
 //! has the terms of the estimate, P is one. Changes of the estimate without the samples near stops move the law by P in the same way.
 
 use super::super::error::Result;
@@ -26,11 +25,9 @@ impl Errors {
         changes: &DVector<f64>,
     ) -> Result<Self> {
         let mut changes = changes.clone();
-        let (mut distances, mut errors) =
-            (DVector::zeros(active.len()), vec![[0.0, self.freedom]; active.len()]);
+        let mut errors = vec![[0.0, self.freedom]; active.len()];
         if let Some(other) = design.data.common {
             let map = bread * design.products(active, &Library::new(&other.bases, &["v"])?)?;
-            distances = &map * &other.distances;
             changes += &map * &other.margins;
             let covariance = &map * &other.covariance * map.transpose();
             let error = |k: usize| [covariance[(k, k)].max(0.0).sqrt(), other.freedom];
@@ -39,7 +36,7 @@ impl Errors {
         for (k, [error, freedom]) in errors.into_iter().enumerate() {
             let own = [self.standard[k], self.freedom];
             let [error, freedom] = if error > own[0] { [error, freedom] } else { own };
-            let distance = distances[k].abs() + changes[k].abs();
+            let distance = changes[k].abs();
             self.standard[k] = distance.hypot(error);
             self.reach[k] = Some(distance + quantile(CONFIDENCE, freedom)? * error);
         }

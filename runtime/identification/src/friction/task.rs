@@ -82,13 +82,11 @@ pub enum FrictionMethod {
     Ladder(StribeckRegression),
 }
 
-/// Friction by the common estimate, or by instrumental variables where least squares is biased.
+/// Friction by the common estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonTerms {
     /// Terms in the velocity `v`.
     pub bases: Vec<String>,
-    /// Their coefficients minus those of least squares: zero where this is not biased.
-    pub distances: DVector<f64>,
     /// Their changes without the samples near rests and reversals.
     pub margins: DVector<f64>,
     /// Covariance of the coefficients.

@@ -239,8 +239,7 @@ fn sources(mapping: &Mapping) -> Vec<Option<&Column>> {
     let positions = &mapping.positions.columns;
     let velocities = mapping.velocities.as_ref().map(|found| &found.columns);
     let velocities = (0..positions.len()).map(|joint| velocities.map(|columns| &columns[joint]));
-    let desired = mapping.desired.iter().flat_map(|found| &found.columns);
-    let last = mapping.efforts.columns.iter().chain(desired).chain(pose_columns(mapping));
+    let last = mapping.efforts.columns.iter().chain(pose_columns(mapping));
     positions.iter().map(Some).chain(velocities).chain(last.map(Some)).collect()
 }
 
@@ -496,7 +495,6 @@ impl Samples {
             velocities: (0..n).map(velocity).collect(),
             efforts: (2 * n..behind).map(column).collect(),
             effort: mapping.effort,
-            desired: mapping.desired.is_some().then(|| (behind..behind + n).map(column).collect()),
         }
     }
 }

@@ -80,7 +80,6 @@ mod tests {
             velocities: vec![None],
             efforts: vec![times.iter().map(effort).collect()],
             effort: Effort::Joint,
-            desired: None,
             times,
         }
     }

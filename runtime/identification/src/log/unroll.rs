@@ -35,7 +35,6 @@ pub(super) fn unrolled(
         positions: vec![Vec::new(); n],
         velocities: vec![None; n],
         poses: vec![Vec::new(); n + joints.len()],
-        desired: None,
         ..read.clone()
     };
     let joints_read = plain.iter().enumerate().filter_map(|(joint, entry)| Some((joint, (*entry)?)));

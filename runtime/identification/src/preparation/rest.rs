@@ -141,7 +141,6 @@ mod tests {
             efforts: vec![vec![0.0; 501]],
             resting: Vec::new(),
             effort: Effort::Joint,
-            desired: None,
             times,
         }
     }

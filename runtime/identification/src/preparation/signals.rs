@@ -4,7 +4,7 @@ use super::super::error::Result;
 use super::super::methods::filter::{Band, Filter, convolved, kernel, weighted};
 use super::super::pose::{plain_positions, rows_of};
 use super::super::robot::Robot;
-use super::super::run::{DesiredMotion, Effort, PreparedRun, Run};
+use super::super::run::{Effort, PreparedRun, Run};
 use super::channel::{Channel, median_step};
 use super::grid::{Piece, interpolate};
 use super::poses::PoseSignal;
@@ -24,8 +24,6 @@ pub(super) struct Signals {
     pub velocities: Vec<Option<Channel>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
-    /// Commanded positions.
-    pub desired: Option<Vec<Channel>>,
     /// Where joints rest.
     pub rests: Rests,
     /// Median step of the log [s].
@@ -55,7 +53,6 @@ impl Signals {
             velocities: run.velocities.iter().map(|v| v.as_ref().map(|v| channel(v, false))).collect(),
             efforts: run.efforts.iter().map(|u| channel(u, false)).collect(),
             effort: run.effort,
-            desired: desired(run),
             rests: Rests::default(),
             step: median_step(&run.times),
         }
@@ -83,14 +80,6 @@ impl Signals {
         let nearer = if time - self.times[before] < self.times[after] - time { before } else { after };
         self.rows[nearer]
     }
-}
-
-/// Commanded positions as channels; none where a joint's are missing for a while.
-fn desired(run: &Run) -> Option<Vec<Channel>> {
-    let columns = run.desired.as_ref()?;
-    let known = |column: &Vec<f64>| column.len() == run.times.len() && column.iter().all(|y| y.is_finite());
-    let channel = |values: &Vec<f64>| Channel::new(&run.times, values, true);
-    columns.iter().all(known).then(|| columns.iter().map(channel).collect())
 }
 
 /// How a piece is smoothed.
@@ -167,13 +156,8 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     for channel in &signals.velocities {
         velocities.push(channel.as_ref().map(|c| through(c, 0, 0.0)).transpose()?);
     }
-    let desired = signals.desired.as_ref().map(|channels| {
-        let all = |order: usize| channels.iter().map(|c| through(c, order, 0.0)).collect::<Result<Vec<_>>>();
-        Ok(DesiredMotion { positions: all(0)?, velocities: all(1)?, accelerations: all(2)? })
-    });
     let positions = all(0)?;
     let run = PreparedRun {
-        desired: desired.transpose()?,
         poses: signals.coordinates(&times, &positions),
         name: signals.name.clone(),
         rows: times.iter().map(|t| signals.row(*t)).collect(),

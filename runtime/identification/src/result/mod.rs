@@ -27,7 +27,7 @@ pub struct FrictionTerm {
     /// Standard error for correlated residuals, where known.
     pub standard_error: Option<f64>,
     /// Half the width of the interval at 95 %, where it is known that the coefficient may be biased: Student's, and the
-    /// distances of other estimates (instrumental variables, and least squares without the samples near rests and reversals).
+    /// distance of least squares without the samples near rests and reversals.
     /// The standard error then is the root of the sum of the squares of error and distance.
     pub reach: Option<f64>,
     /// Standard error if all other coefficients were known, where known: terms that resemble each other have

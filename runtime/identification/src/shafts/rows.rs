@@ -1,7 +1,7 @@
 //! The rows of a robot with shafts, and signals along them.
 
 use super::super::robot::{Instant, Robot};
-use super::super::run::{DesiredMotion, Effort, PreparedRun};
+use super::super::run::{Effort, PreparedRun};
 use super::{JointTerm, Shaft};
 use nalgebra::DMatrix;
 
@@ -86,17 +86,11 @@ impl ShaftRows {
             Effort::Joint => combined(&self.back.transpose(), &run.efforts),
             Effort::Input | Effort::Current => run.efforts.clone(),
         };
-        let desired = run.desired.as_ref().map(|desired| DesiredMotion {
-            positions: moved(&desired.positions),
-            velocities: moved(&desired.velocities),
-            accelerations: moved(&desired.accelerations),
-        });
         PreparedRun {
             positions: moved(&run.positions),
             velocities: moved(&run.velocities),
             accelerations: moved(&run.accelerations),
             efforts,
-            desired,
             resting: self.resting(&run.resting),
             ..run
         }

@@ -9,7 +9,7 @@ use super::super::super::methods::library::Library;
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::preparation::{Filter, PreparationSettings, prepare_all};
 use super::super::super::result::FrictionTerm;
-use super::super::super::run::{PreparedRun, Run};
+use super::super::super::run::PreparedRun;
 use super::super::{Estimate, EstimationSettings, Uncertain, estimate};
 use super::pendulum::{Experiment, FRICTION, Pendulum, STEEPNESS, log};
 use std::f64::consts::PI;
@@ -89,8 +89,6 @@ impl Regime {
         let described = Pendulum { sticks: self.sticks, ..Pendulum::described() };
         let truth = described.other(0.1, &mut random);
         let run = log(&truth, &self.experiment(), &mut random);
-        // Commanded positions are instruments, whose distance from least squares covers other errors too.
-        let run = Run { desired: run.desired.filter(|_| !self.sticks), ..run };
         let (runs, preparation) =
             prepare_all(&[run], Some(&described), &PreparationSettings::default()).unwrap();
         let settings = EstimationSettings {
@@ -109,10 +107,9 @@ impl Regime {
     /// Shares of the intervals that hold the truth, over logs and values: those of the estimate, and those of laws.
     fn coverage(&self, logs: u64) -> [f64; 2] {
         let mut hits = [[0.0; 3]; VALUES];
-        let (mut laws, mut late, mut rejected) = ([[0.0; 3]; LAWS], 0.0, 0);
+        let (mut laws, mut late) = ([[0.0; 3]; LAWS], 0.0);
         for seed in 0..logs {
             let found = self.estimated(seed, Way::Whole);
-            rejected += usize::from(found.estimate.instrumental.as_ref().is_some_and(|other| other.rejects));
             late += found.late.powi(2);
             found.of_laws().into_iter().zip(&mut laws).for_each(|(value, sums)| count(value, sums));
             let values = pairs(&found.estimate, &found.truth);
@@ -123,8 +120,7 @@ impl Regime {
         let [all, in_laws] = [share(&hits), share(&laws)];
         let late = 1e3 * (late / n).sqrt();
         println!(
-            "{}: pooled {all:.3}; 95 % intervals of friction laws {in_laws:.3}; delays off by {late:.2} ms; {rejected} logs \
-             reject least squares",
+            "{}: pooled {all:.3}; 95 % intervals of friction laws {in_laws:.3}; delays off by {late:.2} ms",
             self.name
         );
         for [hit, sum, squares] in laws.iter().chain(&hits) {

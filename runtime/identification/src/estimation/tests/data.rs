@@ -1,6 +1,6 @@
 //! Runs prepared by a plain filter: cubic polynomials in the same window over positions and torques (Savitzky and Golay 1964).
 
-use super::super::super::run::{DesiredMotion, Effort, PreparedRun};
+use super::super::super::run::{Effort, PreparedRun};
 use nalgebra::DMatrix;
 use std::path::PathBuf;
 
@@ -32,7 +32,6 @@ pub(super) fn as_simulated(times: Vec<f64>, columns: [Vec<Vec<f64>>; 4], effort:
         accelerations,
         efforts,
         effort,
-        desired: None,
     }
 }
 
@@ -66,7 +65,6 @@ pub(super) fn prepare(
         accelerations: moved(2),
         efforts: efforts.iter().map(|column| smooth(column, 0)).collect(),
         effort: Effort::Joint,
-        desired: None,
     }
 }
 
@@ -84,10 +82,5 @@ pub(super) fn part(run: &PreparedRun, rows: std::ops::Range<usize>) -> PreparedR
         accelerations: cut(&run.accelerations),
         efforts: cut(&run.efforts),
         effort: run.effort,
-        desired: run.desired.as_ref().map(|desired| DesiredMotion {
-            positions: cut(&desired.positions),
-            velocities: cut(&desired.velocities),
-            accelerations: cut(&desired.accelerations),
-        }),
     }
 }

@@ -1,7 +1,6 @@
 //! Whole estimates: simulated robots with known parameters, and measured ones.
 
 mod chain;
-mod closed_loop;
 mod coverage;
 mod currents;
 mod data;

@@ -234,7 +234,6 @@ pub(super) fn log(robot: &Pendulum, of: &Experiment, random: &mut SplitMix64) ->
         velocities: vec![None; 2],
         efforts: columns[2..4].to_vec(),
         effort: Effort::Input,
-        desired: Some(columns[4..].to_vec()),
     }
 }
 

@@ -76,7 +76,6 @@ fn log(truth: &Pendulum, rest: f64, random: &mut SplitMix64) -> Run {
         velocities: vec![None; 2],
         efforts: columns[2..].to_vec(),
         effort: Effort::Input,
-        desired: None,
     }
 }
 

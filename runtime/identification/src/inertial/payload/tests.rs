@@ -116,7 +116,6 @@ impl Simulation {
             accelerations: a,
             efforts,
             effort: Effort::Joint,
-            desired: None,
         }
     }
 }

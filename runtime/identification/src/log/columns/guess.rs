@@ -47,7 +47,7 @@ impl Finder<'_> {
         let one = |found: Found| self.part(vec![found]);
         let several = |found: Option<Found>| self.part(found.into_iter().collect());
         let run = |column: usize| (vec![column], format!("run={}", self.unique(column)));
-        let all: [(&str, Result<Part>); 8] = [
+        let all: [(&str, Result<Part>); 7] = [
             ("time", parts.time.map(|time| Some((time.columns(), time.option())))),
             ("run", parts.run.map(|column| column.map(run))),
             ("place", parts.places.map(|found| self.part(found))),
@@ -55,7 +55,6 @@ impl Finder<'_> {
             ("position", parts.position.map(one)),
             ("velocity", parts.velocity.map(several)),
             ("torque", parts.efforts.map(|(_, found)| one(found))),
-            ("desired", parts.desired.map(several)),
         ];
         let (mut line, mut used, mut guess) = (Vec::new(), Vec::new(), ColumnGuess::default());
         for (key, part) in all {

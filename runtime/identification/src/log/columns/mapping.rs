@@ -7,9 +7,9 @@ use super::families::{Family, Key, Targets};
 use super::finder::Finder;
 use super::found::{Found, Labels};
 use super::header::Header;
-use super::pattern::{Chosen, ColumnOptions, Pattern};
+use super::pattern::{Chosen, ColumnOptions};
 use super::robot::RobotColumns;
-use super::table::{Kind, Origin};
+use super::table::Kind;
 use super::time::TimeColumn;
 use gelenk_findings::Finding;
 
@@ -20,8 +20,6 @@ pub(in crate::log) struct Mapping {
     pub run: Option<usize>,
     pub positions: Found,
     pub velocities: Option<Found>,
-    /// Commanded positions if there are columns of all joints.
-    pub desired: Option<Found>,
     pub efforts: Found,
     pub effort: Effort,
     /// A place and a quaternion of each joint that has one.
@@ -47,7 +45,6 @@ pub(super) struct Parts {
     pub velocity: Result<Option<Found>>,
     pub efforts: Result<(Effort, Found)>,
     pub run: Result<Option<usize>>,
-    pub desired: Result<Option<Found>>,
 }
 
 /// Where to look if the table does not decide.
@@ -113,7 +110,6 @@ impl Finder<'_> {
     }
 
     pub(super) fn parts(&self, effort: Option<Effort>) -> Parts {
-        let position = self.positions();
         Parts {
             time: self.time(),
             places: self.places(),
@@ -121,18 +117,17 @@ impl Finder<'_> {
             velocity: self.velocities(),
             efforts: self.efforts(effort),
             run: self.run(),
-            desired: position.as_ref().map_or(Ok(None), |position| self.desired(position)),
-            position,
+            position: self.positions(),
         }
     }
 
     fn mapping(&self, parts: Parts) -> Result<Mapping> {
         let (time, poses) = (parts.time?, self.poses(parts.places?, parts.attitudes?));
         let (positions, velocities) = (parts.position?, parts.velocity?);
-        let ((effort, efforts), run, desired) = (parts.efforts?, parts.run?, parts.desired?);
+        let ((effort, efforts), run) = (parts.efforts?, parts.run?);
         let mut used = time.columns();
         used.extend(run);
-        let all = [Some(&positions), velocities.as_ref(), Some(&efforts), desired.as_ref()];
+        let all = [Some(&positions), velocities.as_ref(), Some(&efforts)];
         used.extend(all.into_iter().flatten().chain(&poses).flat_map(Found::indices));
         self.require_distinct(&used)?;
         let joints = self.robot.held.len();
@@ -165,7 +160,6 @@ impl Finder<'_> {
             run,
             positions,
             velocities,
-            desired,
             efforts,
             poses,
         };
@@ -199,7 +193,6 @@ impl Finder<'_> {
             mapping.positions.line("positions"),
             velocities.map(|line| format!("{line} {compared}")),
             mapping.efforts.line(&format!("efforts, as {forces}")),
-            mapping.desired.as_ref().and_then(|found| found.line_without_units("commanded positions")),
             (!held.is_empty()).then(|| format!("held, without columns: {}", held.join(", "))),
         ];
         lines.into_iter().flatten().collect()
@@ -207,7 +200,7 @@ impl Finder<'_> {
 
     /// A sentence for each column, then remarks.
     fn sentences(&self, mapping: &Mapping) -> Vec<String> {
-        let Mapping { time, run, positions, velocities, desired, efforts, poses, .. } = mapping;
+        let Mapping { time, run, positions, velocities, efforts, poses, .. } = mapping;
         let mut sentences = vec![time.sentence.clone()];
         for pose in poses {
             let labels: Vec<&str> = pose.columns.iter().map(|column| column.label.as_str()).collect();
@@ -221,13 +214,6 @@ impl Finder<'_> {
         }
         let all = [Some(positions), velocities.as_ref(), Some(efforts)].into_iter().flatten();
         sentences.extend(all.clone().flat_map(Found::sentences));
-        sentences.extend(desired.as_ref().map(|found| {
-            format!(
-                "Columns {} are the commanded positions: instruments that tell whether noise of the measurement biases the \
-                 estimate.",
-                found.pattern
-            )
-        }));
         sentences.extend(run.map(|run| format!("Column {} is the number of the run.", self.label(run))));
         sentences.extend(all.flat_map(|found| found.remarks.iter().cloned()));
         sentences
@@ -285,39 +271,5 @@ impl Finder<'_> {
         let Some(choice) = self.optional(Kind::Velocity, joints)? else { return Ok(None) };
         let found = self.found(choice, Kind::Velocity, joints);
         if self.pattern(|k| k == Kind::Velocity).is_some() { found.map(Some) } else { Ok(found.ok()) }
-    }
-
-    /// Commanded positions are optional too. They are looked for only if the positions are measured.
-    fn desired(&self, position: &Found) -> Result<Option<Found>> {
-        let joints = &self.robot.joints;
-        let pattern = self.pattern(|k| k == Kind::Desired);
-        if !self.robot.quaternions.is_empty() {
-            let fault = "commanded positions are not read where joints have quaternions: leave out `desired`";
-            return if pattern.is_some() { Err(self.fault(fault.into())) } else { Ok(None) };
-        }
-        match pattern {
-            Some(pattern) => self.found(self.by_pattern(pattern, joints)?, Kind::Desired, joints).map(Some),
-            None => {
-                Ok(self.commanded(position).and_then(|choice| self.found(choice, Kind::Desired, joints).ok()))
-            }
-        }
-    }
-
-    /// The only best family of commanded positions next to measured ones.
-    fn commanded(&self, position: &Found) -> Option<Chosen> {
-        let columns: Vec<usize> = position.indices().collect();
-        if self.is_commanded(&columns) {
-            return None;
-        }
-        let mut families = self.families(&[Kind::Position], &self.robot.joints);
-        families.retain(|f| f.meaning.origin == Origin::Commanded && f.meaning.doubt < 2);
-        let complete = families.iter().filter_map(|f| Some((f.rank(), f.complete()?)));
-        let complete: Vec<_> = complete.filter(|(_, others)| *others != columns).collect();
-        let Some((rank, columns)) = complete.first() else {
-            // The log of the runtime's control loop.
-            return self.by_pattern(&Pattern::new(Kind::Desired, "desired_{name}"), &self.robot.joints).ok();
-        };
-        let is_only = complete.iter().all(|(other, others)| other != rank || others == columns);
-        is_only.then(|| Chosen::alike(columns.clone(), None))
     }
 }

@@ -13,7 +13,7 @@ use super::table::Kind;
 pub struct ColumnOptions {
     /// `QUANTITY=COLUMNS,…`; quantities that are not named are looked for.
     ///
-    /// - quantities: `time`, `position`, `desired` (the commanded position), `velocity`, one of `torque` (at the joints), `input` (of the motors) and
+    /// - quantities: `time`, `position`, `velocity`, one of `torque` (at the joints), `input` (of the motors) and
     ///   `current`, and `run`; of joints with a quaternion `place` (x, y, z) and `xyzw` or `wxyz` (the quaternion's entries
     ///   in this order);
     /// - columns: a header with `{}` where the joint's number stands or `{name}` where its name does; headers with

@@ -103,7 +103,6 @@ impl RobotColumns {
         for (joint, value) in held {
             run.positions.insert(joint, vec![value; samples]);
             run.velocities.insert(joint, None);
-            run.desired.iter_mut().for_each(|desired| desired.insert(joint, vec![value; samples]));
         }
     }
 }

@@ -15,8 +15,6 @@ pub(in crate::log) enum Kind {
     /// Names of the joints, as text in the rows.
     Name,
     Position,
-    /// A commanded position.
-    Desired,
     Velocity,
     Acceleration,
     /// A force at the joint.
@@ -48,7 +46,7 @@ const SECONDS: [&[&str]; 2] = [&["s"]; 2];
 const NO_UNIT: [&[&str]; 2] = [&["1"]; 2];
 
 #[rustfmt::skip]
-static QUANTITIES: [Quantity; 12] = [
+static QUANTITIES: [Quantity; 11] = [
     Quantity { kind: Kind::Time, keys: &["time"], names: ["time", "time"], units: SECONDS, components: &[], words: &[
         (0, "time times timestamp timestamps stamp t", "zeit tempo tiempo zeitstempel horodatage"),
         (0, "seconds sec secs nsec nsecs nanosec nanosecs nanosecond nanoseconds", "sekunde sekunden seconde secondes secondi segundos"),
@@ -61,7 +59,6 @@ static QUANTITIES: [Quantity; 12] = [
         (1, "angle angles ang phi theta y", "winkel drehwinkel angolo angoli angulo angulos"),
         (2, "encoder", ""),
     ] },
-    Quantity { kind: Kind::Desired, keys: &["desired"], names: ["commanded position", "commanded positions"], units: [&["rad"], &["m"]], components: &[], words: &[] },
     Quantity { kind: Kind::Velocity, keys: &["velocity"], names: ["velocity", "velocities"], units: [&["rad/s"], &["m/s"]], components: &[], words: &[
         (0, "velocity velocities vel jvel speed speeds dq qd qdot qvel v", "geschwindigkeit geschwindigkeiten winkelgeschwindigkeit vitesse vitesses velocita velocidad velocidades"),
         // Of the motor as often as of the joint: `drehzahl`.
@@ -257,20 +254,8 @@ mod tests {
     #[test]
     fn each_kind_has_a_row() {
         use Kind::*;
-        let kinds = [
-            Time,
-            Name,
-            Position,
-            Desired,
-            Velocity,
-            Acceleration,
-            Torque,
-            Input,
-            Current,
-            Run,
-            Place,
-            Attitude,
-        ];
+        let kinds =
+            [Time, Name, Position, Velocity, Acceleration, Torque, Input, Current, Run, Place, Attitude];
         assert_eq!(QUANTITIES.each_ref().map(|quantity| quantity.kind), kinds);
         let units = ["rad", "m/s", "rad/s^2", "N", "A", "s", "1"].map(Kind::of_unit);
         assert_eq!(

@@ -377,9 +377,7 @@ fn what_was_measured_goes_before_what_was_commanded() {
         said.contains("The efforts are taken as motor currents, by their names; u = K_M i with K_M unknown."),
         "{said}"
     );
-    assert_eq!(recording.unused, ["actual_TCP_pose_0", "actual_TCP_pose_1"]);
-    assert_eq!(recording.runs[0].desired, Some(vec![vec![0.0; 20], vec![1.0; 20]]));
-    assert!(said.contains("Columns target_q_{} are the commanded positions"), "{said}");
+    assert_eq!(recording.unused, ["target_q_0", "target_q_1", "actual_TCP_pose_0", "actual_TCP_pose_1"]);
 }
 
 #[test]
@@ -395,22 +393,6 @@ fn an_effort_that_is_missing_leaves_the_other_joints_their_rows() {
     }
     let none = text("").replace(",1.", ",x1.");
     assert!(message(&none, "").contains("has no finite number"), "{}", message(&none, ""));
-}
-
-#[test]
-fn commanded_positions_are_found_told_and_optional() {
-    let of = |style: &str, columns: Option<&str>| {
-        let (_, header, row, ..) = styles().into_iter().find(|s| s.0 == style).unwrap();
-        let columns = columns.map(str::to_owned);
-        read(&written(header, 20, row), &ColumnOptions { columns, ..ColumnOptions::default() }).runs[0]
-            .desired
-            .clone()
-    };
-    assert_eq!(of("plain", None), None);
-    assert!(of("franka", None).is_some() && of("dynamixel", None).is_some() && of("loop", None).is_some());
-    assert!(of("mujoco", Some("desired=ctrl_{}")).is_some());
-    let message = message("t,q1,q2,r1,u1,u2\n0,1,2,3,4,5\n", "desired=r{}");
-    assert!(message.contains("`desired=r{}`") || message.contains("r{}"), "{message}");
 }
 
 #[test]

@@ -35,7 +35,6 @@ fn run(name: String, rows: &[(usize, Vec<f64>)], first: usize) -> Run {
         velocities: (0..6).map(|j| Some(column(first + 7 + j))).collect(),
         efforts: (0..6).map(|j| column(first + 13 + j)).collect(),
         effort: Effort::Joint,
-        desired: None,
     }
 }
 

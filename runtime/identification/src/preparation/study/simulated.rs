@@ -102,7 +102,6 @@ pub(crate) fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (
         accelerations: vec![Vec::new(); n],
         efforts: vec![Vec::new(); n],
         effort: Effort::Joint,
-        desired: None,
     };
     for (i, t) in times.iter().enumerate() {
         let state = motion.at(*t);
@@ -130,7 +129,6 @@ pub(crate) fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (
         velocities: vec![None; n],
         efforts,
         effort: Effort::Joint,
-        desired: None,
     };
     (run, truth)
 }
