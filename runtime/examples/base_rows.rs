@@ -118,7 +118,6 @@ fn run(log: &Log) -> Run {
         velocities: vec![None; N],
         efforts: columns(&feet),
         effort: Effort::Joint,
-        desired: None,
     }
 }
 
