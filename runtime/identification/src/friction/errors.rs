@@ -4,12 +4,14 @@
 use super::super::error::Result;
 use super::super::methods::confidence::{LongRun, covariance_of_sums};
 use super::super::methods::least_squares::{Reduced, triangular_factor};
+use super::super::methods::library::Library;
 use super::super::methods::margin::change;
 use super::super::methods::moments::Moments;
 use super::super::numeric::spectrum;
 use super::super::numeric::statistics::median;
 use super::super::result::FrictionTerm;
 use super::design::Design;
+use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
 /// Standard errors of the chosen coefficients.
@@ -57,7 +59,11 @@ impl Errors {
             return Ok(found);
         }
         let changes = changes(design, active, binding, &scores);
-        found.with_biases(design, (active, &bread), &changes)
+        let map = |common: &CommonTerms| {
+            Ok(&bread * design.products(active, &Library::new(&common.bases, &["v"])?)?)
+        };
+        let common = design.data.common.map(|common| map(common).map(|map| (common, map)));
+        found.with_biases(common.transpose()?, changes)
     }
 
     /// Standard errors from the scores of shares, which are independent groups of samples.

@@ -1,20 +1,24 @@
 //! Stribeck laws: nonlinear regression beside the offsets, and the same judgement as for terms.
 
 use super::super::error::Result;
+use super::super::methods::library::Library;
 use super::super::methods::offset::centre;
-use super::super::methods::stribeck::{Observed, StribeckFit, StribeckRegression, slower, stribeck_torque};
+use super::super::methods::stribeck::{
+    NAMES, Observed, StribeckFit, StribeckRegression, slower, stribeck_torque,
+};
 use super::super::numeric::digits::plain;
 use super::super::numeric::statistics::simplest;
 use super::super::result::FrictionLaw;
 use super::design::{folds, offset_ranges, offsets};
+use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
 use super::judgement::Judged;
 use super::passivity::beyond;
 use super::report::FrictionReport;
-use super::task::{FrictionData, FrictionIdentification, Offsets};
+use super::task::{CommonTerms, FrictionData, FrictionIdentification, Offsets};
 use gelenk_findings::{Finding, Rule};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Sees: parameters of a Stribeck law that the data do not tell.
@@ -114,9 +118,11 @@ impl<'a> Attempt<'a> {
 
     fn judged(self, settings: &FrictionIdentification) -> Result<FrictionReport> {
         let unseen = self.held_out(settings)?;
+        let errors = self.errors()?;
         let Self { samples, fit, other_law, findings, .. } = self;
         let data = findings.data;
-        let law = FrictionLaw::stribeck(fit.parameters, fit.standard_errors, fit.resolutions);
+        let term = |i: usize| errors.term(i, NAMES[i], fit.parameters[i]);
+        let law = FrictionLaw::Stribeck(Box::new(std::array::from_fn(term)));
         let torques = data.torques_of(&law)?;
         let mut residuals: Vec<f64> = data.torques.iter().zip(&torques).map(|(t, l)| t - l).collect();
         for (run, offset) in samples.runs.iter().zip(&fit.offsets) {
@@ -132,8 +138,33 @@ impl<'a> Attempt<'a> {
             stribeck: other_law.is_none().then(|| fit.words()),
         };
         let report = findings.report(settings, judged)?;
-        let covariance = DMatrix::from_fn(5, 5, |i, j| fit.covariance[(i, j)]);
-        Ok(FrictionReport { condition: fit.condition, covariance, ..report })
+        Ok(FrictionReport { condition: fit.condition, covariance: errors.covariance, ..report })
+    }
+
+    /// Errors as of a law of terms: they count errors of the common estimate, and the change without the samples near rests
+    /// and reversals.
+    fn errors(&self) -> Result<Errors> {
+        let Self { samples, fit, findings, .. } = self;
+        let data = findings.data;
+        let unknown = |error: Option<f64>| error.unwrap_or(f64::INFINITY);
+        let own = Errors {
+            covariance: DMatrix::from_fn(5, 5, |i, j| fit.covariance[(i, j)]),
+            standard: fit.standard_errors.map(unknown).to_vec(),
+            reach: vec![None; 5],
+            resolution: fit.resolutions.map(unknown).to_vec(),
+            freedom: fit.freedom as f64,
+            effective_samples: data.velocities.len() as f64,
+        };
+        let map = |common: &CommonTerms| {
+            let mut columns = data.columns(&Library::new(&common.bases, &["v"])?)?;
+            if self.regression.offset {
+                columns.iter_mut().for_each(|column| centre(column, samples.runs, data.weights));
+            }
+            Ok(fit.map(samples, &columns))
+        };
+        let common = data.common.map(|common| map(common).map(|map| (common, map)));
+        let changes = data.filtered.map(|filtered| fit.changes(samples, &filtered.near()));
+        own.with_biases(common.transpose()?, changes.unwrap_or_else(|| DVector::zeros(5)))
     }
 
     /// The fit repeated without each fold in turn, from the law of all samples. A fold is left out by weights of zero.

@@ -1,12 +1,13 @@
 //! What the data say about the parameters: standard errors, and warnings.
 
 use super::super::confidence::{LongRun, covariance_of_sums};
+use super::super::margin::change;
 use super::super::offset::centre;
 use super::law::{NAMES, StribeckFit};
 use super::refine::{Data, Normal, Observed};
 use crate::numeric::digits::plain;
 use crate::numeric::spectrum::symmetric_eigen;
-use nalgebra::{DMatrix, SMatrix};
+use nalgebra::{DMatrix, DVector, SMatrix};
 
 pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
     let constants = if data.offset { data.samples.runs.len() } else { 0 };
@@ -102,17 +103,49 @@ impl StribeckFit {
 
     /// Contributions of each sample to the normal equations, offsets eliminated.
     fn scores(&self, samples: &Observed) -> Vec<Vec<f64>> {
+        let [derivatives, residual] = self.columns(samples);
+        let weight = |i: usize| samples.weights.map_or(1.0, |w| w[i]);
+        let score = |column: &Vec<f64>| {
+            column.iter().zip(&residual[0]).enumerate().map(|(i, (x, r))| weight(i) * x * r).collect()
+        };
+        derivatives.iter().map(score).collect()
+    }
+
+    /// Derivatives of the law by its parameters, and the residual, offsets eliminated.
+    fn columns(&self, samples: &Observed) -> [Vec<Vec<f64>>; 2] {
         let mut all = samples.columns(&self.parameters).to_vec();
         if !self.offsets.is_empty() {
             all.iter_mut().for_each(|column| centre(column, samples.runs, samples.weights));
         }
-        let Some(residual) = all.pop() else { return all };
-        for column in &mut all {
-            for (i, score) in column.iter_mut().enumerate() {
-                *score *= samples.weights.map_or(1.0, |w| w[i]) * residual[i];
-            }
-        }
-        all
+        let residual = all.split_off(all.len() - 1);
+        [all, residual]
+    }
+
+    /// Changes of the parameters without some of the samples, to first order.
+    ///
+    /// - `left_out`: whether a sample is left out
+    pub(crate) fn changes(&self, samples: &Observed, left_out: &[bool]) -> DVector<f64> {
+        let [derivatives, residual] = self.columns(samples);
+        let weight = |i: usize| samples.weights.map_or(1.0, |w| w[i]);
+        let product = |one: &[f64], other: &[f64]| -> f64 {
+            let kept = (0..one.len()).filter(|i| !left_out[*i]);
+            kept.map(|i| weight(i) * one[i] * other[i]).sum()
+        };
+        let left = DMatrix::from_fn(5, 5, |i, k| product(&derivatives[i], &derivatives[k]));
+        let score = DVector::from_fn(5, |i, _| product(&derivatives[i], &residual[0]));
+        let all = DMatrix::from_fn(5, 5, |i, k| self.information[(i, k)]);
+        change(&all, &left, &score)
+    }
+
+    /// `(JᵀWJ)⁻¹ JᵀW F` with other columns F; zeros for parameters that are not identifiable.
+    pub(crate) fn map(&self, samples: &Observed, others: &[Vec<f64>]) -> DMatrix<f64> {
+        let [derivatives, _] = self.columns(samples);
+        let weight = |i: usize| samples.weights.map_or(1.0, |w| w[i]);
+        let product = |k: usize, other: usize| -> f64 {
+            derivatives[k].iter().zip(&others[other]).enumerate().map(|(i, (x, f))| weight(i) * x * f).sum()
+        };
+        let (inverse, ..) = inverse(&self.information);
+        DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * DMatrix::from_fn(5, others.len(), product)
     }
 }
 
