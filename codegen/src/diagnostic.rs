@@ -1,4 +1,4 @@
-//! What is wrong with a description, where, and what to do about it.
+//! Diagnostics: a problem of a description, its place and its remedy.
 //!
 //! Every stage either returns a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`]
 //! carries its own copy of the offending source line, so that it can be shown wherever it ends up: terminal,

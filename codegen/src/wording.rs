@@ -44,7 +44,7 @@ pub(crate) fn toml_text(text: &str) -> String {
     out
 }
 
-/// With three significant digits: `0.0123`, `63.8`, `2.41e-35`.
+/// Formats a number to three significant digits: `0.0123`, `63.8`, `2.41e-35`.
 pub(crate) fn three_digits(x: f64) -> String {
     digits(x, 3)
 }
@@ -54,7 +54,7 @@ pub(crate) fn as_written(x: f64) -> String {
     digits(x, MOST_DIGITS)
 }
 
-/// With the fewest digits, at least three, with which the statement about the numbers is true as it is
+/// Formats numbers with the fewest digits, at least three, for which the statement about them is true as
 /// printed: `2 > 1.9999` does not become `2 > 2`.
 pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; N]) -> bool) -> [String; N] {
     let enough = |count: &usize| is_true(numbers.map(|x| rounded(x, *count)));

@@ -372,7 +372,7 @@ fn a_robot_without_inputs_compiles() {
     assert_compiles(&source, &[]);
 }
 
-/// What a compiler would change without a word, the text refuses.
+/// The text refuses compiler options that silently change results.
 #[test]
 fn options_that_change_the_results_are_refused() {
     let model = chain("pair", &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)]);

@@ -13,7 +13,7 @@ use gelenk_identification::robot::Robot;
 use nalgebra::{Matrix4, Vector4};
 use tempfile::TempDir;
 
-/// What the excavator of `models/` really is: the bucket is full, the boom rubs more.
+/// True parameters of the excavator of `models/`: the bucket is full, the boom has more friction.
 const BODIES: &str = r#"
 [[bodies]]
 link = "bucket"
@@ -123,7 +123,7 @@ impl Excavator {
         Self { folder, truth }
     }
 
-    /// What `gelenk identify` prints.
+    /// Output of `gelenk identify`.
     fn identify(&self, arguments: &[&str]) -> Vec<u8> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
         command.current_dir(self.folder.path()).arg("identify").arg(excavator()).args(arguments);

@@ -1,4 +1,4 @@
-//! What descriptions of mechanisms probably mean otherwise is told, and descriptions without such doubts are silent.
+//! Probable mistakes in descriptions of mechanisms are reported; descriptions without them give no message.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -14,7 +14,7 @@ fn load_onto(text: &str, base: &str) -> Result<(Model, Diagnostics), Diagnostics
     from_toml(text, "robot.toml", &ReadOptions::default(), load)
 }
 
-/// What is told of a description, with the severity of each.
+/// Messages about a description, with their severities.
 fn told(text: &str) -> Vec<(Severity, String)> {
     let (_, notes) = load_onto(text, "").unwrap_or_else(|wrong| panic!("{wrong}"));
     notes.entries().iter().map(|entry| (entry.severity, entry.to_string())).collect()
@@ -319,7 +319,7 @@ fn the_rate_of_a_damped_ball_is_that_of_its_inertia() {
     assert!(said.contains("choose smaller slopes of friction, damping"), "{said}");
 }
 
-/// What is said of stiff forces of a robot.
+/// Message about stiff forces of a robot.
 fn stiffness(text: &str) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("robot.toml");

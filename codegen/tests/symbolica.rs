@@ -158,7 +158,7 @@ fn general_arm() -> String {
     (5..8).map(joint).collect()
 }
 
-/// What was written and printed.
+/// A written page and the output of the command.
 struct Page {
     html: String,
     /// The text of `report.json`.

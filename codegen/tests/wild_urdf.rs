@@ -1,4 +1,4 @@
-//! What published URDFs have in them, and what becomes of it.
+//! Contents of published URDFs and how the reader treats them.
 
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
@@ -306,7 +306,7 @@ fn limits_are_taken_as_far_as_they_make_sense() {
     }
 }
 
-/// What no grammar of XML takes and ROS does.
+/// Texts that XML forbids and ROS accepts.
 #[test]
 fn texts_are_taken_as_ros_takes_them() {
     let plain = one_joint("revolute", REAL, LIMIT);

@@ -5,7 +5,7 @@
 use gelenk_codegen::diagnostic::Diagnostic;
 use gelenk_codegen::model::{Model, ReadOptions, from_mjcf, from_urdf};
 
-/// What is told of a URDF with these lines in a joint and these in an inertial.
+/// Messages about a URDF with these lines in a joint and in an inertial.
 fn told(joint: &str, inertial: &str) -> String {
     let text = format!(
         "<robot name=\"r\"><link name=\"base\"/><link name=\"arm\"><inertial>{inertial}<mass value=\"1\"/></inertial></link>\

@@ -1,4 +1,4 @@
-//! What limits of inputs have to be, and what motors give at speed, for the loop and the plant alike.
+//! Checks of input limits, and torque–speed lines of motors, for the loop and the plant.
 
 use crate::dynamics::TorqueSpeedLine;
 

@@ -305,8 +305,7 @@ fn failing_steps_are_replaced() {
     }
 }
 
-/// What the loop computes for the caches leaves no trace: neither in the robot's motion nor in what the
-/// controllers say.
+/// Warm-ups of the caches change neither the robot's motion nor the controllers' outputs.
 #[test]
 fn warm_ups_change_nothing() {
     for kind in BOTH {

@@ -1,5 +1,5 @@
-//! What the QP solver promises beyond the optimum: KKT conditions, infeasible and senseless problems,
-//! updates, warm starts, horizons.
+//! Contract of the QP solver except the optimum: KKT conditions, infeasible and senseless problems, updates,
+//! warm starts, horizons.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -39,7 +39,7 @@ fn kkt_conditions_hold() {
     }
 }
 
-/// What data beyond all numbers have left in the memory does not reach the next solution.
+/// Infinite or absurd data of one problem do not influence the next solution.
 #[test]
 fn a_solve_after_absurd_data_is_that_of_a_new_solver() {
     for seed in 0..20 {

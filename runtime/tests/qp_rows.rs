@@ -1,5 +1,5 @@
-//! What is promised of the QP's rows `lo ≤ C x + D u ≤ hi` beyond the optimum, which `qp_oracle` and
-//! `qp_random` compare with Clarabel's.
+//! Contract of the QP's rows `lo ≤ C x + D u ≤ hi` except the optimum, which `qp_oracle` and `qp_random`
+//! compare with Clarabel's.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 

@@ -35,8 +35,8 @@ fn truth<const NX: usize, const NU: usize, const NR: usize>(p: &QpProblem<NX, NU
     if precise.status == SolverStatus::Solved { precise } else { oracle::solve(p, 1e-8) }
 }
 
-/// By how much a point costs more than Clarabel's solution. That is a witness only where its inputs keep the bounds:
-/// a defect of the dynamics of 1e-11 is a further input where these let it grow.
+/// Cost of a point above that of Clarabel's solution. This compares only if Clarabel's inputs keep the
+/// bounds: if the dynamics amplify it, their defect of 1e-11 acts as a further input.
 fn excess<const NX: usize, const NU: usize, const NR: usize>(
     p: &QpProblem<NX, NU, NR>,
     ours: &Value,

@@ -39,7 +39,7 @@ gelenk_runtime::dynamics!(struct RailArm { driven } = weak_rail_arm);
 const PERIOD: f64 = 0.01;
 const START: [f64; 4] = [0.2, 0.6, -1.2, -1.2];
 const GOAL: [f64; 4] = [0.2, 0.6, 1.2, 1.2];
-/// Of the motors, as described: torque at rest, and the joints' speed without load, seen through the gear.
+/// Described motors: torque at rest, and the joints' speed without load, seen through the gear.
 const STALL: f64 = 0.24;
 const SLOPE: f64 = 80.0 * 0.24 / 600.0;
 
@@ -162,7 +162,7 @@ fn checks_of_trajectories_tell_of_them() {
     assert_eq!(violations(&slow, Wrist, Rating::Peak, PERIOD).unwrap(), []);
 }
 
-/// With the lines a plant gives what the motors do, without them what is asked.
+/// A plant applies the torque of the motors if they have lines, and the requested one otherwise.
 #[test]
 fn a_plant_gives_what_its_motors_do() {
     let torque_speed = Wrist.limits().torque_speed;

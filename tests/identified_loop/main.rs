@@ -5,11 +5,11 @@
 use gelenk_runtime::dynamics::Dynamics;
 
 gelenk_runtime::include_model!(
-    /// With the identified friction.
+    /// The identified friction.
     mod identified
 );
 gelenk_runtime::include_model!(
-    /// With one coefficient changed.
+    /// The same robot, one coefficient changed.
     mod altered
 );
 gelenk_runtime::dynamics!(pub struct Published = gelenk_generated::powercube);

@@ -78,7 +78,7 @@ fn fields(file: &syn::File) -> Vec<String> {
     fields.filter_map(|field| field.ident.as_ref()).map(ToString::to_string).collect()
 }
 
-/// Of the other types with a name, `Driven` is an array.
+/// True for the struct `Parameters`; among the other named types, `Driven` is an array.
 fn is_parameters(ty: &syn::Type) -> bool {
     matches!(ty, syn::Type::Path(path) if path.path.is_ident("Parameters"))
 }

@@ -84,8 +84,9 @@ fn arm_with(third: &str) -> Model {
     read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model
 }
 
-/// What inverse dynamics take more where a joint follows a coordinate, than where it is one: products of the ratio with the
-/// position, the velocity, the acceleration and the force, and a sum of forces. Each further coordinate takes as many.
+/// Additional operations of inverse dynamics for a joint that follows a coordinate: products of the ratio
+/// with the position, the velocity, the acceleration and the force, and a sum of forces. Each further
+/// coordinate takes the same number.
 #[test]
 fn followers() {
     let count = |third: &str| {

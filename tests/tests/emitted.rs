@@ -60,7 +60,7 @@ fn compiled(name: &str) -> &'static [(&'static str, Call)] {
     robot.unwrap_or_else(|| panic!("generated/ lacks {name}")).1
 }
 
-/// What ends the name of a function that writes its results in place.
+/// Suffix of functions that write their results in place.
 const IN_PLACE: &str = "_into";
 
 /// The derived function behind a compiled one.

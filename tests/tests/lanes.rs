@@ -32,7 +32,7 @@ fn robot(name: &str, functions: &[&str], scalar: Scalar, fused: bool) -> Generat
     generate(&options)
 }
 
-/// What every comparison uses: states, one state of many, and bits.
+/// Code that every comparison uses: states, one state of many, and bits.
 const COMMON: &str = r#"
 #[allow(warnings)]
 mod robot { include!("robot.rs"); }

@@ -55,7 +55,7 @@ fn compare(values: &[Value], folder: &Path) {
     }
 }
 
-/// What the comparison prints, and whether all robots agree.
+/// Output of the comparison, and whether all robots agree.
 fn compared(values: &[Value], folder: &Path) -> Option<(String, bool)> {
     let python = python_with_mujoco()?;
     let file = folder.join("values.json");

@@ -11,7 +11,7 @@ use num_dual::Dual64;
 
 const WRENCHES: &str = "joint_wrenches";
 
-/// Of rounding, relative to the largest wrench.
+/// Rounding error relative to the largest wrench.
 const TOLERANCE: f64 = 1e-11;
 
 /// The model with one more coordinate, the last one: a joint behind that of a link, which carries all that the link
@@ -113,8 +113,9 @@ fn plus(a: &Vector, b: &Vector) -> Vector {
     [0, 1, 2].map(|i| a[i] + b[i])
 }
 
-/// What acts on all moving bodies besides gravity: the rate of their momentum less their weight, then that of their angular
-/// momentum about the base's origin less the moment of the weight. Derivatives by time are the dual parts.
+/// Wrench on all moving bodies except gravity: the rate of their momentum minus their weight, then that of
+/// their angular momentum about the base's origin minus the moment of the weight. Derivatives by time are the
+/// dual parts.
 fn base_wrench(model: &Model, [y, v, a]: [&[f64]; 3], parameters: &[f64]) -> [f64; 6] {
     let along = |x: &[f64], rate: &[f64]| -> Vec<Dual64> {
         x.iter().zip(rate).map(|(x, rate)| Dual64::new(*x, *rate)).collect()

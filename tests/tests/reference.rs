@@ -322,7 +322,7 @@ fn joints_agree_with_pinocchio(name: &str) {
     }
 }
 
-/// What has loops over joints.
+/// Functions with loops over joints.
 const LOOPS: [&str; 3] =
     ["inverse_dynamics_derivatives_and_mass_matrix", "forward_dynamics_derivatives", "linearize"];
 

@@ -27,7 +27,7 @@ const FUNCTIONS: [&str; 8] = [
     "inverse_dynamics",
 ];
 
-/// Of rounding, relative to the sum of what is added up.
+/// Rounding error relative to the sum of the magnitudes.
 const TOLERANCE: f64 = 1e-12;
 
 /// Base parameters are rounded to 1e-12 for each parameter.

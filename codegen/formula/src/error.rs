@@ -10,7 +10,7 @@ pub struct FormulaError {
     pub code: &'static str,
     /// The fault.
     pub message: String,
-    /// What to write instead.
+    /// Suggested text.
     pub help: Option<String>,
     /// Its place, in bytes of the text.
     pub range: Range<usize>,

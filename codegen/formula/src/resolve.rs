@@ -233,7 +233,7 @@ mod tests {
         assert!((sum - law.evaluate(&p, 0.25, -1.5)).abs() < 1e-15);
     }
 
-    /// What selections and libraries have beyond formulas is refused with its reason, and at its place.
+    /// Syntax that only selections and libraries have is refused with its reason and its place.
     #[test]
     fn the_language_of_selections_is_refused() {
         let message = |text: &str| parse(text, Allowed::Motion, &names()).unwrap_err().to_string();

@@ -130,7 +130,7 @@ fn attached(
     (*parent, tidy(pose.then(&displacement(joint, position))))
 }
 
-/// What a joint at `position` does to its link.
+/// Displacement of a link by its joint at `position`.
 fn displacement(joint: &Joint, position: f64) -> Pose {
     let mut pose = Pose::identity();
     let [turn, slide] = joint.kind.turn_and_slide();

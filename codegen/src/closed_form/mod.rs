@@ -111,7 +111,7 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
     check_coordinates(model)
 }
 
-/// What closed forms do not have: a diagnostic, and how its help calls the equations.
+/// Reason why a model has no closed form: a diagnostic, and the name that its help gives to the equations.
 struct Obstacle {
     code: &'static str,
     message: String,

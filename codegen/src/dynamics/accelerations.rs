@@ -35,7 +35,7 @@ pub struct AffineAccelerations<'g> {
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// What M⁻¹ is multiplied with in the derivatives of accelerations.
+/// Right-hand side of M⁻¹ in the derivatives of accelerations.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
     /// ÿ

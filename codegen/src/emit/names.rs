@@ -6,13 +6,13 @@
 use crate::distinct::Distinct;
 use crate::program::{Program, letters};
 
-/// What a language takes for an identifier.
+/// Rules for identifiers of a language.
 pub(super) struct Spelling {
     /// Words that are no identifiers, sorted.
     pub(super) keywords: &'static [&'static str],
     /// Whether `_x` and `a__b` are names that anyone may use.
     pub(super) has_free_underscores: bool,
-    /// What no name may begin with.
+    /// Prefixes that identifiers must not have.
     pub(super) prefixes: Vec<String>,
 }
 

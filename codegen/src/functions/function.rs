@@ -1,4 +1,4 @@
-//! What a generated function is: its program and the facts of its documentation.
+//! Generated functions: a program and the facts of its documentation.
 
 pub use crate::function_names::FrameKind;
 use crate::layout::Dimension;
@@ -45,7 +45,7 @@ impl Function {
 pub struct FrameFunction {
     /// Identifier of the frame.
     pub frame: String,
-    /// What the function says of it.
+    /// Quantity of the frame that the function computes.
     pub kind: FrameKind,
 }
 

@@ -20,7 +20,7 @@ pub enum PositionFunction {
 pub struct PositionValue {
     /// Its name.
     pub name: &'static str,
-    /// What its dimensions are, outermost first.
+    /// Dimensions, outermost first.
     pub dimensions: &'static [Dimension],
     /// Its meaning.
     pub meaning: &'static str,

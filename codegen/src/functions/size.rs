@@ -162,7 +162,7 @@ impl TooLarge {
         ))
     }
 
-    /// What `--max-operations` has to be.
+    /// Least `--max-operations` that admits the function.
     fn limit_needed(&self) -> usize {
         match self.are_loops {
             true => rounded_up(self.operations.div_ceil(UNROLLED)),

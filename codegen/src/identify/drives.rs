@@ -6,7 +6,7 @@ use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::wording::toml_text;
 use gelenk_formula::Formula;
 
-/// What was identified of the drive of a joint.
+/// Identified values of a joint's drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedDrive {
     /// Axial inertia of the rotor [kg m²], where the description has one.

@@ -45,7 +45,7 @@ pub struct InterpretedRobot {
     free: Vec<f64>,
 }
 
-/// What may be decided about a described robot before it is identified.
+/// Choices about a described robot before identification.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RobotChoices {
     /// Names of joints that something else moves: logs have their motion, and not their forces.

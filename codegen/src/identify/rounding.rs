@@ -106,7 +106,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// By how much the digits change the parameters of the link.
+    /// Change of the link's parameters by rounding to `digits`.
     fn change(&self, digits: i32) -> Vec<f64> {
         let [before, after] = [self.body.parameters(), self.written(digits).parameters()];
         after.iter().zip(before).map(|(after, before)| after - before).collect()

@@ -1,4 +1,4 @@
-//! What of the moments of mass may move towards the base.
+//! Moments of mass that can be moved towards the base without changing the equations.
 
 use super::joint::JointAxis;
 use super::lower::lower;

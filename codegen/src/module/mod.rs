@@ -1,4 +1,4 @@
-//! What is emitted: a robot's module as a plain value, between derivation and printing.
+//! Module: the plain value between derivation and printing.
 //!
 //! A printer takes a [`Module`] and its own options alone. It asks no [`Model`] and derives nothing.
 

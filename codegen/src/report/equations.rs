@@ -24,7 +24,7 @@ pub struct Symbol {
     pub name: String,
     /// Its value in LaTeX.
     pub value: String,
-    /// What it stands for.
+    /// Meaning.
     pub meaning: String,
 }
 

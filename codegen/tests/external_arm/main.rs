@@ -58,7 +58,7 @@ center_of_mass = [0.2, 0, 0]
 inertia = [0.01, 0.06, 0.06]
 "#;
 
-/// What hangs on it.
+/// The load.
 const LOADED: &str = r#"
 extends = "arm.toml"
 
@@ -155,7 +155,7 @@ impl Arm {
         fs::write(self.at(log), text).unwrap();
     }
 
-    /// What the command says where it refuses.
+    /// Error message of a command that fails.
     fn refuses(&self, arguments: &[&str]) -> String {
         let done = self.run(arguments);
         let said = String::from_utf8(done.stderr).unwrap();
@@ -169,7 +169,7 @@ impl Arm {
         command.arg("identify").args(arguments).current_dir(self.0.path()).output().unwrap()
     }
 
-    /// What the command prints for programs.
+    /// JSON output of the command.
     fn identify(&self, arguments: &[&str]) -> Value {
         let done = self.run(&[&["arm.toml", "--format", "json"], arguments].concat());
         let said = String::from_utf8_lossy(&done.stderr);

@@ -1,4 +1,4 @@
-//! What the loop asks of a controller.
+//! Interface between loop and controller.
 
 use crate::dynamics::{AttitudeError, Named};
 use thiserror::Error;

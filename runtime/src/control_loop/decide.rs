@@ -1,4 +1,5 @@
-//! What the loop decides in a period: whether to believe, whom to follow, when to stop.
+//! Decisions of the loop in a period: whether to accept a measurement, which controller to follow, when to
+//! stop.
 
 use super::controller::{Controller, ControllerFault, Cycle};
 use super::guard::EncoderFault;

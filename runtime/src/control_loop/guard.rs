@@ -124,7 +124,7 @@ impl<const N: usize> EncoderGuard<N> {
         }
     }
 
-    /// With these names of the joints in its faults.
+    /// Sets the names of the joints for its faults.
     #[must_use]
     pub fn with_names(mut self, names: [&'static str; N]) -> Self {
         self.names = names;

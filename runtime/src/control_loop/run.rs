@@ -361,8 +361,7 @@ where
         }
     }
 
-    /// What the log gets of quantity 0 (velocities) or 1 (torques): a value in every period, if the robot
-    /// measures it.
+    /// Logged value of quantity 0 (velocities) or 1 (torques): one in every period, if the robot measures it.
     fn logged(&self, quantity: usize, values: Option<[f64; N]>) -> Option<[f64; N]> {
         self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
     }

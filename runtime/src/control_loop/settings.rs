@@ -1,4 +1,4 @@
-//! What the loop is told before it runs.
+//! Settings of the loop.
 
 use super::guard::GuardSettings;
 use super::stage::{STAGES, Stage};

@@ -106,7 +106,7 @@ pub enum KinematicsError {
     Limits {
         /// Index of the joint that is beyond its limit in the best solution; messages count from 1.
         joint: usize,
-        /// By how much (rad).
+        /// Amount (rad).
         excess: f64,
     },
 }

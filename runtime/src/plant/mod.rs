@@ -91,7 +91,7 @@ pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
     measurement: Measurement<N, NY>,
     /// Inputs under way, the oldest first; always `delay` many between calls.
     queue: VecDeque<[f64; M]>,
-    /// What last arrived, before noise, rounding and limit.
+    /// Input that arrived last, before noise, rounding and limit.
     received: [f64; M],
     applied: [f64; M],
     push: Option<Push<N, NY>>,

@@ -1,5 +1,4 @@
-//! What a point is worth that the solver returns: cost and residuals of exactly this point, from the
-//! problem's own data.
+//! Certificate of the returned point: its cost and residuals, from the problem's own data.
 //!
 //! The method's own quantities tell when to look; whether a problem counts as solved is decided here. With
 //! inputs in their bounds and states rolled out from them, the cost is at most `Σ gap + ½ ‖g‖²` above the

@@ -1,4 +1,4 @@
-//! What a solve reports, and how it is told to behave.
+//! Report and settings of a solve.
 
 use thiserror::Error;
 

@@ -23,7 +23,7 @@ pub const LOOPS: [&str; 4] = [
     names::LINEARIZE,
 ];
 
-/// Of rounding, see [`Compared::error`].
+/// Largest error by rounding, see [`Compared::error`].
 const TOLERANCE: f64 = 1e-10;
 
 /// A function of a robot in a form, with its error.

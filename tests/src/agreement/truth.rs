@@ -209,7 +209,7 @@ impl<'a> Truth<'a> {
         vec![accelerations, solved(by_y), solved(by_v), rows_first(&self.inverse)]
     }
 
-    /// With D, the remainder counts the positions as no displacement.
+    /// Linear model. With D (joints with quaternions), the remainder counts the positions as zero displacement.
     fn linearize(&self) -> Vec<Vec<f64>> {
         let (n, sample) = (self.n(), &self.state.sample);
         let [accelerations, by_y, by_v, _] =

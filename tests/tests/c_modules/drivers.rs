@@ -148,7 +148,7 @@ fn quaternions(module: &Module) -> Vec<usize> {
     joints.filter(|(_, entries)| *entries > 1).map(|(first, entries)| first + entries - 4).collect()
 }
 
-/// What the programs are asked for: in each line a function, parameters, and inputs; numbers as bits of their f64.
+/// Requests to the programs: in each line a function, parameters, and inputs; numbers as bits of their f64.
 pub struct Requests {
     faces: Vec<Face>,
     quaternions: Vec<usize>,

@@ -47,7 +47,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// The first of them are small: the short form takes few others.
 const SMALL: usize = 8;
 
-/// What is mutated.
+/// Descriptions that are mutated.
 const SEEDS: [&str; 24] = [
     "cart_pole.toml",
     "cart_pole.toml",
@@ -75,7 +75,7 @@ const SEEDS: [&str; 24] = [
     "../tests/mujoco/robots/walker.xml",
 ];
 
-/// What some of them extend or include.
+/// Files that some of them extend or include.
 const BASES: [&str; 3] = [
     "powercube_alpha.toml",
     "../tests/mujoco/robots/parts/defaults.xml",
@@ -174,7 +174,7 @@ fn seed(file: &str) -> String {
     fs::read_to_string(models.join(file)).expect(file)
 }
 
-/// What became of a case.
+/// Outcome of a case.
 struct Finished {
     case: Case,
     took: Duration,
@@ -190,7 +190,7 @@ fn work_of_thread() -> Duration {
     nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed(), Duration::from_nanos)
 }
 
-/// What else the program makes of some robots.
+/// Exports and pages of some robots.
 fn export_and_draw(found: &Result<Vec<Generated>, String>, index: usize) {
     let Some(Generated { model, .. }) = found.iter().flatten().next() else { return };
     if !index.is_multiple_of(EXPORTED) || !model.driven.is_empty() {
@@ -333,7 +333,7 @@ fn write(robots: &[Generated], folder: &Path) {
     assert_eq!(fs::read_dir(folder).expect("a folder").count(), robots.len());
 }
 
-/// What became of all cases.
+/// Outcomes of all cases.
 #[derive(Default)]
 struct Tally {
     generated: usize,

@@ -1,4 +1,4 @@
-//! What the loops start from: straight-line code, joint by joint.
+//! Setup of the loops: straight-line code, joint by joint.
 
 use super::builder::ArrayBuilder;
 use super::rows::entries_of;
@@ -29,7 +29,7 @@ pub(super) struct Setup {
     pub last: ArrayId,
     /// Springs and friction: by y, by ẏ, and their force.
     pub joint_forces: ArrayId,
-    /// What the motion of other coordinates changes of springs and friction.
+    /// Springs and friction that depend on the motion of other coordinates.
     pub coupled_forces: Option<CoupledForces>,
     /// i J a of the rotors on the parent of each joint that they drive; `None` without such rotors.
     pub momenta: Option<ArrayId>,
@@ -45,7 +45,7 @@ pub(super) struct CoupledForces {
 pub(super) enum Last<'g> {
     /// Accelerations of the coordinates: joints that follow one have it too.
     Accelerations(Vec<Scalar<'g>>),
-    /// What drives the coordinates: it acts at the joints of these alone.
+    /// Driving forces of the coordinates. They act at the joints of these coordinates alone.
     DrivingForces(Vec<Scalar<'g>>),
 }
 

@@ -19,7 +19,7 @@ use crate::program::arrays::{Coordinates, Tree};
 /// A joint of the loops.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoopJoint<S> {
-    /// What it moves.
+    /// Object that the joint moves.
     pub moved: Moved,
     /// The coordinate that it follows, and its motion for a unit of that.
     pub follows: Followed<S>,
@@ -27,7 +27,7 @@ pub(super) struct LoopJoint<S> {
     pub is_last: bool,
 }
 
-/// What a joint of the loops moves.
+/// Object that a joint of the loops moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Moved {
     /// A body of the mechanism.

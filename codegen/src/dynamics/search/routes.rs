@@ -36,9 +36,9 @@ pub struct Formulations<'m> {
 /// How the accelerations are solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
-    /// By M and its factors.
+    /// Factorization of M.
     Factorization,
-    /// By articulated bodies.
+    /// Articulated bodies.
     ArticulatedBodies,
 }
 
@@ -83,9 +83,9 @@ impl ForwardRoute {
 /// How the inverse dynamics are differentiated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DerivativeRoute {
-    /// By the program of the inverse dynamics, forwards.
+    /// The program of the inverse dynamics in forward order.
     Forward,
-    /// By composite bodies.
+    /// Composite bodies.
     Composite(Formulation, PairFrame),
 }
 
@@ -352,7 +352,7 @@ fn differentiate_forwards<'g>(
     }
 }
 
-/// What moves when a recursion is weighed.
+/// Motion under which a recursion is priced.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Moving {
     /// Velocities and accelerations.

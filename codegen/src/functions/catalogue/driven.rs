@@ -1,4 +1,4 @@
-//! What the catalogue says of robots with driven joints, whose motion is an argument.
+//! Catalogue texts of robots with driven joints, whose motion is an argument.
 
 use super::otherwise::{Otherwise, Robots};
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};

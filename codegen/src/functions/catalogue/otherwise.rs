@@ -1,4 +1,4 @@
-//! What is said otherwise of a function of robots for which its row is not the whole truth.
+//! Exceptions to catalogue rows, by kind of robot.
 
 use crate::dynamics::load_friction;
 use crate::functions::function::Function;

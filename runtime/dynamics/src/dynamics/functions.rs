@@ -21,7 +21,7 @@ pub trait OrElse<A, R> {
 
 /// The same for results that become a type of the runtime.
 pub trait MadeOrElse<A, R> {
-    /// What is made of the function's results, or `otherwise`.
+    /// Converts the function's results, or calls `otherwise`.
     fn made_or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
 }
 

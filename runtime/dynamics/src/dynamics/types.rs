@@ -241,7 +241,7 @@ fn smaller(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
 }
 
-/// What the macro makes of the results `T` of a module's function.
+/// Conversion from the results `T` of a module's function.
 pub trait OfResults<T> {
     /// The results by their names.
     fn of(results: T) -> Self;

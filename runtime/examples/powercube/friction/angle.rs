@@ -18,7 +18,7 @@ use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Se
 pub const GRAVITY_ERROR: f64 = 0.08;
 /// Only angles below this are kept by the selection [rad].
 pub const NARROW: f64 = 0.1;
-/// What the torque may depend on the angle without being seen in the noise of 0.3 N m [N m].
+/// Largest dependence of the torque on the angle that noise of 0.3 N m hides [N m].
 const UNSEEN: f64 = 0.2;
 /// Length of the link between the axes [m].
 const LINK: f64 = 0.18;

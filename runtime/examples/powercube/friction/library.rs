@@ -25,7 +25,7 @@ pub fn finer_library() -> Outcome<Library> {
     Ok(Library::new(&terms, &["v"])?)
 }
 
-/// What a library costs and brings on these samples.
+/// Cost and benefit of a library on these samples.
 pub struct Fineness {
     /// Condition number, columns scaled.
     pub condition: f64,

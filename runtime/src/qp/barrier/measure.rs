@@ -1,4 +1,4 @@
-//! What bounds say of a point: violation, penalty and duality gap.
+//! Measures of a point by its bounds: violation, penalty and duality gap.
 
 use super::super::lanes::{Vector, largest};
 use super::super::multipliers::Multipliers;

@@ -28,7 +28,7 @@ pub(super) struct Side<V> {
     dl: V,
 }
 
-/// What a soft bound has beyond a hard one.
+/// Data of a soft bound in addition to those of a hard one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Softening<V> {
     /// 1 where the bound is soft, 0 where it is hard.

@@ -13,7 +13,7 @@ pub(super) const CAP_CUT: f64 = 1e-2;
 /// Appl. Numer. Math. 59, 2009).
 pub(super) const PATIENCE: usize = 3;
 
-/// What one iteration starts from.
+/// State at the start of an iteration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct State {
     /// `zᵀHz` and the cost.

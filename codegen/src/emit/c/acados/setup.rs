@@ -37,7 +37,7 @@ pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     format!("{top}{}", text.replace("# constants\n", &constants))
 }
 
-/// What the file says of a robot.
+/// Properties of a robot in the setup file.
 struct Robot<'a> {
     context: &'a Context<'a>,
     n: usize,
@@ -103,7 +103,7 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// What robots with quaternions have beside.
+    /// Additional entries of robots with quaternions.
     fn of_positions(&self) -> Vec<Entry> {
         if !self.context.module.has_quaternions() {
             return vec![];

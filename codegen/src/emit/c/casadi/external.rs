@@ -12,7 +12,7 @@ pub(super) struct External {
 pub(super) struct Evaluation {
     /// Its name in C.
     pub(super) name: String,
-    /// What it is.
+    /// Description.
     pub(super) about: String,
     /// Inputs, all of them dense.
     pub(super) inputs: Vec<Input>,

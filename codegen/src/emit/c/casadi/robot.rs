@@ -17,9 +17,9 @@ pub(super) struct Robot<'a> {
 
 /// Derivatives by what gives positions.
 pub(super) struct ByPositions {
-    /// By the positions, or by small motions `d` from the reference.
+    /// Derivative by the positions, or by small motions `d` from the reference.
     pub(super) own: Stored,
-    /// By the entries of the reference, where there is one.
+    /// Derivative by the entries of the reference, if there is one.
     pub(super) reference: Option<Stored>,
 }
 
@@ -32,12 +32,12 @@ pub(super) enum Given {
     Positions,
 }
 
-/// What small motions are differentiated by.
+/// Variable of the derivatives.
 #[derive(Clone, Copy)]
 enum Chart {
-    /// By d.
+    /// Small motions d.
     Motion,
-    /// By the entries of the reference.
+    /// Entries of the reference.
     Reference,
 }
 
