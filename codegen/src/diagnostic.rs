@@ -126,7 +126,7 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// So many are kept: finding their places in very long lines takes time.
+/// Largest number of diagnostics: finding their places in very long lines takes time.
 const KEPT: usize = 1000;
 
 impl Report {

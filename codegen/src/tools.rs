@@ -60,7 +60,7 @@ const OF_CASADI: [Given; 3] = [
     Given { name: "step", value: "step", derivatives: "step_derivatives" },
 ];
 
-/// A function as CasADi is given it. Poses of frames come beside.
+/// A function for CasADi. Poses of frames are added.
 struct Given {
     name: &'static str,
     /// The function of the module that computes it.

@@ -1,6 +1,6 @@
 //! Numbers and names in messages: as many digits and names as a reader needs.
 
-/// So many names are listed.
+/// Largest number of listed names.
 const LISTED: usize = 4;
 
 /// `` `a`, `b`, `c`, `d` and 20 more``
@@ -62,7 +62,7 @@ pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; 
     numbers.map(|x| digits(x, count))
 }
 
-/// So many digits tell any two numbers apart.
+/// Digits that distinguish any two numbers.
 const MOST_DIGITS: usize = 17;
 
 fn digits(x: f64, count: usize) -> String {

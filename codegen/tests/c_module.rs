@@ -83,7 +83,7 @@ fn has_fma() -> bool {
     has_fma
 }
 
-/// Runs a function of arrays of 8 entries on all samples in one process, the result of so many entries; both compilers.
+/// Runs a function of arrays of 8 entries on all samples in one process, the result of `count` entries; both compilers.
 ///
 /// - `ty`: `double` or `float`
 fn run(

@@ -20,7 +20,7 @@ fn told(text: &str) -> Vec<(Severity, String)> {
     notes.entries().iter().map(|entry| (entry.severity, entry.to_string())).collect()
 }
 
-/// The one thing that is told.
+/// The only message.
 fn only(text: &str) -> (Severity, String) {
     let mut told = told(text);
     assert_eq!(told.len(), 1, "{told:?}");
@@ -90,7 +90,7 @@ fn inputs_that_act_alike_are_noted() {
     let thruster =
         thruster.replace("\"tip\"", "\"stick\"").replace("[0, 0, 1, 0, 0, 0]", "[0, 0, 1, 0, 1, 0]");
     assert_eq!(told(&boom(&[stick, CYLINDER, &thruster].concat())), []);
-    // A drive beside a cylinder has one note, not two.
+    // A drive next to a cylinder has one note, not two.
     let driven = boom(CYLINDER).replace("axis = [0, -1, 0]", "axis = [0, -1, 0]\ndrive = \"ideal\"");
     assert!(only(&driven).1.contains("note[drive-beside-input]"));
     let driven = driven
@@ -113,7 +113,7 @@ fn springs_between_the_same_points_are_noted() {
             "note[forces-alike]: forces `spring` and `other` act between the same points: they add up";
         assert!(told.iter().all(|(_, told)| told.contains(words)), "{told:?}");
     }
-    // A law beside a cylinder is one strut.
+    // A law next to a cylinder is one strut.
     assert_eq!(told(&boom(&[&first[..], CYLINDER].concat())), []);
 }
 

@@ -209,7 +209,7 @@ fn a_mass_matrix_that_is_not_positive_definite_is_refused() {
     let options = ReadOptions { accept_unphysical: true, ..ReadOptions::default() };
     let (_, entries) = from_urdf(&text, "r.urdf", &options).unwrap();
     assert!(codes(entries.entries()).contains(&"mass-matrix-not-positive-definite"));
-    // The same about an axis that does not turn is no reason to refuse anything.
+    // The same about an axis that does not turn is not a reason to refuse anything.
     let text = arm("", &inertial(1.0, "0 0 0", [1.0, 0.0, 0.0, -1.0, 0.0, 1.0]), "");
     assert_eq!(codes(&notes(&text)), ["unphysical-bodies"]);
 }

@@ -1,4 +1,4 @@
-//! Words of URDF and MJCF that nobody reads are told: a value under a wrong name makes another robot.
+//! Words of URDF and MJCF that no reader uses are reported: a value under a wrong name makes another robot.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

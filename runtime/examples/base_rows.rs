@@ -333,7 +333,7 @@ fn of_kind(start: &str) -> impl Iterator<Item = usize> {
     (0..P).filter(move |i| robot::BASE_PARAMETER_NAMES[*i].starts_with(start))
 }
 
-/// The parameters beside those of the description, which the simulated robot has.
+/// The parameters next to those of the description, which the simulated robot has.
 ///
 /// # Errors
 /// Where the total mass is another one.

@@ -12,7 +12,7 @@ gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 gelenk_runtime::dynamics!(struct CartPole = gelenk_generated::cart_pole);
 gelenk_runtime::dynamics!(struct Panda = gelenk_generated::panda);
 
-/// Largest distance of each joint from the trajectory, with feed-forward alone, from `offset` beside its
+/// Largest distance of each joint from the trajectory, with feed-forward alone, from `offset` away from its
 /// start and with `delay` periods.
 fn drift<D: Dynamics<N, M> + Copy, const N: usize, const M: usize>(
     model: D,

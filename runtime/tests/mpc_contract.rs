@@ -203,7 +203,7 @@ fn a_trajectory_beyond_the_soft_limits_is_noted() {
     );
 }
 
-/// The published friction of joint gamma has 0.492 sign(v) beside tanh(100 v); that of beta is smooth.
+/// The published friction of joint gamma has 0.492 sign(v) in addition to tanh(100 v); that of beta is smooth.
 #[test]
 fn friction_that_jumps_is_noted() {
     let mpc = Ltv::new(PowerCube, motion(), options(&PowerCube, PERIOD, 10)).unwrap();

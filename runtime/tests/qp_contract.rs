@@ -92,7 +92,7 @@ fn an_infeasible_state_bound_gives_the_least_violation() {
         for stage in &mut problem.stages {
             stage.state_lower[0] = 3.0;
             stage.state_upper[1] = -2.0;
-            // Bounded on both sides, so that no input is large enough for its own cost to count beside the
+            // Bounded on both sides, so that no input is large enough for its own cost to count relative to the
             // violation.
             stage.input_upper = stage.input_lower.map(|lower| lower + 0.4);
         }
@@ -111,7 +111,7 @@ fn an_infeasible_state_bound_gives_the_least_violation() {
     }
 }
 
-/// An initial state outside its bounds is no obstacle where the input can bring the next state back.
+/// An initial state outside its bounds is not an obstacle where the input can bring the next state back.
 #[test]
 fn an_exact_penalty_keeps_a_soft_bound_that_can_be_kept() {
     for seed in 0..50 {

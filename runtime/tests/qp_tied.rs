@@ -150,7 +150,7 @@ fn tied_problems_that_count_as_solved_are() {
     solve_all(first..first + count).finish();
 }
 
-/// Optima that cost 0: the gap never gets small beside the cost.
+/// Optima that cost 0: the gap never gets small relative to the cost.
 const COSTLESS: [u64; 8] = [751, 1166, 1960, 5007, 7106, 8420, 10_572, 10_936];
 
 /// Hard bounds that give way only at the cost of steep soft ones.

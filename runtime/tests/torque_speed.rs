@@ -17,7 +17,7 @@ use gelenk_runtime::transport::InProcess;
 
 gelenk_runtime::dynamics!(struct Wrist = gelenk_generated::differential_wrist);
 
-/// A wrist that has a limit of speed of a motor beside its line, and a joint that follows with its name.
+/// A wrist that has a speed limit of a motor and its torque–speed line, and a joint that follows with its name.
 mod crowded_wrist {
     pub use gelenk_generated::differential_wrist::*;
     pub const DEPENDENT_JOINT_NAMES: [&str; 1] = ["left_motor"];
@@ -119,7 +119,7 @@ fn a_controller_without_the_rows_is_refused() {
     assert!(Nmpc::new(Wrist, motion(), options().with_rows(softer)).is_ok());
 }
 
-/// A joint that follows, and a motor, may have one name: their rows are told apart by what stands in them.
+/// A joint that follows, and a motor, may have one name: their rows are distinguished by their contents.
 #[test]
 fn one_name_of_a_joint_and_a_motor_is_no_way_around_a_limit() {
     let options = || MpcOptions::new(&CrowdedWrist, PERIOD, 15);

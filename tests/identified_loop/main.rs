@@ -1,5 +1,5 @@
 //! Tracks a reference on the published PowerCube with feed-forward from several models, and prints each one's
-//! rms error. Compiled by `tests/identified_loop.rs` into a package of its own, beside the modules that its
+//! rms error. Compiled by `tests/identified_loop.rs` into a package of its own, next to the modules that its
 //! build script generates.
 
 use gelenk_runtime::dynamics::Dynamics;

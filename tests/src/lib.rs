@@ -43,7 +43,7 @@ pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_owned).unwrap_or_default()
 }
 
-/// The folder of reference data: `GELENK_SHARED`, or `../shared` beside the workspace; `None`, with a printed
+/// The folder of reference data: `GELENK_SHARED`, or `../shared` next to the workspace; `None`, with a printed
 /// note, where there is none.
 pub fn shared() -> Option<PathBuf> {
     let folder = match std::env::var_os("GELENK_SHARED") {

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::Robot;
 
-/// So many states for each robot.
+/// Number of states of each robot.
 const STATES: usize = 4;
 
 /// Options of the comparison of a robot.

@@ -279,7 +279,7 @@ fn branches_at_a_torso() {
     assert_within("humanoid", humanoid(), &[("inverse_dynamics", 576, 552)]);
 }
 
-/// The mass matrix beside the Jacobians of the inverse dynamics costs at most 30/20 more.
+/// The mass matrix together with the Jacobians of the inverse dynamics costs at most 30/20 more.
 #[test]
 fn mass_matrix_beside_the_jacobians() {
     let names = ["inverse_dynamics_derivatives", "inverse_dynamics_derivatives_and_mass_matrix"];

@@ -140,7 +140,7 @@ fn modules_compile_without_a_warning() {
     result.unwrap_or_else(|message| panic!("{message}"));
 }
 
-/// The f32 modules, compiled beside a loop that calls what standard input asks for.
+/// The f32 modules, compiled with a loop that calls what standard input asks for.
 fn build_f32(folder: &Path, robots: &[Generated]) {
     let flat = include_str!("../src/flat.rs");
     std::fs::write(folder.join("flat.rs"), flat).expect("a file");

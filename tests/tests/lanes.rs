@@ -180,7 +180,7 @@ fn check(robot: &Generated, scalar: Scalar, flags: &[&str]) -> usize {
     names.len()
 }
 
-/// So many functions of a robot take no state: the input matrix, parameters of bodies and of friction.
+/// Number of functions of a robot without a state: the input matrix, parameters of bodies and of friction.
 const WITHOUT_STATE: usize = 3;
 
 #[test]

@@ -1,4 +1,4 @@
-//! The Python package over the program: its own tests, with values of the Rust modules beside them.
+//! The Python package over the program: its own tests, compared with values of the Rust modules.
 //!
 //! They need Python 3 with its module `venv`, packages from its registry, and a C compiler; without them they are skipped
 //! and say so.

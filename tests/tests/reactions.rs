@@ -250,7 +250,7 @@ fn what_a_pin_bears_is_its_row_less_the_force_of_the_cylinder() {
         );
         let tilt: f64 = y[1..=coordinate].iter().sum();
         let carried = turned_about_y(-tilt, [0.0, 0.0, 9.81 * mass]);
-        // Beside the weight, what the pin bears and the cylinder exerts is all.
+        // In addition to the weight, what the pin bears and the cylinder exerts is all.
         let left = [0, 1, 2].map(|i| (row[i] - carried[i]).abs());
         assert!(
             left.iter().all(|left| *left < 1e-9 * carried[2].abs()),

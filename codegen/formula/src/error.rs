@@ -1,9 +1,9 @@
-//! The error of a text that is no formula.
+//! The error of a text that is not a formula.
 
 use std::fmt;
 use std::ops::Range;
 
-/// The reason why a text is no formula.
+/// The reason why a text is not a formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormulaError {
     /// The kind of the fault, for programs.

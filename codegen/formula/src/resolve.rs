@@ -48,7 +48,7 @@ type Parsed = Result<Formula, FormulaError>;
 /// Reads a formula; `parameters` gives the index of each described name.
 ///
 /// # Errors
-/// A text that is no [`Expression`], has names that are not allowed, is true or false, uses a function that generated
+/// A text that is not an [`Expression`], has names that are not allowed, is true or false, uses a function that generated
 /// code does not have, divides by zero or overflows.
 pub fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, usize>) -> Parsed {
     let expression = Expression::parse(text)?;

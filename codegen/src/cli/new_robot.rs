@@ -148,7 +148,7 @@ impl Kind {
         )))
     }
 
-    /// The file and those that it includes, in their places beside it.
+    /// The file and those that it includes, in their places relative to it.
     fn copies(self, path: &Path, files: &DescriptionFiles) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let copy = |(file, bytes): (&Path, &[u8])| {

@@ -10,7 +10,7 @@ use gelenk_formula::Formula;
 
 type Matrix = [[f64; 3]; 3];
 
-/// Smaller than this beside the largest entry is rounding of what is meant to be 0.
+/// Entries smaller than this, relative to the largest, are rounding errors of zeros.
 const ROUNDING: f64 = 1e-12;
 
 /// A moving body.

@@ -175,7 +175,7 @@ impl<'g> Equations<'_, 'g> {
                     .collect()
             })
             .collect();
-        // Positions with a quaternion are told by the small motion from them, which is 0 here.
+        // Positions with a quaternion are given by the small motion from them, which is 0 here.
         let counted = if self.model.quaternion_joints.is_empty() { y } else { &[] };
         let remainder = (0..by_inputs.len()).map(|i| {
             let known = dot(self.graph, &derivatives.by_coordinates[i], counted)

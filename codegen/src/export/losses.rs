@@ -9,7 +9,7 @@ pub(super) const LINE: &str = "has no torque–speed lines of motors; left out a
 /// Effect of a loss on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Effect {
-    /// The robot is the same, or what it lacks is no part of M and of the bias forces.
+    /// The robot is the same, or what it lacks is not part of M and of the bias forces.
     None,
     /// It may be another robot.
     Robot,

@@ -24,7 +24,7 @@ pub struct Function {
     pub results: Vec<String>,
     /// Further sentences: which formulation was cheapest, limits, sources.
     pub notes: Vec<String>,
-    /// Constants that users of this function need beside it.
+    /// Constants that users of this function need.
     pub constants: Vec<Constant>,
     /// The body.
     pub program: Program,

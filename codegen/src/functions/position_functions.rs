@@ -1,4 +1,4 @@
-//! Functions of positions that are no vector space: ⊕, ⊖ and the unit length of quaternions.
+//! Functions of positions that are not a vector space: ⊕, ⊖ and the unit length of quaternions.
 
 use crate::layout::{Dimension, Extent};
 
@@ -120,7 +120,7 @@ impl PositionFunction {
     }
 }
 
-/// The lengths of a value in a robot with so many positions and velocities.
+/// The lengths of a value in a robot with these numbers of positions and velocities.
 #[must_use]
 pub fn extents(value: &PositionValue, positions: usize, velocities: usize) -> Vec<Extent> {
     let length = |dimension: &Dimension| match dimension {

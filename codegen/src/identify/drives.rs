@@ -20,7 +20,7 @@ pub struct IdentifiedDrive {
 /// The rotor of an identified drive, J_R [kg m²], and how it counts.
 ///
 /// - `rotor`: as a parameter of the equations: every drive has it that has a gear or a described rotor
-/// - `added`: what was found beside the bodies of a drive without both, so that it is no body that a carrier turns
+/// - `added`: what was found in addition to the bodies of a drive without both, so that it is not a body that a carrier turns
 pub(super) fn found_rotor(
     drive: &Drive,
     rotor: Option<f64>,

@@ -271,7 +271,7 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
     Section::new("parameters", "Inertial parameters").block(Block::Table(table)).blocks(instrumental)
 }
 
-/// The same by instrumental variables, and friction beside it.
+/// The same by instrumental variables, and friction.
 fn instrumental(robot: &dyn Robot, found: &Identification, other: &InstrumentalEstimate) -> Block {
     let [tested, left] = other.degrees_of_freedom;
     let mut table = Table::new(

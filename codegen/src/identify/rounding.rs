@@ -84,7 +84,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// The body with so many digits more than the intervals support.
+    /// The body with `digits` digits more than the intervals support.
     fn written(&self, digits: i32) -> BodyValues {
         if digits >= MOST_DIGITS {
             return self.body.clone();

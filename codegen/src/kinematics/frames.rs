@@ -150,7 +150,7 @@ fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Join
     model.links[described.link].joint.as_ref().expect("a moving body has a joint")
 }
 
-/// The name of a body's joint; its slide is told apart.
+/// The name of a body's joint; its slide has another name.
 fn name(model: &Model, described: &DescribedBody<'_>) -> String {
     let name = &joint(model, described).name;
     match described.is_screw_slide {

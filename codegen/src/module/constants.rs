@@ -9,7 +9,7 @@ use crate::layout::Dimension;
 use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
 use gelenk_formula::Formula;
 
-/// Names of all constants that a module can have beside those of its functions.
+/// Names of all constants that a module can have, except those of its functions.
 pub const NAMES: [&str; 47] = [
     "NY",
     "JOINTS",

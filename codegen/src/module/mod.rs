@@ -114,7 +114,7 @@ impl Module {
 
 impl ComposedFunction {
     fn new(model: &Model, functions: &[Function], composition: Composition) -> Self {
-        // What the texts for quaternions do beside their calls is not counted.
+        // Operations of the texts for quaternions are not counted, except their calls.
         let cost = composition.cost_in(model, functions).filter(|_| model.quaternion_joints.is_empty());
         let calls = match composition.call_count(model.options.substeps.unwrap_or(1)) {
             1 => "one call".to_owned(),

@@ -314,7 +314,7 @@ mod tests {
         assert_eq!(friction::friction_figure(&robot, &[]).unwrap().plots.len(), 2);
     }
 
-    /// A slide of a ton that carries a needle: eigenvalues of kg beside kg m² say nothing.
+    /// A slide of a ton that carries a needle: eigenvalues that mix kg and kg m² say nothing.
     #[test]
     fn masses_and_inertias_are_not_compared() {
         let needle = ARM.replace("mass = 2", "mass = 1000");

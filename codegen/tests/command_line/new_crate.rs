@@ -111,7 +111,7 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     }
 }
 
-/// Whoever forgets `--base floating` is told, and gets the crate.
+/// A message reports a missing `--base floating`, and the crate is written.
 #[test]
 fn a_new_crate_of_a_legged_robot_on_a_fixed_base_is_noted() {
     let folder = tempfile::tempdir().unwrap();

@@ -160,7 +160,7 @@ where
             Ok(_) => ControllerFault::NotFinite,
             Err(fault) => fault,
         };
-        // A lost reading is no fault of the controller, and has its own limit.
+        // A lost reading is not a fault of the controller, and has its own limit.
         let lost = measured.is_none() && fault == ControllerFault::NoMeasurement;
         self.state.counts.controller_faults += u64::from(!lost);
         self.state.failures = self.state.failures.saturating_add(periods);

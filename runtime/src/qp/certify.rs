@@ -93,7 +93,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 }
 
 /// `penalty` is the cost of violated hard bounds that were softened, 0 if none was. Where it exceeds the gap, the
-/// optimum of the softened problem violates them too, and the violation is no residual.
+/// optimum of the softened problem violates them too, and the violation is not a residual.
 #[inline(always)]
 fn merit(residuals: &KktResiduals, allowed: f64, feasibility: f64, penalty: f64) -> f64 {
     let r = residuals;

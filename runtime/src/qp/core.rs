@@ -306,7 +306,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// The answer where there is no QP to solve: inputs nearest zero within those bounds that make sense.
+    /// The answer without a QP to solve: inputs nearest zero within those bounds that make sense.
     #[inline(always)]
     fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solved = false;

@@ -243,7 +243,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         }
         let (length, from) = match received {
             Ok(received) => received,
-            // A controller that is gone is no fault of ours.
+            // A controller that is gone is not a fault of ours.
             Err(e) if is_timeout(&e) || e.kind() == io::ErrorKind::ConnectionRefused => {
                 return Ok(false);
             }

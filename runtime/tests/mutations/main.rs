@@ -212,7 +212,7 @@ fn can_frames() {
     slowest.report("CAN frames", count);
 }
 
-/// A plant that is told anything: it always can be asked where it is, and is somewhere.
+/// A plant with arbitrary inputs always has a finite position.
 #[test]
 fn a_server_survives_what_it_is_told() {
     let mut generator = ChaCha8Rng::seed_from_u64(6);
@@ -258,7 +258,7 @@ fn a_server_survives_what_it_is_told() {
     slowest.report("datagrams to a server", count);
 }
 
-/// Through its socket, with what is no datagram at all.
+/// Through its socket, with bytes that are not a datagram.
 #[test]
 fn a_server_survives_its_network() {
     let mut generator = ChaCha8Rng::seed_from_u64(7);

@@ -11,7 +11,7 @@ pub struct Value {
     pub size: f64,
     pub violation: f64,
     pub defect: f64,
-    /// Largest violation of a hard bound of a state beside its magnitude, where that is at least 1e-4.
+    /// Largest violation of a hard bound of a state relative to its magnitude, if that is at least 1e-4.
     pub beside: f64,
 }
 

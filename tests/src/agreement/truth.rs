@@ -375,7 +375,7 @@ fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Product of a matrix of so many rows with a vector.
+/// Product of a matrix of `rows` rows with a vector.
 fn times(matrix: &[f64], x: &[f64], rows: usize) -> Vec<f64> {
     let row = |i: usize| matrix[i * x.len()..].iter().zip(x).map(|(entry, x)| entry * x).sum();
     (0..rows).map(row).collect()

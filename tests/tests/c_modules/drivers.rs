@@ -35,7 +35,7 @@ enum Results {
     Number,
     /// Entries of each result.
     Arrays(Vec<usize>),
-    /// The only argument is changed, so many entries; a truth value is returned.
+    /// The only argument is changed, with this number of entries; a truth value is returned.
     InPlace(usize),
 }
 

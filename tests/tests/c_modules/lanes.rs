@@ -1,4 +1,4 @@
-//! Functions over eight states of a module in C, beside the function of one state.
+//! Functions over eight states of a module in C, compared with the function of one state.
 
 use std::fmt::Write as _;
 

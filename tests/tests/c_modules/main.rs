@@ -1,4 +1,4 @@
-//! Modules in C beside the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
+//! Modules in C compared with the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
 //! library, and compute the same bits.
 //!
 //! The short form compares four robots in every variant, one with quaternions in each number type, and loops over the

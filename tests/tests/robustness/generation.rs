@@ -31,9 +31,9 @@ use std::time::{Duration, Instant};
 
 /// Descriptions of the short form.
 const MUTATIONS: usize = 500;
-/// Each so many of what is generated is compiled.
+/// One of this number of generated modules is compiled.
 const COMPILED: usize = 100;
-/// Each so many of what is generated is exported, and each so many of these has a page.
+/// One of this number of generated robots is exported, and one of this number of those has a page.
 const EXPORTED: usize = 4;
 const DRAWN: usize = 10;
 /// Operations of the functions of a page.
@@ -82,7 +82,7 @@ const BASES: [&str; 3] = [
     "../tests/mujoco/robots/parts/tail.xml",
 ];
 
-/// Random robots, with up to so many coordinates before some become free.
+/// Random robots, with up to this number of coordinates before some become free.
 const LONGEST: usize = 3;
 const ROBOTS: [fn(u64) -> Model; 5] = [
     |seed| random_model(seed, LONGEST),

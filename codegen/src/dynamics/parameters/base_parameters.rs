@@ -8,7 +8,7 @@
 //! groups on every platform.
 //!
 //! Free lengths, gear ratios and gravity enter the regressor. Then groups are formed at several values of
-//! them, and what differs is no number: i² J of a rotor is another one for every gear ratio i.
+//! them, and what differs is not a number: i² J of a rotor is another one for every gear ratio i.
 
 use crate::dynamics::parameters::regressor::inertial_regressor;
 use crate::dynamics::recursion::motion::MotionInput;

@@ -182,7 +182,7 @@ impl<'g> Joints<'_, 'g> {
         }
     }
 
-    /// Moments of the mass that a joint carries itself; those of a rotor that is a joint are no part of its carrier.
+    /// Moments of the mass that a joint carries itself; those of a rotor that is a joint are not part of its carrier.
     fn moments(&self, joint: usize) -> MassMoments<Scalar<'g>> {
         let LoopJoint { moved, is_last, .. } = self.loops.list[joint];
         let of_rotor = |index: usize| {
@@ -262,7 +262,7 @@ fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     (0..n).map(|coordinate| matrix[coordinate][coordinate]).collect()
 }
 
-/// `i J a` in the base frame of the rotors beside the joints that they drive, by joint; `None` where there are
+/// `i J a` in the base frame of the rotors on the parents of the joints that they drive, by joint; `None` where there are
 /// none.
 fn rotor_momenta<'g>(joints: &Joints<'_, 'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<Scalar<'g>>>> {
     let Joints { mechanism, loops } = joints;

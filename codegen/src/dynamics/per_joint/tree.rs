@@ -10,7 +10,7 @@
 //!
 //! A joint with a quaternion is a row of joints, one for each of its velocities.
 //!
-//! A rotor whose momentum does not stand at a joint beside it is a joint too: it turns about its axis on its carrier,
+//! A rotor whose momentum is not added at a neighbouring joint is a joint too: it turns about its axis on its carrier,
 //! with its axial inertia alone.
 
 use crate::kinematics::{Followed, Mechanism, Numbers, Rotor};
@@ -44,7 +44,7 @@ pub(super) struct LoopJoints<S> {
     pub places: Vec<usize>,
     /// How they carry each other, by place.
     pub tree: Tree,
-    /// For each rotor the joint of the list beside it that turns it: it sits on that joint's parent.
+    /// For each rotor the neighbouring joint in the list that turns it: it sits on that joint's parent.
     pub beside: Vec<Option<usize>>,
 }
 

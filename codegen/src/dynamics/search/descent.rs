@@ -124,7 +124,7 @@ impl SearchSpace {
     }
 }
 
-/// Tells whether a body has a revolute joint of its own; in the chain of a joint with a quaternion there is no choice.
+/// Tells whether a body has a revolute joint of its own; a chain of a joint with a quaternion leaves no choice.
 fn is_single_turn(body: &Body<Number>) -> bool {
     body.axis == JointAxis::Revolute && body.chain.is_none()
 }

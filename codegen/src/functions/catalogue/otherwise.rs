@@ -44,7 +44,7 @@ pub(in crate::functions) struct Otherwise {
     pub(in crate::functions) first_result: Option<&'static str>,
     /// In place of all notes that there are.
     pub(in crate::functions) only_note: Option<&'static str>,
-    /// Notes beside the row's.
+    /// Additional notes.
     pub(in crate::functions) notes: &'static [&'static str],
 }
 

@@ -241,7 +241,7 @@ pub(in crate::functions) type BuildLoops =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, Vec<InputArray>) -> Arrays;
 
 impl Quantity {
-    /// The defaults of a row: the function is not large and needs nothing beside it.
+    /// The defaults of a row: the function is not large and needs no constants.
     pub(in crate::functions) const PLAIN: Self = Self {
         name: "",
         summary: "",

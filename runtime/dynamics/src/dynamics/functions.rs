@@ -62,7 +62,7 @@ pub trait Required<A, T> {
     fn result(&self, arguments: A) -> T;
 }
 
-/// The traits for functions of so many arguments.
+/// The traits for functions of each number of arguments.
 macro_rules! functions {
     ($($argument:ident: $type:ident),*) => {
         impl<F: Fn($($type),*) -> R, $($type,)* R> OrElse<($($type,)*), R> for F {

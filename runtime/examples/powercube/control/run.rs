@@ -83,7 +83,7 @@ pub struct Setup {
     pub plant: Arm,
     pub regime: Regime,
     pub seed: u64,
-    /// How far beside the start of the reference the arm starts [rad].
+    /// Distance of the arm from the start of the reference [rad].
     pub offset: [f64; 2],
     /// When (s) the plant becomes another one, and which.
     pub change: Option<(f64, Arm)>,

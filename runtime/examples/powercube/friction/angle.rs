@@ -37,7 +37,7 @@ pub fn alpha_samples(seconds: f64) -> Outcome<Samples> {
     Ok(samples)
 }
 
-/// How much the torque depends on the angle beside the speed: rms of the part `c sin y` in
+/// Dependence of the torque on the angle in addition to the speed: rms of the part `c sin y` in
 /// `τ = Σ a_i θ_i(v) + c sin y`, least squares [N m].
 pub fn dependence(samples: &Samples) -> Outcome<f64> {
     let library = Library::new(&["v", "tanh(10*v)", "tanh(100*v)", "sin(y)"], &["v", "y"])?;

@@ -1,4 +1,4 @@
-//! The data that methods are compared on (claim 8): records of the joints, with friction beside the published one.
+//! The data that methods are compared on (claim 8): records of the joints, with friction other than the published one.
 
 use super::angle::{NARROW, alpha_samples};
 use super::data::{

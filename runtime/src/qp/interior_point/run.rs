@@ -45,7 +45,7 @@ pub(super) struct Run {
     pub(super) start_gap: f64,
     /// Largest diagonal term of the Newton system.
     pub(super) cap: f64,
-    /// The same beside the largest multiplier.
+    /// The same relative to the largest multiplier.
     pub(super) stiffness: f64,
     /// `Π (1 − α)`: what is left of the dual residual.
     pub(super) shrink: f64,

@@ -80,7 +80,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.begun = run.iterations;
         run.limit = (run.begun + self.settings.max_iterations).min(run.budget);
         run.crawl = 0;
-        // What the first start has reached is no measure of the progress of the second.
+        // What the first start has reached is not a measure of the progress of the second.
         (run.progress, run.pace) = ((f64::INFINITY, 0), (f64::INFINITY, 0));
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();

@@ -112,7 +112,7 @@ impl Derivatives {
         Self { statements, size: VALUES, blocks: vec![] }
     }
 
-    /// Room for so many values.
+    /// Reserves room for `count` values.
     pub(super) const fn room(&mut self, count: usize) -> usize {
         let place = self.size;
         self.size += count;

@@ -107,7 +107,7 @@ impl Robot<'_> {
         Derivatives::new(statements)
     }
 
-    /// The rates of d with their derivatives by d and by v; none where positions are no small motions.
+    /// The rates of d with their derivatives by d and by v; none where positions are not small motions.
     pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
         let n = self.n;
         let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
@@ -182,7 +182,7 @@ impl Robot<'_> {
         nonzero
     }
 
-    /// All joints in their order; none where positions are no small motions.
+    /// All joints in their order; none where positions are not small motions.
     fn joints(&self) -> Vec<JointEntries> {
         let (mut position, mut velocity) = (0, 0);
         let place = |&entries: &usize| {

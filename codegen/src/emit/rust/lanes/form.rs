@@ -172,7 +172,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// So many quantities of a group, zeros.
+    /// Array of `count` zeros, each a group of states.
     fn array(&self, count: usize) -> TokenStream {
         self.context.has_groups.set(true);
         let zero = self.context.zero();
