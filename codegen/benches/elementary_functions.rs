@@ -1,4 +1,4 @@
-//! Time of the elementary functions beside the standard library's, as the ratio that counts on a noisy
+//! Time of the elementary functions compared with the standard library's, as the ratio that counts on a noisy
 //! machine.
 //!
 //! `cargo bench -p gelenk-codegen --bench elementary_functions`, with and without

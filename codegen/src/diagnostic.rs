@@ -1,4 +1,4 @@
-//! What is wrong with a description, where, and what to do about it.
+//! Diagnostics: a problem of a description, its place and its remedy.
 //!
 //! Every stage either returns a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`]
 //! carries its own copy of the offending source line, so that it can be shown wherever it ends up: terminal,
@@ -126,7 +126,7 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// So many are kept: finding their places in very long lines takes time.
+/// Largest number of diagnostics: finding their places in very long lines takes time.
 const KEPT: usize = 1000;
 
 impl Report {

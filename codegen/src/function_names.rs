@@ -56,7 +56,7 @@ names! {
 /// All functions of named frames.
 pub const FRAMES: &str = "frames";
 
-/// What there is of each named frame.
+/// Quantity of a named frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
     /// Its pose.
@@ -71,7 +71,7 @@ impl FrameKind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
 
-    /// What stands before and behind the frame in a function's name.
+    /// Prefix and suffix of the frame's name in a function's name.
     fn around(self) -> [&'static str; 2] {
         let end = match self {
             Self::Pose => "_pose",

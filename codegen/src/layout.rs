@@ -50,7 +50,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// So many entries of a dimension.
+    /// An extent of this number of entries.
     #[must_use]
     pub const fn new(dimension: Dimension, len: usize) -> Self {
         Self { dimension, len }

@@ -30,7 +30,7 @@ pub struct GenerateOptions {
     pub no_friction: bool,
     /// Makes mimic joints independent coordinates.
     pub ignore_mimic: bool,
-    /// `tanh` of so many times the argument for `sign` in friction and springs; by default what the
+    /// Slope s of `tanh(s v)` that replaces `sign(v)` in friction and springs; by default what the
     /// description says.
     pub smooth_sign: Option<f64>,
     /// Takes robots whose mass matrix is not positive definite.
@@ -180,7 +180,7 @@ fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
     }
 }
 
-/// C has no tests beside its functions.
+/// Rejects options that modules in C do not have, such as tests.
 fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
     if options.emit.language == Language::Rust {
         return match options.emit.companions.is_empty() {

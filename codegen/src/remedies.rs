@@ -1,4 +1,4 @@
-//! What to do about problems of one kind, wherever they are found: advice for those to which their finder added none.
+//! Remedies by code, for diagnostics whose finder gives none.
 
 /// The advice for problems with this code.
 pub(crate) fn remedy(code: &str) -> Option<&'static str> {

@@ -1,4 +1,4 @@
-//! What it would save to take nearly right angles for right ones, in operations.
+//! Operations saved if nearly right angles are snapped to right ones.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;

@@ -1,4 +1,4 @@
-//! What tools that call modules in C ask of them: CasADi and acados.
+//! Requirements of tools that call modules in C: CasADi and acados.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::{Companion, EmitOptions, Scalar};
@@ -49,7 +49,7 @@ pub(crate) fn check_functions(
     }
 }
 
-/// What CasADi is given, with the functions of the module that compute it and its derivatives.
+/// Functions for CasADi, with the module's functions that compute the value and its derivatives.
 const OF_CASADI: [Given; 3] = [
     Given { name: "dynamics", value: "forward_dynamics", derivatives: "linearize" },
     Given {
@@ -60,7 +60,7 @@ const OF_CASADI: [Given; 3] = [
     Given { name: "step", value: "step", derivatives: "step_derivatives" },
 ];
 
-/// A function as CasADi is given it. Poses of frames come beside.
+/// A function for CasADi. Poses of frames are added.
 struct Given {
     name: &'static str,
     /// The function of the module that computes it.
@@ -100,7 +100,7 @@ pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     Some([format!("functions for {name} in single precision"), format!("{name} computes")])
 }
 
-/// What CasADi differentiates by the free parameters.
+/// Functions that CasADi differentiates by the free parameters.
 pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Function> {
     let count = model.parameters.len();
     let is_differentiated = |function: &&Function| {

@@ -1,6 +1,6 @@
 //! Numbers and names in messages: as many digits and names as a reader needs.
 
-/// So many names are listed.
+/// Largest number of listed names.
 const LISTED: usize = 4;
 
 /// `` `a`, `b`, `c`, `d` and 20 more``
@@ -44,7 +44,7 @@ pub(crate) fn toml_text(text: &str) -> String {
     out
 }
 
-/// With three significant digits: `0.0123`, `63.8`, `2.41e-35`.
+/// Formats a number to three significant digits: `0.0123`, `63.8`, `2.41e-35`.
 pub(crate) fn three_digits(x: f64) -> String {
     digits(x, 3)
 }
@@ -54,7 +54,7 @@ pub(crate) fn as_written(x: f64) -> String {
     digits(x, MOST_DIGITS)
 }
 
-/// With the fewest digits, at least three, with which the statement about the numbers is true as it is
+/// Formats numbers with the fewest digits, at least three, for which the statement about them is true as
 /// printed: `2 > 1.9999` does not become `2 > 2`.
 pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; N]) -> bool) -> [String; N] {
     let enough = |count: &usize| is_true(numbers.map(|x| rounded(x, *count)));
@@ -62,7 +62,7 @@ pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; 
     numbers.map(|x| digits(x, count))
 }
 
-/// So many digits tell any two numbers apart.
+/// Digits that distinguish any two numbers.
 const MOST_DIGITS: usize = 17;
 
 fn digits(x: f64, count: usize) -> String {

@@ -19,7 +19,7 @@ fn read(file: &Path) -> InterpretedRobot {
     InterpretedRobot::new(&model::read(file, &ReadOptions::default()).unwrap().model).unwrap()
 }
 
-/// What the command finds.
+/// Result of the command.
 fn identify(folder: &Path, arguments: &[&str]) -> Value {
     let mut gelenk = Command::new(env!("CARGO_BIN_EXE_gelenk"));
     gelenk.current_dir(folder).arg("identify").args(arguments);

@@ -237,7 +237,7 @@ fn what_acados_cannot_call_is_refused() {
     assert!(written(folder).is_empty());
 }
 
-/// What tools that write bindings read.
+/// JSON for tools that write bindings.
 #[test]
 fn json_says_how_functions_are_called() {
     let folder = folder();

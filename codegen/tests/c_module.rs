@@ -83,7 +83,7 @@ fn has_fma() -> bool {
     has_fma
 }
 
-/// Runs a function of arrays of 8 entries on all samples in one process, the result of so many entries; both compilers.
+/// Runs a function of arrays of 8 entries on all samples in one process, the result of `count` entries; both compilers.
 ///
 /// - `ty`: `double` or `float`
 fn run(
@@ -372,7 +372,7 @@ fn a_robot_without_inputs_compiles() {
     assert_compiles(&source, &[]);
 }
 
-/// What a compiler would change without a word, the text refuses.
+/// The text refuses compiler options that silently change results.
 #[test]
 fn options_that_change_the_results_are_refused() {
     let model = chain("pair", &[("a", JointKind::Revolute), ("b", JointKind::Prismatic)]);

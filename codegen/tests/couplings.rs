@@ -74,7 +74,7 @@ fn products(text: &str) -> usize {
     lines.filter(|line| line.contains("* 0.7;") || line.contains("= 0.7 *")).count()
 }
 
-/// Of three joints with a ratio of one size, y, ẏ, ÿ and the sum of their forces are multiplied once.
+/// Three joints with equal ratios share the products of the ratio with y, ẏ, ÿ and the sum of their forces.
 #[test]
 fn joints_of_one_ratio_share_four_products() {
     let follows = |ratios: [&str; 3]| {

@@ -13,7 +13,7 @@ use gelenk_identification::robot::Robot;
 use nalgebra::{Matrix4, Vector4};
 use tempfile::TempDir;
 
-/// What the excavator of `models/` really is: the bucket is full, the boom rubs more.
+/// True parameters of the excavator of `models/`: the bucket is full, the boom has more friction.
 const BODIES: &str = r#"
 [[bodies]]
 link = "bucket"
@@ -123,7 +123,7 @@ impl Excavator {
         Self { folder, truth }
     }
 
-    /// What `gelenk identify` prints.
+    /// Output of `gelenk identify`.
     fn identify(&self, arguments: &[&str]) -> Vec<u8> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
         command.current_dir(self.folder.path()).arg("identify").arg(excavator()).args(arguments);
@@ -243,7 +243,7 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     assert!(!succeeded && said.contains(words), "{said}");
 }
 
-/// Cylinders cannot lead a joint through their dead centre, and a way is no better than a motion.
+/// Cylinders cannot lead a joint through their dead centre, and a path is not better than a motion.
 #[test]
 fn a_way_to_the_motion_through_a_dead_centre_is_told() {
     let words = "the way from the start needs more effort than the share that the plan may use: input bucket_cylinder";
@@ -264,7 +264,7 @@ fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
     assert!(!succeeded && said.contains(words), "{said}");
 }
 
-/// Two geared motors that share a wrist, beside a cylinder: columns of B of sizes 80 and 0.2, with a propeller besides that only
+/// Two geared motors that share a wrist, and a cylinder: columns of B of sizes 80 and 0.2, with a propeller besides that only
 /// pushes.
 const WRIST: &str = r#"
 name = "wrist"
@@ -310,7 +310,7 @@ fn shared_motors_beside_a_cylinder_and_a_propeller_are_planned() {
     }
 }
 
-/// Motors beside a cylinder keep their torque–speed lines, and are named as motors where they cannot.
+/// Motors of a robot with a cylinder keep their torque–speed lines, and are named as motors where they cannot.
 #[test]
 fn motors_beside_a_cylinder_keep_their_lines() {
     let folder = tempfile::tempdir().unwrap();

@@ -104,7 +104,7 @@ fn a_planned_motion_keeps_the_limits_of_a_joint_that_follows_one() {
     assert!(fastest <= 0.35 + 1e-9, "{fastest}");
 }
 
-/// What the program says of a description, and the module that it makes.
+/// Messages about a description, and the generated module.
 fn generated(description: &str) -> (String, String) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("robot.toml"), description).unwrap();

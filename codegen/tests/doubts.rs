@@ -1,4 +1,4 @@
-//! What descriptions of mechanisms probably mean otherwise is told, and descriptions without such doubts are silent.
+//! Probable mistakes in descriptions of mechanisms are reported; descriptions without them give no message.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -14,13 +14,13 @@ fn load_onto(text: &str, base: &str) -> Result<(Model, Diagnostics), Diagnostics
     from_toml(text, "robot.toml", &ReadOptions::default(), load)
 }
 
-/// What is told of a description, with the severity of each.
+/// Messages about a description, with their severities.
 fn told(text: &str) -> Vec<(Severity, String)> {
     let (_, notes) = load_onto(text, "").unwrap_or_else(|wrong| panic!("{wrong}"));
     notes.entries().iter().map(|entry| (entry.severity, entry.to_string())).collect()
 }
 
-/// The one thing that is told.
+/// The only message.
 fn only(text: &str) -> (Severity, String) {
     let mut told = told(text);
     assert_eq!(told.len(), 1, "{told:?}");
@@ -90,7 +90,7 @@ fn inputs_that_act_alike_are_noted() {
     let thruster =
         thruster.replace("\"tip\"", "\"stick\"").replace("[0, 0, 1, 0, 0, 0]", "[0, 0, 1, 0, 1, 0]");
     assert_eq!(told(&boom(&[stick, CYLINDER, &thruster].concat())), []);
-    // A drive beside a cylinder has one note, not two.
+    // A drive next to a cylinder has one note, not two.
     let driven = boom(CYLINDER).replace("axis = [0, -1, 0]", "axis = [0, -1, 0]\ndrive = \"ideal\"");
     assert!(only(&driven).1.contains("note[drive-beside-input]"));
     let driven = driven
@@ -113,7 +113,7 @@ fn springs_between_the_same_points_are_noted() {
             "note[forces-alike]: forces `spring` and `other` act between the same points: they add up";
         assert!(told.iter().all(|(_, told)| told.contains(words)), "{told:?}");
     }
-    // A law beside a cylinder is one strut.
+    // A law next to a cylinder is one strut.
     assert_eq!(told(&boom(&[&first[..], CYLINDER].concat())), []);
 }
 
@@ -319,7 +319,7 @@ fn the_rate_of_a_damped_ball_is_that_of_its_inertia() {
     assert!(said.contains("choose smaller slopes of friction, damping"), "{said}");
 }
 
-/// What is said of stiff forces of a robot.
+/// Message about stiff forces of a robot.
 fn stiffness(text: &str) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("robot.toml");

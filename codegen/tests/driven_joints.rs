@@ -13,7 +13,7 @@ use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
-/// What the arm of `models/` really is: it carries a load, and its shoulder is heavier.
+/// True parameters of the arm of `models/`: it carries a load, and its shoulder is heavier.
 const TRUTH: &str = r#"
 [[bodies]]
 link = "shoulder"

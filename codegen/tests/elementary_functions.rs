@@ -300,7 +300,7 @@ fn numbers_f32(low: f32, high: f32, step: usize) -> impl Iterator<Item = f32> {
 
 /// Every one of `step` numbers of all that are not negative; of exp those of both signs.
 fn check_f32(step: usize) {
-    // Beside them numbers close to n π/2, where most digits cancel, on both sides of the fast path's end.
+    // In addition numbers close to n π/2, where most digits cancel, on both sides of the fast path's end.
     let near = (1..20_000).map(|n| (f64::from(n) * std::f64::consts::FRAC_PI_2) as f32);
     let angles = || numbers_f32(0.0, f32::MAX, step).chain(near.clone());
     let sin = largest_error_f32(angles(), |x| math::sin_cos_f32(x).0, f64::sin);

@@ -1,4 +1,4 @@
-//! What descriptions mean: friction, springs, drives, bases, mimic joints, angles.
+//! Meaning of descriptions: friction, springs, drives, bases, mimic joints, angles.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::disallowed_methods, reason = "a second opinion on values")]
@@ -362,7 +362,7 @@ fn rotors_need_no_actuator() {
     assert!((mass[0][0] - 0.001375).abs() < 1e-15, "{mass:?}");
 }
 
-/// What an MJCF says and a model does not hold is told by name.
+/// Parts of an MJCF that a model cannot hold are reported by name.
 #[test]
 fn an_mjcf_loses_nothing_in_silence() {
     let text = r#"<mujoco><option><flag frictionloss="disable" gravity="disable"/></option><worldbody><body>

@@ -55,7 +55,7 @@ fn both(folder: &Path) -> String {
     format!("{}\n{later}", there.trim_end())
 }
 
-/// What the command finds, and the robot that it writes.
+/// Result of the command, and the robot that it writes.
 fn identify(folder: &Path, logs: &[&str]) -> (Value, InterpretedRobot) {
     let mut gelenk = Command::new(env!("CARGO_BIN_EXE_gelenk"));
     gelenk.current_dir(folder).args(["identify", "robot.toml"]).args(logs);

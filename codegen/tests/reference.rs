@@ -2,7 +2,7 @@
 //!
 //! M = Σ m JᵥᵀJᵥ + J_ωᵀ I J_ω and g = −Σ m Jᵥᵀ g₀ are summed body by body here, from frames alone, and
 //! compared with published tables and with Pinocchio's values (folder named by GELENK_SHARED, or ../shared
-//! beside the repository).
+//! next to the repository).
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -1,4 +1,4 @@
-//! `gelenk inspect model` and the page of a robot show what stands beside its joints: drives on several joints, friction of their
+//! `gelenk inspect model` and the page of a robot show forces other than those of joints: drives on several joints, friction of their
 //! shafts, joints that follow, forces at frames.
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]

@@ -1,4 +1,4 @@
-//! What the stages hand on are plain values: the mechanism of a model, and the module before it is printed.
+//! Stages hand on plain values: the mechanism of a model, and the module before it is printed.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 use std::fs;

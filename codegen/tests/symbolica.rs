@@ -158,7 +158,7 @@ fn general_arm() -> String {
     (5..8).map(joint).collect()
 }
 
-/// What was written and printed.
+/// A written page and the output of the command.
 struct Page {
     html: String,
     /// The text of `report.json`.
@@ -266,7 +266,7 @@ fn powercube_has_the_published_numbers() {
     }
 }
 
-/// Largest difference beside the largest entry; below 1e-6, where an array is meant to be zero, beside that.
+/// Largest difference relative to the largest entry, or to 1e-6 if that is larger, for arrays that are zero.
 fn deviation(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let largest = b.iter().fold(1e-6, |m: f64, x| m.max(x.abs()));
@@ -417,7 +417,7 @@ center_of_mass = [0.2, "0.01*payload", 0]
 inertia = "payload*0.01"
 "#;
 
-/// Axes that are no multiple of 90° apart, in the joint and in its origin.
+/// Axes whose angles are not multiples of 90°, in the joint and in its origin.
 const SLANTED: &str = r#"
 [[joints]]
 name = "first"

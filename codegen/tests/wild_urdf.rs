@@ -1,4 +1,4 @@
-//! What published URDFs have in them, and what becomes of it.
+//! Contents of published URDFs and how the reader treats them.
 
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
@@ -209,7 +209,7 @@ fn a_mass_matrix_that_is_not_positive_definite_is_refused() {
     let options = ReadOptions { accept_unphysical: true, ..ReadOptions::default() };
     let (_, entries) = from_urdf(&text, "r.urdf", &options).unwrap();
     assert!(codes(entries.entries()).contains(&"mass-matrix-not-positive-definite"));
-    // The same about an axis that does not turn is no reason to refuse anything.
+    // The same about an axis that does not turn is not a reason to refuse anything.
     let text = arm("", &inertial(1.0, "0 0 0", [1.0, 0.0, 0.0, -1.0, 0.0, 1.0]), "");
     assert_eq!(codes(&notes(&text)), ["unphysical-bodies"]);
 }
@@ -306,7 +306,7 @@ fn limits_are_taken_as_far_as_they_make_sense() {
     }
 }
 
-/// What no grammar of XML takes and ROS does.
+/// Texts that XML forbids and ROS accepts.
 #[test]
 fn texts_are_taken_as_ros_takes_them() {
     let plain = one_joint("revolute", REAL, LIMIT);

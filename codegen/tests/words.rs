@@ -1,11 +1,11 @@
-//! Words of URDF and MJCF that nobody reads are told: a value under a wrong name makes another robot.
+//! Words of URDF and MJCF that no reader uses are reported: a value under a wrong name makes another robot.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use gelenk_codegen::diagnostic::Diagnostic;
 use gelenk_codegen::model::{Model, ReadOptions, from_mjcf, from_urdf};
 
-/// What is told of a URDF with these lines in a joint and these in an inertial.
+/// Messages about a URDF with these lines in a joint and in an inertial.
 fn told(joint: &str, inertial: &str) -> String {
     let text = format!(
         "<robot name=\"r\"><link name=\"base\"/><link name=\"arm\"><inertial>{inertial}<mass value=\"1\"/></inertial></link>\

@@ -174,7 +174,7 @@ where
     Ok(medians)
 }
 
-/// What a step of the linear controller takes beside its QP (µs).
+/// Time of a step of the linear controller outside its QP (µs).
 struct Stages {
     observing: f64,
     /// The horizon: reference, feed-forward and discretization of each period.

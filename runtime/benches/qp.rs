@@ -1,4 +1,4 @@
-//! The QP solver beside Clarabel, cold and warm, over horizons and sizes:
+//! The QP solver compared with Clarabel, cold and warm, over horizons and sizes:
 //! `cargo bench -p gelenk-runtime --bench qp`.
 //!
 //! Problems: joints with random inertia coupling and gravity, sampled at 20 ms, thrown off their position,

@@ -72,7 +72,7 @@ type Regressor = [[f64; P]; N];
 struct Sample {
     time: f64,
     regressor: Regressor,
-    /// What the forces at the feet do to each row.
+    /// Generalized forces of the contact forces at the feet, one per row.
     feet: [f64; N],
     /// The torques of the joints, as the simulation knows them.
     torques: [f64; M],
@@ -232,7 +232,7 @@ fn fall(y: &[f64; NY], v: &[f64; N], a: &mut [f64; N]) -> Outcome<()> {
     Ok(())
 }
 
-/// What the rows of the base can show, with and without forces at the feet.
+/// Identifiable parameters from the rows of the base, with and without forces at the feet.
 ///
 /// # Errors
 /// Where they show less than all base parameters, or in flight another factor than the total mass.
@@ -332,7 +332,7 @@ fn of_kind(start: &str) -> impl Iterator<Item = usize> {
     (0..P).filter(move |i| robot::BASE_PARAMETER_NAMES[*i].starts_with(start))
 }
 
-/// The parameters beside those of the description, which the simulated robot has.
+/// The parameters next to those of the description, which the simulated robot has.
 ///
 /// # Errors
 /// Where the total mass is another one.

@@ -3,7 +3,7 @@
 //!
 //!     cargo run --release -p gelenk-runtime --example feed_forward [FOLDER]
 //!
-//! Reads the trajectory from the folder `GELENK_SHARED`, or `../shared` beside the repository; without it a
+//! Reads the trajectory from the folder `GELENK_SHARED`, or `../shared` next to the repository; without it a
 //! motion over the top is driven. A page of plots goes to FOLDER, by default one in the folder for temporary files.
 
 use gelenk_runtime::dynamics::Dynamics;

@@ -1,4 +1,4 @@
-//! The QP solver as a shared library with a C interface, so that it can be timed beside solvers in other
+//! The QP solver as a shared library with a C interface, so that it can be compared with solvers in other
 //! languages.
 //!
 //! Build it for the processor at hand, then hand `libmpc_plugin.so` to the benchmark:

@@ -69,7 +69,7 @@ fn drive(address: &str) -> Outcome<()> {
     Ok(())
 }
 
-/// Starts the program beside this one.
+/// Starts the program next to this one.
 fn start_plant() -> Outcome<(Child, String)> {
     let name = format!("plant_process{}", std::env::consts::EXE_SUFFIX);
     let program = std::env::current_exe()?.with_file_name(name);

@@ -31,7 +31,7 @@ type Motion = GeodesicMotion<Satellite, 12, 3, 14>;
 
 const PERIOD: f64 = 0.1;
 const HORIZON: usize = 30;
-/// Of the velocities: those of the hull (linear, angular), then wheels and boom.
+/// Indices of the velocities: those of the hull (linear, angular), then wheels and boom.
 const TURN: usize = 3;
 const WHEELS: usize = 6;
 const BOOM: usize = 9;
@@ -52,8 +52,8 @@ fn turning(axis: [f64; 3]) -> Outcome<[f64; 12]> {
     Ok(d)
 }
 
-/// By 150° about an oblique axis. A floating joint moves on a screw, M does not change while the boom rests on the hull,
-/// so that there is no momentum at any time.
+/// Turn by 150° about an oblique axis. A floating joint moves on a screw, and M does not change while the
+/// boom rests on the hull, so the momentum is zero at any time.
 fn slew() -> Outcome<Motion> {
     let angle = 150.0_f64.to_radians();
     let way = turning([0.48, -0.64, 0.6])?.map(|d| d * angle);

@@ -1,4 +1,4 @@
-//! Predictive controllers as a shared library with a C interface, so that whole control steps can be timed beside
+//! Predictive controllers as a shared library with a C interface, so that whole control steps can be compared with
 //! solvers in other languages: `tests/bench/acados.sh` builds and loads it.
 //!
 //! The problems are those of the bench `control_step`: PowerCube, UR5 and Panda from rest to rest, with limits of the
@@ -21,7 +21,7 @@ gelenk_runtime::dynamics!(struct Ur5 = gelenk_generated::ur5: Discretizable []);
 
 const PERIOD: f64 = 0.02;
 const HORIZON: usize = 20;
-/// Terminal weights are computed at so many intervals of the motion, as the controllers do.
+/// Terminal weights are computed at this number of intervals of the motion, as the controllers do.
 const TERMINAL_INTERVALS: usize = 32;
 
 /// A controller whose sizes have been chosen.
@@ -232,7 +232,7 @@ unsafe fn of<'a>(contender: *mut c_void) -> &'a mut Box<dyn Contender> {
 }
 
 /// # Safety
-/// `to` must be valid for so many numbers.
+/// `to` must be valid for `numbers.len()` numbers.
 unsafe fn write(numbers: &[f64], to: *mut f64) {
     // SAFETY: by this function's contract.
     unsafe { from_raw_parts_mut(to, numbers.len()) }.copy_from_slice(numbers);

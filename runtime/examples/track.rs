@@ -52,7 +52,7 @@ impl Controller<2, 2> for FeedForwardAlone<'_> {
     }
 }
 
-/// What happened along a trajectory.
+/// Recorded motion along a trajectory.
 struct Run {
     name: &'static str,
     reference: &'static str,

@@ -40,7 +40,7 @@ const DURATION: f64 = 6.0;
 const GAINS: [f64; 2] = [100.0, 20.0];
 /// Feedback of the feet, likewise: legs are light.
 const STIFF: [f64; 2] = [1e4, 200.0];
-/// What pushes the trunk to the side [N], when [s]; the controller does not know.
+/// Sideways push on the trunk [N] in this interval [s], unknown to the controller.
 const PUSH: f64 = 15.0;
 const PUSHED: std::ops::Range<f64> = 4.0..4.2;
 

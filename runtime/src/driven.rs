@@ -1,6 +1,6 @@
-//! Robots with driven joints over time: the equations of motion beside the motion that somebody else prescribes.
+//! Robots with driven joints over time: the equations of motion with a prescribed motion.
 //!
-//! A joint with `motion = "driven"` is no coordinate: its position, velocity and acceleration d(t) are given, as those of a
+//! A joint with `motion = "driven"` is not a coordinate: its position, velocity and acceleration d(t) are given, as those of a
 //! linear axis under a controller of its own, of a ship's deck or of a turntable:
 //!
 //! ```text
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! [`dynamics!`](crate::dynamics!) makes the robot at one instant of a generated module (`struct Arm { driven } = module`).
-//! [`DrivenRobot`] puts it beside d(t). Plants, feed-forward, laws, predictive controllers and their observer then ask for
+//! [`DrivenRobot`] combines it with d(t). Plants, feed-forward, laws, predictive controllers and their observer then ask for
 //! d at the time for which they compute ([`Dynamics::at_time`]): the stages of an integration, the middles of the periods
 //! of a horizon. At no time, nothing is known of d, and every result that depends on it is NaN, never that of d = 0.
 //!
@@ -44,7 +44,7 @@ use crate::dynamics::{
 };
 use crate::trajectory::Trajectory;
 
-/// A robot beside the motion of its `K` driven joints; see the [module](self).
+/// A robot with the motion of its `K` driven joints; see the [module](self).
 ///
 /// - `R`: the robot at one instant, made by [`dynamics!`](crate::dynamics!)
 /// - `T`: the motion, a [`Trajectory`] of K joints that is [`Copy`]: a short one itself, any other as a reference, so that

@@ -66,7 +66,7 @@ pub enum FeedForwardError {
         /// The sampling period (s).
         period: f64,
     },
-    /// The tolerance is no number.
+    /// The tolerance is not a number.
     #[error("the tolerance of the residual is {0}; it must be a number")]
     Tolerance(f64),
 }
@@ -195,7 +195,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     ///
     /// # Errors
     /// [`FeedForwardError::Infeasible`] where a residual exceeds `tolerance` [N m or N], with the largest;
-    /// [`FeedForwardError::NotFinite`]; a period that is not positive, a tolerance that is no number, a
+    /// [`FeedForwardError::NotFinite`]; a period that is not positive, a tolerance that is not a number, a
     /// trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(
         &self,

@@ -1,4 +1,4 @@
-//! What limits of inputs have to be, and what motors give at speed, for the loop and the plant alike.
+//! Checks of input limits, and torque–speed lines of motors, for the loop and the plant.
 
 use crate::dynamics::TorqueSpeedLine;
 
@@ -21,7 +21,7 @@ pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requireme
 const ROUNDING: f64 = 1e-9;
 
 /// Cuts inputs off at the torque–speed lines of their motors, within the limits of the inputs; returns how many were. A motor
-/// that turns faster than without load brakes, by no more than its input may. Inputs must be finite; speeds that are no numbers
+/// that turns faster than without load brakes, by no more than its input may. Inputs must be finite; speeds that are not numbers
 /// cut nothing off.
 pub(crate) fn limit_torques<const N: usize, const M: usize>(
     inputs: &mut [f64; M],

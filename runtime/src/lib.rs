@@ -65,7 +65,7 @@
 //!    ([`GeodesicMotion`](trajectory::GeodesicMotion)). Targets that change while the robot moves are the feature `online-targets`.
 //!    [`kinematics`]: joint angles for poses of six-axis arms with a spherical wrist. [`limits`]: whether a
 //!    motion keeps a model's limits.
-//!    [`driven`]: robots with driven joints, beside the motion of these.
+//!    [`driven`]: robots with driven joints and the motion of these.
 //! 3. [`feed_forward`]: the inputs that make the model follow a trajectory.
 //! 4. [`plant`]: a simulated robot with dry friction, brakes, encoders, delays and losses, to try everything
 //!    on.

@@ -197,7 +197,7 @@ impl Watch {
         [low, high]: [f64; 2],
     ) {
         let place = self.open.iter().position(|v| v.quantity == quantity && v.index == index);
-        // Rounding at a limit that is just touched is no violation. NaN is.
+        // Rounding at a limit that is just touched is not a violation. NaN is.
         let slack = 1e-9 * low.abs().min(high.abs()).min(1e9);
         let within = value >= low - slack && value <= high + slack;
         if within {

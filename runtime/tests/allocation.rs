@@ -1,4 +1,4 @@
-//! What runs in the control loop does not allocate.
+//! Functions that run in the control loop do not allocate.
 
 use crate::allocations;
 use crate::methods::recursive::{RecursiveLeastSquares, RecursiveSettings};

@@ -72,7 +72,7 @@ fn errors_decay_as_the_gains_say_for_every_robot() {
         let ratio = coarse / fine;
         assert!((1.8..2.2).contains(&ratio), "{name}: {coarse} {fine}");
     };
-    // Half a radian beside: no small error.
+    // Half a radian away: not a small error.
     check("Panda", &|period| deviation(Panda, 0.5, period));
     check("UR5", &|period| deviation(Ur5, 0.5, period));
     check("two arms", &|period| deviation(TwoArm, 0.3, period));

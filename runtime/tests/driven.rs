@@ -175,7 +175,7 @@ fn without_a_time_nothing_is_known() {
     );
     assert!(is_unknown(robot().bias_forces(&y, &v)));
     assert!(is_unknown(robot().at(f64::INFINITY).bias_forces(&y, &v)));
-    // One instant of a moving rail is no motion; one of a resting rail is.
+    // One instant of a moving rail is not a motion; one of a resting rail is.
     let moving = RailArm { driven: [[0.0, 1.0, 0.0]] };
     let mut plant = Plant::new(moving, PlantOptions::default()).unwrap();
     assert!(plant.apply(&[0.0; 2], PERIOD).is_err());

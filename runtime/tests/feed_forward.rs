@@ -12,7 +12,7 @@ gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 gelenk_runtime::dynamics!(struct CartPole = gelenk_generated::cart_pole);
 gelenk_runtime::dynamics!(struct Panda = gelenk_generated::panda);
 
-/// Largest distance of each joint from the trajectory, with feed-forward alone, from `offset` beside its
+/// Largest distance of each joint from the trajectory, with feed-forward alone, from `offset` away from its
 /// start and with `delay` periods.
 fn drift<D: Dynamics<N, M> + Copy, const N: usize, const M: usize>(
     model: D,
@@ -107,7 +107,7 @@ fn a_trajectory_against_the_passive_joint_is_refused() {
     assert!(feed_forward.along(&motion, 0.02, 1.0).is_ok(), "within the tolerance");
 }
 
-/// What the plant did is feasible, and its input comes back.
+/// Recorded motion of a plant is feasible, and its input is recovered.
 #[test]
 fn a_trajectory_that_the_robot_made_is_feasible() {
     let mut plant = Plant::new(CartPole, PlantOptions::default()).unwrap();

@@ -86,7 +86,7 @@ fn computed_torque_inverts_b_at_each_position() {
     assert!(error < 0.02 && end < 2e-3, "{error} {end}");
 }
 
-/// What the feed-forward gives moves the robot as planned: M ÿ + k − q = B(y) u at every sample.
+/// The feed-forward satisfies M ÿ + k − q = B(y) u at every sample.
 #[test]
 fn the_feed_forward_makes_the_forces_of_the_motion() {
     let feed_forward = FeedForward::new(Excavator).unwrap();

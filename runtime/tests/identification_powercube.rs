@@ -56,7 +56,7 @@ fn trajectory(seed: u64) -> [Vec<f64>; 3] {
     ]
 }
 
-/// What one identification found.
+/// Result of one identification.
 struct Outcome {
     /// Difference of the curves over the speeds in the data [N·m rms].
     error: f64,

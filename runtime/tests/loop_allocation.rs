@@ -22,7 +22,7 @@ fn controller() -> impl Controller<2, 2> {
     FeedForwardPd::new(law(), motion(), 1.0 / RATE, 0.01).unwrap()
 }
 
-/// Allocations in so many periods, and records written and dropped.
+/// Allocations in `periods` periods, and records written and dropped.
 fn allocations_of(transport: impl Transport<2, 2>, clock: VirtualClock, periods: u64) -> (u64, u64) {
     let (sink, writer) = log_to(std::io::sink(), &PowerCube, 20_000).unwrap();
     let settings = LoopSettings {

@@ -31,7 +31,7 @@ fn run(robot: &mut Watched) -> LoopReport {
     loop_with(settings(RATE), pd(RATE), robot).run()
 }
 
-/// Writes down what it is told.
+/// Records the cycles it receives.
 struct Listening<C> {
     controller: C,
     cycles: Arc<Mutex<Vec<Cycle<2, 2>>>>,

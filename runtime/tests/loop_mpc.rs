@@ -223,7 +223,7 @@ fn a_stall_of_100_ms_is_survived() {
     }
 }
 
-/// The arm stands 40 mrad beside the start, outside the soft bounds that the controller has: the QP is
+/// The arm stands 40 mrad from the start, outside the soft bounds that the controller has: the QP is
 /// infeasible without its slack, and must bring the arm back with inputs within their limits.
 #[test]
 fn an_infeasible_start_is_recovered_from() {
@@ -305,8 +305,7 @@ fn failing_steps_are_replaced() {
     }
 }
 
-/// What the loop computes for the caches leaves no trace: neither in the robot's motion nor in what the
-/// controllers say.
+/// Warm-ups of the caches change neither the robot's motion nor the controllers' outputs.
 #[test]
 fn warm_ups_change_nothing() {
     for kind in BOTH {
@@ -347,7 +346,7 @@ fn a_stall_beyond_prediction_is_a_fault_of_one_step() {
 }
 
 /// Encoders of 5 mrad say little of velocities that an unknown torque changes; drives that measure them do,
-/// and the observer takes it where it is told how good they are.
+/// and the observer takes it if their accuracy is set.
 #[test]
 fn measured_velocities_improve_the_estimate() {
     let error = |noise: Option<f64>| {

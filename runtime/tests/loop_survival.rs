@@ -1,4 +1,5 @@
-//! What the loop survives, asserted on the plant's own state. All on a virtual clock: the same every time.
+//! Faults that the loop survives, asserted on the plant's own state. All on a virtual clock: the same every
+//! time.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 

@@ -433,7 +433,7 @@ fn a_server_that_is_behind_its_clock_goes_on() {
     serving.join().unwrap();
 }
 
-/// What drives measure comes through the socket.
+/// Measurements of drives arrive through the socket.
 #[test]
 fn velocities_and_torques_come_over_udp() {
     use gelenk_runtime::transport::{Pace, PlantServer, ServerOptions};

@@ -191,7 +191,7 @@ fn the_time_varying_limit_is_the_infinite_horizon() {
     assert!(last < 1e-9);
 }
 
-/// With P as terminal weight the QP without active bounds is the regulator.
+/// The QP without active bounds equals the regulator if P is the terminal weight.
 #[test]
 fn equals_the_qp_without_active_bounds() {
     for seed in 0..20 {

@@ -1,4 +1,4 @@
-//! What the predictive controllers promise beyond tracking.
+//! Contract of the predictive controllers except tracking.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -77,8 +77,8 @@ fn measurements_that_are_not_numbers_give_a_fault_and_no_input() {
     }
 }
 
-/// What a step may answer to a reading, however absurd: inputs within the limits and a plan of such, or a
-/// fault and no plan.
+/// Checks the answer of a step to any reading: inputs within the limits and a plan of such inputs, or a fault
+/// and no plan.
 fn answer(mpc: &mut impl Controller<2, 2>, cycle: &Cycle<2, 2>, limit: f64) -> bool {
     mpc.reset(&[0.1, -0.2], &[0.0; 2]);
     let within = |inputs: [f64; 2]| inputs.iter().all(|u| u.is_finite() && u.abs() <= limit);
@@ -203,7 +203,7 @@ fn a_trajectory_beyond_the_soft_limits_is_noted() {
     );
 }
 
-/// The published friction of joint gamma has 0.492 sign(v) beside tanh(100 v); that of beta is smooth.
+/// The published friction of joint gamma has 0.492 sign(v) in addition to tanh(100 v); that of beta is smooth.
 #[test]
 fn friction_that_jumps_is_noted() {
     let mpc = Ltv::new(PowerCube, motion(), options(&PowerCube, PERIOD, 10)).unwrap();

@@ -36,8 +36,8 @@ fn lines(speed: f64) -> [MpcRow<2, 2>; 2] {
     ]
 }
 
-/// What a run showed of some rows: the largest excess at the start of a period, by the controller's estimate
-/// and in truth, and the final error [rad].
+/// Results of a run with rows: the largest excess at the start of a period, by the controller's estimate and
+/// in truth, and the final error [rad].
 #[derive(Debug)]
 struct Shown {
     estimated: f64,
@@ -104,8 +104,8 @@ fn a_torque_speed_line_is_kept() {
     }
 }
 
-/// What the motors give counts, not what acts on the joints: a disturbance that is estimated has no part in
-/// the row.
+/// Rows limit the forces of the motors, not those at the joints: an estimated disturbance has no part in
+/// them.
 #[test]
 fn a_torque_speed_line_is_kept_beside_an_estimated_disturbance() {
     let rows = lines(1.0);

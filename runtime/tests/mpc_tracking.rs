@@ -47,7 +47,7 @@ fn the_published_trajectory_is_tracked_below_0_15_mrad() {
     for i in 0..2 {
         let (larger, smaller) = (ltv.rms[i].max(nmpc.rms[i]), ltv.rms[i].min(nmpc.rms[i]));
         assert!(larger - smaller <= 0.2 * larger, "{larger} {smaller}");
-        // What is left beside the file is what smoothing takes away.
+        // The remaining distance from the file is that of smoothing.
         assert!(ltv.rms_to_file[i] < 1e-3, "{ltv:?}");
     }
 }

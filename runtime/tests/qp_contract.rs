@@ -1,5 +1,5 @@
-//! What the QP solver promises beyond the optimum: KKT conditions, infeasible and senseless problems,
-//! updates, warm starts, horizons.
+//! Contract of the QP solver except the optimum: KKT conditions, infeasible and senseless problems, updates,
+//! warm starts, horizons.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -39,7 +39,7 @@ fn kkt_conditions_hold() {
     }
 }
 
-/// What data beyond all numbers have left in the memory does not reach the next solution.
+/// Infinite or absurd data of one problem do not influence the next solution.
 #[test]
 fn a_solve_after_absurd_data_is_that_of_a_new_solver() {
     for seed in 0..20 {
@@ -92,7 +92,7 @@ fn an_infeasible_state_bound_gives_the_least_violation() {
         for stage in &mut problem.stages {
             stage.state_lower[0] = 3.0;
             stage.state_upper[1] = -2.0;
-            // Bounded on both sides, so that no input is large enough for its own cost to count beside the
+            // Bounded on both sides, so that no input is large enough for its own cost to count relative to the
             // violation.
             stage.input_upper = stage.input_lower.map(|lower| lower + 0.4);
         }
@@ -111,7 +111,7 @@ fn an_infeasible_state_bound_gives_the_least_violation() {
     }
 }
 
-/// An initial state outside its bounds is no obstacle where the input can bring the next state back.
+/// An initial state outside its bounds is not an obstacle where the input can bring the next state back.
 #[test]
 fn an_exact_penalty_keeps_a_soft_bound_that_can_be_kept() {
     for seed in 0..50 {

@@ -84,7 +84,7 @@ impl Tally {
     }
 }
 
-/// Solves of one problem: cold; warm after a shift, from the plan and beside it; warm after a jump to other
+/// Solves of one problem: cold; warm after a shift, from the plan and from a disturbed plan; warm after a jump to other
 /// data.
 #[derive(Debug, Default)]
 struct Tallies {

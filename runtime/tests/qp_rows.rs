@@ -1,5 +1,5 @@
-//! What is promised of the QP's rows `lo ≤ C x + D u ≤ hi` beyond the optimum, which `qp_oracle` and
-//! `qp_random` compare with Clarabel's.
+//! Contract of the QP's rows `lo ≤ C x + D u ≤ hi` except the optimum, which `qp_oracle` and `qp_random`
+//! compare with Clarabel's.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -270,7 +270,7 @@ fn rows_of_zeros_hold_or_are_violated() {
     }
 }
 
-/// Rows of the given state alone are no business of the inputs.
+/// Rows of the given state alone do not restrict the inputs.
 #[test]
 fn a_row_of_the_first_state_is_judged_as_it_is() {
     let mut problem = QpProblem { row_penalty: [None; 3], ..without_rows(&problem(5)) };
@@ -409,7 +409,7 @@ fn units_of_rows_do_not_matter() {
     }
 }
 
-/// An input whose bounds are equal is no variable, whatever rows say of it.
+/// An input whose bounds are equal is not a variable, whatever rows say of it.
 #[test]
 fn rows_do_not_move_fixed_inputs() {
     for seed in 0..40 {

@@ -35,8 +35,8 @@ fn truth<const NX: usize, const NU: usize, const NR: usize>(p: &QpProblem<NX, NU
     if precise.status == SolverStatus::Solved { precise } else { oracle::solve(p, 1e-8) }
 }
 
-/// By how much a point costs more than Clarabel's solution. That is a witness only where its inputs keep the bounds:
-/// a defect of the dynamics of 1e-11 is a further input where these let it grow.
+/// Cost of a point above that of Clarabel's solution. This compares only if Clarabel's inputs keep the
+/// bounds: if the dynamics amplify it, their defect of 1e-11 acts as a further input.
 fn excess<const NX: usize, const NU: usize, const NR: usize>(
     p: &QpProblem<NX, NU, NR>,
     ours: &Value,
@@ -150,7 +150,7 @@ fn tied_problems_that_count_as_solved_are() {
     solve_all(first..first + count).finish();
 }
 
-/// Optima that cost 0: the gap never gets small beside the cost.
+/// Optima that cost 0: the gap never gets small relative to the cost.
 const COSTLESS: [u64; 8] = [751, 1166, 1960, 5007, 7106, 8420, 10_572, 10_936];
 
 /// Hard bounds that give way only at the cost of steep soft ones.

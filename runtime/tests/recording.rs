@@ -110,7 +110,7 @@ fn the_published_trajectory_is_smoothed() {
     }
 }
 
-/// What is smooth already stays as it is: the error of a smoothing spline is of order τ⁶.
+/// A smooth recording stays as it is: the error of a smoothing spline is of order τ⁶.
 #[test]
 fn a_smooth_recording_is_kept() {
     let motion = RestToRest::new([0.2, -1.0], [1.0, 0.5], 5.0).unwrap();

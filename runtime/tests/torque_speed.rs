@@ -17,7 +17,7 @@ use gelenk_runtime::transport::InProcess;
 
 gelenk_runtime::dynamics!(struct Wrist = gelenk_generated::differential_wrist);
 
-/// A wrist that has a limit of speed of a motor beside its line, and a joint that follows with its name.
+/// A wrist that has a speed limit of a motor and its torque–speed line, and a joint that follows with its name.
 mod crowded_wrist {
     pub use gelenk_generated::differential_wrist::*;
     pub const DEPENDENT_JOINT_NAMES: [&str; 1] = ["left_motor"];
@@ -39,7 +39,7 @@ gelenk_runtime::dynamics!(struct RailArm { driven } = weak_rail_arm);
 const PERIOD: f64 = 0.01;
 const START: [f64; 4] = [0.2, 0.6, -1.2, -1.2];
 const GOAL: [f64; 4] = [0.2, 0.6, 1.2, 1.2];
-/// Of the motors, as described: torque at rest, and the joints' speed without load, seen through the gear.
+/// Described motors: torque at rest, and the joints' speed without load, seen through the gear.
 const STALL: f64 = 0.24;
 const SLOPE: f64 = 80.0 * 0.24 / 600.0;
 
@@ -119,7 +119,7 @@ fn a_controller_without_the_rows_is_refused() {
     assert!(Nmpc::new(Wrist, motion(), options().with_rows(softer)).is_ok());
 }
 
-/// A joint that follows, and a motor, may have one name: their rows are told apart by what stands in them.
+/// A joint that follows, and a motor, may have one name: their rows are distinguished by their contents.
 #[test]
 fn one_name_of_a_joint_and_a_motor_is_no_way_around_a_limit() {
     let options = || MpcOptions::new(&CrowdedWrist, PERIOD, 15);
@@ -162,7 +162,7 @@ fn checks_of_trajectories_tell_of_them() {
     assert_eq!(violations(&slow, Wrist, Rating::Peak, PERIOD).unwrap(), []);
 }
 
-/// With the lines a plant gives what the motors do, without them what is asked.
+/// A plant applies the torque of the motors if they have lines, and the requested one otherwise.
 #[test]
 fn a_plant_gives_what_its_motors_do() {
     let torque_speed = Wrist.limits().torque_speed;

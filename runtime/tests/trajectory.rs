@@ -228,7 +228,7 @@ fn straight_ways_are_straight() {
         let r: Vec<f64> = (0..3).map(|i| p[i] - a.0[i]).collect();
         let along = r.iter().zip(&way).map(|(r, w)| r * w).sum::<f64>() / length;
         let off = (r.iter().map(|x| x * x).sum::<f64>() - along * along).max(0.0).sqrt();
-        // Between the samples, joints follow polynomials: nanometres beside the line.
+        // Between the samples, joints follow polynomials: nanometres from the line.
         assert!(off < 1e-7, "{off} m beside the line at {t} s");
     }
     let (back, first) = (motion.sample(4.0).positions, start);

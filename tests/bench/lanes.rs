@@ -1,4 +1,4 @@
-//! Eight states at once beside one by one: time per state, and the same bits. `lanes.sh` compiles it, once
+//! Eight states at once compared with one by one: time per state, and the same bits. `lanes.sh` compiles it, once
 //! for each instruction set.
 
 #[allow(dead_code, reason = "some functions are called")]
@@ -65,7 +65,7 @@ const ROUNDS: usize = 400;
 /// Passes over all states in each round: some ten microseconds.
 const PASSES: usize = 5;
 
-/// Seconds of so many passes.
+/// Seconds of all passes.
 fn time(mut pass: impl FnMut()) -> f64 {
     let start = Instant::now();
     (0..PASSES).for_each(|_| pass());

@@ -29,7 +29,7 @@ macro_rules! widest {
 }
 
 /// # Safety
-/// Each pointer leads to so many blocks.
+/// Each pointer leads to `count` blocks.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn inverse_dynamics(
     blocks: usize,
@@ -49,7 +49,7 @@ pub unsafe extern "C" fn inverse_dynamics(
 }
 
 /// # Safety
-/// Each pointer leads to so many blocks.
+/// Each pointer leads to `count` blocks.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linearize(
     blocks: usize,

@@ -1,15 +1,15 @@
 //! Tracks a reference on the published PowerCube with feed-forward from several models, and prints each one's
-//! rms error. Compiled by `tests/identified_loop.rs` into a package of its own, beside the modules that its
+//! rms error. Compiled by `tests/identified_loop.rs` into a package of its own, next to the modules that its
 //! build script generates.
 
 use gelenk_runtime::dynamics::Dynamics;
 
 gelenk_runtime::include_model!(
-    /// With the identified friction.
+    /// The identified friction.
     mod identified
 );
 gelenk_runtime::include_model!(
-    /// With one coefficient changed.
+    /// The same robot, one coefficient changed.
     mod altered
 );
 gelenk_runtime::dynamics!(pub struct Published = gelenk_generated::powercube);

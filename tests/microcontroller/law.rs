@@ -9,7 +9,7 @@ mod robot;
 use core::cell::Cell;
 use robot::N;
 
-/// What `prepare` computes.
+/// Gains that `prepare` computes.
 #[derive(Clone, Copy)]
 struct Gains {
     inverse_input_matrix: [f32; N],

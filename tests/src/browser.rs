@@ -29,10 +29,10 @@ pub struct Window {
     pub is_dark: bool,
 }
 
-/// What was found.
+/// Result of the script and messages of the browser.
 #[derive(Debug)]
 pub struct Findings {
-    /// What the script returned.
+    /// Return value of the script.
     pub result: Value,
     /// Messages of the console: warnings, errors, refused loads.
     pub console: Vec<String>,

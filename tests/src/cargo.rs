@@ -64,12 +64,12 @@ pub fn lock_like_here(folder: &Path) {
     fs::copy(workspace().join("Cargo.lock"), folder.join("Cargo.lock")).expect("the lock file");
 }
 
-/// What was printed.
+/// Printed text.
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// What was printed to standard output.
+/// Standard output of a command that succeeds.
 ///
 /// # Panics
 /// With what was printed to standard error, where the command has failed.

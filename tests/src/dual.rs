@@ -11,7 +11,7 @@ impl<T: DualNum<Primitive = f64> + Copy> Number for T {}
 /// Results of a program, each flattened rows first.
 pub fn evaluate<T: Number>(program: &Program, inputs: &[&[T]], parameters: &[f64]) -> Vec<Vec<T>> {
     let mut values: Vec<T> = Vec::with_capacity(program.instructions.len());
-    // The cosine beside each sine, by instruction.
+    // The cosine of each sine, by instruction.
     let mut cosines: Vec<Option<T>> = vec![None; program.instructions.len()];
     let read = |values: &[T], operand: Operand| match operand {
         Operand::Value(index) => values[index],

@@ -75,7 +75,7 @@ impl Origin {
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// By a coordinate of its own.
+    /// It moves as a coordinate of its own.
     Free,
     /// As a further joint does.
     Follows,

@@ -1,6 +1,6 @@
 //! Generated functions behind one signature, so that tests can call them by name.
 //!
-//! This file is also pasted beside modules that a test compiles by itself: it uses `core` and `std` alone.
+//! This file is also pasted next to modules that a test compiles by itself: it uses `core` and `std` alone.
 
 /// A generated function: input arrays and values of the free parameters in, all results out, rows first.
 pub type Call = fn(&[Vec<f64>], &[f64]) -> Vec<f64>;
@@ -36,9 +36,9 @@ impl Scalar for f32 {
 
 /// An entry of an argument: a number or a row of numbers.
 pub trait Entry {
-    /// So many numbers.
+    /// Number of scalars.
     const NUMBERS: usize;
-    /// From so many numbers.
+    /// The entry of [`Self::NUMBERS`] scalars.
     fn from_numbers(x: &[f64]) -> Self;
 }
 

@@ -1,5 +1,5 @@
-//! What the tests that cross crates share: reference data, random robots, an independent derivation of their
-//! equations, and evaluation of derived functions.
+//! Shared parts of the tests that cross crates: reference data, random robots, an independent derivation of
+//! their equations, and evaluation of derived functions.
 
 #![allow(clippy::expect_used, reason = "what is missing ends a test")]
 
@@ -43,7 +43,7 @@ pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_owned).unwrap_or_default()
 }
 
-/// The folder of reference data: `GELENK_SHARED`, or `../shared` beside the workspace; `None`, with a printed
+/// The folder of reference data: `GELENK_SHARED`, or `../shared` next to the workspace; `None`, with a printed
 /// note, where there is none.
 pub fn shared() -> Option<PathBuf> {
     let folder = match std::env::var_os("GELENK_SHARED") {
@@ -140,8 +140,8 @@ impl Robot {
             .unwrap_or_else(|problem| panic!("{name}: {problem}"))
     }
 
-    /// What a function of friction takes: the velocities, and before them the coordinates where a friction
-    /// law depends on the position.
+    /// Arguments of a function of friction: the velocities, preceded by the coordinates if a friction law
+    /// depends on the position.
     pub fn friction_arguments<'a>(&self, name: &str, y: &'a [f64], v: &'a [f64]) -> Vec<&'a [f64]> {
         let arguments = self.function(name).program.inputs.iter();
         arguments

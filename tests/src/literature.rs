@@ -98,7 +98,7 @@ fn link(k: usize, (alpha, d, r): Row) -> Link {
     }
 }
 
-/// Of an angle in degrees; exact at multiples of 90°.
+/// Sine and cosine of an angle in degrees; exact at multiples of 90°.
 fn exact_sin_cos(degrees: f64) -> (f64, f64) {
     match degrees {
         0.0 => (0.0, 1.0),

@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 
 use crate::Robot;
 
-/// So many states for each robot.
+/// Number of states of each robot.
 const STATES: usize = 4;
 
-/// What is compared of a robot.
+/// Options of the comparison of a robot.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Compared {
     /// The joints are found by their names, else by their order.

@@ -71,10 +71,10 @@ fn refusal(done: std::io::Result<Output>) -> Option<String> {
     }
 }
 
-/// The program `gelenk`, which Cargo builds beside the tests of this package.
+/// The program `gelenk`, which Cargo builds next to the tests of this package.
 ///
 /// # Panics
-/// Where it is not beside them.
+/// If it is not next to them.
 pub fn program() -> PathBuf {
     let test = std::env::current_exe().expect("this program");
     let folder = test.ancestors().nth(2).expect("target/debug/deps");

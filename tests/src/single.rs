@@ -7,7 +7,7 @@ use gelenk_kernels::math;
 /// Unit roundoff of f32.
 const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 
-/// The elementary functions are exact to so many units of roundoff: their errors stay below 1 ulp.
+/// Error of the elementary functions in units of roundoff: their errors stay below 1 ulp.
 const LIBRARY: f64 = 2.0;
 
 /// The arithmetic of an evaluation.

@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// - `text`: its source
 ///
 /// # Panics
-/// Where the source is no Rust.
+/// If the source is not Rust.
 pub fn entry(name: &str, path: &str, text: &str) -> String {
     let file = syn::parse_file(text).unwrap_or_else(|error| panic!("{name}: {error}"));
     let mut entry = format!("({name:?}, &[\n");
@@ -34,7 +34,7 @@ pub fn entry(name: &str, path: &str, text: &str) -> String {
 /// Names of the public functions of a module, in the order of its table.
 ///
 /// # Panics
-/// Where the source is no Rust.
+/// If the source is not Rust.
 pub fn functions(text: &str) -> Vec<String> {
     let file = syn::parse_file(text).unwrap_or_else(|error| panic!("{error}"));
     let names = file.items.iter().filter_map(|item| match item {
@@ -63,7 +63,7 @@ fn is_number(argument: &syn::FnArg) -> bool {
 /// Fields of a module's `Parameters`, in order.
 ///
 /// # Panics
-/// Where the source is no Rust.
+/// If the source is not Rust.
 pub fn parameters(text: &str) -> Vec<String> {
     fields(&syn::parse_file(text).unwrap_or_else(|error| panic!("{error}")))
 }
@@ -78,7 +78,7 @@ fn fields(file: &syn::File) -> Vec<String> {
     fields.filter_map(|field| field.ident.as_ref()).map(ToString::to_string).collect()
 }
 
-/// Of the other types with a name, `Driven` is an array.
+/// True for the struct `Parameters`; among the other named types, `Driven` is an array.
 fn is_parameters(ty: &syn::Type) -> bool {
     matches!(ty, syn::Type::Path(path) if path.path.is_ident("Parameters"))
 }

@@ -140,7 +140,7 @@ fn compare(fused: bool, flags: &[&str]) {
     }
 }
 
-/// A program that compares each function's results with the requests beside it, bit by bit but for the sign of zeros: loops
+/// A program that compares each function's results with the requests, bit by bit but for the sign of zeros: loops
 /// multiply the zeros of a tree, too.
 fn main_text(modules: &str, table: &str) -> String {
     format!(

@@ -84,8 +84,9 @@ fn arm_with(third: &str) -> Model {
     read(&path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model
 }
 
-/// What inverse dynamics take more where a joint follows a coordinate, than where it is one: products of the ratio with the
-/// position, the velocity, the acceleration and the force, and a sum of forces. Each further coordinate takes as many.
+/// Additional operations of inverse dynamics for a joint that follows a coordinate: products of the ratio
+/// with the position, the velocity, the acceleration and the force, and a sum of forces. Each further
+/// coordinate takes the same number.
 #[test]
 fn followers() {
     let count = |third: &str| {
@@ -278,7 +279,7 @@ fn branches_at_a_torso() {
     assert_within("humanoid", humanoid(), &[("inverse_dynamics", 576, 552)]);
 }
 
-/// The mass matrix beside the Jacobians of the inverse dynamics costs at most 30/20 more.
+/// The mass matrix together with the Jacobians of the inverse dynamics costs at most 30/20 more.
 #[test]
 fn mass_matrix_beside_the_jacobians() {
     let names = ["inverse_dynamics_derivatives", "inverse_dynamics_derivatives_and_mass_matrix"];

@@ -123,7 +123,7 @@ link = "last"
 origin = { xyz = [0.1, 0, 0.2], rpy = [0.2, 0.5, -0.3] }
 "#;
 
-/// What this process generates, once for all tests that compare with it.
+/// Modules that this process generates, once for all tests that compare with them.
 fn expected() -> &'static [(String, String)] {
     static MODULES: OnceLock<Vec<(String, String)>> = OnceLock::new();
     MODULES.get_or_init(all_modules)

@@ -61,7 +61,7 @@ struct Case<'a> {
     state: Sample,
     /// Position, velocity and acceleration of each driven joint.
     d: Vec<f64>,
-    /// By all coordinates, driven ones last.
+    /// Positions, velocities and accelerations of all coordinates, driven ones last.
     all: [Vec<f64>; 3],
     size: f64,
 }
@@ -78,7 +78,7 @@ impl<'a> Case<'a> {
         case
     }
 
-    /// What is summed: M times velocities and accelerations, springs, friction, gravity.
+    /// Sum of the magnitudes of the terms: M times velocities and accelerations, springs, friction, gravity.
     fn magnitude(&self) -> f64 {
         let ([y, v, a], oracle) = (&self.all, self.oracle());
         let sum = |x: &[f64]| x.iter().map(|x| x.abs()).sum::<f64>();

@@ -60,7 +60,7 @@ fn compiled(name: &str) -> &'static [(&'static str, Call)] {
     robot.unwrap_or_else(|| panic!("generated/ lacks {name}")).1
 }
 
-/// What ends the name of a function that writes its results in place.
+/// Suffix of functions that write their results in place.
 const IN_PLACE: &str = "_into";
 
 /// The derived function behind a compiled one.
@@ -140,7 +140,7 @@ fn modules_compile_without_a_warning() {
     result.unwrap_or_else(|message| panic!("{message}"));
 }
 
-/// The f32 modules, compiled beside a loop that calls what standard input asks for.
+/// The f32 modules, compiled with a loop that calls what standard input asks for.
 fn build_f32(folder: &Path, robots: &[Generated]) {
     let flat = include_str!("../src/flat.rs");
     std::fs::write(folder.join("flat.rs"), flat).expect("a file");

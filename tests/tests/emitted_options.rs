@@ -75,7 +75,7 @@ fn chain(kinds: &str, is_free: bool) -> String {
     text
 }
 
-/// Modules beside each other in one crate: one run of the compiler.
+/// Several modules in one crate: one run of the compiler.
 #[derive(Default)]
 struct Crate {
     text: String,

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What the comment above a rule says, in this order.
+/// Sections of the comment above a rule, in this order.
 const PARTS: [&str; 4] = ["Sees", "Matters", "Example", "Fixture"];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -4,7 +4,7 @@ use gelenk_codegen::emit::{Scalar, documentation};
 use gelenk_codegen::output::{is_generated, root_text};
 use gelenk_tests::{descriptions, generate_model, workspace};
 
-/// What to run where this fails.
+/// Remedy if this fails.
 const COMMAND: &str = "cargo run --release -- generate";
 
 #[test]

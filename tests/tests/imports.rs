@@ -134,7 +134,7 @@ impl Crate {
         end
     }
 
-    /// The file that defines what a path of a module names; `None` for what is no item of this crate.
+    /// The file that defines what a path of a module names; `None` for what is not an item of this crate.
     fn defined_in(
         &self,
         from: &[String],
@@ -383,7 +383,7 @@ fn floors_are_those_that_folders_list() {
 }
 
 /// In a folder, files and inner folders stand in floors: what imports stands above what it imports. Two files of
-/// one folder may know each other; a folder and what stands beside it may not.
+/// one folder may know each other; a folder and its neighbours may not.
 #[test]
 fn no_import_runs_back_up() {
     let root = gelenk_tests::workspace();

@@ -42,7 +42,7 @@ const LANES: [(&str, &str); 3] = [
 /// Ten rounds over the states: the counts of all rounds are equal.
 const CALLS: u64 = 80;
 
-/// A program that calls one function so many times: both are its arguments.
+/// A program that calls one function `count` times; both are arguments.
 fn main_text() -> String {
     let mut arms = String::new();
     let single = FUNCTIONS.map(|(name, arguments)| (name, "robot", name, arguments.to_owned()));

@@ -32,7 +32,7 @@ fn robot(name: &str, functions: &[&str], scalar: Scalar, fused: bool) -> Generat
     generate(&options)
 }
 
-/// What every comparison uses: states, one state of many, and bits.
+/// Code that every comparison uses: states, one state of many, and bits.
 const COMMON: &str = r#"
 #[allow(warnings)]
 mod robot { include!("robot.rs"); }
@@ -180,7 +180,7 @@ fn check(robot: &Generated, scalar: Scalar, flags: &[&str]) -> usize {
     names.len()
 }
 
-/// So many functions of a robot take no state: the input matrix, parameters of bodies and of friction.
+/// Number of functions of a robot without a state: the input matrix, parameters of bodies and of friction.
 const WITHOUT_STATE: usize = 3;
 
 #[test]

@@ -31,7 +31,7 @@ fn inverse_dynamics_of_500_joints() {
     assert!(many <= 11 * fifty, "{fifty} for 50 joints, {many} for 500");
 }
 
-/// What is too large for 500 joints.
+/// Functions that are too large for 500 joints.
 const LARGE: [&str; 10] = [
     "mass_matrix",
     "equations_of_motion",
@@ -59,7 +59,7 @@ fn large_functions_are_refused_with_their_count_and_the_option() {
     assert!(selection::derive_functions(&model, &names, 2000).is_ok());
 }
 
-/// What nobody asked for by name is left out, with all that calls it, and a note says so.
+/// Large functions of the default selection are left out with all that call them, and a note says so.
 #[test]
 fn large_functions_are_left_out() {
     let model = chain(&right_angles(4), DOWN);
@@ -97,7 +97,7 @@ fn loops_count_as_their_text() {
     assert!(lines < MOST, "{lines}");
 }
 
-/// With debug information rustc ends where a function has some 3 000 statements.
+/// Debug information limits rustc to functions of about 3 000 statements.
 #[test]
 fn modules_of_30_joints_compile_with_debug_information() {
     let model = chain(&right_angles(30), DOWN);

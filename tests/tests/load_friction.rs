@@ -149,7 +149,7 @@ fn forces_and_accelerations_are_those_written_down() {
     }
 }
 
-/// What the traits make of M, k and q where a module lacks the rest.
+/// Defaults of the traits from M, k and q if a module lacks the other functions.
 #[test]
 fn the_traits_know_loads_without_the_module() {
     for State { y, v, a, u } in states() {

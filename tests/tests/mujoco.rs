@@ -55,7 +55,7 @@ fn compare(values: &[Value], folder: &Path) {
     }
 }
 
-/// What the comparison prints, and whether all robots agree.
+/// Output of the comparison, and whether all robots agree.
 fn compared(values: &[Value], folder: &Path) -> Option<(String, bool)> {
     let python = python_with_mujoco()?;
     let file = folder.join("values.json");
@@ -285,7 +285,7 @@ fn assert_same(name: &str, ours: &Robot, theirs: &Robot) {
     }
 }
 
-/// Numbers between −0.7 and 0.9. Quaternions of them are no unit ones, which changes both robots alike.
+/// Numbers between −0.7 and 0.9. Quaternions of them are not unit quaternions, which changes both robots alike.
 fn numbers(seed: usize, count: usize) -> Vec<f64> {
     (0..count).map(|k| ((7 * k + 3 * seed) % 11) as f64 / 7.0 - 0.7).collect()
 }

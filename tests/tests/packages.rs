@@ -48,7 +48,7 @@ fn the_crates_that_are_published() {
     assert_eq!(names, expected);
 }
 
-/// Both licences ask that their text stands beside every copy.
+/// Both licences ask that their text accompanies every copy.
 #[test]
 fn packages_hold_the_licences() {
     for (name, folder) in published() {

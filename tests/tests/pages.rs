@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 const WIDE: Window = Window { width: 1400, height: 900, is_dark: false };
 const NARROW: Window = Window { width: 500, height: 900, is_dark: true };
 
-/// What every page must keep.
+/// Checks of every page.
 const COMMON: &str = r##"
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     const all = (selector) => [...document.querySelectorAll(selector)];
@@ -169,7 +169,7 @@ fn a_page_with_everything_is_sound() {
     assert_ne!(light.result["background"], dark.result["background"]);
 }
 
-/// What the checks above are worth: each mistake is found.
+/// The checks above find each deliberate mistake.
 #[test]
 fn mistakes_are_found() {
     let Some(browser) = Browser::find() else {

@@ -1,4 +1,4 @@
-//! The Python package over the program: its own tests, with values of the Rust modules beside them.
+//! The Python package over the program: its own tests, compared with values of the Rust modules.
 //!
 //! They need Python 3 with its module `venv`, packages from its registry, and a C compiler; without them they are skipped
 //! and say so.
@@ -104,7 +104,7 @@ fn functions_for_casadi_pass_their_tests() {
     run(|name| name.starts_with("casadi"), None);
 }
 
-/// What `acados.rs` runs with packages of its own, and what takes as long as all the rest.
+/// Names that `acados.rs` runs with packages of its own, since they take as long as all others.
 fn is_of_other_tools(name: &str) -> bool {
     ["acados", "casadi"].iter().any(|tool| name.starts_with(tool))
 }

@@ -11,7 +11,7 @@ use num_dual::Dual64;
 
 const WRENCHES: &str = "joint_wrenches";
 
-/// Of rounding, relative to the largest wrench.
+/// Rounding error relative to the largest wrench.
 const TOLERANCE: f64 = 1e-11;
 
 /// The model with one more coordinate, the last one: a joint behind that of a link, which carries all that the link
@@ -113,8 +113,9 @@ fn plus(a: &Vector, b: &Vector) -> Vector {
     [0, 1, 2].map(|i| a[i] + b[i])
 }
 
-/// What acts on all moving bodies besides gravity: the rate of their momentum less their weight, then that of their angular
-/// momentum about the base's origin less the moment of the weight. Derivatives by time are the dual parts.
+/// Wrench on all moving bodies except gravity: the rate of their momentum minus their weight, then that of
+/// their angular momentum about the base's origin minus the moment of the weight. Derivatives by time are the
+/// dual parts.
 fn base_wrench(model: &Model, [y, v, a]: [&[f64]; 3], parameters: &[f64]) -> [f64; 6] {
     let along = |x: &[f64], rate: &[f64]| -> Vec<Dual64> {
         x.iter().zip(rate).map(|(x, rate)| Dual64::new(*x, *rate)).collect()
@@ -249,7 +250,7 @@ fn what_a_pin_bears_is_its_row_less_the_force_of_the_cylinder() {
         );
         let tilt: f64 = y[1..=coordinate].iter().sum();
         let carried = turned_about_y(-tilt, [0.0, 0.0, 9.81 * mass]);
-        // Beside the weight, what the pin bears and the cylinder exerts is all.
+        // In addition to the weight, what the pin bears and the cylinder exerts is all.
         let left = [0, 1, 2].map(|i| (row[i] - carried[i]).abs());
         assert!(
             left.iter().all(|left| *left < 1e-9 * carried[2].abs()),

@@ -322,7 +322,7 @@ fn joints_agree_with_pinocchio(name: &str) {
     }
 }
 
-/// What has loops over joints.
+/// Functions with loops over joints.
 const LOOPS: [&str; 3] =
     ["inverse_dynamics_derivatives_and_mass_matrix", "forward_dynamics_derivatives", "linearize"];
 
@@ -356,7 +356,7 @@ fn coupled_screws_agree_with_pinocchio() {
     joints_agree_with_pinocchio("coupled_joints");
 }
 
-/// A robot beside this test, with the values that a script of `tests/reference` made of it.
+/// A robot next to this test, with the values that a script of `tests/reference` made of it.
 fn committed(name: &str) -> (Robot, Value) {
     let folder = workspace().join("tests/reference");
     let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).expect("committed values");

@@ -27,7 +27,7 @@ const FUNCTIONS: [&str; 8] = [
     "inverse_dynamics",
 ];
 
-/// Of rounding, relative to the sum of what is added up.
+/// Rounding error relative to the sum of the magnitudes.
 const TOLERANCE: f64 = 1e-12;
 
 /// Base parameters are rounded to 1e-12 for each parameter.
@@ -61,7 +61,7 @@ fn names<'r>(robot: &'r Robot, function: &str) -> &'r [String] {
     names.expect("names of columns")
 }
 
-/// The map of the base parameters; none where it is no constant.
+/// The map of the base parameters; none where it is not a constant.
 fn base_terms(robot: &Robot) -> Option<&[(usize, usize, f64)]> {
     let constants = &robot.function("base_regressor").constants;
     constants.iter().find_map(|constant| match &constant.value {
@@ -278,7 +278,7 @@ fn maps_that_depend_on_free_parameters_are_left_out() {
     assert!(arm("50", "0.3", "{ free = -9.81 }"));
     assert!(!arm("{ free = 50 }", "0.3", "-9.81"));
     assert!(!arm("50", "{ free = 0.3 }", "-9.81"));
-    // Described as zero, which is no other case than any other length.
+    // Described as zero, which is a length like any other.
     assert!(!arm("50", "{ free = 0 }", "-9.81"));
 }
 

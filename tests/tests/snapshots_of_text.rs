@@ -1,5 +1,4 @@
-//! What the small robots look like at each stage: when the text changes, the first stage that changed names
-//! the cause.
+//! The small robots at each stage: when the text changes, the first stage that changed names the cause.
 //!
 //! The whole modules, derivatives included, stand in generated/; here is what a reviewer reads.
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// Writes a file whole or not at all: beside its place first. Missing folders are made; through a link, the
+/// Writes a file whole or not at all: first under a temporary name in the same folder. Missing folders are made; through a link, the
 /// file that it points to is replaced.
 ///
 /// ```
@@ -24,7 +24,7 @@ pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
     Prepared::new(path, content.as_ref())?.put()
 }
 
-/// A file that is written beside the place that it takes: full disks and killed programs leave the old one as
+/// A file that is written next to its target and renamed: full disks and killed programs leave the old one as
 /// it was.
 #[derive(Debug)]
 pub struct Prepared {
@@ -33,7 +33,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Writes the content beside `path`, whose folder is made where it is missing. Through a link, the file
+    /// Writes the content next to `path`, whose folder is created if it is missing. Through a link, the file
     /// that it points to is replaced and the link stays.
     ///
     /// # Errors
@@ -100,7 +100,7 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
     }
 }
 
-/// What a file has in common with its hard links.
+/// Identity of a file, which its hard links share: device and inode.
 #[cfg(unix)]
 fn identity(path: &Path) -> io::Result<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;

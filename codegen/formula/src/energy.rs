@@ -23,7 +23,7 @@ impl Formula {
         self.substituted(&|part| (*part == Self::Velocity).then_some(Self::ZERO))
     }
 
-    /// The coefficients by powers of the position, the constant first; `None` where it is no polynomial.
+    /// The coefficients by powers of the position, the constant first; `None` where it is not a polynomial.
     fn coefficients(&self) -> Option<Vec<Self>> {
         if !self.depends_on_motion() {
             return Some(vec![self.clone()]);

@@ -1,16 +1,16 @@
-//! The error of a text that is no formula.
+//! The error of a text that is not a formula.
 
 use std::fmt;
 use std::ops::Range;
 
-/// The reason why a text is no formula.
+/// The reason why a text is not a formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormulaError {
     /// The kind of the fault, for programs.
     pub code: &'static str,
     /// The fault.
     pub message: String,
-    /// What to write instead.
+    /// Suggested text.
     pub help: Option<String>,
     /// Its place, in bytes of the text.
     pub range: Range<usize>,

@@ -13,7 +13,7 @@ pub struct FrictionTerm<C = Formula> {
     pub basis: Formula,
 }
 
-/// What makes a term of its coefficient: [`FrictionTerm::viscous`] or [`FrictionTerm::coulomb`].
+/// Constructor of a term from its coefficient: [`FrictionTerm::viscous`] or [`FrictionTerm::coulomb`].
 pub type TermOf = fn(Formula) -> FrictionTerm;
 
 /// Friction of a joint: laws that add up, and what friction gains for each unit of load.

@@ -48,7 +48,7 @@ type Parsed = Result<Formula, FormulaError>;
 /// Reads a formula; `parameters` gives the index of each described name.
 ///
 /// # Errors
-/// A text that is no [`Expression`], has names that are not allowed, is true or false, uses a function that generated
+/// A text that is not an [`Expression`], has names that are not allowed, is true or false, uses a function that generated
 /// code does not have, divides by zero or overflows.
 pub fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, usize>) -> Parsed {
     let expression = Expression::parse(text)?;
@@ -233,7 +233,7 @@ mod tests {
         assert!((sum - law.evaluate(&p, 0.25, -1.5)).abs() < 1e-15);
     }
 
-    /// What selections and libraries have beyond formulas is refused with its reason, and at its place.
+    /// Syntax that only selections and libraries have is refused with its reason and its place.
     #[test]
     fn the_language_of_selections_is_refused() {
         let message = |text: &str| parse(text, Allowed::Motion, &names()).unwrap_err().to_string();

@@ -30,7 +30,7 @@ impl Expression {
     /// Reads an expression.
     ///
     /// # Errors
-    /// A text that is no expression, is too long or too deep, calls an unknown function, or has a truth value where
+    /// A text that is not an expression, is too long or too deep, calls an unknown function, or has a truth value where
     /// a number is needed or a number where a truth value is needed.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         habits::check(text)?;

@@ -373,7 +373,7 @@ pub(super) struct Identify {
     pub(super) reading: Reading,
 }
 
-/// What efforts of a log are.
+/// Quantity that the efforts of a log measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum EffortName {
     /// Torques or forces at the joints, behind the gears
@@ -413,7 +413,7 @@ pub(super) enum Format {
     Json,
 }
 
-/// What `inspect` shows.
+/// Stage that `inspect` shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Stage {
     /// Links, joints, drives and parameters

@@ -1,4 +1,4 @@
-//! What commands have in common: how a description is read, and which modules are made of it.
+//! Arguments that several commands share: how a description is read, and which modules are generated.
 
 use clap::{Args, ValueEnum};
 
@@ -86,7 +86,7 @@ impl Reading {
     }
 }
 
-/// What is made of a description: one module, or two.
+/// Modules generated from a description: one or two.
 #[derive(Debug, Args)]
 pub(super) struct Modules {
     /// Language of the module: NAME.rs, or NAME.h and NAME.c (C99, also C++), whose functions compute the same

@@ -216,7 +216,7 @@ fn documented(robots: &[Generated]) -> Vec<(String, String)> {
     modules.collect()
 }
 
-/// The crate's root is no robot.
+/// Rejects the name of the crate's root, `lib.rs`.
 fn refuse_root(name: &str) -> Result<(), Failure> {
     match name {
         "lib" => {
@@ -335,7 +335,7 @@ fn modules_command(
 }
 
 /// Where a module goes: where the `target` says, else to the crate of its `home`, else into the current folder.
-/// The smooth one of a pair goes beside the exact one.
+/// The smooth one of a pair goes next to the exact one.
 fn place(robot: &Generated, target: &Target, home: Option<&Workspace>) -> PathBuf {
     let name = &robot.source.name;
     match (&target.output, home) {
@@ -376,7 +376,7 @@ fn with_ending(path: &Path, ending: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// The root of the crate `generated` with these modules beside those that are there.
+/// The root of the crate `generated` with these modules and those that exist.
 fn root_with(home: &Workspace, robots: &[Generated]) -> Result<String, Failure> {
     robots.iter().try_for_each(|robot| refuse_root(&robot.source.name))?;
     let mut modules = documented(robots);

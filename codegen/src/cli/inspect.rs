@@ -53,7 +53,7 @@ fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
     }
 }
 
-/// Operation counts, and the bytes of machine code beside them.
+/// Operation counts, with the bytes of machine code.
 fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<ExitCode, Failure> {
     if what != Stage::Counts {
         return Err(Failure::Usage("--bytes goes with `inspect counts`".to_owned()));

@@ -1,4 +1,5 @@
-//! What `gelenk inspect model` shows beside links and joints: drives that act on several coordinates, and forces at frames.
+//! Forces that `gelenk inspect model` shows after links and joints: drives of several coordinates and forces
+//! at frames.
 
 use serde_json::{Value, json};
 

@@ -334,7 +334,7 @@ mod tests {
         }
     }
 
-    /// Beside a package of a registry lie others, and no checkout.
+    /// A package of a registry lies next to other packages, without a checkout.
     #[test]
     fn a_program_from_a_registry_has_no_checkout() {
         let registry = Path::new("/home/a/.cargo/registry/src/index");

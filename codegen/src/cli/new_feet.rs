@@ -17,7 +17,7 @@ pub(super) struct Foot {
 /// Fewer feet carry nobody by forces alone.
 const FEWEST: usize = 3;
 
-/// A leg has at least so many joints: with fewer its foot cannot go anywhere.
+/// Least number of joints of a leg: with fewer its foot cannot be placed.
 const JOINTS: usize = 3;
 
 /// The feet of a robot whose base floats; empty where the rule finds none.

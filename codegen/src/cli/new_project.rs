@@ -7,7 +7,7 @@ use super::new_robot::Robot;
 pub(super) struct Project {
     /// Names and texts.
     pub(super) files: Vec<(&'static str, String)>,
-    /// What the files do, after the description.
+    /// Purpose of the generated files; follows the description's name.
     pub(super) made: &'static str,
     /// The command that runs it.
     pub(super) next: &'static str,

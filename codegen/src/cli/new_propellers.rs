@@ -99,7 +99,7 @@ fn upward(model: &Model, joint: &Joint) -> Option<[f64; 3]> {
     (along.abs() >= UPRIGHT).then(|| joint.axis.map(|entry| entry * along.signum()))
 }
 
-/// Where a link is beside the axis z of the root, with all joints at 0; what is no number counts as 0.
+/// Distance of a link from the axis z of the root (x and y), with all joints at 0; a value that is not a number counts as 0.
 fn place(model: &Model, link: usize) -> [f64; 2] {
     let pose = pose(model, link);
     [0, 1].map(|axis| pose.translation[axis].as_number().unwrap_or(0.0))

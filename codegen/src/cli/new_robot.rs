@@ -11,7 +11,8 @@ use crate::wording::toml_text;
 
 const BUILD: &str = include_str!("template/build.rs");
 
-/// With dry friction a plant's model is none for controllers.
+/// Build script of a crate with two models. A model with dry friction is for the plant; controllers get one
+/// without.
 const BUILD_BOTH: &str = include_str!("template/build_both.rs");
 
 /// The description of a new crate, and the files that it names.
@@ -24,7 +25,7 @@ pub(super) struct Robot {
     pub(super) copies: Vec<(String, Vec<u8>)>,
     /// Its base moves freely.
     pub(super) floats: bool,
-    /// What it stands on.
+    /// Feet, if the robot has any.
     pub(super) feet: Vec<Foot>,
     /// That it has legs and stands still, where it seems so.
     pub(super) notes: Diagnostics,
@@ -90,7 +91,7 @@ fn from_xml(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure>
     })
 }
 
-/// What a file describes the robot in.
+/// Format of the robot's file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Urdf,
@@ -106,7 +107,7 @@ impl Kind {
         }
     }
 
-    /// What the description may say more of than the file.
+    /// Comment on drives and friction, which the file may leave open.
     const fn of_drives(self) -> &'static str {
         match self {
             Self::Urdf => {
@@ -147,7 +148,7 @@ impl Kind {
         )))
     }
 
-    /// The file and those that it includes, in their places beside it.
+    /// The file and those that it includes, in their places relative to it.
     fn copies(self, path: &Path, files: &DescriptionFiles) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let copy = |(file, bytes): (&Path, &[u8])| {

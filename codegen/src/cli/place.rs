@@ -67,7 +67,7 @@ pub(super) enum Output {
     /// Where modules in Rust go without a word.
     #[default]
     Default,
-    /// This file, in C with a header beside it.
+    /// This file, in C with a header next to it.
     File(PathBuf),
     /// This folder, under the name of the module.
     Folder(PathBuf),

@@ -18,7 +18,7 @@ const ROOM: usize = 84;
 /// From here on zeros are counted by an exponent.
 const MILLION: f64 = 1e6;
 
-/// Writes to standard output. A reader that went away (`gelenk … | head`) is no failure.
+/// Writes to standard output. A reader that went away (`gelenk … | head`) is not a failure.
 pub(super) fn out(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {

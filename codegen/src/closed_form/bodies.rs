@@ -10,7 +10,7 @@ use gelenk_formula::Formula;
 
 type Matrix = [[f64; 3]; 3];
 
-/// Smaller than this beside the largest entry is rounding of what is meant to be 0.
+/// Entries smaller than this, relative to the largest, are rounding errors of zeros.
 const ROUNDING: f64 = 1e-12;
 
 /// A moving body.
@@ -130,7 +130,7 @@ fn attached(
     (*parent, tidy(pose.then(&displacement(joint, position))))
 }
 
-/// What a joint at `position` does to its link.
+/// Displacement of a link by its joint at `position`.
 fn displacement(joint: &Joint, position: f64) -> Pose {
     let mut pose = Pose::identity();
     let [turn, slide] = joint.kind.turn_and_slide();

@@ -15,7 +15,7 @@ type Factors = Vec<(Factor, i32)>;
 /// A sum of products of masses, lengths and inertias.
 type Polynomial = Vec<(Factors, Rational)>;
 
-/// Products of at most so many letters stay as they are.
+/// Largest number of letters of a product that is kept as it is.
 const SHORT: i32 = 2;
 
 /// The lumped constants found so far.
@@ -120,7 +120,7 @@ fn monomial(number: &Rational, factors: Factors) -> Monomial {
     Monomial { number: shown(number), factors }
 }
 
-/// Fractions of numbers up to so many stay fractions.
+/// Largest number in a fraction that stays a fraction.
 const SHORT_FRACTION: i64 = 1000;
 
 fn shown(number: &Rational) -> Number {

@@ -33,7 +33,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Waits up to [`PATIENCE`] for the machine's one instance; `on_wait` is told once that there is
+    /// Waits up to [`PATIENCE`] for the machine's one instance; `on_wait` is called once if there is
     /// something to wait for.
     ///
     /// # Errors

@@ -43,7 +43,7 @@ use letters::Letters;
 /// Closed forms of more coordinates fill pages that nobody reads.
 pub const MAXIMUM_JOINTS: usize = 3;
 
-/// Coordinates and angles that are no quarter turns, together: each multiplies the number of terms by five at
+/// Coordinates and angles that are not quarter turns, together: each multiplies the number of terms by five at
 /// most. Three general joints with one such angle give 30 kB of formulas, with two 130 kB, with three hours
 /// of work.
 pub const MAXIMUM_ANGLES: usize = 4;
@@ -111,7 +111,7 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
     check_coordinates(model)
 }
 
-/// What closed forms do not have: a diagnostic, and how its help calls the equations.
+/// Reason why a model has no closed form: a diagnostic, and the name that its help gives to the equations.
 struct Obstacle {
     code: &'static str,
     message: String,

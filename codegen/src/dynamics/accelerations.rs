@@ -35,7 +35,7 @@ pub struct AffineAccelerations<'g> {
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// What M⁻¹ is multiplied with in the derivatives of accelerations.
+/// Right-hand side of M⁻¹ in the derivatives of accelerations.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
     /// ÿ
@@ -175,7 +175,7 @@ impl<'g> Equations<'_, 'g> {
                     .collect()
             })
             .collect();
-        // Positions with a quaternion are told by the small motion from them, which is 0 here.
+        // Positions with a quaternion are given by the small motion from them, which is 0 here.
         let counted = if self.model.quaternion_joints.is_empty() { y } else { &[] };
         let remainder = (0..by_inputs.len()).map(|i| {
             let known = dot(self.graph, &derivatives.by_coordinates[i], counted)

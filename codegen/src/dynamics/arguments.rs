@@ -1,4 +1,4 @@
-//! What the equations are written in.
+//! Arguments of the equations.
 
 use crate::graph::Scalar;
 use crate::spatial::Force;

@@ -49,7 +49,7 @@ fn position<'g>(transmission: &Transmission<Scalar<'g>>, offset: f64, y: &[Scala
     if offset == 0.0 { position } else { position + position.constant(offset) }
 }
 
-/// What rubs: a joint, or the shaft of a drive on several coordinates.
+/// Object with friction: a joint, or the shaft of a drive of several coordinates.
 struct Rubbing<'m, 'g> {
     name: &'m str,
     terms: &'m [FrictionTerm],
@@ -142,7 +142,7 @@ impl<'g> Rubbing<'_, 'g> {
 /// A column of the friction regressor.
 #[derive(Debug, Clone)]
 pub struct FrictionColumn<'g> {
-    /// What brakes with it: the coordinates that the joint follows.
+    /// Coordinates that the friction acts on: those that the joint follows.
     pub transmission: Transmission<Scalar<'g>>,
     /// Function of position and velocity.
     pub basis: Scalar<'g>,

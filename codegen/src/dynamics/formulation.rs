@@ -20,7 +20,7 @@ pub enum Diagonal {
     Sums,
     /// Both come from squares of ω.
     Squares,
-    /// By axis points: U_zz is known, so that the square of ω_x is not needed.
+    /// As a sum over axis points. U_zz is known, so the square of ω_x is not needed.
     Axis,
     /// As `Axis`, without the square of ω_y.
     AxisAcross,
@@ -73,7 +73,8 @@ pub struct BodyChoices {
     pub angular: AngularRoute,
     /// Diagonal of U.
     pub diagonal: Diagonal,
-    /// By axis points: whether U_zx comes from the component y of the angular acceleration, which the children may need anyway.
+    /// Whether U_zx comes from the component y of the angular acceleration, which the children may need
+    /// anyway. Applies to axis points.
     pub by_acceleration: bool,
     /// The way along the axis.
     pub lift: Lift,

@@ -1,4 +1,4 @@
-//! Friction that grows with what a gear transmits: `|τ_l| s₁(ẏ)` beside the friction s₀(ẏ) of the velocity
+//! Friction that grows with what a gear transmits: `|τ_l| s₁(ẏ)` in addition to the friction s₀(ẏ) of the velocity
 //! alone (Hamon, Gautier and Garrec 2010).
 //!
 //! The load τ_l of a joint is what its drive would exert without friction, `M ÿ + k − q` with gravity and

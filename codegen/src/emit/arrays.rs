@@ -1,4 +1,4 @@
-//! What functions in array form have in common in all languages.
+//! Array form: parts that all languages share.
 
 use crate::program::Operand;
 use crate::program::arrays::{Arrays, Coordinates, Over, Relation, Step};
@@ -50,7 +50,7 @@ impl Row {
     }
 }
 
-/// What the setup of a function computes, in front of the function's name.
+/// Description of a function's setup, for the text before the function's name.
 pub(super) fn about_setup(form: &Arrays) -> &'static str {
     match form.steps.iter().any(|step| matches!(step, Step::Map(_))) {
         true => "Poses and single joints of",

@@ -1,4 +1,4 @@
-//! What the documentation of generated items says, in any language: blocks of Markdown.
+//! Documentation of generated items for all languages: blocks of Markdown.
 
 use super::text::code;
 use crate::functions::function::{Constant, Function};

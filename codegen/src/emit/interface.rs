@@ -5,7 +5,7 @@ use crate::layout::Extent;
 /// The functions and parameters of a module by their names in C.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// What the names of functions and types begin with, followed by `_`; constants have it in capitals.
+    /// Prefix of the names of functions and types, followed by `_`; constants have it in capitals.
     pub prefix: String,
     /// Field names of the free parameters, in the order of the struct.
     pub parameters: Vec<String>,
@@ -22,9 +22,9 @@ pub struct Callable {
     pub summary: String,
     /// The equation in Unicode, may be empty.
     pub equation: String,
-    /// What it reads beside the free parameters.
+    /// Arguments except the free parameters.
     pub arguments: Vec<Argument>,
-    /// What it writes.
+    /// Results.
     pub results: Vec<Written>,
     /// It is true if it takes the free parameters; functions of positions alone do not.
     pub takes_parameters: bool,

@@ -1,18 +1,18 @@
 //! Names of a description and of a program as identifiers of a language.
 //!
 //! The model has checked its names already; this is the last guard, so that no string becomes code.
-//! Identifiers are ASCII: other letters would trip lints on confusable names, and are no identifiers of C99.
+//! Identifiers are ASCII: other letters would trip lints on confusable names, and are not identifiers of C99.
 
 use crate::distinct::Distinct;
 use crate::program::{Program, letters};
 
-/// What a language takes for an identifier.
+/// Rules for identifiers of a language.
 pub(super) struct Spelling {
-    /// Words that are no identifiers, sorted.
+    /// Words that are not identifiers, sorted.
     pub(super) keywords: &'static [&'static str],
     /// Whether `_x` and `a__b` are names that anyone may use.
     pub(super) has_free_underscores: bool,
-    /// What no name may begin with.
+    /// Prefixes that identifiers must not have.
     pub(super) prefixes: Vec<String>,
 }
 

@@ -2,7 +2,7 @@
 
 use super::interface::Interface;
 
-/// So many statements stay one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests
+/// Largest number of statements of one function. With debug information, as in Cargo's dev profile, rustc 1.95 nests
 /// one scope for each `let`, and LLVM recurses over them: 2 800 statements compile, 3 200 overflow the 2 MB
 /// of its thread's stack and end rustc. Without it, at opt-level 3, 9 000 statements need 0.9 s and 200 MB,
 /// 28 000 need 4 s and 490 MB: there parts of shorter functions are inlined, which makes no scopes within each other.
@@ -23,7 +23,7 @@ pub struct EmitOptions {
     pub math: Math,
     /// The command that makes the file again, for its header, without absolute paths.
     pub command: String,
-    /// Programs with more statements than this are split into private functions of at most so many. Straight-line code in C
+    /// Largest number of statements of a function; longer programs are split into private functions. Straight-line code in C
     /// may have five times as many.
     pub longest_function: usize,
 }
@@ -76,11 +76,11 @@ pub enum Language {
     /// One file, `<name>.rs`.
     #[default]
     Rust,
-    /// C99 that is C++ too: `<name>.h` and `<name>.c`. Tests beside the functions are left to Rust.
+    /// C99 that is C++ too: `<name>.h` and `<name>.c`. Only Rust has tests in the module.
     C,
 }
 
-/// Files beside a module in C, for a tool that calls it.
+/// Files next to a module in C, for a tool that calls it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Companion {
     /// `<name>_acados.c` and `<name>_acados.py`: discrete dynamics in double precision, and an optimal control problem

@@ -7,7 +7,7 @@ use crate::program::{Operand, Operation, Program};
 pub(super) struct Group<'i> {
     /// The instructions, in their order.
     pub(super) instructions: &'i [usize],
-    /// What states them.
+    /// Statements, in order.
     pub(super) runs: Vec<Run>,
 }
 

@@ -36,6 +36,6 @@ impl Format {
 pub struct Exported {
     /// Its text.
     pub text: String,
-    /// What the format does not hold of the robot.
+    /// Losses of the format, as notes.
     pub notes: Diagnostics,
 }

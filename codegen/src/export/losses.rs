@@ -1,15 +1,15 @@
-//! What a format does not hold: one note or warning for each kind, with the names of all that it concerns.
+//! Losses of a format: one note or warning per kind, with all names concerned.
 
 use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Of motors whose torque falls with their speed.
+/// Loss of the torque–speed lines of motors.
 pub(super) const LINE: &str = "has no torque–speed lines of motors; left out at";
 
-/// What a loss does.
+/// Effect of a loss on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Effect {
-    /// The robot is the same, or what it lacks is no part of M and of the bias forces.
+    /// The robot is the same, or what it lacks is not part of M and of the bias forces.
     None,
     /// It may be another robot.
     Robot,

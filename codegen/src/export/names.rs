@@ -1,4 +1,4 @@
-//! Names that a format needs beside those of the model.
+//! Names that a format needs in addition to the model's.
 
 use crate::model::Model;
 

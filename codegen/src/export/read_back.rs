@@ -14,7 +14,7 @@ const SAME: f64 = 1e-9;
 const SEED: u64 = 0x6261_636b;
 const STATES: usize = 2;
 
-/// What the file says otherwise than the model; nothing where it is the same robot.
+/// First difference between the written file and the model; `None` if they are the same robot.
 pub(super) fn difference(model: &Model, format: Format, text: &str) -> Option<String> {
     let again = match read(model, format, text) {
         Ok(again) => again,

@@ -9,7 +9,7 @@ use super::numbers::{Placed, Values};
 use super::xml::{Attributes, Xml, numbers};
 use crate::model::{Frame, Joint, JointKind, Limits, Link, Model, Motion, MovingJoint, QuaternionKind};
 
-/// What readers of URDFs take for no limit: ROS wants both numbers, and 0 would forbid all motion.
+/// Value that readers of URDFs treat as unlimited: ROS requires both numbers, and 0 would forbid all motion.
 const UNLIMITED: f64 = 1e31;
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 

@@ -9,7 +9,7 @@ use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// Halvings of the period before `discretize` takes it on: at most so many. The number stands in its text
+/// Largest number of halvings of the period in `discretize`. The number stands in its text
 /// too.
 const MOST_REPETITIONS: usize = 18;
 
@@ -248,7 +248,7 @@ fn input_count(model: &Model) -> usize {
     model.inputs().count()
 }
 
-/// Operations of `discretize` with so many halvings of the period, without the call.
+/// Operations of `discretize` with `repetitions` halvings of the period, without the call.
 fn discretize_cost(n: usize, m: usize, repetitions: usize) -> Cost {
     let common = 58 * n.pow(3) + 50 * n.pow(2) + 2 * n * n * m;
     let trials = cost(2 + 3 * repetitions, 1 + repetitions + 2 * n * n, 2);

@@ -41,7 +41,7 @@ const BYTES_PER_OPERATION: usize = 12;
 /// cache of the first level holds 32 kB.
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
-/// Loops may take so many times the operations of straight-line code, because they work on whole vectors.
+/// Factor by which loops may have more operations than straight-line code, because they work on whole vectors.
 /// Measured, time of loops over that of straight-line code with AVX-512, AVX2 and neither: LWA 4P's Jacobians
 /// of the forward dynamics, 3.15 times the operations, 1.4, 1.7 and 2.1; Panda's, 2.2 times, 0.65, 0.85 and
 /// 1.15; Panda's of the inverse dynamics, 2.7 times (3.0 with M), 0.95, 1.3 and 1.5 called alone, 0.8, 1.4
@@ -56,7 +56,7 @@ pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the fr
 pub(super) const PRODUCTS_NOTE: &str = "The accelerations, M⁻¹ and the Jacobians of the inverse dynamics are straight-line code, the products with M⁻¹ are loops. \
     The cost counts each operation that contributes.";
 
-/// So many operations each pair of joints on one path takes at least, unless many of them are parallel.
+/// Least number of operations for each pair of joints on one path, unless many of them are parallel.
 const OPERATIONS_PER_PAIR: usize = 20;
 
 /// The note of a function in array form.
@@ -180,7 +180,7 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Loops for the products with M⁻¹ alone, where they pay: what is multiplied takes so many fewer operations as
+    /// Loops for the products with M⁻¹ alone, where they pay: the factor on the right takes so much less
     /// straight-line code that it stays such code although it is long. A and B_x of a Go2 take 0.89 of the time, fused 0.82.
     fn products(&self, quantity: &Quantity) -> Option<Derived> {
         let Some(Loops::PerJoint { products: Some(products), .. }) = quantity.loops else {
@@ -252,7 +252,7 @@ impl<'m> Forms<'m> {
     }
 }
 
-/// Tells whether straight-line code of so many operations gives way to loops, where there are some.
+/// Tells whether straight-line code of this size is replaced by loops, if the function has them.
 pub(crate) fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }

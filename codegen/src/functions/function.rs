@@ -1,4 +1,4 @@
-//! What a generated function is: its program and the facts of its documentation.
+//! Generated functions: a program and the facts of its documentation.
 
 pub use crate::function_names::FrameKind;
 use crate::layout::Dimension;
@@ -24,7 +24,7 @@ pub struct Function {
     pub results: Vec<String>,
     /// Further sentences: which formulation was cheapest, limits, sources.
     pub notes: Vec<String>,
-    /// Constants that users of this function need beside it.
+    /// Constants that users of this function need.
     pub constants: Vec<Constant>,
     /// The body.
     pub program: Program,
@@ -45,7 +45,7 @@ impl Function {
 pub struct FrameFunction {
     /// Identifier of the frame.
     pub frame: String,
-    /// What the function says of it.
+    /// Quantity of the frame that the function computes.
     pub kind: FrameKind,
 }
 

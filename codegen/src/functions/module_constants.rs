@@ -21,7 +21,7 @@ pub const NAMES: [&str; 8] = [
     "B_X_NONZERO",
 ];
 
-/// Beyond so many terms the groups stand in `BASE_PARAMETER_TERMS` alone: nobody reads pages of sums.
+/// Number of terms beyond which the groups stand in `BASE_PARAMETER_TERMS` alone: nobody reads pages of sums.
 const MOST_TERMS: usize = 1000;
 
 pub(super) fn inertial_names(model: &Model) -> Constant {

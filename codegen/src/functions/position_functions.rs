@@ -1,4 +1,4 @@
-//! Functions of positions that are no vector space: ⊕, ⊖ and the unit length of quaternions.
+//! Functions of positions that are not a vector space: ⊕, ⊖ and the unit length of quaternions.
 
 use crate::layout::{Dimension, Extent};
 
@@ -20,7 +20,7 @@ pub enum PositionFunction {
 pub struct PositionValue {
     /// Its name.
     pub name: &'static str,
-    /// What its dimensions are, outermost first.
+    /// Dimensions, outermost first.
     pub dimensions: &'static [Dimension],
     /// Its meaning.
     pub meaning: &'static str,
@@ -120,7 +120,7 @@ impl PositionFunction {
     }
 }
 
-/// The lengths of a value in a robot with so many positions and velocities.
+/// The lengths of a value in a robot with these numbers of positions and velocities.
 #[must_use]
 pub fn extents(value: &PositionValue, positions: usize, velocities: usize) -> Vec<Extent> {
     let length = |dimension: &Dimension| match dimension {

@@ -201,7 +201,7 @@ impl<'a> Wanted<'a> {
     }
 }
 
-/// What is wanted and cannot be generated, though not asked for by name.
+/// Functions of the default selection that cannot be generated.
 #[derive(Default)]
 struct LeftOut {
     need_inverse: Vec<String>,

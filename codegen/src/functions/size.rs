@@ -20,7 +20,7 @@ use crate::program::cost::count;
 /// takes half of it; how long rustc takes for it is not measured yet.
 pub const MOST_OPERATIONS: usize = 300_000;
 
-/// Loops may stand for so many times the operations that are emitted: they are written out for the
+/// Factor of the operations of loops that are written out, over those that are emitted: they are written out for the
 /// interpreter, which takes some 200 bytes for each.
 const UNROLLED: usize = 10;
 
@@ -40,7 +40,7 @@ fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
     }
 }
 
-/// Beyond so many pairs even the plain mass matrix takes gigabytes; the estimate is one operation for each
+/// Number of pairs beyond which even the plain mass matrix takes gigabytes; the estimate is one operation for each
 /// then.
 const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 
@@ -54,7 +54,7 @@ pub(super) struct TooLarge {
     operations: usize,
     /// Whether it is an estimate from below.
     is_estimate: bool,
-    /// Whether loops stand for so many operations.
+    /// Whether the operations are those of loops.
     are_loops: bool,
     /// The limit.
     most: usize,
@@ -162,7 +162,7 @@ impl TooLarge {
         ))
     }
 
-    /// What `--max-operations` has to be.
+    /// Least `--max-operations` that admits the function.
     fn limit_needed(&self) -> usize {
         match self.are_loops {
             true => rounded_up(self.operations.div_ceil(UNROLLED)),

@@ -1,4 +1,4 @@
-//! What a set of results costs.
+//! Cost of a set of results.
 
 use super::build::Graph;
 use super::node::{Edge, Node};

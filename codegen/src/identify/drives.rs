@@ -6,7 +6,7 @@ use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::wording::toml_text;
 use gelenk_formula::Formula;
 
-/// What was identified of the drive of a joint.
+/// Identified values of a joint's drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedDrive {
     /// Axial inertia of the rotor [kg m²], where the description has one.
@@ -20,7 +20,7 @@ pub struct IdentifiedDrive {
 /// The rotor of an identified drive, J_R [kg m²], and how it counts.
 ///
 /// - `rotor`: as a parameter of the equations: every drive has it that has a gear or a described rotor
-/// - `added`: what was found beside the bodies of a drive without both, so that it is no body that a carrier turns
+/// - `added`: what was found in addition to the bodies of a drive without both, so that it is not a body that a carrier turns
 pub(super) fn found_rotor(
     drive: &Drive,
     rotor: Option<f64>,

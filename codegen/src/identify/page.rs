@@ -14,7 +14,7 @@ use super::terms;
 
 /// Most points of a curve; of longer ones every k-th is drawn.
 const MOST_POINTS: usize = 1500;
-/// What rows are where shafts take those of joints.
+/// Explanation of the rows if shafts replace joints.
 const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
      friction $\\tau_F$ and offsets $c$ in one weighted fit. Drives that act on several joints have rows of their own, which are named by \
      the drive: torque, position and speed are those of the motor's shaft.";
@@ -62,7 +62,7 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
     report.section(parameters(robot, found)).section(data(found))
 }
 
-/// What a row of the tables is.
+/// Noun of the rows of the tables.
 #[must_use]
 pub fn rows_are(found: &Identification) -> &'static str {
     if found.shafts.is_some() { "joint or shaft" } else { "joint" }

@@ -45,7 +45,7 @@ pub struct InterpretedRobot {
     free: Vec<f64>,
 }
 
-/// What may be decided about a described robot before it is identified.
+/// Choices about a described robot before identification.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RobotChoices {
     /// Names of joints that something else moves: logs have their motion, and not their forces.
@@ -184,7 +184,7 @@ fn input_matrix_at(model: &Model) -> Result<Option<Function>, Diagnostics> {
     Ok(derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?.into_iter().next())
 }
 
-/// B with zeros for so many more inputs.
+/// B with columns of zeros for `more` inputs.
 fn with_zero_columns(drives: &[f64], more: usize, model: &Model) -> Vec<f64> {
     let (n, m) = (model.coordinates.len(), model.inputs().count());
     let row = |i: usize| drives[i * m..(i + 1) * m].iter().copied().chain(std::iter::repeat_n(0.0, more));

@@ -84,7 +84,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// The body with so many digits more than the intervals support.
+    /// The body with `digits` digits more than the intervals support.
     fn written(&self, digits: i32) -> BodyValues {
         if digits >= MOST_DIGITS {
             return self.body.clone();
@@ -106,7 +106,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// By how much the digits change the parameters of the link.
+    /// Change of the link's parameters by rounding to `digits`.
     fn change(&self, digits: i32) -> Vec<f64> {
         let [before, after] = [self.body.parameters(), self.written(digits).parameters()];
         after.iter().zip(before).map(|(after, before)| after - before).collect()

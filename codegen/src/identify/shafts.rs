@@ -84,7 +84,7 @@ pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<
     Some(format!("[[joints]]\nname = {}\n{friction}\n", toml_text(&joint.name)))
 }
 
-/// What was identified of a drive that is described by itself.
+/// Identified values of a drive that has its own table in the description.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedShaft<'a> {
     /// Name of the drive.

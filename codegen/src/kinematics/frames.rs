@@ -133,7 +133,7 @@ fn chain_place(model: &Model, described: &DescribedBody<'_>, index: usize) -> Op
     quaternion::chain_place(model, described.joint, index)
 }
 
-/// What positions with a quaternion do before a body: the first of its chain.
+/// Displacement of the first body of a chain by positions with a quaternion.
 fn displaced<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -150,7 +150,7 @@ fn joint<'m>(model: &'m Model, described: &DescribedBody<'_>) -> &'m model::Join
     model.links[described.link].joint.as_ref().expect("a moving body has a joint")
 }
 
-/// The name of a body's joint; its slide is told apart.
+/// The name of a body's joint; its slide has another name.
 fn name(model: &Model, described: &DescribedBody<'_>) -> String {
     let name = &joint(model, described).name;
     match described.is_screw_slide {
@@ -159,7 +159,7 @@ fn name(model: &Model, described: &DescribedBody<'_>) -> String {
     }
 }
 
-/// What labels the values of a body.
+/// Label of the values of a body.
 fn identifier(model: &Model, described: &DescribedBody<'_>) -> String {
     let identifier = &joint(model, described).identifier;
     match described.is_screw_slide {

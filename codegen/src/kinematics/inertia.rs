@@ -1,4 +1,4 @@
-//! What of the moments of mass may move towards the base.
+//! Moments of mass that can be moved towards the base without changing the equations.
 
 use super::joint::JointAxis;
 use super::lower::lower;
@@ -118,7 +118,7 @@ fn shared_with<'g>(body: &Body<Scalar<'g>>, choice: RegroupChoice, child: usize)
     (body.axis == JointAxis::Revolute).then_some(Shared { child, in_parent, component })
 }
 
-/// The masses that balance a first moment; `None` where levers are no constants, or where digits would be lost.
+/// The masses that balance a first moment; `None` where levers are not constants, or where digits would be lost.
 fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option<Vec<f64>> {
     let row = |component: usize| -> Option<Vec<f64>> {
         let levers = shared.iter().map(|each| each.in_parent.first[component].value());

@@ -1,4 +1,4 @@
-//! What descriptions write, as scalars of a graph.
+//! Numbers of descriptions as scalars of a graph.
 
 use nalgebra::Matrix3;
 

@@ -74,7 +74,7 @@ pub struct Body<S> {
 /// A rotor: an evenly shaped body that turns about its axis, relative to the body that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor<S> {
-    /// What its drive moves: a coordinate, or the sum of several.
+    /// Motion that its drive actuates: a coordinate, or the sum of several.
     pub transmission: Transmission<S>,
     /// Gear ratio i: turns of the rotor for a unit of that motion.
     pub ratio: S,
@@ -165,7 +165,8 @@ impl<S: Numbers> Mechanism<S> {
 }
 
 impl<S> Body<S> {
-    /// What labels its motion and forces: the joint; that of a joint with a quaternion without the velocity.
+    /// Label of its motion and forces: the joint's name; for a joint with a quaternion without the
+    /// velocity's.
     pub fn label(&self) -> &str {
         let whole = self.chain.and(self.identifier.rsplit_once('_'));
         whole.map_or(self.identifier.as_str(), |(joint, _)| joint)
@@ -304,7 +305,7 @@ impl<'g> Mechanism<Scalar<'g>> {
     }
 }
 
-/// What sums of lengths differ by that are the same but for rounding (m).
+/// Largest difference of sums of lengths that are equal up to rounding (m).
 const SAME_LEVER: f64 = 1e-15;
 
 /// `x / unit`, exact where both are the same constant.

@@ -46,7 +46,7 @@ pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
     Pose { rotation: Matrix3::from_columns(&columns), ..Pose::identity(graph) }
 }
 
-/// What the positions of a joint do before the first body of its chain.
+/// Displacement of the first body of a joint's chain by the joint's positions.
 pub(super) struct Displaced<'g> {
     /// Rotation between the frames of that body without and with the positions.
     pub attitude: Attitude<Scalar<'g>>,

@@ -50,7 +50,7 @@ impl<S: Copy> Transmission<S> {
 }
 
 impl<'g> Transmission<Scalar<'g>> {
-    /// So many times the motion.
+    /// The motion times `ratio`.
     pub fn scaled(self, ratio: Scalar<'g>) -> Self {
         let term = |term: Followed<Scalar<'g>>| Followed { ratio: term.ratio * ratio, ..term };
         Self { terms: self.terms.into_iter().map(term).collect() }

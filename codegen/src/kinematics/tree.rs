@@ -121,7 +121,7 @@ impl<'g> DescribedTree<'g> {
     }
 }
 
-/// What a joint at `position` does to its link.
+/// Displacement of a link by its joint at `position`.
 fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> Pose<Scalar<'g>> {
     let mut pose = Pose::identity(graph);
     for (motion, rate) in JointAxis::of(joint.kind) {

@@ -9,7 +9,7 @@ use crate::layout::Dimension;
 use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
 use gelenk_formula::Formula;
 
-/// Names of all constants that a module can have beside those of its functions.
+/// Names of all constants that a module can have, except those of its functions.
 pub const NAMES: [&str; 47] = [
     "NY",
     "JOINTS",
@@ -315,7 +315,7 @@ fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
     nominal.into_iter().chain(peak).chain(ranges).collect()
 }
 
-/// What magnitudes do not say, where inputs act at frames.
+/// Ranges of inputs, which magnitudes do not determine if inputs act at frames.
 fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Constant> {
     if model.force_inputs.is_empty() {
         return None;
@@ -329,7 +329,7 @@ fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Consta
     Some(constant("INPUT_RANGES", summary, ConstantValue::Ranges(Dimension::Inputs, ranges)))
 }
 
-/// What motors give less the faster they turn, by input. Nothing where no motor has a line.
+/// Torque–speed lines of the motors, by input; `None` if no motor has a line.
 fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
     let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     let lines = model.limited_inputs(&described);

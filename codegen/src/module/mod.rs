@@ -1,4 +1,4 @@
-//! What is emitted: a robot's module as a plain value, between derivation and printing.
+//! Module: the plain value between derivation and printing.
 //!
 //! A printer takes a [`Module`] and its own options alone. It asks no [`Model`] and derives nothing.
 
@@ -114,7 +114,7 @@ impl Module {
 
 impl ComposedFunction {
     fn new(model: &Model, functions: &[Function], composition: Composition) -> Self {
-        // What the texts for quaternions do beside their calls is not counted.
+        // Operations of the texts for quaternions are not counted, except their calls.
         let cost = composition.cost_in(model, functions).filter(|_| model.quaternion_joints.is_empty());
         let calls = match composition.call_count(model.options.substeps.unwrap_or(1)) {
             1 => "one call".to_owned(),

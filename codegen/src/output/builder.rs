@@ -73,7 +73,7 @@ impl Builder {
         self
     }
 
-    /// Takes angles within so many radians of a multiple of 90° for it.
+    /// Snaps angles within this distance [rad] of a multiple of 90° to it.
     #[must_use]
     pub fn snap_angles(mut self, radians: f64) -> Self {
         self.options.snap_angles = Some(radians);
@@ -153,7 +153,7 @@ impl Builder {
         self
     }
 
-    /// Generates functions of up to so many operations, instead of
+    /// Sets the largest number of operations of a generated function, by default
     /// [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS).
     #[must_use]
     pub fn max_operations(mut self, count: usize) -> Self {

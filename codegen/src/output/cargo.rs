@@ -1,4 +1,4 @@
-//! What a build script asks of Cargo, and says to it.
+//! Messages of a build script to Cargo.
 
 use std::path::Path;
 

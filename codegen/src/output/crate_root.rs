@@ -29,7 +29,7 @@ pub(super) fn begins_with(path: &Path, expected: &str) -> bool {
     read.is_ok() && start == expected.as_bytes()
 }
 
-/// What the root of a crate begins with.
+/// Head of the crate's root.
 const ROOT: &str = "//! The robots of `models/` as generated Rust: plain functions on fixed-size arrays.\n\
     //!\n\
     //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.\n";

@@ -1,4 +1,5 @@
-//! What `include_model!` finds in `$OUT_DIR`: the modules, their documentation, and a list of their names.
+//! Output of a build script in `$OUT_DIR` for `include_model!`: the modules, their documentation, and a list
+//! of their names.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -118,8 +119,8 @@ fn list(modules: &[(String, PathBuf)]) -> String {
     )
 }
 
-/// What the files of this build script begin with, and no others: what a build script has made by the program
-/// stays.
+/// Head that marks a file of this build script. Files with other heads are kept, such as those of a build
+/// script that calls the program.
 fn header() -> String {
     format!("{FIRST_LINE}\n//\n//     {}\n", cargo::command())
 }

@@ -1,4 +1,4 @@
-//! What a program costs: its operations, counted as robotics papers count them.
+//! Cost of a program: its operations, counted as in the robotics literature.
 
 use core::fmt;
 

@@ -164,7 +164,7 @@ impl Rewriting {
         self.places[index] = self.push(instruction.name.clone(), operation);
     }
 
-    /// A negation costs nothing beside a fused operation: processors have all four signs.
+    /// A negation is free in a fused operation: processors have all four signs.
     fn negative(&mut self, operand: Operand) -> Operand {
         let stem = match operand {
             Operand::Constant(number) => return Operand::Constant(-number),

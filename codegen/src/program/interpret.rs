@@ -100,7 +100,7 @@ struct State<'a> {
     inputs: &'a [&'a [f64]],
     parameters: &'a [f64],
     values: Vec<f64>,
-    /// Cosines made beside a sine: index of its `SinCos`, value; in ascending order.
+    /// Cosines computed with a sine: index of its `SinCos`, value; in ascending order.
     cosines: Vec<(usize, f64)>,
 }
 

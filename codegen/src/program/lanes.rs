@@ -115,7 +115,7 @@ fn is_arithmetic(program: &Program, index: usize) -> bool {
     !is_trigonometric(program, index) && !matches!(program.instructions[index].operation, Operation::Call(..))
 }
 
-/// What `roots` need, through the instructions that may be passed.
+/// Instructions that `roots` depend on, through instructions that `passes` admits.
 fn needed(
     program: &Program,
     roots: impl Iterator<Item = Operand>,

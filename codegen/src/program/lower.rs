@@ -204,7 +204,7 @@ impl<'g> Lowering<'g> {
         self.values[edge.index()] = Some(value);
     }
 
-    /// Our function makes both at the price of one, so that there is no call for one alone.
+    /// Our function makes both at the price of one, so one alone has no function.
     fn sine_and_cosine(&mut self, angle: Edge) {
         let operand = self.signed(angle);
         let pair = self.instructions.len();

@@ -24,15 +24,15 @@ pub struct Symbol {
     pub name: String,
     /// Its value in LaTeX.
     pub value: String,
-    /// What it stands for.
+    /// Meaning.
     pub meaning: String,
 }
 
-/// So many abbreviations are shown at once; more are folded away.
+/// Largest number of abbreviations shown at once; more are folded away.
 const MOST_OPEN: usize = 60;
-/// So many are typeset at all; a browser needs seconds for tens of thousands.
+/// Largest number of typeset abbreviations; a browser needs seconds for tens of thousands.
 const MOST: usize = 1_500;
-/// So many letters stand on one line of a printed page.
+/// Letters on one line of a printed page.
 const LETTERS: usize = 85;
 
 /// The equations of motion and what their letters are.

@@ -1,4 +1,4 @@
-//! What moves with coordinates and has friction or springs of its own.
+//! Joints and shafts that move with coordinates and have friction or springs of their own.
 
 use gelenk_report::{Cell, Inline, Table};
 
@@ -57,7 +57,7 @@ impl Following<'_> {
         self.follows.iter().any(|term| term.coordinate == coordinate)
     }
 
-    /// What its position and its velocity are called.
+    /// Symbols of its position and velocity.
     pub(super) fn motion(&self) -> Motion {
         Motion::numbered('z', self.number)
     }

@@ -43,7 +43,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
     Ok(Some(section))
 }
 
-/// What follows with friction, and its laws.
+/// Joints and shafts that follow and have friction, with their laws.
 fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
     let laws = following
         .iter()

@@ -25,14 +25,14 @@ use std::ops::Range;
 
 pub use equations::{ClosedForm, Symbol};
 
-/// What a page is made of.
+/// Contents of a page.
 #[derive(Debug, Clone, Copy)]
 pub struct Contents<'a> {
     /// The robot.
     pub model: &'a Model,
     /// All its functions.
     pub functions: &'a [Function],
-    /// What is worth knowing about the description.
+    /// Notes on the description.
     pub notes: &'a Diagnostics,
     /// Closed forms, or why there are none, as text with marks.
     pub closed_form: Result<&'a ClosedForm, &'a str>,
@@ -99,7 +99,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .block(Block::Tree(scene))
 }
 
-/// What the argument of the driven joints is.
+/// Meaning of the argument of driven joints.
 fn driven(robot: &Robot<'_>) -> Option<String> {
     let joints = robot.model.driven_joints().enumerate();
     let names: Vec<String> =
@@ -177,7 +177,7 @@ fn self_check_section(robot: &Robot<'_>) -> Section {
         .block(Block::Claims(self_check::claims(robot)))
 }
 
-/// What the rows and sliders of a joint with a quaternion mean.
+/// Meaning of the rows and sliders of a joint with a quaternion.
 fn quaternions(robot: &Robot<'_>) -> Vec<String> {
     let joint = |joint: &QuaternionJoint| {
         let Range { start, end } = joint.coordinates();
@@ -314,7 +314,7 @@ mod tests {
         assert_eq!(friction::friction_figure(&robot, &[]).unwrap().plots.len(), 2);
     }
 
-    /// A slide of a ton that carries a needle: eigenvalues of kg beside kg m² say nothing.
+    /// A slide of a ton that carries a needle: eigenvalues that mix kg and kg m² say nothing.
     #[test]
     fn masses_and_inertias_are_not_compared() {
         let needle = ARM.replace("mass = 2", "mass = 1000");

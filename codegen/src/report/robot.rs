@@ -34,8 +34,8 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// What a coordinate is called: as the position of its joint, or as its velocity where the joint has a quaternion.
-    /// Driven joints stand behind the coordinates.
+    /// Symbol of a coordinate: the position of its joint, or the velocity if the joint has a quaternion.
+    /// Driven joints follow the coordinates.
     pub(super) fn named(&self, coordinate: usize) -> SceneSymbol {
         match coordinate.checked_sub(self.n()) {
             Some(driven) => SceneSymbol::Driven(driven),
@@ -55,7 +55,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// What the position and the velocity of a coordinate are called.
+    /// Symbols of the position and the velocity of a coordinate.
     pub(super) fn motion(&self, coordinate: usize) -> Motion {
         Motion { letter: 'y', position: self.model.first_position(coordinate) + 1, velocity: coordinate + 1 }
     }

@@ -38,7 +38,7 @@ pub(super) fn scene(robot: &Robot<'_>) -> Scene {
     }
 }
 
-/// What acts between two frames; a cylinder with a law of its own is drawn once.
+/// Force elements between two frames; a cylinder with a law of its own is drawn once.
 fn rods(robot: &Robot<'_>) -> Vec<SceneRod> {
     let model = robot.model;
     let pulls = model.force_inputs.iter().filter_map(|input| match &input.effect {

@@ -39,7 +39,7 @@ fn laws(robot: &Robot<'_>) -> Vec<String> {
     sprung.map(law).collect()
 }
 
-/// What follows with springs, and their laws.
+/// Joints and shafts that follow and have springs, with their laws.
 fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
     let law = |one: &Following<'_>| {
         let forces = formula::sum(one.springs, &robot.parameter_names, one.motion());

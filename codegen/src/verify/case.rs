@@ -20,7 +20,7 @@ pub struct Case<'m, T> {
     pub lambda: Vec<T>,
 }
 
-/// What a derivative is taken by.
+/// Variable of a derivative.
 #[derive(Clone, Copy)]
 pub enum By {
     /// Small motions along ⊕.

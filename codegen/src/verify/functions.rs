@@ -242,7 +242,7 @@ fn twist<T: Number>(case: &Case<'_, T>, at: &Attachment, j: usize) -> Vec<T> {
     space::add(link.velocity, space::cross(link.spin, arm)).into_iter().chain(link.spin).collect()
 }
 
-/// What passes through the joints, in the frames of their links.
+/// Wrenches through the joints, in the frames of their links.
 fn joint_wrenches<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let rates = [&case.v[..], &case.a[..]];
     let links = case.links_in(rates, case.robot.gravity());

@@ -36,7 +36,7 @@ fn a_page_and_its_numbers_are_written() {
     assert_eq!(first, fs::read_to_string(folder.path().join("again/index.html")).unwrap());
 }
 
-/// What others refuse is said, and so is what is written in any case.
+/// Losses in other formats are reported, and so is each written file.
 #[test]
 fn a_ball_in_a_urdf_is_refused_by_others() {
     let folder = tempfile::tempdir().unwrap();
@@ -62,7 +62,7 @@ fn a_page_that_cannot_be_written_ends_with_1() {
     assert!(!folder.path().join("report").exists());
 }
 
-/// What was read, and what was not generated, is never written over.
+/// Input files and files that gelenk did not generate are never overwritten.
 #[test]
 fn descriptions_and_foreign_files_are_kept() {
     let folder = tempfile::tempdir().unwrap();

@@ -37,7 +37,7 @@ center_of_mass = [0, 0, 0.2]
 inertia = [0.05, 0.05, 0.005]
 "#;
 
-/// What the arm really is.
+/// True parameters of the arm.
 const TRUTH: &str = r#"
 name = "truth"
 extends = "arm.toml"

@@ -91,7 +91,7 @@ fn closed_forms_say_what_they_need() {
     insta::assert_snapshot!(shown(&output));
 }
 
-/// What stands in front of a derivation, with the numbers of a real arm.
+/// The mechanism before derivation, with the numbers of a real arm.
 #[test]
 fn mechanism_of_the_powercube() {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
@@ -125,7 +125,7 @@ fn mechanism_of_the_satellite() {
     assert_eq!(json[4]["velocities"], serde_json::json!([10, 12]));
 }
 
-/// What has no counts is named with what it calls.
+/// Functions without counts are listed with the functions they call.
 #[test]
 fn counts_of_the_satellite_say_what_is_not_counted() {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");

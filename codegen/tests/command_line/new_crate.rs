@@ -82,7 +82,8 @@ fn a_new_crate_has_the_robot_of_an_mjcf() {
     }
 }
 
-/// What nothing moves is no robot for a simulation, and a file elsewhere has no place in the crate.
+/// A model without inputs is rejected for a simulation, and a file outside the folder cannot be copied into
+/// the crate.
 #[test]
 fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     let folder = tempfile::tempdir().unwrap();
@@ -110,7 +111,7 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     }
 }
 
-/// Whoever forgets `--base floating` is told, and gets the crate.
+/// A message reports a missing `--base floating`, and the crate is written.
 #[test]
 fn a_new_crate_of_a_legged_robot_on_a_fixed_base_is_noted() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,7 +125,8 @@ fn a_new_crate_of_a_legged_robot_on_a_fixed_base_is_noted() {
     assert!(made.stderr.is_empty(), "{}", shown(&made));
 }
 
-/// With a free base the description says so, and its hints make propellers of the links that turn on it about its z.
+/// The new description states the free base, and its comments suggest propellers for links that turn on the
+/// base about its z.
 #[test]
 fn a_new_crate_has_a_robot_that_floats() {
     let folder = tempfile::tempdir().unwrap();

@@ -119,13 +119,13 @@ impl Wrist {
         Described::read(self.at(name))
     }
 
-    /// What `gelenk identify` prints of the log.
+    /// Output of `gelenk identify` for the log.
     pub(crate) fn identify(&self, output: &str, options: &[&str]) -> String {
         let command = ["arm.toml", "log.csv", "--effort", "input", "--output", output];
         self.gelenk(&[&command[..], options].concat())
     }
 
-    /// What `gelenk identify` prints.
+    /// Output of `gelenk identify`.
     pub(crate) fn gelenk(&self, arguments: &[&str]) -> String {
         let (succeeds, text) = self.run(arguments);
         assert!(succeeds, "{text}");

@@ -108,7 +108,7 @@ fn data(random: &Random, robot: &InterpretedRobot) -> (PreparedRun, DMatrix<f64>
         }
     }
     let [positions, velocities, accelerations, torques_of_rows] = <[_; 4]>::try_from(signals).unwrap();
-    // The first input is the force at the first joint, whose row has what is left beside the second drive's.
+    // The first input is the force at the first joint, whose row has the remainder without the second drive's.
     let efforts = torques_of_rows;
     let run = PreparedRun {
         name: "random".into(),

@@ -9,7 +9,7 @@ mod shafts;
 
 use described::{Wrist, differences};
 
-/// What the arm of `models/` really is, with friction on its joints.
+/// True parameters of the arm of `models/`, with friction on its joints.
 const TRUTH: &str = r#"
 name = "truth"
 extends = "arm.toml"

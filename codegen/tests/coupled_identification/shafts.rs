@@ -6,8 +6,8 @@ use gelenk_codegen::model::Model;
 
 use super::described::{Described, Wrist, differences, motion, sines};
 
-/// What the arm of `models/` really is, with friction on its motors' shafts beside that of the joints' bearings, which
-/// is as described.
+/// True parameters of the arm of `models/`, with friction on its motors' shafts; friction of the bearings is
+/// as described.
 const TRUTH: &str = r#"
 name = "truth"
 extends = "arm.toml"
@@ -123,7 +123,8 @@ fn a_shaft_that_never_turns_is_named_and_stays_as_described() {
     assert!(!has_friction(&found.1, "left_motor") && has_friction(&found.1, "right_motor"));
 }
 
-/// What the arm of six joints really is: friction of joint 5 is that of its own motor, and motor 6 brakes both joints.
+/// True parameters of the arm of six joints: friction of joint 5 is that of its own motor, and motor 6 brakes
+/// both joints.
 const COUPLED_WRIST: &str = r#"
 name = "truth"
 extends = "arm.toml"

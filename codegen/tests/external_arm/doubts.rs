@@ -1,4 +1,4 @@
-//! What a log has wrong is told, and what is told helps.
+//! Defects of a log are reported with a remedy that works.
 
 use super::{Arm, RIGHT, Recorded};
 use std::fs;

@@ -1,4 +1,4 @@
-//! An arm that is no model of the project, identified by the command line: with a load in its hand, in currents, and with
+//! An arm that is not a model of the project, identified by the command line: with a load in its hand, in currents, and with
 //! chosen terms of friction.
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
@@ -59,7 +59,7 @@ center_of_mass = [0.2, 0, 0]
 inertia = [0.01, 0.06, 0.06]
 "#;
 
-/// What hangs on it.
+/// The load.
 const LOADED: &str = r#"
 extends = "arm.toml"
 
@@ -84,7 +84,7 @@ struct Recorded {
     factors: [f64; 3],
     /// How much later than positions efforts come [s].
     delay: f64,
-    /// Friction of the first joint beside its viscous and Coulomb friction.
+    /// Friction of the first joint in addition to its viscous and Coulomb friction.
     turn: fn(f64) -> f64,
     /// Position of the last joint if it rests.
     resting: Option<f64>,
@@ -167,7 +167,7 @@ impl Arm {
         fs::write(self.at(log), text).unwrap();
     }
 
-    /// What the command says where it refuses.
+    /// Error message of a command that fails.
     fn refuses(&self, arguments: &[&str]) -> String {
         let done = self.run(arguments);
         let said = String::from_utf8(done.stderr).unwrap();
@@ -181,7 +181,7 @@ impl Arm {
         command.arg("identify").args(arguments).current_dir(self.0.path()).output().unwrap()
     }
 
-    /// What the command prints for programs.
+    /// JSON output of the command.
     fn identify(&self, arguments: &[&str]) -> Value {
         let done = self.run(&[&["arm.toml", "--format", "json"], arguments].concat());
         let said = String::from_utf8_lossy(&done.stderr);
@@ -230,7 +230,7 @@ fn a_load_is_found_from_logs_without_and_with_it() {
         assert!((written - truth).abs() < 0.03, "{written} {truth}");
     }
     assert!(fs::read_to_string(arm.at("found.toml")).unwrap().contains("name = \"payload\""));
-    // Once more beside it: no body is replaced.
+    // Once more next to it: no body is replaced.
     let again = ["found.toml", "without.csv", "--payload", "with.csv", "--output", "again.toml"];
     let mut command = Command::new(env!("CARGO_BIN_EXE_gelenk"));
     let done = command.arg("identify").args(again).current_dir(arm.0.path()).output().unwrap();
@@ -362,7 +362,7 @@ fn efforts_that_come_early_are_moved() {
     assert!(
         String::from_utf8(done.stdout).unwrap().contains("ms before the positions; this delay is removed")
     );
-    // Where it is told wrong, the remedy is named.
+    // If it is stated wrong, the remedy is named.
     let said = arm.identify(&["log.csv", "--delay", "0", "--output", "found.toml"]);
     assert!(said["warnings"].to_string().contains("give the whole delay with --delay SECONDS"), "{said:#}");
 }

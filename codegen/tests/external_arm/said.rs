@@ -1,4 +1,4 @@
-//! What the command says of logs in other styles: columns, numbers, and doubts about what was taken.
+//! Messages about logs in other styles: columns, numbers, and doubtful choices.
 
 use super::{Arm, RIGHT, Recorded, number};
 use std::fs;

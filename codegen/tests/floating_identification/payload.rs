@@ -1,4 +1,4 @@
-//! What a robot carries, from logs without and with it, where a base flies and its rows have no sensor.
+//! Payload identification from logs without and with the load, for a flying base whose rows have no sensor.
 
 use std::fs;
 use std::process::Command;

@@ -20,7 +20,7 @@ pub struct Body {
     pub inertia: Matrix3<f64>,
 }
 
-/// What the quadrotor of `models/` really is: it carries a camera.
+/// True parameters of the quadrotor of `models/`: it carries a camera.
 pub fn truth() -> Body {
     let (mass, center) = (1.9, Vector3::new(0.012, -0.006, -0.015));
     let own = Matrix3::from_diagonal(&Vector3::new(0.034, 0.037, 0.06));

@@ -19,7 +19,7 @@ const FEET: [&str; 4] = ["FL_foot", "FR_foot", "RL_foot", "RR_foot"];
 /// Rows of a log for each second.
 const RATE: f64 = 400.0;
 
-/// What the Go2 of `models/` really is: its trunk carries a load, one thigh is heavier and one lighter.
+/// True parameters of the Go2 of `models/`: its trunk carries a load, one thigh is heavier and one lighter.
 const TRUTH: &str = r#"
 name = "truth"
 extends = "feet.toml"
@@ -153,8 +153,8 @@ fn header(robot: &InterpretedRobot, torques: bool) -> String {
     header + "\n"
 }
 
-/// What a fit says of the forces in the rows of the base along another motion, relative to their size: as described and as
-/// estimated.
+/// Errors of the forces in the rows of the base along another motion, relative to their size: as described
+/// and as estimated.
 fn base_errors(described: &InterpretedRobot, truth: &InterpretedRobot, found: &Estimate) -> [f64; 2] {
     let values: Vec<f64> = found.parameters.iter().map(|parameter| parameter.value).collect();
     let [mut before, mut after, mut size] = [0.0; 3];

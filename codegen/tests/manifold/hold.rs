@@ -17,7 +17,8 @@ fn times(a: &Whole, b: &Whole) -> Whole {
     core::array::from_fn(|i| core::array::from_fn(|j| (0..SIZE).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// By halving the time 30 times and a Taylor polynomial of degree 3 of `exp − 1`, squared back.
+/// Matrix exponential minus 1: a Taylor polynomial of degree 3 for the time halved 30 times, then squared
+/// back.
 fn exponential(matrix: &Whole, time: f64) -> Whole {
     let h = time / f64::from(1_u32 << 30);
     let a: Whole = matrix.map(|row| row.map(|entry| h * entry));

@@ -122,7 +122,7 @@ fn sensitivities_are_those_by_quotients_along_the_manifold() {
     }
 }
 
-/// A spherical joint beside two plain ones: a free rotor, and a pendulum whose acceleration depends on both.
+/// A spherical joint and two plain ones: a free rotor, and a pendulum whose acceleration depends on both.
 #[test]
 fn several_joints_have_sensitivities_too() {
     const MIXED: [usize; 3] = [1, 4, 1];

@@ -1,4 +1,4 @@
-//! What all experiments share.
+//! Types shared by all experiments.
 
 use gelenk_report::{Claim, Section};
 
@@ -25,10 +25,10 @@ impl Study {
 /// An experiment: a title for the terminal, and what runs it.
 pub type Experiment = (&'static str, fn(&Study) -> Outcome<Part>);
 
-/// What an experiment adds to the report.
+/// Contribution of an experiment to the report.
 pub struct Part {
     /// Its figures, tables and words.
     pub section: Section,
-    /// What follows for the paper's claims; shown together at the top.
+    /// Verdicts on the paper's claims; shown together at the top.
     pub claims: Vec<Claim>,
 }

@@ -33,7 +33,7 @@ const FREQUENCIES: [[f64; 2]; 2] = [[0.5, 1.5], [0.8, 2.4]];
 /// Noise: of the trunk's place [m] and attitude [rad], of the encoders [rad], of forces at the feet [N].
 const NOISE: [f64; 4] = [2e-4, 3e-4, 1e-4, 0.2];
 
-/// What the sensors say at one time.
+/// Measurements at one time.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured {
     pub y: [f64; NY],

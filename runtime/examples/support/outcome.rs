@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::process::ExitCode;
 
-/// What the parts of an example return.
+/// Result of the parts of an example.
 pub type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// Prints `error: …` with all causes, and is exit code 1 then.

@@ -34,7 +34,7 @@ pub(super) fn is_report(value: &Value) -> bool {
     }
 }
 
-/// Names of the CSV files that stand beside the data of a report.
+/// Names of the CSV files next to the data of a report.
 pub(super) fn tables(report: &Value) -> Vec<String> {
     let entries = |value: &Value, name: &str| value[name].as_array().cloned().unwrap_or_default();
     let mut names = Vec::new();
@@ -103,7 +103,7 @@ fn cell_json(cell: &Cell) -> Value {
     }
 }
 
-/// JSON knows no infinity and no NaN: they are told as text.
+/// JSON knows no infinity and no NaN: they are written as text.
 fn number_json(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }

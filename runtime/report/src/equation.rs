@@ -24,7 +24,7 @@ impl Equation {
     }
 
     /// An equation on as many lines as it needs: broken before signs of its outermost sum where a line would
-    /// hold more than so many letters. Pages scroll wide equations, paper does not.
+    /// hold more than `letters` letters. Pages scroll wide equations, paper does not.
     ///
     /// # Errors
     /// [`ReportError::Equation`] where `latex` cannot be set.

@@ -59,7 +59,7 @@ fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result
     let Ok(found) = fs::metadata(&path) else {
         return Ok(());
     };
-    // Whatever is no file is refused when its place is taken.
+    // Whatever is not a file is refused when its place is taken.
     if !found.is_file() || found.len() == 0 {
         return Ok(());
     }

@@ -1,4 +1,4 @@
-//! What stands in a line: text, equations and code.
+//! Inline content: text, equations and code.
 
 /// A part of a line.
 #[derive(Debug, Clone, PartialEq)]

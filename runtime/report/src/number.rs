@@ -1,9 +1,9 @@
 //! Numbers for people: rounded, with a real minus sign and powers of ten.
 
-/// So many digits are shown where nothing else is asked for.
+/// Default number of digits.
 pub(super) const DIGITS: usize = 4;
 
-/// `value` with so many significant digits; zeros at the end of a fraction stay, because they were measured.
+/// `value` with `digits` significant digits; zeros at the end of a fraction stay, because they were measured.
 pub(super) fn rounded(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return unusual(value);
@@ -27,7 +27,7 @@ pub(super) fn rounded(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// So many digits of a described number are shown; the data hold all.
+/// Largest number of digits shown of a described number; the data hold all.
 const MOST_DIGITS: usize = 9;
 
 /// `value` as described: its own digits, or the first ones of a number that has many.

@@ -11,7 +11,7 @@ impl Report {
     /// The page: one self-contained HTML file.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] where an equation is no LaTeX that can be set, [`ReportError::Plot`] where a
+    /// [`ReportError::Equation`] where an equation is not LaTeX that can be set, [`ReportError::Plot`] where a
     /// figure has values that cannot be drawn, [`ReportError::SameId`] where two parts share an identifier.
     pub fn html(&self) -> Result<String, ReportError> {
         self.check_ids()?;

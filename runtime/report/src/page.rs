@@ -380,7 +380,7 @@ fn scene_markup(scene: &Scene) -> Markup {
     }
 }
 
-/// The slider of a joint; those of a joint with a quaternion displace and turn its body, and are no coordinates.
+/// The slider of a joint; those of a joint with a quaternion displace and turn its body, and are not coordinates.
 fn slider(index: usize, symbol: SceneSymbol, joint: &SceneJoint) -> Markup {
     let [low, high] = joint.range();
     let letter = Some(symbol.letter()).filter(|_| !matches!(symbol, SceneSymbol::Velocity(_)));

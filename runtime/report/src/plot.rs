@@ -213,9 +213,9 @@ const SIZE: (u32, u32) = (600, 350);
 const SCALE: u32 = 8;
 /// More points than this on a curve are thinned: a page of a million circles helps nobody.
 const MOST_POINTS: usize = 3_000;
-/// Up to so many points are drawn large.
+/// Largest number of points that are drawn large.
 const FEW_POINTS: usize = 20;
-/// Curves are told apart by so many colours.
+/// Number of colours of curves.
 pub(super) const COLOURS: usize = 6;
 
 // Stand-ins, which become the page's own colours.

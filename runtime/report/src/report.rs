@@ -11,7 +11,7 @@ pub struct Report {
     pub title: String,
     /// A sentence or two below the title.
     pub lead: Vec<Inline>,
-    /// Small facts beside the title: name and value.
+    /// Small facts next to the title: name and value.
     pub facts: Vec<(String, String)>,
     /// The body.
     pub sections: Vec<Section>,
@@ -33,7 +33,7 @@ impl Report {
         self
     }
 
-    /// Adds a fact beside the title.
+    /// Adds a fact next to the title.
     #[must_use]
     pub fn fact(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
         self.facts.push((name.into(), value.into()));

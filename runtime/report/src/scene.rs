@@ -13,7 +13,7 @@ pub struct Scene {
     pub gravity: [f64; 3],
     /// Joints, each with the link that it carries; parents stand before their children.
     pub joints: Vec<SceneJoint>,
-    /// What the coordinates are called, in their order.
+    /// Symbols of the coordinates, in their order.
     pub symbols: Vec<SceneSymbol>,
     /// Bodies on the links.
     pub bodies: Vec<SceneBody>,
@@ -23,7 +23,7 @@ pub struct Scene {
     pub rods: Vec<SceneRod>,
 }
 
-/// What a coordinate is called; numbers count from 0.
+/// Symbol of a coordinate; numbers count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SceneSymbol {
     /// The position yᵢ.
@@ -70,7 +70,7 @@ pub struct SceneJoint {
     pub rotation: [[f64; 3]; 3],
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
-    /// What it does where it moves.
+    /// Kind of motion.
     pub kind: SceneKind,
     /// Whether it moves.
     pub motion: SceneMotion,
@@ -80,7 +80,7 @@ pub struct SceneJoint {
     pub input: Option<String>,
 }
 
-/// What a joint does along its axis.
+/// Motion of a joint along its axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SceneKind {
     /// It turns about the axis.
@@ -179,7 +179,7 @@ impl Scene {
         moving.into_iter().map(|(_, joint)| joint).collect()
     }
 
-    /// What a coordinate is called; its position where nothing is said.
+    /// Symbol of a coordinate; its position if none is given.
     pub(super) fn symbol(&self, coordinate: usize) -> SceneSymbol {
         self.symbols.get(coordinate).copied().unwrap_or(SceneSymbol::Position(coordinate))
     }

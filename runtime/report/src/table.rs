@@ -38,7 +38,7 @@ pub enum Cell {
     Code(String),
     /// A line with equations.
     Line(Vec<Inline>),
-    /// A measured number, shown with so many significant digits.
+    /// A measured number, with its number of significant digits.
     Rounded(f64, usize),
     /// A described number, shown with its own digits, up to nine.
     Exact(f64),

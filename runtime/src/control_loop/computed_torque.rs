@@ -76,7 +76,7 @@ pub enum ComputedTorqueError {
 /// ```
 ///
 /// for ÿ above. Then w − v obeys `d/dt (w − v) = −K_d (w − v) − K_p e`. Where w − v is parallel to e at the start, and so
-/// from rest beside a motion that begins at rest, e decays along one axis like the errors of the other joints, given gains that
+/// from rest near a motion that begins at rest, e decays along one axis like the errors of the other joints, given gains that
 /// are equal for the entries of a joint; from elsewhere an attitude decays too, unless it is 180° off (Bullo and Murray,
 /// "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
 ///

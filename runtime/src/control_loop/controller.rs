@@ -1,4 +1,4 @@
-//! What the loop asks of a controller.
+//! Interface between loop and controller.
 
 use crate::dynamics::{AttitudeError, Named};
 use thiserror::Error;
@@ -66,10 +66,10 @@ pub enum ControllerFault {
     /// A joint of the model is too fast to be predicted over a period.
     #[error("{0}")]
     TooFast(TooFast),
-    /// A measured quaternion is no attitude.
+    /// A measured quaternion is not an attitude.
     #[error("a measurement cannot be: {0}")]
     Attitude(AttitudeError),
-    /// So many periods went by since the last step that a prediction over them is worth nothing.
+    /// Too many periods went by since the last step for a prediction.
     #[error("{periods} periods went by since the last step, too many to predict over")]
     Stalled {
         /// How many.

@@ -1,4 +1,5 @@
-//! What the loop decides in a period: whether to believe, whom to follow, when to stop.
+//! Decisions of the loop in a period: whether to accept a measurement, which controller to follow, when to
+//! stop.
 
 use super::controller::{Controller, ControllerFault, Cycle};
 use super::guard::EncoderFault;
@@ -159,7 +160,7 @@ where
             Ok(_) => ControllerFault::NotFinite,
             Err(fault) => fault,
         };
-        // A lost reading is no fault of the controller, and has its own limit.
+        // A lost reading is not a fault of the controller, and has its own limit.
         let lost = measured.is_none() && fault == ControllerFault::NoMeasurement;
         self.state.counts.controller_faults += u64::from(!lost);
         self.state.failures = self.state.failures.saturating_add(periods);

@@ -14,7 +14,7 @@ pub enum EncoderFault {
         /// Its name.
         name: &'static str,
     },
-    /// The quaternion of a joint is no attitude.
+    /// The quaternion of a joint is not an attitude.
     #[error("a reading cannot be: {0}")]
     Attitude(AttitudeError),
     /// Further from the last believed position than the joint can have moved.
@@ -124,7 +124,7 @@ impl<const N: usize> EncoderGuard<N> {
         }
     }
 
-    /// With these names of the joints in its faults.
+    /// Sets the names of the joints for its faults.
     #[must_use]
     pub fn with_names(mut self, names: [&'static str; N]) -> Self {
         self.names = names;
@@ -154,7 +154,7 @@ impl<const N: usize> EncoderGuard<N> {
         desired: &[f64; N],
     ) -> Result<(), EncoderFault> {
         for i in 0..N {
-            // NaN differs from itself and so counts as a change, as it should: it is no frozen encoder.
+            // NaN differs from itself and so counts as a change, as it should: it is not a frozen encoder.
             if reading[i] != self.last_reading[i] {
                 self.last_reading[i] = reading[i];
                 self.desired_at_change[i] = desired[i];
@@ -207,7 +207,7 @@ impl<const N: usize> EncoderGuard<N> {
             let slope = (reading[i] - self.believed[i]) / self.age;
             let difference = 0.5 * (before[i] + velocities[i]) - slope;
             let change = weight * (difference - self.mismatch[i]);
-            // A sensor's NaN is told at once; it must not stay.
+            // A sensor's NaN is reported at once; it must not stay.
             if change.is_finite() {
                 self.mismatch[i] += change;
             }

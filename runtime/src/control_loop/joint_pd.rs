@@ -55,7 +55,7 @@ pub enum JointPdError {
 /// ```
 ///
 /// with the [`FeedForward`] u_ff and its B⁺. What the model says is taken along the desired motion, so that
-/// noise of the measurement reaches the inputs through the gains alone. Beside it stands
+/// noise of the measurement reaches the inputs through the gains alone. An alternative is
 /// [`ComputedTorque`](super::ComputedTorque). Of robots with quaternions y_d − y is `y_d ⊖ y`, and v stands for ẏ.
 #[derive(Debug, Clone)]
 pub struct JointPd<D, const N: usize, const M: usize, const NY: usize = N> {

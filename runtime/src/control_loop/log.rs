@@ -186,7 +186,7 @@ fn write_all<const N: usize, const M: usize, const NY: usize>(
     }
 }
 
-/// What is measured beside positions.
+/// Measured quantities except positions.
 #[derive(Clone, Copy, Default)]
 struct Measures {
     velocities: bool,

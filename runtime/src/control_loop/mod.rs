@@ -3,7 +3,7 @@
 //! ```text
 //!        sleep until t_k = t_0 + k T, absolute; shortly before, the controller is computed once for the caches
 //!          │
-//!        read ── missing, NaN, jump, frozen, velocity beside position ──► n periods bridged, then brakes
+//!        read ── missing, NaN, jump, frozen, velocity unlike position ──► n periods bridged, then brakes
 //!          │
 //!        control ── fails ──► shifted plan ──► fallback law (joint PD) ──► controlled stop
 //!          │

@@ -138,7 +138,7 @@ pub(super) fn check_state<const N: usize, const M: usize>(
         }
     }
     check_dependent(settings.dependent_joints, [positions, &stopping], velocities, situation.dependent)?;
-    // An old position is no measure of the error.
+    // An old position is not a measure of the error.
     for joint in (0..N).filter(|_| situation.age == 0.0) {
         let (error, limit) = (situation.error[joint], settings.following_error[joint]);
         let within = error.abs() <= limit;

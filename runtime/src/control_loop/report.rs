@@ -1,4 +1,4 @@
-//! What the loop did, and why it ended.
+//! Record of a run, and the reason for its end.
 
 use super::controller::ControllerFault;
 use super::guard::EncoderFault;
@@ -191,9 +191,8 @@ pub struct Counts {
     pub latest_wake: Duration,
     /// Periods before which the controller was computed once for the caches.
     pub warm_ups: u64,
-    /// Of these, those that took longer than their time
-    /// ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)): at most one, since the loop then leaves
-    /// them out.
+    /// Warm-ups that took longer than their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)):
+    /// at most one, since the loop then leaves them out.
     pub late_warm_ups: u64,
 }
 

@@ -25,7 +25,7 @@ pub(super) enum Phase {
     Running,
     /// Slowing down on the path, then braking for this reason.
     Stopping(StopReason),
-    /// Asking for the brakes, for so many periods more at most.
+    /// Asking for the brakes, for at most `left` periods more.
     Braking { end: End, left: u32 },
     /// Over.
     Ended(End),
@@ -54,7 +54,7 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     /// Periods in a row in which nothing was written.
     pub unwritten: u64,
     pub brakes: Brakes,
-    /// Quantities that the robot measured beside positions at the start, and so has a column for in the log.
+    /// Quantities that the robot measured in addition to positions at the start, and so has a column for in the log.
     pub(super) measures: [bool; 2],
     /// False once a warm-up took longer than its time.
     pub(super) warms_up: bool,
@@ -101,7 +101,7 @@ where
     /// the controlled stop: usually a [`JointPd`](super::JointPd).
     ///
     /// # Errors
-    /// [`SettingError`] for settings out of their range, and for a trajectory whose duration is no number. It
+    /// [`SettingError`] for settings out of their range, and for a trajectory whose duration is not a number. It
     /// may be infinite: such a loop ends when it is asked to.
     pub fn new(
         settings: LoopSettings<N, M>,
@@ -361,8 +361,7 @@ where
         }
     }
 
-    /// What the log gets of quantity 0 (velocities) or 1 (torques): a value in every period, if the robot
-    /// measures it.
+    /// Logged value of quantity 0 (velocities) or 1 (torques): one in every period, if the robot measures it.
     fn logged(&self, quantity: usize, values: Option<[f64; N]>) -> Option<[f64; N]> {
         self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
     }

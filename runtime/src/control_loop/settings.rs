@@ -1,4 +1,4 @@
-//! What the loop is told before it runs.
+//! Settings of the loop.
 
 use super::guard::GuardSettings;
 use super::stage::{STAGES, Stage};
@@ -34,7 +34,7 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub position_limits: [[f64; 2]; N],
     /// Speeds at which the loop brakes [rad/s or m/s].
     pub speed_limit: [f64; N],
-    /// Joints that follow coordinates, whose limits hold beside `position_limits` and `speed_limit`, the speeds times
+    /// Joints that follow coordinates, whose limits apply in addition to `position_limits` and `speed_limit`, the speeds times
     /// [`SPEED_MARGIN`].
     pub dependent_joints: &'static [DependentJoint<N>],
     /// Deceleration that the brakes are sure to reach [rad/s² or m/s²]: the loop brakes where the robot would

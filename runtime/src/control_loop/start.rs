@@ -46,7 +46,7 @@ where
             .map_err(Refusal::Limit)?;
         let start = Unrolled::at(self.trajectory.sample(0.0).positions, &self.fallback);
         let way = self.fallback.difference(&start.positions, &positions);
-        // What is told of a joint with a quaternion is how far it is from the start.
+        // The report on a joint with a quaternion has its distance from the start.
         let told = start.moved_to(&positions, &self.fallback).coordinates;
         for joint in 0..N {
             let distance = way[joint].abs();

@@ -106,7 +106,7 @@ pub enum KinematicsError {
     Limits {
         /// Index of the joint that is beyond its limit in the best solution; messages count from 1.
         joint: usize,
-        /// By how much (rad).
+        /// Amount (rad).
         excess: f64,
     },
 }
@@ -163,7 +163,7 @@ impl InverseKinematics {
     /// there.
     ///
     /// # Errors
-    /// [`KinematicsError::Limits`]; a limit that is no number holds nowhere.
+    /// [`KinematicsError::Limits`]; a limit that is not a number holds nowhere.
     pub fn within(&self, limits: &[[f64; 2]; 6], positions: &[f64; 6]) -> Result<Solution, KinematicsError> {
         let no_number = |limits: &[f64; 2]| limits.iter().any(|l| l.is_nan());
         if let Some(joint) = limits.iter().position(no_number) {

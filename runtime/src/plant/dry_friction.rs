@@ -216,12 +216,12 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
     }
 }
 
-/// What the equations of motion give for the modes of the joints.
+/// Solution of the equations of motion for the modes of the joints.
 struct Solution<const N: usize> {
     accelerations: [f64; N],
     /// Friction torques of the joints that stick.
     friction: [f64; N],
-    /// What the drives exert, less friction.
+    /// Force of the drives without friction.
     loads: [f64; N],
 }
 
@@ -230,7 +230,7 @@ struct Solution<const N: usize> {
 struct Range {
     /// Without load.
     unloaded: [f64; 2],
-    /// What each unit of load adds.
+    /// Friction per unit of load.
     shares: [f64; 2],
 }
 
@@ -244,7 +244,7 @@ impl Range {
     }
 }
 
-/// By how much a sticking joint's friction exceeds its range; 0 within.
+/// Amount by which a sticking joint's friction exceeds its range; 0 within the range.
 fn overload(friction: f64, [low, high]: [f64; 2]) -> f64 {
     let margin = BREAK_LOOSE * (high - low);
     if friction > high + margin {

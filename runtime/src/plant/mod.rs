@@ -9,7 +9,7 @@
 //!
 //! The model of the plant is its own: any [`Dynamics`], with other masses or friction than the controller's,
 //! with exact `sign` where the controller's is smooth. See [`PlantOptions`] for what happens to inputs and
-//! measurements. A robot with driven joints is a [`DrivenRobot`](crate::driven::DrivenRobot) here, beside the motion of these;
+//! measurements. A robot with driven joints is a [`DrivenRobot`](crate::driven::DrivenRobot) here, with the motion of these;
 //! its time is that of the plant, 0 at the last [`reset`](Plant::reset).
 
 mod dry_friction;
@@ -91,7 +91,7 @@ pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
     measurement: Measurement<N, NY>,
     /// Inputs under way, the oldest first; always `delay` many between calls.
     queue: VecDeque<[f64; M]>,
-    /// What last arrived, before noise, rounding and limit.
+    /// Input that arrived last, before noise, rounding and limit.
     received: [f64; M],
     applied: [f64; M],
     push: Option<Push<N, NY>>,
@@ -147,7 +147,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     ///
     /// # Errors
     /// [`PlantError::Start`] and [`PlantError::StartEntry`] for values that are not finite,
-    /// [`PlantError::Attitude`] for a quaternion that is no attitude.
+    /// [`PlantError::Attitude`] for a quaternion that is not an attitude.
     pub fn reset(&mut self, mut positions: [f64; NY], velocities: [f64; N]) -> Result<(), PlantError> {
         for (i, position) in plain_entries(self.model.quaternion_joints(), N) {
             if !(positions[position].is_finite() && velocities[i].is_finite()) {

@@ -1,4 +1,4 @@
-//! What a plant does to inputs and measurements, and what can go wrong.
+//! Disturbances of inputs and measurements, and errors of a plant.
 
 use crate::dynamics::{AttitudeError, Named, QuaternionJoint, TorqueSpeedLine, plain_entries};
 use crate::input_limits;

@@ -9,7 +9,7 @@ pub(super) struct Certificate {
     pub(super) residuals: KktResiduals,
     /// The part of the gap that is left of the gradient.
     pub(super) decrease: f64,
-    /// Residuals beside their tolerances: at most 1 where the problem is solved, infinite where a number is
+    /// Residuals divided by their tolerances: at most 1 where the problem is solved, infinite where a number is
     /// not finite.
     pub(super) merit: f64,
 }
@@ -27,7 +27,7 @@ impl Certificate {
         self.decrease > 0.5 * self.residuals.gap
     }
 
-    /// True if this point is worth more than another one, which is no solution either: the cheaper one where
+    /// True if this point is worth more than another one, which is not a solution either: the cheaper one where
     /// both keep the hard bounds to `feasibility`, and else the one with the smaller residuals.
     #[inline(always)]
     pub(super) fn is_better_than(&self, other: &Self, feasibility: f64) -> bool {

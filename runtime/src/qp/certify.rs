@@ -1,5 +1,4 @@
-//! What a point is worth that the solver returns: cost and residuals of exactly this point, from the
-//! problem's own data.
+//! Certificate of the returned point: its cost and residuals, from the problem's own data.
 //!
 //! The method's own quantities tell when to look; whether a problem counts as solved is decided here. With
 //! inputs in their bounds and states rolled out from them, the cost is at most `Σ gap + ½ ‖g‖²` above the
@@ -94,7 +93,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 }
 
 /// `penalty` is the cost of violated hard bounds that were softened, 0 if none was. Where it exceeds the gap, the
-/// optimum of the softened problem violates them too, and the violation is no residual.
+/// optimum of the softened problem violates them too, and the violation is not a residual.
 #[inline(always)]
 fn merit(residuals: &KktResiduals, allowed: f64, feasibility: f64, penalty: f64) -> f64 {
     let r = residuals;

@@ -67,10 +67,10 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     /// The iterate with the smallest residuals, kept once a solve takes long.
     pub(super) best: Trajectory<V>,
     pub(super) best_multipliers: [Multipliers<V>; 2],
-    /// What the starts before the last one have led to, if none of them led to a solution.
+    /// Iterate after the starts before the last one, if none of them led to a solution.
     pub(super) kept: Trajectory<V>,
     pub(super) kept_multipliers: [Multipliers<V>; 2],
-    /// What the starts have led to, if that is no solution.
+    /// Certificate after the starts, if the problem is not solved.
     pub(super) unsolved: Option<Certificate>,
     solved: bool,
 }
@@ -306,7 +306,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// The answer where there is no QP to solve: inputs nearest zero within those bounds that make sense.
+    /// The answer without a QP to solve: inputs nearest zero within those bounds that make sense.
     #[inline(always)]
     fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solved = false;

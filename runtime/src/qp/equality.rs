@@ -1,7 +1,7 @@
 //! Bounds that leave no room: inputs that are fixed, states that must pass through a point.
 //!
 //! An interior-point method needs an interior, which a pair of equal bounds does not have. An input whose
-//! bounds are equal is no variable: it starts at its value, and a diagonal term beyond all others keeps it
+//! bounds are equal is not a variable: it starts at its value, and a diagonal term beyond all others keeps it
 //! there to the last bit ([`Fixed`]). A state whose bounds are equal is an equality `x − b = 0` with a
 //! multiplier π of any sign. Each Newton step is one of the proximal method of multipliers,
 //!

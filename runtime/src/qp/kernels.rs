@@ -14,12 +14,12 @@ pub(super) struct Right<'a> {
 }
 
 impl<'a> Right<'a> {
-    /// Of a matrix given by its padded columns, or the transpose of one given by its padded rows.
+    /// View of a matrix given by its padded columns, or of the transpose of one given by its padded rows.
     #[inline(always)]
     pub(super) fn columns(numbers: &'a [f64], stride: usize) -> Self {
         Self { numbers, by_row: 1, by_column: stride }
     }
-    /// Of a matrix given by its padded rows.
+    /// View of a matrix given by its padded rows.
     #[inline(always)]
     pub(super) fn rows(numbers: &'a [f64], stride: usize) -> Self {
         Self { numbers, by_row: stride, by_column: 1 }

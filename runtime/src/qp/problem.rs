@@ -140,7 +140,7 @@ pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     pub state_penalty: [Option<Penalty>; NX],
     /// Penalty of each row; `None` makes it hard.
     pub row_penalty: [Option<Penalty>; NR],
-    /// Rows of `x_N`, which has no input beside it.
+    /// Rows of `x_N`, which has no input.
     pub terminal_rows: QpRows<NX, 0, NR>,
     /// Stages 0 … N−1.
     pub stages: Vec<QpStage<NX, NU, NR>>,

@@ -141,7 +141,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 is no weight of the
+    /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 means no weight of the
     /// input's change.
     #[inline(always)]
     pub(crate) fn set_weights(

@@ -35,7 +35,7 @@ pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
     /// `D_k`; zero for node N.
     d: Vec<[[f64; NU]; NR]>,
     unit: Vec<[f64; NR]>,
-    /// What x_0 adds to the values of node 0.
+    /// Contribution of x_0 to the values of node 0.
     offset: [f64; NR],
 }
 
@@ -201,7 +201,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// What x_0 adds to the gradient of quadratic terms `½ ω w²`.
+    /// Adds the contribution of x_0 to the gradient of quadratic terms `½ ω w²`.
     #[inline(always)]
     pub(super) fn attract(&self, weight: &Trajectory<V>, gradient: &mut Trajectory<V>) {
         if NR > 0 {

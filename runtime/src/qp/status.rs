@@ -1,4 +1,4 @@
-//! What a solve reports, and how it is told to behave.
+//! Report and settings of a solve.
 
 use thiserror::Error;
 
@@ -63,7 +63,7 @@ pub struct QpSettings {
     /// That is what moving one variable by f costs, or one of size 1 by rounding past its soft bound.
     pub tolerance: f64,
     /// Largest violation of a hard bound or row by the states returned, relative to the bound where its magnitude
-    /// exceeds 1, else in units of the variable: 1e-10 is no more than 1e-6 of every bound from 1e-4 on. A row counts
+    /// exceeds 1, else in units of the variable: 1e-10 is at most 1e-6 of every bound from 1e-4 on. A row counts
     /// as divided by its largest coefficient. States that are rolled out with sums rounded otherwise keep the bounds to
     /// 1e4 times this.
     pub feasibility: f64,

@@ -13,8 +13,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.forward(flat_mut(&mut step.u), &mut step.x, affine);
     }
 
-    /// What a Newton step of the last factorization would take off a function with these gradients (of inputs
-    /// and states, the dynamics not yet eliminated): `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w`. `scratch` is overwritten.
+    /// Decrease of a function with these gradients by a Newton step with the last factorization: `½ Σ wᵀ (Λ D
+    /// Λᵀ)⁻¹ w`. The gradients are by inputs and states, the dynamics not yet eliminated; `scratch` is
+    /// overwritten.
     #[inline(always)]
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
         self.backward(gradient, flat_mut(&mut scratch.u), false)

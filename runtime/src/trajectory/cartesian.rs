@@ -69,7 +69,7 @@ pub enum CartesianError {
 /// the closest to `start`.
 ///
 /// # Errors
-/// [`CartesianError::Unreachable`]. Singular poses are no error: the joints that are free stay where they
+/// [`CartesianError::Unreachable`]. Singular poses are not errors: the joints that are free stay where they
 /// were.
 pub fn joint_points(
     arm: &SphericalWrist,

@@ -63,7 +63,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
     ///
     /// # Errors
     /// [`TrajectoryError`]: fewer than two points, times that do not grow from 0, numbers that are not finite, a
-    /// quaternion that is no attitude, a turn of half a turn or more between two points.
+    /// quaternion that is not an attitude, a turn of half a turn or more between two points.
     pub fn through(robot: D, points: &[(f64, [f64; NY])]) -> Result<Self, TrajectoryError> {
         let (times, positions) = checked(&robot, points)?;
         let ways: Vec<[f64; N]> =

@@ -303,7 +303,7 @@ pub enum TrajectoryError {
         /// Index of the second one; messages count from 1.
         point: usize,
     },
-    /// A quaternion of a point is no attitude.
+    /// A quaternion of a point is not an attitude.
     #[error("point {}: {error}", .point + 1)]
     Attitude {
         /// Index of the point; messages count from 1.
@@ -366,7 +366,7 @@ fn require_periods(duration: f64, period: f64) -> Result<usize, TrajectoryError>
 pub const MAX_SAMPLES: usize = 10_000_000;
 
 /// Periods until a motion of this duration is over; None for more than [`MAX_SAMPLES`], and for durations
-/// that are no number.
+/// that are not numbers.
 pub(crate) fn whole_periods(duration: f64, period: f64) -> Option<usize> {
     let periods = (duration / period).ceil();
     // Written so that NaN is refused.

@@ -43,9 +43,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[derive(Clone)]
 pub struct OnlineTarget<const N: usize> {
     limits: MotionLimits<N>,
-    /// What other threads touch; the loop never waits for it.
+    /// State that other threads touch; the loop never waits for it.
     requests: Arc<Mutex<Requests<N>>>,
-    /// What the loop and its controller touch, in one thread.
+    /// State of the loop and its controller, in one thread.
     plan: Arc<Mutex<Plan<N>>>,
 }
 
@@ -110,7 +110,8 @@ impl RuckigErrorHandler for Quiet {
     }
 }
 
-/// By how much a computed motion may leave the position limits [rad or m]: it ends within 1e-8 of its target.
+/// Largest violation of the position limits by a computed motion [rad or m]: it ends within 1e-8 of its
+/// target.
 const SLACK: f64 = 1e-7;
 /// Largest position and limit, and its inverse the least limit: over eight decades the generator was seen to
 /// keep its limits, over twelve not.
@@ -270,7 +271,7 @@ fn require_scaled(what: &'static str, values: &[f64], least: f64) -> Result<(), 
     }
 }
 
-/// What a thread that panicked has left behind is whole: nothing is changed in parts.
+/// Locks a mutex, also after a thread panicked: the data are consistent because no change is done in parts.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

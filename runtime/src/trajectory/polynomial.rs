@@ -11,7 +11,7 @@ pub(super) type End = [f64; 3];
 /// One coordinate: the polynomial of degree five between two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Quintic {
-    /// Of 1, t, … t⁵.
+    /// Coefficients of 1, t, … t⁵.
     coefficients: [f64; 6],
 }
 

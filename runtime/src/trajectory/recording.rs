@@ -172,7 +172,7 @@ impl<const N: usize> Recording<N> {
             for i in 0..N {
                 let step = self.positions[k + 1][i] - self.positions[k][i];
                 let defect = step - 0.5 * self.period * (v[k][i] + v[k + 1][i]);
-                // Written so that a tolerance that is no number tolerates nothing.
+                // Written so that a tolerance that is not a number tolerates nothing.
                 let consistent = defect.abs() <= tolerance;
                 if !consistent {
                     found.push(Inconsistency {

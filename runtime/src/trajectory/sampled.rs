@@ -54,7 +54,7 @@ impl<const N: usize> Sampled<N> {
     /// Another trajectory, sampled at `period` (s); its last sample is at or after the end.
     ///
     /// # Errors
-    /// As [`Sampled::new`]; more than [`MAX_SAMPLES`](super::MAX_SAMPLES), and a duration that is no number.
+    /// As [`Sampled::new`]; more than [`MAX_SAMPLES`](super::MAX_SAMPLES), and a duration that is not a number.
     pub fn of(trajectory: &impl Trajectory<N>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         let last = require_periods(trajectory.duration(), period)?.max(1);

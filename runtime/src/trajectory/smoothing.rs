@@ -138,7 +138,7 @@ impl<const N: usize> Recording<N> {
             let step = robot.difference(&pair[0], &pair[1]);
             ways.push(core::array::from_fn(|i| ways[k][i] + step[i]));
         }
-        // What is no attitude is told here, before its ways are looked at.
+        // A value that is not an attitude is reported here, before its paths are looked at.
         let robot = self.through_poses(robot)?.into_robot();
         let smoothed = Recording::new(self.period(), ways.clone(), None)?.smoothed(smoothing)?;
         let moved = |(k, sample): (usize, &Sample<V>)| {
@@ -165,7 +165,7 @@ impl<const N: usize> Recording<N> {
     }
 }
 
-/// Weights beside that of a position, 1, with the period as unit of time.
+/// Weights relative to that of a position, 1, with the period as unit of time.
 struct Weights {
     velocity: f64,
     jerk: f64,

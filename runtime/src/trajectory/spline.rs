@@ -76,7 +76,7 @@ fn keeps_within(spline: &[Quintic], spans: &[f64], [low, high]: [f64; 2]) -> boo
     unlimited
         || spline.iter().zip(spans).all(|(piece, span)| {
             let [[least, most], ..] = piece.extremes(*span);
-            // Rounding in a point at the limit is no overshoot.
+            // Rounding in a point at the limit is not an overshoot.
             let slack = 1e-12 * (1.0 + least.abs().max(most.abs()));
             least >= low - slack && most <= high + slack
         })
@@ -89,7 +89,7 @@ fn keeps_within(spline: &[Quintic], spans: &[f64], [low, high]: [f64; 2]) -> boo
 ///     g_{j−1} M_{j−1}/6 + (g_{j−1} + g_j) M_j/3 + g_j M_{j+1}/6 = (y_{j+1} − y_j)/g_j − (y_j − y_{j−1})/g_{j−1}
 /// ```
 ///
-/// and the positions of the two knots that are no points follow from rest: y_1 = y_0 + g_0² M_1/6, and so at
+/// and the positions of the two knots that are not points follow from rest: y_1 = y_0 + g_0² M_1/6, and so at
 /// the end. None where numbers overflow.
 fn cubic(values: &[f64], spans: &[f64]) -> Option<Vec<Quintic>> {
     let knots = spans.len();

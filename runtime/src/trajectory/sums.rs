@@ -86,7 +86,7 @@ fn sum<const N: usize>(joint: &DependentJoint<N>, piece: &Piece<N>) -> Quintic {
     joint.ratios.iter().zip(piece).fold(start, |sum, (ratio, coordinate)| sum.plus(*ratio, coordinate))
 }
 
-/// Rounding in a point at the limit is no overshoot.
+/// Rounding in a point at the limit is not an overshoot.
 fn slack(position: f64) -> f64 {
     1e-12 * (1.0 + position.abs())
 }

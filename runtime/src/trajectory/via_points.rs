@@ -51,7 +51,7 @@ pub struct ViaPoints<const N: usize> {
 
 /// Rounds in which the times of the ways are adjusted to each other.
 const ROUNDS: usize = 16;
-/// By how much times are stretched beyond the limits, for rounding.
+/// Relative stretch of times beyond the limits, for rounding.
 const MARGIN: f64 = 1e-10;
 
 impl<const N: usize> ViaPoints<N> {

@@ -180,7 +180,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         })
     }
 
-    /// With a frame for [`Push::Frame`], numbered from 0 in the order of these calls.
+    /// Adds a frame for [`Push::Frame`], numbered from 0 in the order of these calls.
     ///
     /// - `jacobian`: of the frame's origin in the axes of the world, the module's `frame_…_jacobian`
     #[must_use]
@@ -243,7 +243,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         }
         let (length, from) = match received {
             Ok(received) => received,
-            // A controller that is gone is no fault of ours.
+            // A controller that is gone is not a fault of ours.
             Err(e) if is_timeout(&e) || e.kind() == io::ErrorKind::ConnectionRefused => {
                 return Ok(false);
             }

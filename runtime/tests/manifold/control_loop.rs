@@ -194,7 +194,7 @@ fn joint_pd_works_on_the_error_state() {
     other[3..].iter_mut().for_each(|q| *q = -*q);
     let same = law.inputs(&desired, &other, &desired.velocities).unwrap();
     assert!(exact.iter().zip(same).all(|(a, b)| (a - b).abs() < 1e-12));
-    // As a controller it refuses what is no attitude, and takes velocities from poses.
+    // As a controller it refuses what is not an attitude, and takes velocities from poses.
     let mut controller: FeedForwardPd<Quadrotor, Motion, 6, 4, 7> =
         FeedForwardPd::new(law, motion.clone(), 0.02, 0.0).unwrap();
     controller.reset(&START, &[0.0; 4]);

@@ -35,8 +35,8 @@ fn deviation(y: &[f64; 7], from: &[f64; 7]) -> [f64; 2] {
     [length(&d[..3]), length(&d[3..])]
 }
 
-/// What happens on the way: the deviations of position [m] and attitude [rad] after each period, the least height of
-/// the body's vertical axis (−1: upside down).
+/// Deviations of position [m] and attitude [rad] after each period, and the least height of the body's
+/// vertical axis (−1: upside down).
 struct Flight {
     deviations: Vec<[f64; 2]>,
     lowest_axis: f64,
@@ -143,7 +143,7 @@ fn it_flips_through_half_a_turn() {
     }
 }
 
-/// What the quaternion's sign is has no influence.
+/// The sign of a quaternion has no influence.
 #[test]
 fn both_signs_of_a_quaternion_are_the_same_measurement() {
     let commands = [1.0, -1.0].map(|sign| {

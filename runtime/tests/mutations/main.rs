@@ -1,5 +1,5 @@
-//! What arrives from outside, spoilt in every way: datagrams, frames of a CAN bus, logs, recordings. Nothing
-//! panics, nothing hangs, nothing damaged is taken for sound.
+//! Damaged input from outside: datagrams, frames of a CAN bus, logs, recordings. Nothing panics, nothing
+//! hangs, and damaged data are not accepted as valid.
 //!
 //! In CI a few thousand of each. The long form, a million datagrams for each of their readers and a hundred
 //! thousand logs, takes one or two minutes and also fails where a single one takes more than ten seconds:
@@ -143,7 +143,7 @@ fn crc32(bytes: &[u8]) -> u32 {
     !crc
 }
 
-/// What is taken is written again to the last bit: a datagram says one thing, in one way.
+/// An accepted datagram is written again to the last bit: each message has one encoding.
 fn read_datagrams<const N: usize, const M: usize>(seed: u64, count: u64) {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let (mut taken, mut slowest) = (0_u64, Slowest::default());
@@ -212,7 +212,7 @@ fn can_frames() {
     slowest.report("CAN frames", count);
 }
 
-/// A plant that is told anything: it always can be asked where it is, and is somewhere.
+/// A plant with arbitrary inputs always has a finite position.
 #[test]
 fn a_server_survives_what_it_is_told() {
     let mut generator = ChaCha8Rng::seed_from_u64(6);
@@ -258,7 +258,7 @@ fn a_server_survives_what_it_is_told() {
     slowest.report("datagrams to a server", count);
 }
 
-/// Through its socket, with what is no datagram at all.
+/// Through its socket, with bytes that are not a datagram.
 #[test]
 fn a_server_survives_its_network() {
     let mut generator = ChaCha8Rng::seed_from_u64(7);

@@ -199,7 +199,7 @@ fn dry_friction_of_the_position_stops_and_holds_by_it() {
     assert!(plant.state().1[0] > 0.0);
 }
 
-/// A mass that a geared drive lifts: the load rubs in the gear beside the dry friction, `u = τ_l + (c + s |τ_l|)
+/// A mass that a geared drive lifts: the load adds friction of the gear to the dry friction, `u = τ_l + (c + s |τ_l|)
 /// sign ẏ` with `τ_l = m ÿ + W`.
 struct Lift;
 
@@ -266,7 +266,7 @@ fn friction_under_load_brakes_and_holds_by_the_load() {
     plant.apply(&[1.0], 1.0).unwrap();
     let stop = 0.9 / -rising(1.0);
     close(plant.state().1[0], falling(1.0) * (1.0 - stop), 1e-9);
-    // Brakes are friction beside the load.
+    // Brakes are friction in addition to the load.
     plant.reset([0.0], [0.5]).unwrap();
     plant.brake();
     plant.apply(&[0.0], 0.01).unwrap();

@@ -1,4 +1,4 @@
-//! What the plant measures and what it is told: rounding, delays, losses, noise, and numbers that it refuses.
+//! Measurements and options of the plant: rounding, delays, losses, noise, and rejected numbers.
 
 use super::{PowerCube, SLIDER, Slider, close, ideal};
 use gelenk_runtime::plant::{Plant, PlantError, PlantOptions};
@@ -155,7 +155,7 @@ fn extreme_numbers_neither_hang_nor_pass_as_results() {
     }
 }
 
-/// What drives measure: true velocities and B u, each with its own noise, and no influence on the motion.
+/// Measurements of drives: true velocities and B u, each with its own noise, and no influence on the motion.
 #[test]
 fn velocities_and_torques_are_measured_where_the_options_say_so() {
     let run = |velocity_noise, torque_noise| {

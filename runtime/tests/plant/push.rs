@@ -7,8 +7,8 @@ use gelenk_runtime::plant::{Plant, PlantOptions, wrench_forces};
 
 gelenk_runtime::dynamics!(struct Ur5 = gelenk_generated::ur5);
 
-/// With dry friction of 1 N: 4 N for half a second give 0.75 m/s and 0.1875 m, after which it slides 0.5625 m further. Less
-/// than the friction moves nothing, nor does a push against a brake.
+/// Dry friction of 1 N: 4 N for half a second give 0.75 m/s and 0.1875 m, after which it slides 0.5625 m
+/// further. Less than the friction moves nothing, nor does a push against a brake.
 #[test]
 fn a_mass_that_is_pushed_slides_and_rests() {
     let rubbing = Slider { coulomb: 1.0, ..SLIDER };

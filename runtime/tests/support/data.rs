@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// A file of `$GELENK_SHARED`, or of the folder `shared` beside the repository; none with a note where it is
+/// A file of `$GELENK_SHARED`, or of the folder `shared` next to the repository; none with a note where it is
 /// missing.
 pub fn shared(path: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from);

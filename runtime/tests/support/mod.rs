@@ -1,5 +1,5 @@
-//! What test binaries share: random optimal-control QPs with Clarabel as their oracle, their KKT conditions, a robot with its loop,
-//! its plant process, programs of examples.
+//! Shared parts of test binaries: random optimal-control QPs with Clarabel as their oracle, their KKT
+//! conditions, a robot with its loop, its plant process, programs of examples.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(clippy::unwrap_used, reason = "test code: a problem that cannot be set up ends the test")]
 

@@ -94,8 +94,7 @@ impl Builder {
     }
 }
 
-/// What the input before the horizon adds to the cost, whatever the solution: a term that a quadratic form in
-/// z does not hold.
+/// Constant cost of the input before the horizon: a term that a quadratic form in z does not hold.
 fn constant_cost<const NX: usize, const NU: usize, const NR: usize>(p: &QpProblem<NX, NU, NR>) -> f64 {
     let (w, u) = (&p.input_rate_weight, &p.previous_input);
     let terms = (0..NU).flat_map(|i| (0..NU).map(move |j| 0.5 * u[i] * w[i][j] * u[j]));

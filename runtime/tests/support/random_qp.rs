@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// What a random problem contains.
+/// Properties of a random problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kind {
     pub horizon: usize,

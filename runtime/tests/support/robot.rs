@@ -80,7 +80,7 @@ impl Seen {
     }
 }
 
-/// What happens to a reading on its way; gets the number of the reading, 0 for the one at the start.
+/// Fault of a reading; gets the number of the reading, 0 for the one at the start.
 pub type Fault = Box<dyn FnMut(u64, Reading<2>) -> Option<Reading<2>>>;
 
 /// A simulated robot with faults, watched.

@@ -22,7 +22,7 @@ const DRY: [f64; 7] = [4.0, 4.0, 4.0, 4.0, 1.0, 1.0, 1.0];
 /// Inputs are joint torques, so that friction is an input with another sign.
 #[derive(Debug, Clone, Copy)]
 pub struct Rubbing {
-    /// Of each joint's friction.
+    /// Scale of each joint's friction.
     pub scale: [f64; 7],
     pub sign: Sign,
 }

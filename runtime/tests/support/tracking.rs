@@ -47,13 +47,13 @@ where
     options
 }
 
-/// What a run showed, by joint.
+/// Results of a run, by joint.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Run {
-    /// Of y − y_ref [rad].
+    /// Rms of y − y_ref [rad].
     pub rms: [f64; 2],
     pub largest: [f64; 2],
-    /// Of y minus the samples of the file [rad].
+    /// Rms of y minus the samples of the file [rad].
     pub rms_to_file: [f64; 2],
     /// i·rms(u − u_ff) at the joint [N m], u_ff in the middle of each period.
     pub correction: [f64; 2],

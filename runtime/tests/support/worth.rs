@@ -1,17 +1,17 @@
-//! What a trajectory is worth by the data of its QP alone.
+//! Value of a trajectory by the data of its QP alone.
 
 use super::wide_qp;
 use gelenk_runtime::qp::{Penalty, QpProblem, QpRows};
 
-/// What a point is worth by the problem's own data: cost, size of its quadratic terms, violation of hard
-/// bounds, defect of the dynamics.
+/// Value of a point by the problem's own data: cost, size of its quadratic terms, violation of hard bounds,
+/// defect of the dynamics.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Value {
     pub cost: f64,
     pub size: f64,
     pub violation: f64,
     pub defect: f64,
-    /// Largest violation of a hard bound of a state beside its magnitude, where that is at least 1e-4.
+    /// Largest violation of a hard bound of a state relative to its magnitude, if that is at least 1e-4.
     pub beside: f64,
 }
 

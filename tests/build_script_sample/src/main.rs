@@ -27,7 +27,7 @@ fn main() {
     println!("pendulum: {:.4} rad after 1 s", swing(1000));
 }
 
-/// Angle after so many milliseconds from rest at 0.5 rad, by the semi-implicit Euler method.
+/// Angle after `steps` milliseconds from rest at 0.5 rad, by the semi-implicit Euler method.
 fn swing(steps: u32) -> f64 {
     const STEP: f64 = 1e-3;
     let (mut y, mut v) = ([0.5], [0.0]);

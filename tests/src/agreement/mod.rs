@@ -23,7 +23,7 @@ pub const LOOPS: [&str; 4] = [
     names::LINEARIZE,
 ];
 
-/// Of rounding, see [`Compared::error`].
+/// Largest error by rounding, see [`Compared::error`].
 const TOLERANCE: f64 = 1e-10;
 
 /// A function of a robot in a form, with its error.
@@ -38,7 +38,7 @@ pub struct Compared {
     pub error: f64,
 }
 
-/// Every function of the catalogue. The functions over a sample time are left out: they are no expressions, and call others.
+/// Every function of the catalogue. The functions over a sample time are left out: they are not expressions, and call others.
 pub fn functions(model: &Model) -> Vec<String> {
     let is_composed = |name: &String| Composition::ALL.iter().any(|each| each.name() == name);
     catalogue::names(model).into_iter().filter(|name| !is_composed(name)).collect()
@@ -48,7 +48,7 @@ pub fn functions(model: &Model) -> Vec<String> {
 const ALWAYS: [&str; 4] =
     [names::MASS_MATRIX, names::INVERSE_DYNAMICS, names::INERTIAL_PARAMETERS, names::FRICTION_PARAMETERS];
 
-/// A third of the functions, beside those of frames: tests of many robots take other functions of each.
+/// A third of the functions, and those of frames: tests of many robots take other functions of each.
 pub fn a_third(model: &Model, number: usize) -> Vec<String> {
     let is_wanted = |name: &String| {
         let third = if LOOPS.contains(&name.as_str()) { 0 } else { 1 + name.len() % 2 };
@@ -131,7 +131,7 @@ fn products(robot: &Robot, name: &str, state: &State, truth: &Truth<'_>) -> [Vec
     [vec![times(&first(name), &parameters, expected.len())], vec![expected]]
 }
 
-/// Product of a matrix of so many rows with a vector.
+/// Product of a matrix of `rows` rows with a vector.
 fn times(matrix: &[f64], x: &[f64], rows: usize) -> Vec<f64> {
     let row = |i: usize| matrix[i * x.len()..].iter().zip(x).map(|(entry, x)| entry * x).sum();
     (0..rows).map(row).collect()
@@ -167,7 +167,7 @@ fn energy_slopes(robot: &Robot, state: &State, truth: &Truth<'_>) -> [Vec<Vec<f6
     [vec![positions.into_iter().map(slope).collect()], vec![expected]]
 }
 
-/// Base parameters of inertial ones. Their map is no constant if it depends on free parameters: `regressors.rs` looks at the rank
+/// Base parameters of inertial ones. Their map is not a constant if it depends on free parameters: `regressors.rs` looks at the rank
 /// of the regressor there.
 fn base_parameters(robot: &Robot, parameters: &[f64]) -> Option<Vec<f64>> {
     let constants = &robot.function(names::BASE_REGRESSOR).constants;

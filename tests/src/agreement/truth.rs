@@ -209,7 +209,7 @@ impl<'a> Truth<'a> {
         vec![accelerations, solved(by_y), solved(by_v), rows_first(&self.inverse)]
     }
 
-    /// With D, the remainder counts the positions as no displacement.
+    /// Linear model. With D (joints with quaternions), the remainder counts the positions as zero displacement.
     fn linearize(&self) -> Vec<Vec<f64>> {
         let (n, sample) = (self.n(), &self.state.sample);
         let [accelerations, by_y, by_v, _] =
@@ -375,7 +375,7 @@ fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Product of a matrix of so many rows with a vector.
+/// Product of a matrix of `rows` rows with a vector.
 fn times(matrix: &[f64], x: &[f64], rows: usize) -> Vec<f64> {
     let row = |i: usize| matrix[i * x.len()..].iter().zip(x).map(|(entry, x)| entry * x).sum();
     (0..rows).map(row).collect()

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// What a module has to pass without a word.
+/// Warnings that a module must not cause.
 const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
 
 /// A compiler with the words that choose its language.

@@ -35,7 +35,7 @@ enum Results {
     Number,
     /// Entries of each result.
     Arrays(Vec<usize>),
-    /// The only argument is changed, so many entries; a truth value is returned.
+    /// The only argument is changed, with this number of entries; a truth value is returned.
     InPlace(usize),
 }
 
@@ -148,7 +148,7 @@ fn quaternions(module: &Module) -> Vec<usize> {
     joints.filter(|(_, entries)| *entries > 1).map(|(first, entries)| first + entries - 4).collect()
 }
 
-/// What the programs are asked for: in each line a function, parameters, and inputs; numbers as bits of their f64.
+/// Requests to the programs: in each line a function, parameters, and inputs; numbers as bits of their f64.
 pub struct Requests {
     faces: Vec<Face>,
     quaternions: Vec<usize>,

@@ -1,4 +1,4 @@
-//! Functions over eight states of a module in C, beside the function of one state.
+//! Functions over eight states of a module in C, compared with the function of one state.
 
 use std::fmt::Write as _;
 
@@ -73,7 +73,8 @@ impl Lanes {
     }
 }
 
-/// What all checks call: IEEE 754 leaves sign and payload of a NaN open, all other values must agree in every bit.
+/// Comparison that all checks call: IEEE 754 leaves sign and payload of a NaN open, all other values must
+/// agree in every bit.
 pub fn same(ty: &str) -> String {
     format!(
         "static void same(const char *name, const {ty} *a, const {ty} *b, int count)\n{{\n    \

@@ -1,4 +1,4 @@
-//! Modules in C beside the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
+//! Modules in C compared with the Rust modules of the same value: they compile as C99 and as C++ without a warning, call no
 //! library, and compute the same bits.
 //!
 //! The short form compares four robots in every variant, one with quaternions in each number type, and loops over the
@@ -150,7 +150,7 @@ fn variants() -> impl Iterator<Item = bool> {
     [false, true].into_iter().filter(move |fused| has_fma || !fused)
 }
 
-/// What has loops in array form, and discrete time over it.
+/// Functions with loops in array form, and discrete time over them.
 const LOOPS: [&str; 4] =
     ["inverse_dynamics_derivatives_and_mass_matrix", "linearize", "discretize", "step_derivatives"];
 
@@ -310,7 +310,7 @@ fn floating_in(folder: &Path) -> PathBuf {
     path
 }
 
-/// What nothing calls is a warning: each function over a sample time brings no more than it needs.
+/// Unused functions are warnings: each function over a sample time brings only what it needs.
 #[test]
 fn each_function_over_a_sample_time_compiles_alone() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! What the generator writes for robots of a size at which rows are calls: in f32, and as machine code.
+//! Generated code of robots of a size at which rows are calls: in f32, and as machine code.
 
 use std::path::Path;
 use std::process::Command;

@@ -23,7 +23,7 @@ fn multiply(a: Double, b: Double) -> Double {
     two_sum(product, rest + (a.0 * b.1 + a.1 * b.0))
 }
 
-/// By Newton's correction of the quotient of the leading parts.
+/// Quotient of the leading parts, corrected by one Newton step.
 fn divide(a: Double, b: f64) -> Double {
     let first = a.0 / b;
     let rest = add(a, multiply(Double(-first, 0.0), Double(b, 0.0)));

@@ -119,7 +119,7 @@ fn no_robot_is_forgotten() {
         let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
         let listed = text.contains(&format!("gelenk_generated::{name})"));
         let checked = text.contains(&format!("$check(\"{name}\""));
-        // Positions that are no vectors: tests/motion_on_manifolds.rs. A driven joint: tests/driven_motion.rs.
+        // Positions that are not vectors: tests/motion_on_manifolds.rs. A driven joint: tests/driven_motion.rs.
         let is_elsewhere = ["go2", "quadrotor", "satellite", "rail_arm"].contains(&name);
         assert!(name == "lib" || is_elsewhere || (listed && checked), "{name}");
     }

@@ -158,7 +158,7 @@ fn stiff_robots_are_within_the_same_error() {
     assert!(beyond(80.0) > 20 && beyond(1e5) > 10 && beyond(1e6) > 2, "{reaches:?}");
 }
 
-/// What no number of repetitions reaches is infinite everywhere, and nothing else is.
+/// All results are infinite for a system that the largest number of repetitions does not reach, and only then.
 #[test]
 fn beyond_the_bound_everything_is_infinite() {
     let linear = |damping: f64| Linearization {

@@ -24,7 +24,7 @@ use gelenk_tests::random_model::{
 use gelenk_tests::{Robot, in_parallel};
 use num_dual::{Dual64, HyperDual64};
 
-/// Of rounding, relative to [`Scales`].
+/// Rounding error relative to [`Scales`].
 const TOLERANCE: f64 = 1e-12;
 
 /// Robots of each test; every seed is another robot.
@@ -56,16 +56,16 @@ struct Case<'a> {
 
 /// Sizes of what is summed, by kind: errors are relative to them.
 struct Scales {
-    /// Of M: its largest entry.
+    /// Largest entry of M.
     mass: f64,
-    /// Of M ÿ.
+    /// Scale of M ÿ.
     inertial: f64,
-    /// Of k, whose terms are products of derivatives of M and two velocities; lengths here are up to a few
-    /// metres.
+    /// Scale of k, whose terms are products of derivatives of M and two velocities; lengths here are up to a
+    /// few metres.
     coriolis: f64,
-    /// Of gravity's forces.
+    /// Scale of gravity's forces.
     gravity: f64,
-    /// Of springs, friction and inputs.
+    /// Scale of springs, friction and inputs.
     other: f64,
 }
 
@@ -147,7 +147,7 @@ impl Case<'_> {
     }
 }
 
-/// What is checked here.
+/// Checked functions.
 const FUNCTIONS: [&str; 17] = [
     "mass_matrix",
     "coriolis_forces",
@@ -168,7 +168,7 @@ const FUNCTIONS: [&str; 17] = [
     "linearize",
 ];
 
-/// What robots with wrenches have besides.
+/// Additional functions of robots with wrenches.
 const WITH_WRENCHES: [&str; 6] = [
     "wrench_forces",
     "wrench_forces_derivatives",

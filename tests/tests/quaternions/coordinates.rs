@@ -1,4 +1,4 @@
-//! Pinocchio's coordinates beside ours: its planar joints have velocities in the body's frame, and their angle is given by
+//! Pinocchio's coordinates and ours: its planar joints have velocities in the body's frame, and their angle is given by
 //! cosine and sine.
 
 use std::f64::consts::FRAC_PI_2;

@@ -141,7 +141,7 @@ fn base_regressor_agrees(
     }
 }
 
-/// What passes through each joint; a planar one passes it on to its last part.
+/// Compares the wrench through each joint; a planar joint passes it on to its last part.
 fn reactions_agree(reference: &Reference, state: &State, sample: &Value, what: &dyn Fn(&str) -> String) {
     let model = &reference.robot.model;
     let ours = reference.robot.first("joint_wrenches", &[&state.y, &state.v, &state.a]);

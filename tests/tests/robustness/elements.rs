@@ -46,7 +46,7 @@ fn element(text: &str, start: usize) -> Range<usize> {
     start..text.len()
 }
 
-/// What stands where a list of numbers is expected.
+/// Mutations of a list of numbers.
 const LISTS: [&str; 10] = [
     "",
     "0",

@@ -31,9 +31,9 @@ use std::time::{Duration, Instant};
 
 /// Descriptions of the short form.
 const MUTATIONS: usize = 500;
-/// Each so many of what is generated is compiled.
+/// One of this number of generated modules is compiled.
 const COMPILED: usize = 100;
-/// Each so many of what is generated is exported, and each so many of these has a page.
+/// One of this number of generated robots is exported, and one of this number of those has a page.
 const EXPORTED: usize = 4;
 const DRAWN: usize = 10;
 /// Operations of the functions of a page.
@@ -47,7 +47,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// The first of them are small: the short form takes few others.
 const SMALL: usize = 8;
 
-/// What is mutated.
+/// Descriptions that are mutated.
 const SEEDS: [&str; 24] = [
     "cart_pole.toml",
     "cart_pole.toml",
@@ -75,14 +75,14 @@ const SEEDS: [&str; 24] = [
     "../tests/mujoco/robots/walker.xml",
 ];
 
-/// What some of them extend or include.
+/// Files that some of them extend or include.
 const BASES: [&str; 3] = [
     "powercube_alpha.toml",
     "../tests/mujoco/robots/parts/defaults.xml",
     "../tests/mujoco/robots/parts/tail.xml",
 ];
 
-/// Random robots, with up to so many coordinates before some become free.
+/// Random robots, with up to this number of coordinates before some become free.
 const LONGEST: usize = 3;
 const ROBOTS: [fn(u64) -> Model; 5] = [
     |seed| random_model(seed, LONGEST),
@@ -174,7 +174,7 @@ fn seed(file: &str) -> String {
     fs::read_to_string(models.join(file)).expect(file)
 }
 
-/// What became of a case.
+/// Outcome of a case.
 struct Finished {
     case: Case,
     took: Duration,
@@ -190,7 +190,7 @@ fn work_of_thread() -> Duration {
     nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed(), Duration::from_nanos)
 }
 
-/// What else the program makes of some robots.
+/// Exports and pages of some robots.
 fn export_and_draw(found: &Result<Vec<Generated>, String>, index: usize) {
     let Some(Generated { model, .. }) = found.iter().flatten().next() else { return };
     if !index.is_multiple_of(EXPORTED) || !model.driven.is_empty() {
@@ -333,7 +333,7 @@ fn write(robots: &[Generated], folder: &Path) {
     assert_eq!(fs::read_dir(folder).expect("a folder").count(), robots.len());
 }
 
-/// What became of all cases.
+/// Outcomes of all cases.
 #[derive(Default)]
 struct Tally {
     generated: usize,

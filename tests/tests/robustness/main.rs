@@ -29,7 +29,7 @@ fn file(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../models").join(path)).unwrap()
 }
 
-/// What holds of any outcome: an error has errors, all of them placed within the text; a model has
+/// Invariants of any outcome: an error has errors, all of them placed within the text; a model has
 /// coordinates.
 fn check(outcome: Outcome) -> bool {
     match outcome {

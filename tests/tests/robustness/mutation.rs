@@ -79,7 +79,7 @@ pub fn mutated(text: &str, random: &mut Random) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// What stands where a number is expected.
+/// Mutations of a number.
 const NUMBERS: [&str; 36] = [
     "0",
     "-0",

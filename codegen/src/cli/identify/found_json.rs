@@ -24,7 +24,7 @@ fn gravity(gravity: Gravity) -> &'static str {
     }
 }
 
-/// What was found, and where it was written.
+/// Identified values and the file they were written to, as JSON.
 pub(super) fn as_json(
     (found, findings): (&Identification, &[Finding]),
     validation: &[JointValidation],

@@ -347,7 +347,7 @@ fn drive_tables(
     Ok(tables)
 }
 
-/// What was found of a drive that is described by itself.
+/// Identified values of a drive that has its own table in the description.
 fn identified_drive<'a>(
     found: &'a Identification,
     drive: &'a Drive,

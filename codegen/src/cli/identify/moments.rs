@@ -104,7 +104,7 @@ fn as_json(moments: &LogMoments, path: &Path) -> Value {
     })
 }
 
-/// What moments know their description by: the bytes of all its files, and how they are read.
+/// Identity of the description that moments belong to: the bytes of its files and the options of the reader.
 struct Description {
     files: Vec<Vec<u8>>,
     reading: String,

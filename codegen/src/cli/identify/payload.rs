@@ -20,7 +20,7 @@ use crate::identify::{BodyValues, InterpretedRobot, rounded_load};
 use crate::model::Model;
 use crate::wording::list;
 
-/// What a load is called in the description that holds it.
+/// Name of the load's body in the written description.
 const NAME: &str = "payload";
 
 /// Estimates the load, and writes a description with it as a body.

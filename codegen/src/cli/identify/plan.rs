@@ -165,7 +165,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text
 }
 
-/// What the motion asks of inputs, where some of them act at frames; else nothing.
+/// Range of the inputs along the motion, if some inputs act at frames; else empty.
 fn inputs_text(plan: &Plan, robot: &InterpretedRobot) -> String {
     if plan.inputs.is_empty() {
         return String::new();

@@ -32,7 +32,7 @@ pub(super) fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), F
     Ok((loaded, robot))
 }
 
-/// What the command line states about the columns.
+/// Options of the columns that the command line sets.
 pub(super) fn stated(arguments: &Identify) -> ColumnOptions {
     ColumnOptions { columns: arguments.columns.clone(), ..ColumnOptions::default() }
 }

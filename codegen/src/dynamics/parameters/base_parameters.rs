@@ -8,7 +8,7 @@
 //! groups on every platform.
 //!
 //! Free lengths, gear ratios and gravity enter the regressor. Then groups are formed at several values of
-//! them, and what differs is no number: i² J of a rotor is another one for every gear ratio i.
+//! them, and what differs is not a number: i² J of a rotor is another one for every gear ratio i.
 
 use crate::dynamics::parameters::regressor::inertial_regressor;
 use crate::dynamics::recursion::motion::MotionInput;
@@ -86,7 +86,7 @@ impl BaseParameters {
         terms.map(|term| Some((term.group, term.parameter, term.coefficient?))).collect()
     }
 
-    /// What holds of all of several: each leader of one, and the coefficients that are the same.
+    /// Intersection of several results: leaders of every one, and coefficients that are the same in all.
     fn in_common(found: &[Self]) -> Self {
         let mut leaders: Vec<usize> = found.iter().flat_map(|one| one.leaders.clone()).collect();
         leaders.sort_unstable();
@@ -111,7 +111,7 @@ impl BaseParameters {
         Self { leaders, terms }
     }
 
-    /// Of the columns of a stacked regressor.
+    /// Basis of the columns of a stacked regressor.
     fn of_columns(columns: &[Vec<f64>]) -> Self {
         let longest = columns.iter().map(|c| dot(c, c).sqrt()).fold(0.0, f64::max);
         let mut basis = Basis::default();

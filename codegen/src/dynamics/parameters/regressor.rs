@@ -99,7 +99,7 @@ pub fn inertial_regressor<'g>(
     matrix
 }
 
-/// What a unit of a joint's velocity does to a body, in the body's frame, along the joint's z axis.
+/// Motion of a body for a unit of a joint's velocity, in the body's frame, along the joint's z axis.
 #[derive(Clone, Copy)]
 struct Screw<'g> {
     joint: usize,

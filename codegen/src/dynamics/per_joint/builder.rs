@@ -153,7 +153,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// By coordinate what is given by joint: the array itself where each joint is a coordinate.
+    /// Sums an array over joints into one over coordinates; returns the array itself if each joint is a
+    /// coordinate.
     pub(super) fn collect(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -173,7 +174,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// By joint what is given by coordinate.
+    /// Expands an array over coordinates into one over joints.
     pub(super) fn spread(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -188,7 +189,7 @@ impl ArrayBuilder {
         !self.form.chains.is_empty()
     }
 
-    /// What the carrier of each joint has; zero where that is the base.
+    /// Copies to each joint the entry of the joint that carries it; zero at the base.
     pub(super) fn gather_carriers(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::GatherCarriers { from, to });

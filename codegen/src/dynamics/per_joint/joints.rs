@@ -1,4 +1,4 @@
-//! What the joints feel of the bodies beyond them: forces, the mass matrix, Jacobians.
+//! Loads of the joints from the bodies they carry: forces, mass matrix, Jacobians.
 
 use super::builder::{ArrayBuilder, Rows};
 use super::moving::Moving;
@@ -92,7 +92,7 @@ struct Displacement<'g> {
     twice: Motion<'g>,
 }
 
-/// What a joint carries.
+/// Rows of the composite that a joint carries.
 #[derive(Clone, Copy)]
 struct Carried<'a, 'g> {
     inertia: &'a Rows<'g>,
@@ -100,7 +100,7 @@ struct Carried<'a, 'g> {
     force: &'a Rows<'g>,
 }
 
-/// What [`disturb`] writes.
+/// Arrays that [`disturb`] writes, with their numbers of rows.
 const DISTURBANCES: [(&str, usize); 7] = [
     ("gains", 9),
     ("by_coordinate", 9),

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! The velocities of a joint with a quaternion are columns of one S that stands in its body. For them, and for all joints
-//! beside them, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ with the motion of the joint's carrier λ; Ṡ = v × S with that of its
+//! next to them, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ with the motion of the joint's carrier λ; Ṡ = v × S with that of its
 //! body stands for one of the two Ψ̇ in the derivatives by ẏ, and their pairs are those of j before i in both orders.
 //!
 //! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives/`, which

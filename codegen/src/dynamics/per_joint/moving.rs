@@ -13,7 +13,7 @@ pub(super) struct Moving {
     pub motions: Motions,
     /// `None` where no moving body carries a rotor.
     pub rotors: Option<Rotors>,
-    /// With the rotors.
+    /// Composites including the rotors.
     pub composites: Composites,
 }
 

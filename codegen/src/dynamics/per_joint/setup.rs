@@ -1,4 +1,4 @@
-//! What the loops start from: straight-line code, joint by joint.
+//! Setup of the loops: straight-line code, joint by joint.
 
 use super::builder::ArrayBuilder;
 use super::rows::entries_of;
@@ -29,7 +29,7 @@ pub(super) struct Setup {
     pub last: ArrayId,
     /// Springs and friction: by y, by ẏ, and their force.
     pub joint_forces: ArrayId,
-    /// What the motion of other coordinates changes of springs and friction.
+    /// Springs and friction that depend on the motion of other coordinates.
     pub coupled_forces: Option<CoupledForces>,
     /// i J a of the rotors on the parent of each joint that they drive; `None` without such rotors.
     pub momenta: Option<ArrayId>,
@@ -45,7 +45,7 @@ pub(super) struct CoupledForces {
 pub(super) enum Last<'g> {
     /// Accelerations of the coordinates: joints that follow one have it too.
     Accelerations(Vec<Scalar<'g>>),
-    /// What drives the coordinates: it acts at the joints of these alone.
+    /// Driving forces of the coordinates. They act at the joints of these coordinates alone.
     DrivingForces(Vec<Scalar<'g>>),
 }
 
@@ -182,7 +182,7 @@ impl<'g> Joints<'_, 'g> {
         }
     }
 
-    /// Moments of the mass that a joint carries itself; those of a rotor that is a joint are no part of its carrier.
+    /// Moments of the mass that a joint carries itself; those of a rotor that is a joint are not part of its carrier.
     fn moments(&self, joint: usize) -> MassMoments<Scalar<'g>> {
         let LoopJoint { moved, is_last, .. } = self.loops.list[joint];
         let of_rotor = |index: usize| {
@@ -262,7 +262,7 @@ fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     (0..n).map(|coordinate| matrix[coordinate][coordinate]).collect()
 }
 
-/// `i J a` in the base frame of the rotors beside the joints that they drive, by joint; `None` where there are
+/// `i J a` in the base frame of the rotors on the parents of the joints that they drive, by joint; `None` where there are
 /// none.
 fn rotor_momenta<'g>(joints: &Joints<'_, 'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<Scalar<'g>>>> {
     let Joints { mechanism, loops } = joints;

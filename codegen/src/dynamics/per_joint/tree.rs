@@ -10,7 +10,7 @@
 //!
 //! A joint with a quaternion is a row of joints, one for each of its velocities.
 //!
-//! A rotor whose momentum does not stand at a joint beside it is a joint too: it turns about its axis on its carrier,
+//! A rotor whose momentum is not added at a neighbouring joint is a joint too: it turns about its axis on its carrier,
 //! with its axial inertia alone.
 
 use crate::kinematics::{Followed, Mechanism, Numbers, Rotor};
@@ -19,7 +19,7 @@ use crate::program::arrays::{Coordinates, Tree};
 /// A joint of the loops.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoopJoint<S> {
-    /// What it moves.
+    /// Object that the joint moves.
     pub moved: Moved,
     /// The coordinate that it follows, and its motion for a unit of that.
     pub follows: Followed<S>,
@@ -27,7 +27,7 @@ pub(super) struct LoopJoint<S> {
     pub is_last: bool,
 }
 
-/// What a joint of the loops moves.
+/// Object that a joint of the loops moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Moved {
     /// A body of the mechanism.
@@ -44,7 +44,7 @@ pub(super) struct LoopJoints<S> {
     pub places: Vec<usize>,
     /// How they carry each other, by place.
     pub tree: Tree,
-    /// For each rotor the joint of the list beside it that turns it: it sits on that joint's parent.
+    /// For each rotor the neighbouring joint in the list that turns it: it sits on that joint's parent.
     pub beside: Vec<Option<usize>>,
 }
 

@@ -37,7 +37,7 @@ pub fn forward_dynamics<'g>(
     tree.accelerate(&joints)
 }
 
-/// What rotors do at one joint.
+/// Coupling of rotors to one joint.
 #[derive(Clone, Copy)]
 struct RotorCoupling<'g> {
     /// `i J_R a` of rotors on the parent, in the parent's frame.
@@ -76,7 +76,7 @@ struct Rates<'g> {
     omega: Vector3<Scalar<'g>>,
     /// Velocity of the joint.
     joint: Scalar<'g>,
-    /// What the joint's velocity adds to ω̇ for revolute, to the origin's acceleration for prismatic joints.
+    /// Velocity terms: of ω̇ for revolute joints, of the origin's acceleration for prismatic joints.
     coriolis: Vector3<Scalar<'g>>,
 }
 
@@ -102,7 +102,7 @@ fn rates<'g>(
     rates
 }
 
-/// What a body and all that it carries need.
+/// Articulated inertia and bias of a body with its subtree.
 #[derive(Clone, Copy)]
 struct Articulated<'g> {
     /// J, symmetric.

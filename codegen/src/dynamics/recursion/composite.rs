@@ -160,7 +160,7 @@ impl<'g> Column<'_, 'g> {
         }
     }
 
-    /// What accelerates the composite body by 1 along or about the joint's axis.
+    /// Wrench that accelerates the composite body by 1 along or about the joint's axis.
     fn unit_acceleration(&self, composite: &Composite<'g>) -> Carried<'g> {
         let MassMoments { mass, first: h, second: s } = composite.moments;
         let zero = mass.constant(0.0);

@@ -13,7 +13,7 @@ pub struct Factorization<'g> {
     lower: Vec<Vec<Option<Scalar<'g>>>>,
     /// Reciprocals of D.
     reciprocals: Vec<Scalar<'g>>,
-    /// What M couples each of them with among those before it, nearest first.
+    /// Earlier entries that M couples with each of them, nearest first.
     ancestors: Vec<Vec<usize>>,
     /// Their coordinates.
     coordinates: Vec<usize>,

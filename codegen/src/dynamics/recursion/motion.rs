@@ -18,7 +18,7 @@ pub(in crate::dynamics) struct BodyMotion<'g> {
     pub(super) differences: Option<[Scalar<'g>; 3]>,
     /// Acceleration of the origin, minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
-    /// What it comes from, for bodies of joints with quaternions.
+    /// Motion of the chain, for bodies of joints with quaternions.
     pub chain: Option<ChainMotion<'g>>,
 }
 

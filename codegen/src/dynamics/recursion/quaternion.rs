@@ -84,7 +84,7 @@ impl<'g> Passage<'_, 'g> {
     }
 }
 
-/// What a small motion along one velocity of a joint, or that velocity, changes.
+/// Changes by a small motion along one velocity of a joint, or by that velocity.
 pub(super) struct ChainDisturbance<'g> {
     /// δω, β and δa by the position.
     pub by_position: [Vector3<Scalar<'g>>; 3],
@@ -130,7 +130,7 @@ pub(super) fn unit_motion<'g>(turns: bool, place: ChainPlace, any: Scalar<'g>) -
     }
 }
 
-/// What a force on the last body exerts along a velocity.
+/// Component of a force on the last body along one velocity.
 pub(super) fn force_along(turns: bool, place: ChainPlace, f: Force<'_>) -> Scalar<'_> {
     if turns { f.moment[place.axis] } else { f.force[place.axis] }
 }

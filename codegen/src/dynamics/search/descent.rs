@@ -67,7 +67,7 @@ impl BodyOptions {
         options
     }
 
-    /// What only the recursion of forces can choose.
+    /// Alternatives of one body that only the recursion of forces has.
     fn fine_alternatives(&self, now: BodyChoices) -> Vec<BodyChoices> {
         use Diagonal::{Axis, AxisAcross, Squares, Sums};
         let mut options = vec![BodyChoices { by_acceleration: !now.by_acceleration, ..now }];
@@ -124,12 +124,13 @@ impl SearchSpace {
     }
 }
 
-/// Tells whether a body has a revolute joint of its own; in the chain of a joint with a quaternion there is no choice.
+/// Tells whether a body has a revolute joint of its own; a chain of a joint with a quaternion leaves no choice.
 fn is_single_turn(body: &Body<Number>) -> bool {
     body.axis == JointAxis::Revolute && body.chain.is_none()
 }
 
-/// With prismatic joints or quaternions forces are results, and their unit is not free.
+/// True if all joints are revolute. Prismatic joints and quaternions make forces results, which fixes the
+/// unit of force.
 fn all_revolute(mechanism: &Mechanism<Number>) -> bool {
     mechanism.bodies.iter().all(is_single_turn)
 }

@@ -36,9 +36,9 @@ pub struct Formulations<'m> {
 /// How the accelerations are solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
-    /// By M and its factors.
+    /// Factorization of M.
     Factorization,
-    /// By articulated bodies.
+    /// Articulated bodies.
     ArticulatedBodies,
 }
 
@@ -83,9 +83,9 @@ impl ForwardRoute {
 /// How the inverse dynamics are differentiated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DerivativeRoute {
-    /// By the program of the inverse dynamics, forwards.
+    /// The program of the inverse dynamics in forward order.
     Forward,
-    /// By composite bodies.
+    /// Composite bodies.
     Composite(Formulation, PairFrame),
 }
 
@@ -214,7 +214,7 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// The formulations of M and the bias forces that are cheapest beside the derivatives of the inverse
+    /// The formulations of M and the bias forces that are cheapest together with the derivatives of the inverse
     /// dynamics.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
@@ -232,7 +232,7 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and the bias forces that costs least beside other results.
+    /// The pair of formulations of M and the bias forces that costs least together with other results.
     fn cheapest_pair(
         &self,
         candidates: &[&Formulation],
@@ -288,7 +288,7 @@ impl<'m> Formulations<'m> {
     }
 }
 
-/// Beyond so many joints a search among the derivatives takes longer than it saves: the formulation of the
+/// Number of joints beyond which a search among the derivatives takes longer than it saves: the formulation of the
 /// inverse dynamics serves them as well.
 const LARGEST_SEARCHED: usize = 12;
 
@@ -352,7 +352,7 @@ fn differentiate_forwards<'g>(
     }
 }
 
-/// What moves when a recursion is weighed.
+/// Motion under which a recursion is priced.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Moving {
     /// Velocities and accelerations.

@@ -32,7 +32,7 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
             gain => format!("inverse[{n} * i + {coordinate}] * {}", body.operand(gain)),
         });
         let terms: Vec<String> = terms.collect();
-        // A loop for each column: gcc 12.2 takes a sum beside a difference, each of two products, for one operation on both,
+        // A loop for each column: gcc 12.2 takes a sum next to a difference, each of two products, for one operation on both,
         // which it then fuses against its orders.
         let column = format!("{by_u}[{m} * i + {column}] = {};", terms.join(" + "));
         format!("for (int i = 0; i < {n}; ++i) {{\n    {column}\n}}")

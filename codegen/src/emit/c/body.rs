@@ -26,7 +26,7 @@ pub(super) struct Body<'a> {
 pub(super) const JOINT: &str = "joint";
 
 impl<'a> Body<'a> {
-    /// With its results as arguments, but for one number alone, which is returned.
+    /// A body whose results are arguments; a single number is returned instead.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, !returns_number(program))
     }

@@ -57,7 +57,7 @@ pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
     })
 }
 
-/// What a constant becomes.
+/// C form of a constant.
 enum Object {
     Macro(usize),
     /// C has no arrays without entries.

@@ -1,4 +1,4 @@
-//! What all parts of a module have in common while it is printed.
+//! Context shared by all parts of a module while it is printed.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,7 +17,7 @@ pub(super) struct Context<'a> {
     pub(super) options: &'a EmitOptions,
     /// Name of the files.
     pub(super) name: String,
-    /// What the names of functions and types begin with, e.g. `ur5`.
+    /// Prefix of the names of functions and types, e.g. `ur5`.
     prefix: String,
     /// How names inside functions are spelled.
     pub(super) spelling: Spelling,

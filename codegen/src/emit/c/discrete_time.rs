@@ -56,7 +56,7 @@ fn shared(context: &Context<'_>) -> Vec<&'static str> {
     texts.map(Text::c_source).collect()
 }
 
-/// The texts for positions on a manifold, or for those that are no such.
+/// The texts for positions on a manifold, or for those in a vector space.
 fn own(context: &Context<'_>) -> Vec<&'static str> {
     let compositions = context.module.compositions.iter().map(|each| each.composition);
     if context.module.has_quaternions() {

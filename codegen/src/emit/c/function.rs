@@ -1,4 +1,4 @@
-//! A function in the form that it has: straight-line code, or loops over joints; lanes beside it.
+//! A function in the form that it has: straight-line code, or loops over joints; and its lanes.
 
 use super::context::Context;
 use super::{affine, arrays, lanes, straight};

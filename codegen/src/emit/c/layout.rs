@@ -3,7 +3,7 @@
 /// Longest line of code.
 const WIDTH: usize = 118;
 
-/// What further lines begin with, seen from the first one.
+/// Indentation of continuation lines relative to the first line.
 const FURTHER: &str = "    ";
 
 /// `head(arguments)tail`, with the arguments on further lines where one does not hold them.

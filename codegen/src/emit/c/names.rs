@@ -170,7 +170,7 @@ pub(super) fn spelling(prefixes: Vec<String>) -> Spelling {
     Spelling { keywords: &KEYWORDS, has_free_underscores: false, prefixes }
 }
 
-/// What the names of a module begin with, without the underscore: from the name of its files.
+/// Prefix of the names of a module, from the name of its files, without the underscore.
 pub(super) fn prefix(name: &str) -> String {
     spelling(vec![]).identifier(name).trim_end_matches('_').to_owned()
 }

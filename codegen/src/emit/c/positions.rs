@@ -7,7 +7,7 @@ use super::{comment, layout, math, signature};
 use crate::emit::documentation::{self, Labels, shape_text};
 use crate::functions::position_functions::{PositionFunction, PositionValue, extents};
 
-/// What the header needs for them.
+/// Include that positions need in the header.
 pub(super) fn include(context: &Context<'_>) -> &'static str {
     match context.module.has_quaternions() {
         true => "#include <stdbool.h>\n\n",

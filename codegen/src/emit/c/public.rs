@@ -22,7 +22,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str
     format!("{documentation}{}\n", signature::head(&body, name, ";"))
 }
 
-/// What stands before the body of the function.
+/// Head of the function, before its body.
 pub(super) fn head(body: &Body<'_>, name: &str) -> String {
     signature::head(body, name, "")
 }

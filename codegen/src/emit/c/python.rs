@@ -24,7 +24,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// What all loops share: numbers may stand apart in memory, as in a column of a matrix.
+/// Loops over states, begin. Entries may have a stride, as in a column of a matrix.
 const BEGIN: &str = include_str!("python/begin.c");
 
 /// Eight states at once.

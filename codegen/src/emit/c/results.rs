@@ -30,7 +30,7 @@ impl Body<'_> {
         stores.collect()
     }
 
-    /// The statement that writes an entry which has just been made and the one beside it; none where that is made later.
+    /// The statement that writes an entry which has just been made and its neighbour; none if that is made later.
     ///
     /// - `index`: what was made
     fn store_pair_of(&self, result: usize, entry: usize, index: usize) -> Option<String> {

@@ -34,7 +34,7 @@ pub(super) fn inputs(body: &Body<'_>) -> Vec<String> {
     inputs.chain(body.context.declared_parameters()).collect()
 }
 
-/// What stands before the body of a public function, or before the semicolon.
+/// Head of a public function, before its body or the semicolon.
 pub(super) fn head(body: &Body<'_>, name: &str, tail: &str) -> String {
     let ty = if returns_number(body.program) { body.context.ty() } else { "void" };
     layout::call(0, &format!("{ty} {name}"), &arguments(body), tail)

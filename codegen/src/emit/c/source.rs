@@ -57,7 +57,7 @@ fn includes(context: &Context<'_>, body: &str) -> String {
     format!("\n#include \"{}.h\"\n\n{headers}", context.name)
 }
 
-/// What would change the results without a word.
+/// Compiler settings that silently change results; each becomes an `#error`.
 const CHECKS: &str = "
 // Every operation is rounded once, to the type of its operands: no other precision, no contraction to fused
 // multiply-adds, no algebra. Elementary functions rely on it.
@@ -79,7 +79,7 @@ const CHECKS: &str = "
 #endif
 ";
 
-/// What C99 has no words for, as far as the text needs it.
+/// Macros for extensions that C99 lacks, as far as the text uses them.
 fn macros(context: &Context<'_>, body: &str) -> String {
     let with = [
         ("INLINE", "static inline __attribute__((always_inline))", "static inline"),

@@ -132,7 +132,7 @@ impl Body<'_> {
     }
 }
 
-/// What the name of a helper begins with.
+/// Prefix of a helper's name.
 fn helper(run: &Run) -> &'static str {
     match run {
         Run::One(_) => "unused",

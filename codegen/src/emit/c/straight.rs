@@ -6,13 +6,13 @@ use super::{layout, parts, public};
 use crate::functions::function::Function;
 use crate::program::split;
 
-/// A function in C may be so many times as long as one in Rust before it is split: parts exchange values by memory, and C
+/// Factor by which a function in C may be longer than one in Rust before it is split: parts exchange values by memory, and C
 /// compilers bear long functions better than rustc. `linearize` of a UR5 took 1.40 times as long as in Rust in two parts and
 /// 1.05 times in one (gcc 12; clang 22: 0.95 and 0.83), and compiling its module took as long as before. Over eight states
 /// it took 181 ns for each in two parts and 155 ns in one (gcc 12, AVX2).
 const LONGER: usize = 5;
 
-/// So many statements stay one function.
+/// Largest number of statements of one function.
 pub(super) fn longest(context: &Context<'_>) -> usize {
     context.options.longest_function.saturating_mul(LONGER)
 }
@@ -28,7 +28,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> V
 
 /// The private functions of a body's parts, where it is long, and the statements of the function.
 ///
-/// - `longest`: so many statements stay one function
+/// - `longest`: largest number of statements of one function
 /// - `again`: makes the body once more
 pub(super) fn statements<'a>(
     body: &Body<'a>,

@@ -77,7 +77,7 @@ fn inverse(row: Row) -> &'static str {
     }
 }
 
-/// What is multiplied by it.
+/// Products with the inverse factor.
 fn matrix_products(row: Row) -> &'static str {
     match (row.is_one_block(), row.is_chain) {
         (true, _) => include_str!("array_kernels/one_block/matrix_products.rs"),

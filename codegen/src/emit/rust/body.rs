@@ -29,12 +29,12 @@ pub(super) struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// With results written in place where they are large.
+    /// A body that writes large results in place.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, program.has_large_results())
     }
 
-    /// With all results written in place.
+    /// A body that writes all results in place.
     pub(super) fn in_place(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, true)
     }

@@ -1,4 +1,4 @@
-//! What all parts of a module have in common while it is printed.
+//! Context shared by all parts of a module while it is printed.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};

@@ -116,6 +116,6 @@ fn on_manifold(sources: Vec<String>, compositions: &[ComposedFunction]) -> Vec<S
     imports.into_iter().chain(sources).chain(added).collect()
 }
 
-/// What the texts take from the module `manifold`.
+/// Items of the module `manifold` that the texts use.
 const USED: [&str; 8] =
     ["cross", "integrate", "places", "pose_bracket", "pose_tangents", "read", "rotation_tangents", "write"];

@@ -1,4 +1,4 @@
-//! A function in the form that it has: straight-line code, lanes beside it, or loops over joints.
+//! A function in the form that it has: straight-line code with its lanes, or loops over joints.
 
 use proc_macro2::{Ident, TokenStream};
 

@@ -10,7 +10,7 @@ pub(super) fn push_items(text: &mut String, items: impl IntoIterator<Item = Toke
     }
 }
 
-/// Formats one item. The tokens were made by this folder: where they are no Rust, that is a defect here, and
+/// Formats one item. The tokens were made by this folder: where they are not Rust, that is a defect here, and
 /// the unformatted tokens with rustc's message about them help more than a panic.
 fn print(item: TokenStream) -> String {
     match syn::parse2::<syn::File>(item.clone()) {

@@ -4,7 +4,7 @@ use proc_macro2::{Ident, Span};
 
 use crate::emit::names::Spelling;
 
-/// Words that are no identifiers in edition 2024, reserved ones included.
+/// Words that are not identifiers in edition 2024, reserved ones included.
 const KEYWORDS: [&str; 53] = [
     "Self", "_", "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
     "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let",

@@ -95,7 +95,7 @@ pub(super) fn items(
     }
 }
 
-/// Parts of a function of up to so many statements become one function again in optimized code, where they would exchange
+/// Limit of statements: parts of a function up to this length become one function again in optimized code, where they would exchange
 /// values by memory: the forward dynamics of a humanoid takes 0.75 of the time, the Jacobians of a quadruped's inverse dynamics
 /// 0.85. Longer functions stay split there too, since the time of LLVM grows faster than their length.
 const MOST_INLINED: usize = 12_000;

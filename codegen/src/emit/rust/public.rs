@@ -12,7 +12,7 @@ use crate::emit::documentation::{self, Labels, argument_shape, shape_text};
 use crate::emit::text::code;
 use crate::functions::function::Function;
 
-/// Up to so many instructions a function is offered to inlining in other crates: a call costs as much as they
+/// Number of instructions up to which a function is offered to inlining in other crates: a call costs as much as they
 /// do.
 const INLINE_UP_TO: usize = 40;
 

@@ -10,7 +10,7 @@ use crate::program::arrays::Arrays;
 pub(super) struct SharedRows {
     /// Rows and entries of a row, padding included.
     pub(super) sizes: Vec<[usize; 2]>,
-    /// For each array its place among these; `None` for arrays that are no local variables.
+    /// For each array its place among these; `None` for arrays that are not local variables.
     pub(super) of_arrays: Vec<Option<usize>>,
 }
 

@@ -1,4 +1,4 @@
-//! What stands around the statements of a function: its types and its attributes.
+//! Signature of a function: its types and attributes.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;

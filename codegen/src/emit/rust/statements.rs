@@ -12,7 +12,7 @@ use crate::emit::sequence::{self, Run};
 use crate::program::split;
 use crate::program::{Operand, Operation};
 
-/// So many statements stay one block. Each `let` opens a scope within the last one, and with full debug
+/// Largest number of statements of one block. Each `let` opens a scope within the last one, and with full debug
 /// information rustc 1.95 describes scopes recursively: 4 600 of them overflow its stack. Blocks cost nothing
 /// once optimized.
 const LONGEST_BLOCK: usize = 1000;

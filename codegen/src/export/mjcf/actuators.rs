@@ -58,7 +58,7 @@ impl Writer<'_> {
         }
     }
 
-    /// What a motor acts on, with the key of its kind, and its gear.
+    /// Target of a motor, with the key of its kind and its gear.
     fn transmission(&mut self, drive: &Drive) -> (&'static str, String, String) {
         let factor = match &drive.input {
             Input::Torque | Input::None => 1.0,

@@ -91,7 +91,7 @@ impl Writer<'_> {
         self.sections();
     }
 
-    /// What the base link has: the world has no mass in MuJoCo.
+    /// The base link. The world has no mass in MuJoCo.
     fn base(&mut self, base: &Link) {
         self.link_sites(0);
         if !base.bodies.is_empty() {
@@ -207,7 +207,7 @@ impl Writer<'_> {
         }
     }
 
-    /// What no element of the format stands for.
+    /// Records the parts of the model that no element of the format represents.
     fn lost(&mut self) {
         for wrench in &self.model.wrenches {
             self.losses

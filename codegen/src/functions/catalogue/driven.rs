@@ -1,4 +1,4 @@
-//! What the catalogue says of robots with driven joints, whose motion is an argument.
+//! Catalogue texts of robots with driven joints, whose motion is an argument.
 
 use super::otherwise::{Otherwise, Robots};
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
@@ -29,7 +29,7 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// The inertial forces of the driven joints' accelerations are no part of M ÿ.
+/// The inertial forces of the driven joints' accelerations are not part of M ÿ.
 pub const BIAS: Otherwise = Otherwise {
     notes: &[
         "It contains M_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds for the other \

@@ -1,5 +1,4 @@
-//! What the catalogue says of robots with forces at frames. Where inputs are such forces, B depends on the
-//! coordinates.
+//! Catalogue texts of robots with forces at frames. If such forces are inputs, B depends on the coordinates.
 
 use super::otherwise::{Otherwise, Robots};
 use crate::functions::function::Function;

@@ -1,5 +1,5 @@
-//! What the catalogue says of robots whose friction grows with the load: a function more, other equations, and
-//! the functions that they do not have.
+//! Catalogue texts of robots whose friction grows with the load: one more function, other equations, and the
+//! functions that are missing.
 //!
 //! There q keeps the friction τ of velocity and position alone, and the equations of motion have one more
 //! term.
@@ -30,7 +30,7 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// What the load is.
+/// Definition of the load.
 const LOAD: &str = "The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is \
     `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).";
 

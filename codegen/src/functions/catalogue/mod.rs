@@ -36,7 +36,7 @@ pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressors::QUANTITIES)
 }
 
-/// [`quantities()`] with the rows that a model needs beside them or in their place.
+/// [`quantities()`] with the rows that a model adds or replaces.
 fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
     let depends_on_position = forces::friction_depends_on_position(model);
     let friction = rows_if(depends_on_position, FRICTION_BY_POSITION);

@@ -1,4 +1,4 @@
-//! What is said otherwise of a function of robots for which its row is not the whole truth.
+//! Exceptions to catalogue rows, by kind of robot.
 
 use crate::dynamics::load_friction;
 use crate::functions::function::Function;
@@ -44,7 +44,7 @@ pub(in crate::functions) struct Otherwise {
     pub(in crate::functions) first_result: Option<&'static str>,
     /// In place of all notes that there are.
     pub(in crate::functions) only_note: Option<&'static str>,
-    /// Notes beside the row's.
+    /// Additional notes.
     pub(in crate::functions) notes: &'static [&'static str],
 }
 

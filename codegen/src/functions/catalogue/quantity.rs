@@ -1,4 +1,4 @@
-//! What a row of the catalogue says: arguments, results with their dimensions, how it is built.
+//! Rows of the catalogue: arguments, results with dimensions, and construction.
 
 use super::otherwise::Otherwise;
 use crate::dynamics::arguments::Arguments;
@@ -197,7 +197,7 @@ pub struct Quantity {
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
     pub(in crate::functions) notes: &'static [&'static str],
-    /// What is said otherwise, in this order.
+    /// Exceptions to the row, in order.
     pub(in crate::functions) otherwise: &'static [Otherwise],
     /// Says what depends on more of the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
@@ -241,7 +241,7 @@ pub(in crate::functions) type BuildLoops =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, Vec<InputArray>) -> Arrays;
 
 impl Quantity {
-    /// The defaults of a row: the function is not large and needs nothing beside it.
+    /// The defaults of a row: the function is not large and needs no constants.
     pub(in crate::functions) const PLAIN: Self = Self {
         name: "",
         summary: "",

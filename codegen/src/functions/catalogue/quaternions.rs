@@ -1,4 +1,4 @@
-//! What the catalogue says of robots with spherical and floating joints.
+//! Catalogue texts of robots with spherical and floating joints.
 
 use super::otherwise::{Otherwise, Robots};
 

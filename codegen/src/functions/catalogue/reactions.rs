@@ -1,4 +1,4 @@
-//! What joints bear: the wrench that passes through each of them.
+//! Joint reactions: the wrench that passes through each joint.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, matrix};

@@ -82,7 +82,7 @@ pub struct Array {
     pub name: String,
     /// How many rows it has.
     pub rows: usize,
-    /// What its entries stand for.
+    /// Index set of its entries.
     pub over: Over,
 }
 
@@ -99,7 +99,7 @@ pub enum Relation {
     Apart,
 }
 
-/// What the entries of a row stand for.
+/// Index set of the entries of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Over {
     /// Joints.
@@ -160,16 +160,16 @@ pub enum Step {
     },
     /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 where that is the base.
     GatherCarriers {
-        /// What is read.
+        /// Source array.
         from: ArrayId,
-        /// What is written.
+        /// Target array.
         to: ArrayId,
     },
     /// `to[·][j] = from[·][k]` with the last velocity k of the joint that j belongs to.
     GatherLast {
-        /// What is read.
+        /// Source array.
         from: ArrayId,
-        /// What is written.
+        /// Target array.
         to: ArrayId,
     },
     /// `to[·][j] = from[·][c]` with the coordinate c that joint j follows.
@@ -285,7 +285,7 @@ impl Arrays {
         last
     }
 
-    /// What the entries of an array stand for.
+    /// Tree of the index set of an array.
     #[must_use]
     pub fn tree(&self, array: ArrayId) -> &Tree {
         self.over(self.arrays[array].over)

@@ -1,4 +1,4 @@
-//! What arrays have their entries over: the joints, and the coordinates that these follow.
+//! Index sets of arrays: the joints, and the coordinates that these follow.
 
 /// A tree of joints or of coordinates.
 #[derive(Debug, Clone, PartialEq, Eq)]

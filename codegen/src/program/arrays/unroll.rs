@@ -35,7 +35,7 @@ impl Arrays {
     }
 }
 
-/// With unique names.
+/// Gives unique names to all instructions.
 pub(super) fn numbered(mut program: Program) -> Program {
     give_names(&mut program);
     program

@@ -4,8 +4,8 @@
 /// direction, all else sees rest. Far enough from the smallest number that a gear ratio times it is one.
 pub const JUST_MOVING: f64 = 1e-300;
 
-/// What laws without a jump may differ by between the two sides: their slope times [`JUST_MOVING`]. A jump that free
-/// parameters make zero leaves it.
+/// Largest difference between the two sides for laws without a jump: their slope times [`JUST_MOVING`]. Free
+/// parameters that make a jump zero leave this difference.
 const OF_SLOPES: f64 = 1e-200;
 
 /// True if friction jumps between these two values of [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest),

@@ -1,4 +1,4 @@
-//! What takes the place of functions that a module does not have.
+//! Defaults of functions that a module lacks.
 
 use super::load_friction::{load, under_load};
 use super::manifold::same;

@@ -21,7 +21,7 @@ pub trait OrElse<A, R> {
 
 /// The same for results that become a type of the runtime.
 pub trait MadeOrElse<A, R> {
-    /// What is made of the function's results, or `otherwise`.
+    /// Converts the function's results, or calls `otherwise`.
     fn made_or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
 }
 
@@ -62,7 +62,7 @@ pub trait Required<A, T> {
     fn result(&self, arguments: A) -> T;
 }
 
-/// The traits for functions of so many arguments.
+/// The traits for functions of each number of arguments.
 macro_rules! functions {
     ($($argument:ident: $type:ident),*) => {
         impl<F: Fn($($type),*) -> R, $($type,)* R> OrElse<($($type,)*), R> for F {

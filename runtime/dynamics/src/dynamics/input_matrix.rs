@@ -66,7 +66,7 @@ where
     }
 }
 
-/// With driven joints and constant gear ratios.
+/// Input matrices of robots with driven joints and constant gear ratios.
 impl<F: Fn() -> [[f64; M]; N], P, const N: usize, const M: usize, const NY: usize>
     InputMatrixWithParameters<((),), P, N, M, NY> for F
 {

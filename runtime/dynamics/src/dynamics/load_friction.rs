@@ -1,4 +1,4 @@
-//! Friction that grows with what a gear transmits: `|τ_l| s₁` beside the friction s₀ of the velocity alone.
+//! Friction that grows with what a gear transmits: `|τ_l| s₁` in addition to the friction s₀ of the velocity alone.
 //!
 //! The load τ_l is what the drive of a joint would exert without friction. The drive exerts `s₀ + τ_l + |τ_l|
 //! s₁` (Hamon, Gautier and Garrec 2010), which grows with the load where |s₁| < 1.

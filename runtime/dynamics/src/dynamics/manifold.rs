@@ -160,7 +160,7 @@ pub const fn quaternion_joints<const C: usize>(
     joints
 }
 
-/// A quaternion in a state that is no attitude.
+/// A quaternion in a state that is not an attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeError {
     /// The joint.

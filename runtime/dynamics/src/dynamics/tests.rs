@@ -351,7 +351,7 @@ fn friction_jumps_where_it_is_dry() {
     let at_rest = Dry.friction_at_rest(&[0.5, 0.0]);
     assert_eq!(at_rest, [[-3.5, 3.5], [0.0; 2]]);
     assert_eq!(at_rest.map(jumps), [true, false]);
-    // Where it jumps by nothing, its slope is no jump.
+    // Where it jumps by nothing, its slope is not a jump.
     assert_eq!(Dry.friction_at_rest(&[-3.0, 0.0]), [[0.0; 2]; 2]);
 }
 

@@ -9,7 +9,7 @@ pub struct TorqueSpeedLine<const N: usize> {
     pub input: usize,
     /// C: what each velocity takes from the input, in its unit.
     pub slopes: [f64; N],
-    /// What the motor gives at rest, in the unit of the input.
+    /// Largest input at rest, in the unit of the input.
     pub limit: f64,
 }
 

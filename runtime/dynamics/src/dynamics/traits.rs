@@ -198,7 +198,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// gear ratios; the others belong to inputs at frames: cylinders, propellers.
     fn input_matrix(&self, y: &[f64; NY]) -> [[f64; M]; N];
 
-    /// So many of the inputs, the first ones, are drives of joints: mostly all.
+    /// Number of inputs that are drives of joints; they come first. Mostly all.
     fn drives(&self) -> usize {
         M
     }
@@ -268,7 +268,7 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
     }
 }
 
-/// The length of a state `x = (y, ẏ)`: `NX = 2 N`, which is no type on stable Rust.
+/// The length of a state `x = (y, ẏ)`: `NX = 2 N`, which is not a type on stable Rust.
 /// [`dynamics!`](crate::dynamics!) implements it, so that `LtvMpc::new(arm, motion, options)` finds all sizes
 /// by itself.
 pub trait PhaseSpace<const NX: usize> {}

@@ -148,10 +148,10 @@ pub struct Limits<const N: usize, const M: usize> {
     pub effort: [f64; N],
     /// Peak force at the joint [N m or N].
     pub peak_effort: [f64; N],
-    /// Lowest and highest input that its motor bears continuously; the efforts hold beside it, see
+    /// Lowest and highest input that its motor bears continuously; the limits of efforts apply too, see
     /// [`Self::at_inputs`]. 0 is between the two.
     pub input: [[f64; 2]; M],
-    /// Lowest and highest input that its motor bears for a short time; the peak efforts hold beside it.
+    /// Lowest and highest input that its motor bears for a short time; the limits of peak efforts apply too.
     pub peak_input: [[f64; 2]; M],
     /// The joints that follow coordinates, with limits of their own.
     pub dependent: &'static [DependentJoint<N>],
@@ -181,7 +181,7 @@ impl<const N: usize, const M: usize> Limits<N, M> {
     /// every joint has an input of its own, as behind gears, `ū_j = min(motor_j, effort_i / |ratio|)`. Where
     /// several inputs act on one joint this is conservative: inputs that oppose each other could be larger.
     ///
-    /// Limits that are no numbers give NaN, which controllers refuse.
+    /// Limits that are not numbers give NaN, which controllers refuse.
     #[must_use]
     pub fn at_inputs(&self, input_matrix: &[[f64; M]; N]) -> InputLimits<M> {
         InputLimits {
@@ -241,7 +241,7 @@ fn smaller(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
 }
 
-/// What the macro makes of the results `T` of a module's function.
+/// Conversion from the results `T` of a module's function.
 pub trait OfResults<T> {
     /// The results by their names.
     fn of(results: T) -> Self;

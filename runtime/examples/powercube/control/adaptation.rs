@@ -15,7 +15,7 @@ use gelenk_runtime::trajectory::Sampled;
 
 /// When the plant's friction changes (s).
 const CHANGE: f64 = 8.0;
-/// What becomes of its viscous and its dry part: oil warms up, a seal wears.
+/// Factors of its viscous and its dry part later on: oil warms up, a seal wears.
 const FACTORS: [f64; 2] = [0.6, 1.3];
 /// Steps of the encoders [rad].
 const ENCODER_STEP: f64 = 1e-4;

@@ -18,8 +18,8 @@ pub struct Models {
     pub old: Run,
     pub identified: Run,
     pub friction: [Friction; 2],
-    /// What the controllers' rigid body asks for beyond the plant's, along the reference, in the middle of
-    /// each period [N m].
+    /// Difference between the rigid-body torques of the controllers' model and the plant's along the
+    /// reference, in the middle of each period [N m].
     pub rigid_error: Vec<[f64; 2]>,
 }
 

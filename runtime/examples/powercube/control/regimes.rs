@@ -8,7 +8,7 @@ use crate::study::{Outcome, Part, Study};
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::trajectory::Sampled;
 
-/// What the controller does about what it does not know.
+/// Compensation of model errors by the controller.
 #[derive(Clone, Copy)]
 pub struct Control {
     /// Standard deviation of the input disturbance's change in a period [N m]; 0: none is estimated.
@@ -54,7 +54,7 @@ impl Comparison {
     }
 }
 
-/// What all comparisons share.
+/// Setting shared by all comparisons.
 pub struct Case {
     reference: Sampled<2>,
     identified: [Friction; 2],

@@ -60,7 +60,7 @@ impl<'t> FeedForwardAlone<'t> {
 impl Controller<2, 2> for FeedForwardAlone<'_> {
     fn reset(&mut self, _: &[f64; 2], _: &[f64; 2]) {}
 
-    /// What the middle of the period needs, which is the best that a held input can do.
+    /// Feed-forward of the middle of the period, which is the best that a held input can do.
     fn step(&mut self, cycle: &Cycle<2, 2>) -> Result<Command<2>, ControllerFault> {
         let sample = self.reference.sample(cycle.time + 0.5 * self.period);
         Ok(Command { inputs: limited(self.feed_forward.at(&sample).inputs), iterations: 0 })
@@ -83,7 +83,7 @@ pub struct Setup {
     pub plant: Arm,
     pub regime: Regime,
     pub seed: u64,
-    /// How far beside the start of the reference the arm starts [rad].
+    /// Distance of the arm from the start of the reference [rad].
     pub offset: [f64; 2],
     /// When (s) the plant becomes another one, and which.
     pub change: Option<(f64, Arm)>,
@@ -107,7 +107,7 @@ pub struct Row {
     /// Motor torques [N m], of the controller and of its model's feed-forward.
     pub inputs: [f64; 2],
     pub forward: [f64; 2],
-    /// What the encoders said.
+    /// Measured positions of the encoders.
     pub measured: [f64; 2],
     pub iterations: u32,
 }
@@ -123,7 +123,7 @@ impl Row {
     }
 }
 
-/// What happened along a trajectory.
+/// Recorded motion along a trajectory.
 #[derive(Debug, Clone)]
 pub struct Run {
     pub rows: Vec<Row>,

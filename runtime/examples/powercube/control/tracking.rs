@@ -7,7 +7,7 @@ use crate::study::{Outcome, Part, Study};
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::trajectory::Sampled;
 
-/// How far beside the start of the trajectory the arm starts [rad].
+/// Distance of the arm from the start of the trajectory [rad].
 pub const BESIDE: f64 = 1e-3;
 
 /// Feed-forward alone and LTV-MPC, both with the plant's own model.
@@ -26,7 +26,7 @@ pub fn pair(reference: &Sampled<2>, beside: f64) -> Outcome<Pair> {
     })
 }
 
-/// The verdict for an arm that starts `beside` [rad] the smoothed trajectory.
+/// The verdict for an arm that starts `beside` [rad] from the smoothed trajectory.
 pub fn claim(pair: &Pair) -> Claim {
     let worst = |run: &Run, value: fn(&Run, usize) -> f64| value(run, 0).max(value(run, 1));
     Claim::new(

@@ -18,7 +18,7 @@ use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Se
 pub const GRAVITY_ERROR: f64 = 0.08;
 /// Only angles below this are kept by the selection [rad].
 pub const NARROW: f64 = 0.1;
-/// What the torque may depend on the angle without being seen in the noise of 0.3 N m [N m].
+/// Largest dependence of the torque on the angle that noise of 0.3 N m hides [N m].
 const UNSEEN: f64 = 0.2;
 /// Length of the link between the axes [m].
 const LINK: f64 = 0.18;
@@ -37,7 +37,7 @@ pub fn alpha_samples(seconds: f64) -> Outcome<Samples> {
     Ok(samples)
 }
 
-/// How much the torque depends on the angle beside the speed: rms of the part `c sin y` in
+/// Dependence of the torque on the angle in addition to the speed: rms of the part `c sin y` in
 /// `τ = Σ a_i θ_i(v) + c sin y`, least squares [N m].
 pub fn dependence(samples: &Samples) -> Outcome<f64> {
     let library = Library::new(&["v", "tanh(10*v)", "tanh(100*v)", "sin(y)"], &["v", "y"])?;

@@ -1,4 +1,4 @@
-//! The data that methods are compared on (claim 8): records of the joints, with friction beside the published one.
+//! The data that methods are compared on (claim 8): records of the joints, with friction other than the published one.
 
 use super::angle::{NARROW, alpha_samples};
 use super::data::{
@@ -40,7 +40,8 @@ impl Beside {
         Self { offset, ..Self::NOTHING }
     }
 
-    /// What the generated arm can have of it, for a joint whose published friction is this.
+    /// Friction of the generated arm for a joint with this published friction, as far as the arm can
+    /// represent it.
     fn friction(self, published: Friction) -> Friction {
         let mut friction = match self.stribeck {
             Some(_) => Friction([0.0; TERMS]),

@@ -31,7 +31,8 @@ pub fn alpha(Friction(terms): Friction) -> Alpha {
     }
 }
 
-/// What drives the joints while data are taken: the old friction model, as nothing better is known yet.
+/// Model of the controllers while data are taken: it has the old friction model, since nothing better is
+/// known yet.
 pub fn controller_arm() -> Arm {
     arm([Friction::OLD; 2])
 }
@@ -185,7 +186,7 @@ pub struct Samples {
     pub angles: Vec<f64>,
     /// ẏ [rad/s].
     pub velocities: Vec<f64>,
-    /// What the model says is friction [N m].
+    /// Friction torques by the model [N m].
     pub torques: Vec<f64>,
 }
 

@@ -15,7 +15,7 @@ use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Se
 
 /// Folds of the cross-validation.
 const FOLDS: usize = 10;
-/// Terms of the finer library beside those of the paper's.
+/// Terms of the finer library in addition to those of the paper's.
 const FINER: [&str; 5] = ["tanh(7*v)", "tanh(14*v)", "tanh(30*v)", "tanh(50*v)", "tanh(70*v)"];
 
 /// The paper's library with five more slopes.
@@ -25,7 +25,7 @@ pub fn finer_library() -> Outcome<Library> {
     Ok(Library::new(&terms, &["v"])?)
 }
 
-/// What a library costs and brings on these samples.
+/// Cost and benefit of a library on these samples.
 pub struct Fineness {
     /// Condition number, columns scaled.
     pub condition: f64,

@@ -35,7 +35,7 @@ pub fn both_claim(cases: &[Case]) -> Claim {
     .shown_in("methods")
 }
 
-/// Claim 8b on records of B without selection that have a constant offset; those that have none stand beside
+/// Claim 8b on records of B without selection that have a constant offset; those that have none are shown for comparison
 /// it.
 pub fn unfiltered_claim(with_offset: &[Case], without: &[Case]) -> Claim {
     Claim::new(
@@ -60,7 +60,7 @@ pub fn unfiltered_claim(with_offset: &[Case], without: &[Case]) -> Claim {
     .shown_in("breaks")
 }
 
-/// Claim 8c on records of C; those of a plant with Stribeck's law stand beside it.
+/// Claim 8c on records of C; those of a plant with Stribeck's law are shown for comparison.
 pub fn joint_c_claim(records: &[Case], stribeck: &[Case]) -> Claim {
     Claim::new("claim-8c", "SINDy is better on joint C.")
         .criterion(Criterion::at_least(

@@ -57,7 +57,7 @@ impl Dynamics<2, 2> for MoreFriction {
         self.robot.spring_forces(y, v)
     }
 
-    /// What depends on the speed alone; the plant looks here for jumps at standstill.
+    /// Friction that depends on the speed alone; the plant looks here for jumps at rest.
     fn friction_torques(&self, y: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
         let friction = self.robot.friction_torques(y, v);
         std::array::from_fn(|i| friction[i] + self.stribeck(i, v[i]))

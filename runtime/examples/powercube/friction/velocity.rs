@@ -19,7 +19,7 @@ const PROBE: f64 = 1e-3;
 const MOTION_TOP: f64 = 11.0 / 30.0;
 const BEYOND: f64 = 10.0;
 
-/// Derivatives by both ways beside the reference.
+/// Derivatives by both methods, and the reference.
 pub struct Comparison {
     pub times: Vec<f64>,
     pub reference: Vec<f64>,

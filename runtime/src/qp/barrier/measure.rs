@@ -1,4 +1,4 @@
-//! What bounds say of a point: violation, penalty and duality gap.
+//! Measures of a point by its bounds: violation, penalty and duality gap.
 
 use super::super::lanes::{Vector, largest};
 use super::super::multipliers::Multipliers;
@@ -20,7 +20,7 @@ impl<V: Vector> Bounds<V> {
         sum.reduce_add()
     }
 
-    /// Largest violation of a bound by `z`, beside the size of the bound where that exceeds 1; of the hard
+    /// Largest violation of a bound by `z`, relative to the size of the bound if that exceeds 1; of the hard
     /// bounds alone if `hard`; 0 if all are kept.
     #[inline(always)]
     pub(in crate::qp) fn violation(&self, z: &[V], hard: bool) -> f64 {

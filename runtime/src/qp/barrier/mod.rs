@@ -52,8 +52,8 @@ impl<V: Vector> Bounds<V> {
         self.soft.fill(Default::default());
     }
 
-    /// Largest diagonal term of the Newton system. Beyond it, digits of the weights would be lost beside it
-    /// (`R` beside `BᵀWB`); a step that takes the slack for `λ/W_max` instead is still a Newton step to
+    /// Largest diagonal term of the Newton system. Beyond it, digits of the smaller weights would be lost
+    /// (`R` in `R + BᵀWB`); a step that takes the slack for `λ/W_max` instead is still a Newton step to
     /// second order, since `dλ` vanishes at the optimum.
     #[inline(always)]
     pub(super) fn cap_weights(&mut self, cap: f64) {

@@ -9,7 +9,7 @@ pub(super) struct Side<V> {
     /// 1).
     pub(super) bound: V,
     pub(super) active: V,
-    /// `1/max(1, |bound|)` where it is finite, 0 elsewhere: violations count beside the size of the bound.
+    /// `1/max(1, |bound|)` where it is finite, 0 elsewhere: violations are relative to the size of the bound.
     pub(super) relative: V,
     pub(super) slack: V,
     pub(super) multiplier: V,
@@ -28,7 +28,7 @@ pub(super) struct Side<V> {
     dl: V,
 }
 
-/// What a soft bound has beyond a hard one.
+/// Data of a soft bound in addition to those of a hard one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Softening<V> {
     /// 1 where the bound is soft, 0 where it is hard.

@@ -115,7 +115,7 @@ impl<V: Vector> Bounds<V> {
             let width = both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z[i].abs());
             let least = width.fast_max(V::splat(MIN_WIDTH)) * V::splat(share);
             let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
-            // Between bounds that are close to each other beside their violation, slacks by their distance
+            // Between bounds that are close to each other relative to their violation, slacks by their distance
             // alone would be far too small.
             let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
             lower.start::<SOFT>(soft_lower, [below, least], mu, far);

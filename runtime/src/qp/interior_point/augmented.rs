@@ -10,7 +10,7 @@
 //! Newton's method minimizes the sum, by steps that end where the cost has ceased to fall along them. After a
 //! whole step the forces `−ψ′` become the multipliers. No interior is needed, and multipliers start from zero:
 //! where the bounds hardly leave one, those of the interior-point method grow without limit, until rounding
-//! beside them stops it. Each gradient is that of the problem's own data, so that a step also corrects what
+//! relative to them stops it. Each gradient is that of the problem's own data, so that a step also corrects what
 //! rounding has left of the one before.
 //!
 //! Sources: Rockafellar, *Augmented Lagrangians and applications of the proximal point algorithm in convex

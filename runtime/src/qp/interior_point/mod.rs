@@ -93,7 +93,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// What the method of multipliers makes of the point that the starts have led to, where it is no solution.
+    /// Continues with the method of multipliers if the starts did not solve the problem.
     #[inline(always)]
     pub(super) fn go_on(&mut self, problem: &QpProblem<NX, NU, NR>, report: QpReport) -> QpReport {
         let Some(first) = self.unsolved.take() else { return report };

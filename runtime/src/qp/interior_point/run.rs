@@ -13,7 +13,7 @@ pub(super) const CAP_CUT: f64 = 1e-2;
 /// Appl. Numer. Math. 59, 2009).
 pub(super) const PATIENCE: usize = 3;
 
-/// What one iteration starts from.
+/// State at the start of an iteration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct State {
     /// `zᵀHz` and the cost.
@@ -45,7 +45,7 @@ pub(super) struct Run {
     pub(super) start_gap: f64,
     /// Largest diagonal term of the Newton system.
     pub(super) cap: f64,
-    /// The same beside the largest multiplier.
+    /// The same relative to the largest multiplier.
     pub(super) stiffness: f64,
     /// `Π (1 − α)`: what is left of the dual residual.
     pub(super) shrink: f64,

@@ -80,7 +80,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.begun = run.iterations;
         run.limit = (run.begun + self.settings.max_iterations).min(run.budget);
         run.crawl = 0;
-        // What the first start has reached is no measure of the progress of the second.
+        // What the first start has reached is not a measure of the progress of the second.
         (run.progress, run.pace) = ((f64::INFINITY, 0), (f64::INFINITY, 0));
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();
@@ -137,8 +137,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         0.5 * quadratic + linear + self.constant
     }
 
-    /// What moving the iterate into its bounds and rows, number by number, would cost if it were the optimum without
-    /// them: the scale of the multipliers.
+    /// Scale of the multipliers: the cost of moving each number of the iterate into its bounds and rows, if
+    /// the iterate were the optimum without them.
     #[inline(always)]
     fn excess_energy(&mut self) -> f64 {
         self.step.copy_from(&self.iterate);

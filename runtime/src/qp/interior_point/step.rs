@@ -45,7 +45,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     #[inline(always)]
     pub(super) fn advance(&mut self, state: &State, run: &mut Run) -> bool {
         if self.riccati.factorize(&self.weight, None, &self.rows).is_err() {
-            // Rounding beside the largest terms.
+            // Rounding relative to the largest terms.
             run.cap *= CAP_CUT;
             run.stiffness *= CAP_CUT;
             return run.cap > 0.0;

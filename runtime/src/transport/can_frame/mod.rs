@@ -17,7 +17,7 @@
 //! whoever measures the attitude sends its entries x, y, z, w, too; a resolution of 1e-9 keeps their length.
 //!
 //! Contents bit 0: the velocity is measured; bit 1: the force is. The bytes of what is not are 0. Which of
-//! them the drives measure is told to the code ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]),
+//! them the drives measure is a setting of the codec ([`CanCodec::with_velocities`], [`CanCodec::with_torques`]),
 //! and a set is then complete with both frames of each drive.
 
 mod measurement_set;
@@ -102,7 +102,7 @@ pub enum CanMessage {
         /// The brake of this joint.
         brake: Brakes,
     },
-    /// Quantities that a drive measures beside the position of its joint.
+    /// Quantities that a drive measures in addition to the position of its joint.
     Rates {
         /// Index of the coordinate.
         index: usize,

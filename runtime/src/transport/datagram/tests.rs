@@ -161,7 +161,7 @@ fn pushes_are_finite_and_their_frames_have_numbers() {
     assert_eq!(Small::decode(&buffer[..length]), Err(DatagramError::Push));
 }
 
-/// With one position more than velocities.
+/// The datagram has one position more than velocities.
 #[test]
 fn a_robot_with_a_quaternion_has_ny_positions_and_n_velocities() {
     type Ball = Datagram<3, 1, 4>;

@@ -11,7 +11,7 @@ pub(super) struct BaseBody<'g> {
     pub(super) axes: [Vector3<Scalar<'g>>; 3],
     pub(super) origin: Vector3<Scalar<'g>>,
     pub(super) twice_velocity: Vector3<Scalar<'g>>,
-    /// What a unit of the joint's velocity does to points at the base's origin.
+    /// Motion of points at the base's origin for a unit of the joint's velocity.
     pub(super) screw: Motion<'g>,
     pub(super) disturbance: Disturbance<'g>,
 }

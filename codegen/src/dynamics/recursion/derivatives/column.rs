@@ -8,11 +8,11 @@ use crate::spatial::{Force, Vector3};
 /// joint gains by disturbances of the body that it has arrived at.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'g> {
-    /// By the acceleration; also: torque of the joint by δa and β.
+    /// Derivative by the acceleration; also the torque of the joint by δa and β.
     pub(super) inertial: Force<'g>,
-    /// By the velocity.
+    /// Derivative by the velocity.
     pub(super) damping: Force<'g>,
-    /// By the coordinate.
+    /// Derivative by the coordinate.
     pub(super) stiffness: Force<'g>,
     /// Torque of the joint by δω.
     pub(super) by_omega: Vector3<Scalar<'g>>,

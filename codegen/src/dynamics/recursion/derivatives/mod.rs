@@ -122,7 +122,7 @@ pub fn inverse_dynamics_derivatives<'g>(
     result
 }
 
-/// What the columns of a walk to the base belong to.
+/// Owner of the columns of a walk to the base.
 struct Source<'g> {
     /// The body whose joint it is; `None` for a rotor by itself.
     joint: Option<usize>,
@@ -244,7 +244,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// What a force on its way exerts along the joint of a body.
+    /// Component of a transmitted force along the joint of a body.
     fn met_by(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         match self.base.get(index) {
             None => self.own_force(index, f),
@@ -252,7 +252,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// What a force exerts along the joint of its body.
+    /// Component of a force along the joint of its own body.
     fn own_force(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         let Body { axis, chain, .. } = &self.mechanism.bodies[index];
         match chain {

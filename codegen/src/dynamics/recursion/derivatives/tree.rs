@@ -76,8 +76,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// What body `index` needs for a unit of acceleration, velocity and position: of its coordinate, or of its
-    /// joint where that follows several coordinates.
+    /// Column of body `index` for a unit of acceleration, velocity and position of its coordinate, or of its
+    /// joint if that follows several coordinates.
     pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
         let zero = needed.force[0].constant(0.0);
         let axis = self.mechanism.bodies[index].axis;
@@ -115,8 +115,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// What the last body of a chain needs for a unit of acceleration, velocity and position along one velocity of its
-    /// joint; in the frame of that body, which moves along.
+    /// Column of the last body of a chain for a unit of acceleration, velocity and position along one
+    /// velocity of its joint, in the frame of that body, which moves along.
     fn chain_column(
         &self,
         index: usize,

@@ -70,7 +70,7 @@ const PARAMETERS: &str =
 /// Reading and writing BLASFEO's vectors.
 const BEGIN: &str = include_str!("begin.c");
 
-/// What acados calls.
+/// Text of the functions that acados calls.
 const STEP: &str = include_str!("step.c");
 
 /// The same about reference positions.

@@ -37,7 +37,7 @@ pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     format!("{top}{}", text.replace("# constants\n", &constants))
 }
 
-/// What the file says of a robot.
+/// Properties of a robot in the setup file.
 struct Robot<'a> {
     context: &'a Context<'a>,
     n: usize,
@@ -103,7 +103,7 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// What robots with quaternions have beside.
+    /// Additional entries of robots with quaternions.
     fn of_positions(&self) -> Vec<Entry> {
         if !self.context.module.has_quaternions() {
             return vec![];
@@ -189,7 +189,7 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// Limits that are no constant bounds.
+    /// Limits that are not constant bounds.
     fn left_out(&self) -> Entry {
         let has_efforts = ["EFFORT_LIMITS", "PEAK_EFFORT_LIMITS"]
             .iter()
@@ -220,7 +220,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// The entries of so many rows, rows first; none where the module does not have them.
+    /// The entries of `count` rows, rows first; none where the module does not have them.
     fn flat(&self, name: &str, count: usize) -> Vec<f64> {
         match self.value(name) {
             _ if count == 0 => vec![],

@@ -12,7 +12,7 @@ pub(super) struct External {
 pub(super) struct Evaluation {
     /// Its name in C.
     pub(super) name: String,
-    /// What it is.
+    /// Description.
     pub(super) about: String,
     /// Inputs, all of them dense.
     pub(super) inputs: Vec<Input>,
@@ -112,7 +112,7 @@ impl Derivatives {
         Self { statements, size: VALUES, blocks: vec![] }
     }
 
-    /// Room for so many values.
+    /// Reserves room for `count` values.
     pub(super) const fn room(&mut self, count: usize) -> usize {
         let place = self.size;
         self.size += count;

@@ -4,7 +4,7 @@
 //! input, outputs first. `functions.rs` says which functions there are and where their entries come from, `robot.rs` how they
 //! call the module, `text.rs` how CasADi calls them, `sensitivities.rs` how a step depends on its period and the free
 //! parameters. Robots with quaternions are given as small motions from a reference: `positions.c`, `tangents.c` and `steps.c`
-//! hold what that takes beside the texts of `about_reference/`.
+//! hold the parts in addition to the texts of `about_reference/`.
 
 mod external;
 mod functions;

@@ -17,9 +17,9 @@ pub(super) struct Robot<'a> {
 
 /// Derivatives by what gives positions.
 pub(super) struct ByPositions {
-    /// By the positions, or by small motions `d` from the reference.
+    /// Derivative by the positions, or by small motions `d` from the reference.
     pub(super) own: Stored,
-    /// By the entries of the reference, where there is one.
+    /// Derivative by the entries of the reference, if there is one.
     pub(super) reference: Option<Stored>,
 }
 
@@ -32,12 +32,12 @@ pub(super) enum Given {
     Positions,
 }
 
-/// What small motions are differentiated by.
+/// Variable of the derivatives.
 #[derive(Clone, Copy)]
 enum Chart {
-    /// By d.
+    /// Small motions d.
     Motion,
-    /// By the entries of the reference.
+    /// Entries of the reference.
     Reference,
 }
 
@@ -107,7 +107,7 @@ impl Robot<'_> {
         Derivatives::new(statements)
     }
 
-    /// The rates of d with their derivatives by d and by v; none where positions are no small motions.
+    /// The rates of d with their derivatives by d and by v; none where positions are not small motions.
     pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
         let n = self.n;
         let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
@@ -182,7 +182,7 @@ impl Robot<'_> {
         nonzero
     }
 
-    /// All joints in their order; none where positions are no small motions.
+    /// All joints in their order; none where positions are not small motions.
     fn joints(&self) -> Vec<JointEntries> {
         let (mut position, mut velocity) = (0, 0);
         let place = |&entries: &usize| {

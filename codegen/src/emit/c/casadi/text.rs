@@ -6,7 +6,7 @@ use super::external::{self, Evaluation, External, Input, ONE};
 use crate::emit::documentation::Block;
 use crate::emit::text::code;
 
-/// What stands at the top about all functions.
+/// Overview of all functions for the top of the file.
 pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String {
     let item = |external: &External| {
         let External { value, jacobian } = external;

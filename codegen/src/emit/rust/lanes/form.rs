@@ -25,7 +25,7 @@ enum InstructionSet {
 impl InstructionSet {
     const ALL: [Self; 3] = [Self::Target, Self::Avx2, Self::Avx512];
 
-    /// What ends the function's name.
+    /// Suffix of the function's name.
     fn suffix(self) -> &'static str {
         match self {
             Self::Target => "",
@@ -34,7 +34,7 @@ impl InstructionSet {
         }
     }
 
-    /// What the processor must have.
+    /// Required features of the processor.
     fn features(self) -> Option<&'static str> {
         match self {
             Self::Target => None,
@@ -67,7 +67,7 @@ pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenS
     items
 }
 
-/// What the functions over lanes have in common.
+/// Form shared by the functions over lanes.
 struct Form<'a> {
     context: &'a Context<'a>,
     /// The body of one state, a lane.
@@ -172,7 +172,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// So many quantities of a group, zeros.
+    /// Array of `count` zeros, each a group of states.
     fn array(&self, count: usize) -> TokenStream {
         self.context.has_groups.set(true);
         let zero = self.context.zero();
@@ -210,7 +210,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// What a part reads: a sine, a cosine or a value of an earlier part.
+    /// Operand of a part: a sine, a cosine or a value of an earlier part.
     fn taken(&self, value: usize) -> TokenStream {
         let made_at = self.body.flow.made_at[value];
         if let Ok(k) = self.plan.pairs.binary_search(&made_at) {
