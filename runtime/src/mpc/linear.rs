@@ -2,18 +2,18 @@
 
 use super::error::MpcError;
 use super::horizon::Horizon;
-use super::integrate::discretize;
+use super::integrate::{discretize, midpoint};
 use super::node::{Node, Prediction};
 use super::of_the_horizon::{of_the_horizon, plan_of_the_horizon};
-use super::options::{LinearizationPoint, MpcOptions};
+use super::options::{LinearizationPoint, MpcOptions, PredictionRule};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::{Sample, Trajectory};
 
 /// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the
-/// middle of each period, of the desired trajectory with its feed-forward or of the previous plan. See the
-/// [module](super).
+/// middle of each period, of the desired trajectory with its feed-forward or of the previous plan; by option by
+/// the implicit midpoint rule ([`PredictionRule`]). See the [module](super).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -89,8 +89,13 @@ where
     fn set_stages(&mut self, start: f64) -> Result<(), ControllerFault> {
         let period = self.horizon.options.period;
         let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
+        let by_midpoint = self.horizon.options.prediction == PredictionRule::ImplicitMidpoint;
         for k in 0..self.horizon.options.horizon {
             let time = self.horizon.middle_time(start, k);
+            if by_midpoint {
+                self.set_midpoint_stage(k, time)?;
+                continue;
+            }
             let (at, u) = if around_plan {
                 self.middle_of_plan(k)
             } else {
@@ -108,6 +113,38 @@ where
             };
             self.horizon.set_stage(k, &prediction);
         }
+        Ok(())
+    }
+
+    /// Stage `k` by the implicit midpoint rule.
+    ///
+    /// - `time`: the middle of the period (s)
+    fn set_midpoint_stage(&mut self, k: usize, time: f64) -> Result<(), ControllerFault> {
+        let (horizon, period) = (&self.horizon, self.horizon.options.period);
+        let (at, a, u) = match horizon.options.linearization {
+            LinearizationPoint::Plan => {
+                let ((at, u), next) = (horizon.planned_point(k), &horizon.plan.states[k + 1]);
+                let a = core::array::from_fn(|i| (next.velocities[i] - at.velocities[i]) / period);
+                (at, a, u)
+            }
+            LinearizationPoint::Reference => {
+                let middle = horizon.middle(time);
+                let back = middle.velocities.map(|v| -0.5 * period * v);
+                let positions = horizon.model().integrate(&middle.positions, &back);
+                let before = |i: usize| middle.velocities[i] - 0.5 * period * middle.accelerations[i];
+                let velocities = core::array::from_fn(before);
+                (Node { positions, velocities }, middle.accelerations, horizon.inputs[k])
+            }
+        };
+        let from = (&at.positions, &at.velocities, &a);
+        let step = horizon.model().at_time(time, |model| midpoint(model, from, &u, period))?;
+        let prediction = Prediction {
+            state: &step.state,
+            input: &step.input,
+            next: Node { positions: step.coordinates, velocities: step.velocities },
+            at: (at, u),
+        };
+        self.horizon.set_stage(k, &prediction);
         Ok(())
     }
 
