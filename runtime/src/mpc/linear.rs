@@ -184,3 +184,60 @@ where
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "test code")]
+
+    use super::*;
+    use crate::dynamics::LimitRows;
+    use crate::trajectory::{GeodesicMotion, RestToRest};
+
+    gelenk_dynamics::dynamics!(struct Ur5 = gelenk_generated::ur5);
+    gelenk_dynamics::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
+
+    /// Repeated steps from one measurement are Newton's method: the plan becomes a motion of the implicit midpoint rule.
+    fn converge<D, T, const N: usize, const M: usize, const NX: usize, const NY: usize>(model: D, motion: T)
+    where
+        D: Discretizable<N, M, NY> + PhaseSpace<NX> + LimitRows<0>,
+        T: Trajectory<N, NY>,
+    {
+        let period = 0.02;
+        let mut options = MpcOptions::new(&model, period, 8);
+        options.prediction = PredictionRule::ImplicitMidpoint;
+        options.observer.disturbance_noise = [0.0; M];
+        let start = motion.sample(0.3);
+        let mut mpc = LtvMpc::<D, T, N, M, NX, 0, NY>::new(model, motion, options).unwrap();
+        mpc.reset(&mpc.model().integrate(&start.positions, &[0.01; N]), &[0.0; M]);
+        for _ in 0..12 {
+            let cycle = Cycle { time: 0.3, periods: 0, ..Cycle::default() };
+            mpc.step(&cycle).unwrap();
+        }
+        let model = mpc.model();
+        for k in 0..8 {
+            let (at, u) = mpc.horizon.planned_point(k);
+            let next = mpc.horizon.plan.states[k + 1];
+            let mean = core::array::from_fn(|i| 0.5 * (at.velocities[i] + next.velocities[i]));
+            let a = core::array::from_fn(|i| (next.velocities[i] - at.velocities[i]) / period);
+            let middle = model.integrate(&at.positions, &mean.map(|v| 0.5 * period * v));
+            let forces = model.inverse_dynamics(&middle, &mean, &a);
+            let matrix = model.input_matrix(&middle);
+            let end = model.integrate(&at.positions, &mean.map(|v| period * v));
+            let gap = model.difference(&next.positions, &end);
+            for i in 0..N {
+                let of_inputs: f64 = matrix[i].iter().zip(&u).map(|(b, u)| b * u).sum();
+                let lacking = (forces[i] - of_inputs).abs();
+                assert!(lacking <= 1e-7 * (1.0 + forces[i].abs()), "stage {k}: {lacking} N m are lacking");
+                assert!(gap[i].abs() <= 1e-9, "stage {k}: gap {gap:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn plans_become_motions_of_the_midpoint_rule() {
+        let goal = [1.0, -0.6, 1.6, -1.2, 1.0, 0.8];
+        converge(Ur5, RestToRest::new([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], goal, 1.5).unwrap());
+        let (start, goal) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], [1.5, -0.5, 1.4, 0.0, 0.0, 0.6, 0.8]);
+        converge(Quadrotor, GeodesicMotion::between(Quadrotor, start, goal, 3.0).unwrap());
+    }
+}
