@@ -4,7 +4,8 @@ use super::Quadrotor;
 use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{
-    DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcOptions, MpcRow, Nmpc, ObserverOptions, PredictionRule,
+    DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcOptions, MpcRow, Nmpc, ObserverOptions,
+    PredictionRule,
 };
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};

@@ -4,26 +4,48 @@ use super::solve::product;
 use super::traits::Differentiable;
 use super::types::Step;
 
-/// One row of the right-hand sides: by positions, by velocities, by inputs, and the residual.
-#[derive(Clone, Copy)]
-struct Row<const N: usize, const M: usize> {
-    by_y: [f64; N],
-    by_v: [f64; N],
-    by_u: [f64; M],
-    rest: f64,
+/// Right-hand sides, and then the changes of the velocities: by positions, by velocities, by inputs, and those of the
+/// residual.
+struct Columns<const N: usize, const M: usize> {
+    by_y: [[f64; N]; N],
+    by_v: [[f64; N]; N],
+    by_u: [[f64; M]; N],
+    rest: [f64; N],
 }
 
-impl<const N: usize, const M: usize> Row<N, M> {
+impl<const N: usize, const M: usize> Columns<N, M> {
+    /// Subtracts from row `i` so many times row `k`.
     #[inline]
-    fn subtract(&mut self, factor: f64, other: &Self) {
-        for j in 0..N {
-            self.by_y[j] -= factor * other.by_y[j];
-            self.by_v[j] -= factor * other.by_v[j];
-        }
-        for j in 0..M {
-            self.by_u[j] -= factor * other.by_u[j];
-        }
-        self.rest -= factor * other.rest;
+    fn subtract(&mut self, i: usize, factor: f64, k: usize) {
+        subtract(&mut self.by_y, i, factor, k);
+        subtract(&mut self.by_v, i, factor, k);
+        subtract(&mut self.by_u, i, factor, k);
+        self.rest[i] -= factor * self.rest[k];
+    }
+
+    #[inline]
+    fn scale(&mut self, i: usize, factor: f64) {
+        self.by_y[i].iter_mut().for_each(|entry| *entry *= factor);
+        self.by_v[i].iter_mut().for_each(|entry| *entry *= factor);
+        self.by_u[i].iter_mut().for_each(|entry| *entry *= factor);
+        self.rest[i] *= factor;
+    }
+
+    #[inline]
+    fn swap(&mut self, i: usize, k: usize) {
+        self.by_y.swap(i, k);
+        self.by_v.swap(i, k);
+        self.by_u.swap(i, k);
+        self.rest.swap(i, k);
+    }
+}
+
+/// Whole rows, which the compiler makes vectors of.
+#[inline]
+fn subtract<const N: usize, const C: usize>(rows: &mut [[f64; C]; N], i: usize, factor: f64, k: usize) {
+    let other = rows[k];
+    for (entry, other) in rows[i].iter_mut().zip(&other) {
+        *entry -= factor * other;
     }
 }
 
@@ -41,13 +63,15 @@ pub fn midpoint_step<
     period: f64,
 ) -> Step<N, M, NY> {
     let half = 0.5 * period;
-    let mean: [f64; N] = core::array::from_fn(|i| v[i] + half * a[i]);
-    let way = mean.map(|v| half * v);
+    let (mut mean, mut way) = ([0.0; N], [0.0; N]);
+    for i in 0..N {
+        mean[i] = v[i] + half * a[i];
+        way[i] = half * mean[i];
+    }
     let middle = robot.integrate(y, &way);
     let (forces, mut matrix) = robot.inverse_dynamics_derivatives_and_mass_matrix(&middle, &mean, a);
     let (driving, driving_by_y) = robot.input_forces_derivatives(&middle, u);
-    let input_matrix = robot.input_matrix(&middle);
-    let mut by_y = forces.by_coordinates;
+    let (mut by_y, by_u) = (forces.by_coordinates, robot.input_matrix(&middle));
     for i in 0..N {
         for j in 0..N {
             by_y[i][j] -= driving_by_y[i][j];
@@ -59,70 +83,77 @@ pub fn midpoint_step<
         let (by_position, by_displacement) = robot.integrate_derivatives(y, &way);
         (by_way, by_y) = (times(&by_y, &by_displacement), times(&by_y, &by_position));
     }
-    let mut rows: [Row<N, M>; N] = core::array::from_fn(|i| Row {
-        by_y: by_y[i].map(|k| -period * k),
-        by_v: core::array::from_fn(|j| -period * (forces.by_velocities[i][j] + half * by_way[i][j])),
-        by_u: input_matrix[i].map(|b| period * b),
-        rest: period * (driving[i] - forces.forces[i]),
-    });
+    let mut columns = Columns { by_y, by_v: forces.by_velocities, by_u, rest: driving };
     for i in 0..N {
         for j in 0..N {
-            matrix[i][j] -= 0.5 * rows[i].by_v[j];
+            let by_v = -period * (columns.by_v[i][j] + half * by_way[i][j]);
+            columns.by_v[i][j] = by_v;
+            columns.by_y[i][j] *= -period;
+            matrix[i][j] -= 0.5 * by_v;
         }
+        columns.by_u[i].iter_mut().for_each(|entry| *entry *= period);
+        columns.rest[i] = period * (columns.rest[i] - forces.forces[i]);
     }
-    solve(&mut matrix, &mut rows);
-    stepped(robot, (y, v, a), &mean, &rows, period)
+    solve(&mut matrix, &mut columns);
+    stepped(robot, (y, v, a), &mean, &columns, period)
 }
 
-/// The step, whose changes of the velocities are `rows`.
+/// The step, whose changes of the velocities are `columns`.
 #[inline]
 fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
     (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
     mean: &[f64; N],
-    rows: &[Row<N, M>; N],
+    columns: &Columns<N, M>,
     period: f64,
 ) -> Step<N, M, NY> {
     let half = 0.5 * period;
-    let lower = |column: fn(&Row<N, M>) -> [f64; N]| -> [[f64; N]; N] { rows.map(|row| column(&row)) };
-    let (by_y, mut by_v) = (lower(|row| row.by_y), lower(|row| row.by_v));
+    let mut step = Step {
+        coordinates: *y,
+        velocities: *v,
+        state: [[columns.by_y, columns.by_v]; 2],
+        input: [columns.by_u; 2],
+    };
+    let (mut whole, mut correction) = ([0.0; N], [0.0; N]);
     // T/2 times the sum of the velocities before and after.
-    let way_by_y = by_y.map(|row| row.map(|x| half * x));
-    let mut way_by_v = by_v.map(|row| row.map(|x| half * x));
     for i in 0..N {
-        way_by_v[i][i] += period;
-        by_v[i][i] += 1.0;
+        (whole[i], correction[i]) = (period * mean[i], half * columns.rest[i]);
+        step.velocities[i] += period * a[i] + columns.rest[i];
+        step.state[1][1][i][i] += 1.0;
+        for j in 0..N {
+            step.state[0][0][i][j] *= half;
+            step.state[0][1][i][j] *= half;
+        }
+        step.state[0][1][i][i] += period;
+        step.input[0][i].iter_mut().for_each(|entry| *entry *= half);
     }
-    let by_u = rows.map(|row| row.by_u);
-    let way_by_u = by_u.map(|row| row.map(|x| half * x));
-    let correction: [f64; N] = core::array::from_fn(|i| half * rows[i].rest);
-    let whole = mean.map(|v| period * v);
-    let velocities = core::array::from_fn(|i| v[i] + period * a[i] + rows[i].rest);
-    let mut state = [[way_by_y, way_by_v], [by_y, by_v]];
-    let mut input = [way_by_u, by_u];
     if NY == N {
-        (0..N).for_each(|i| state[0][0][i][i] += 1.0);
-        let way = core::array::from_fn(|i| whole[i] + correction[i]);
-        return Step { coordinates: robot.integrate(y, &way), velocities, state, input };
+        for i in 0..N {
+            whole[i] += correction[i];
+            step.state[0][0][i][i] += 1.0;
+        }
+        step.coordinates = robot.integrate(y, &whole);
+        return step;
     }
     let (by_position, by_displacement) = robot.integrate_derivatives(y, &whole);
-    state[0] = state[0].map(|block| times(&by_displacement, &block));
-    input[0] = times(&by_displacement, &input[0]);
+    for block in &mut step.state[0] {
+        *block = times(&by_displacement, block);
+    }
+    step.input[0] = times(&by_displacement, &step.input[0]);
+    let correction = by_displacement.map(|row| product(&row, &correction));
     for i in 0..N {
         for j in 0..N {
-            state[0][0][i][j] += by_position[i][j];
+            step.state[0][0][i][j] += by_position[i][j];
         }
     }
-    let correction = by_displacement.map(|row| product(&row, &correction));
-    let coordinates = robot.integrate(&robot.integrate(y, &whole), &correction);
-    Step { coordinates, velocities, state, input }
+    step.coordinates = robot.integrate(&robot.integrate(y, &whole), &correction);
+    step
 }
 
 /// Gaussian elimination with partial pivoting (Golub and Van Loan, Matrix Computations, 2013, section 3.4). Not finite where
 /// the matrix is singular.
 #[inline]
-fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], rows: &mut [Row<N, M>; N]) {
-    let mut inverse = [0.0; N];
+fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], columns: &mut Columns<N, M>) {
     for k in 0..N {
         let mut pivot = k;
         for i in k + 1..N {
@@ -130,28 +161,22 @@ fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], rows: &mut 
                 pivot = i;
             }
         }
-        matrix.swap(k, pivot);
-        rows.swap(k, pivot);
-        inverse[k] = 1.0 / matrix[k][k];
-        let (above, row) = (matrix[k], rows[k]);
+        if pivot != k {
+            matrix.swap(k, pivot);
+            columns.swap(k, pivot);
+        }
+        let inverse = 1.0 / matrix[k][k];
         for i in k + 1..N {
-            let factor = matrix[i][k] * inverse[k];
-            for j in k + 1..N {
-                matrix[i][j] -= factor * above[j];
-            }
-            rows[i].subtract(factor, &row);
+            let factor = matrix[i][k] * inverse;
+            subtract(matrix, i, factor, k);
+            columns.subtract(i, factor, k);
         }
     }
     for k in (0..N).rev() {
-        let mut row = rows[k];
         for j in k + 1..N {
-            row.subtract(matrix[k][j], &rows[j]);
+            columns.subtract(k, matrix[k][j], j);
         }
-        row.by_y = row.by_y.map(|x| x * inverse[k]);
-        row.by_v = row.by_v.map(|x| x * inverse[k]);
-        row.by_u = row.by_u.map(|x| x * inverse[k]);
-        row.rest *= inverse[k];
-        rows[k] = row;
+        columns.scale(k, 1.0 / matrix[k][k]);
     }
 }
 
