@@ -19,6 +19,7 @@ names! {
     APPLIED_FORCES = "applied_forces",
     BIAS_FORCES = "bias_forces",
     INPUT_MATRIX = "input_matrix",
+    INPUT_FORCES_DERIVATIVES = "input_forces_derivatives",
     EQUATIONS_OF_MOTION = "equations_of_motion",
     INVERSE_DYNAMICS = "inverse_dynamics",
     FORWARD_DYNAMICS = "forward_dynamics",

@@ -152,7 +152,7 @@ pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// Names of the functions.
-pub const FUNCTIONS: [&str; 42] = [
+pub const FUNCTIONS: [&str; 43] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -176,6 +176,7 @@ pub const FUNCTIONS: [&str; 42] = [
     "base_regressor",
     "friction_parameters",
     "friction_regressor",
+    "input_forces_derivatives",
     "frame_front_right_pose",
     "frame_front_right_jacobian",
     "frame_front_right_jacobian_rate_times_velocity",
@@ -2892,6 +2893,110 @@ pub fn friction_parameters() -> [f64; 0] {
 pub fn friction_regressor(v: &[f64; N]) -> [[f64; 0]; N] {
     let _ = v;
     [[], [], [], [], [], []]
+}
+
+/// Generalized forces of the inputs with their Jacobian.
+///
+/// `δ(B(y) u) = ∂/∂y δy + B δu`
+///
+/// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
+///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
+/// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
+/// - returns `B u: [N]`: on the joint side
+/// - returns `∂/∂y: [N × N]`: row i = force i
+///
+/// Cost: 12 multiplications, 12 additions, 0 divisions, 0 function calls.
+///
+/// Column j of ∂/∂y is the derivative along ⊕: of `δ ↦ f(integrate(y, δ))` by δ\_j at 0, with the velocities held
+/// in the frames of their bodies.
+#[inline]
+#[must_use]
+pub fn input_forces_derivatives(
+    y: &[f64; NY],
+    u: &[f64; M],
+) -> ([f64; N], [[f64; N]; N]) {
+    let mut b_u = [0.0; 6];
+    let mut d_dy = [[0.0; 6]; 6];
+    input_forces_derivatives_into(y, u, &mut b_u, &mut d_dy);
+    (b_u, d_dy)
+}
+
+/// `input_forces_derivatives` with its results written in place; nothing of what stood there is read.
+pub fn input_forces_derivatives_into(
+    y: &[f64; NY],
+    u: &[f64; M],
+    b_u: &mut [f64; N],
+    d_dy: &mut [[f64; N]; N],
+) {
+    let _ = y;
+    b_u[0] = 0.0;
+    b_u[1] = 0.0;
+    d_dy[0][0] = 0.0;
+    d_dy[0][1] = 0.0;
+    d_dy[0][2] = 0.0;
+    d_dy[0][3] = 0.0;
+    d_dy[0][4] = 0.0;
+    d_dy[0][5] = 0.0;
+    d_dy[1][0] = 0.0;
+    d_dy[1][1] = 0.0;
+    d_dy[1][2] = 0.0;
+    d_dy[1][3] = 0.0;
+    d_dy[1][4] = 0.0;
+    d_dy[1][5] = 0.0;
+    d_dy[2][0] = 0.0;
+    d_dy[2][1] = 0.0;
+    d_dy[2][2] = 0.0;
+    d_dy[2][3] = 0.0;
+    d_dy[2][4] = 0.0;
+    d_dy[2][5] = 0.0;
+    d_dy[3][0] = 0.0;
+    d_dy[3][1] = 0.0;
+    d_dy[3][2] = 0.0;
+    d_dy[3][3] = 0.0;
+    d_dy[3][4] = 0.0;
+    d_dy[3][5] = 0.0;
+    d_dy[4][0] = 0.0;
+    d_dy[4][1] = 0.0;
+    d_dy[4][2] = 0.0;
+    d_dy[4][3] = 0.0;
+    d_dy[4][4] = 0.0;
+    d_dy[4][5] = 0.0;
+    d_dy[5][0] = 0.0;
+    d_dy[5][1] = 0.0;
+    d_dy[5][2] = 0.0;
+    d_dy[5][3] = 0.0;
+    d_dy[5][4] = 0.0;
+    d_dy[5][5] = 0.0;
+    let t0 = u[2] + u[3];
+    let t1 = u[0] + u[1];
+    let t2 = t1 + t0;
+    b_u[2] = t2;
+    let t3 = u[3] * 0.2;
+    let t4 = u[2] * 0.22;
+    let t5 = t4 - t3;
+    let t6 = u[1] * 0.2;
+    let t7 = u[0] * 0.22;
+    let t8 = t7 - t6;
+    let t9 = t8 - t5;
+    let t10 = u[3] * 0.13;
+    let t11 = u[2] * 0.13;
+    let t12 = t11 - t10;
+    let t13 = u[1] * 0.13;
+    let t14 = u[0] * 0.13;
+    let t15 = t14 - t13;
+    let t16 = t15 + t12;
+    let t17 = u[3] * 0.016;
+    let t18 = u[2] * 0.016;
+    let t19 = t18 + t17;
+    let t20 = u[1] * 0.016;
+    let t21 = u[0] * 0.016;
+    let t22 = t21 + t20;
+    let t23 = t22 - t19;
+    b_u[5] = t23;
+    let t24 = -t9;
+    b_u[3] = t24;
+    let t25 = -t16;
+    b_u[4] = t25;
 }
 
 /// Pose of the frame `front_right`.

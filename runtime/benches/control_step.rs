@@ -7,14 +7,17 @@
 //! periods; "bounded" counts only periods whose QP has active bounds, and "per iteration" divides their QP with
 //! its set-up by its iterations.
 //!
+//! Each robot's linear controller predicts by the exact zero-order hold and by the implicit midpoint rule; the line "midpoint
+//! to hold" has the ratios of whole steps, of bounded ones, of the horizon, and of the prediction of a stage alone.
+//!
 //! The last line compares the quadrotor on its figure (`examples/quadrotor.rs`: 12 states, 4 inputs) with UR5 (12
 //! states, 6 inputs). Over all periods the ratio depends on how often the bounds of each motion are active.
 
 use gelenk_runtime::control_loop::{Controller, Cycle, LogRecord, LogSink, Source, log_to};
 use gelenk_runtime::dynamics::{Discretizable, LimitRows, PhaseSpace};
 use gelenk_runtime::feed_forward::FeedForward;
-use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcOptions, Nmpc};
-use gelenk_runtime::trajectory::{RestToRest, Trajectory};
+use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcOptions, Nmpc, PredictionRule};
+use gelenk_runtime::trajectory::{RestToRest, Sample, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rustix::time::{ClockId, clock_gettime};
@@ -157,28 +160,47 @@ where
 {
     let Case { name, model, motion, options, .. } = case;
     let (mut log, writer) = log_to::<N, M, NY>(std::io::sink(), model, 100_000)?;
-    let mut ltv = LtvMpc::<D, _, N, M, NX, 0, NY>::new(*model, motion.clone(), options.clone())?;
-    let linear = drive(case, &mut log, &mut ltv)?;
+    let rules = [PredictionRule::ExactHold, PredictionRule::ImplicitMidpoint];
+    let mut linear = Vec::new();
+    for prediction in rules {
+        let options = MpcOptions { prediction, ..options.clone() };
+        let mut ltv = LtvMpc::<D, _, N, M, NX, 0, NY>::new(*model, motion.clone(), options)?;
+        linear.push((drive(case, &mut log, &mut ltv)?, stages(case, &mut log, prediction)?));
+    }
     let mut nmpc = Nmpc::<D, _, N, M, NX, 0, NY>::new(*model, motion.clone(), options.clone())?;
     let nonlinear = drive(case, &mut log, &mut nmpc)?;
-    let besides = stages(case, &mut log)?;
     drop(log);
     writer.finish()?;
-    let medians = print_linear(name, &linear, &besides);
+    let names = [name, "  midpoint"];
+    let shown = names.iter().zip(&linear).map(|(name, (times, besides))| print_linear(name, times, besides));
+    let medians: Vec<_> = shown.collect();
+    let ratio = |of: fn(&Stages) -> f64| of(&linear[1].1) / of(&linear[0].1);
+    println!(
+        "{:<10} midpoint to hold: step {:.2}, bounded {:.2}, horizon {:.2}, prediction {:.2} ({:.0} to {:.0} ns a stage)",
+        "",
+        medians[1][0] / medians[0][0],
+        medians[1][1] / medians[0][1],
+        ratio(|stages| stages.looking),
+        ratio(|stages| stages.predicting),
+        1e3 * linear[1].1.predicting,
+        1e3 * linear[0].1.predicting,
+    );
     println!(
         "{:<10} NMPC    {:>6.1} us, bounded {:>6.1} us",
         "",
         median(nonlinear.all),
         median(nonlinear.bounded)
     );
-    Ok(medians)
+    Ok(medians[0])
 }
 
 /// Time of a step of the linear controller outside its QP (µs).
 struct Stages {
     observing: f64,
-    /// The horizon: reference, feed-forward and discretization of each period.
+    /// The horizon: reference, feed-forward and prediction of each period.
     looking: f64,
+    /// The prediction of one period alone.
+    predicting: f64,
     logging: f64,
 }
 
@@ -186,6 +208,7 @@ struct Stages {
 fn stages<D, T, const N: usize, const M: usize, const NY: usize>(
     case: &Case<D, T, N, M>,
     log: &mut LogSink<N, M, NY>,
+    rule: PredictionRule,
 ) -> Result<Stages, Box<dyn Error>>
 where
     D: Discretizable<N, M, NY> + Copy,
@@ -203,22 +226,33 @@ where
         observer.correct_by(model, &sample.positions);
         std::hint::black_box(&observer);
     });
+    let predict = |at: &Sample<N, NY>, u: &[f64; M]| {
+        let (y, v, a) = (&at.positions, &at.velocities, &at.accelerations);
+        match rule {
+            PredictionRule::ExactHold => {
+                let _ = std::hint::black_box(model.discretize(y, v, u, period));
+            }
+            PredictionRule::ImplicitMidpoint => {
+                let _ = std::hint::black_box(model.midpoint_step(y, v, a, u, period));
+            }
+        }
+    };
     let looking = time_alone(|i| {
         for k in 0..HORIZON {
             let time = (i % 50 + k) as f64 * period;
             std::hint::black_box(motion.sample(time));
             let middle = motion.sample(time + 0.5 * period);
             let u = feed_forward.at(&middle).inputs;
-            let (y, v) = (&middle.positions, &middle.velocities);
-            std::hint::black_box(model.discretize(y, v, &u, period));
+            predict(&middle, &u);
         }
     });
+    let predicting = time_alone(|_| predict(&sample, &inputs));
     let logging = time_alone(|_| log.push(log_record(0.0, &sample.positions, &inputs)));
-    Ok(Stages { observing, looking, logging })
+    Ok(Stages { observing, looking, predicting, logging })
 }
 
 /// Prints the linear controller's steps; their medians, of all, and of those with active bounds.
-fn print_linear(name: &str, linear: &Loop, Stages { observing, looking, logging }: &Stages) -> [f64; 2] {
+fn print_linear(name: &str, linear: &Loop, Stages { observing, looking, logging, .. }: &Stages) -> [f64; 2] {
     let (all, whole) = (median(linear.all.clone()), median(linear.bounded.clone()));
     let besides = observing + looking + logging;
     let share = |stage: f64| format!("{stage:.1} ({:.0} %)", 100.0 * stage / whole);

@@ -39,8 +39,8 @@
 //! begins later than the plant, [`DrivenRobot::beginning_at`] says when on either clock the motion begins.
 
 use crate::dynamics::{
-    self, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives, InputLimits, LimitRows,
-    Limits, Linearization, PhaseSpace, Step,
+    self, Differentiable, Discretizable, DrivenJoints, Dynamics, ForceDerivatives, ForceDerivativesAndMass,
+    InputLimits, LimitRows, Limits, Linearization, PhaseSpace, Step,
 };
 use crate::trajectory::Trajectory;
 
@@ -162,6 +162,12 @@ where
 {
     of_the_robot! {
         fn inverse_dynamics_derivatives(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
+        fn inverse_dynamics_derivatives_and_mass_matrix(
+            y: &[f64; N],
+            v: &[f64; N],
+            a: &[f64; N]
+        ) -> ForceDerivativesAndMass<N>;
+        fn input_forces_derivatives(y: &[f64; N], u: &[f64; M]) -> ([f64; N], [[f64; N]; N]);
         fn linearize(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M>;
     }
 }

@@ -25,6 +25,7 @@ mod loop_allocation;
 mod lqr;
 mod manifold;
 mod mechanisms;
+mod midpoint;
 mod mpc_allocation;
 mod mpc_contract;
 mod mpc_observer;

@@ -6,7 +6,7 @@ use crate::allocations;
 use crate::support::tracking::{PERIOD, PowerCube, options};
 use gelenk_runtime::control_loop::{Controller, Cycle};
 use gelenk_runtime::lqr::{Lqr, TimeVaryingLqr};
-use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcRow, Nmpc};
+use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcRow, Nmpc, PredictionRule};
 use gelenk_runtime::trajectory::RestToRest;
 
 const STEPS: u32 = 10_000;
@@ -59,8 +59,10 @@ fn linear_predictive_control_allocates_nothing() {
     let mut options = options(&PowerCube, PERIOD, 5);
     options.observer.disturbance_noise = [1e-3; 2];
     options.input_rate_weight = [1e-6; 2];
-    for point in [LinearizationPoint::Reference, LinearizationPoint::Plan] {
-        options.linearization = point;
+    let points = [LinearizationPoint::Reference, LinearizationPoint::Plan];
+    let rules = [PredictionRule::ExactHold, PredictionRule::ImplicitMidpoint];
+    for (point, rule) in points.into_iter().flat_map(|point| rules.map(|rule| (point, rule))) {
+        (options.linearization, options.prediction) = (point, rule);
         options.delay = point == LinearizationPoint::Plan;
         let mut mpc = LtvMpc::new(PowerCube, motion(), options.clone()).unwrap();
         drive(STEPS, &mut mpc, &motion());

@@ -6,7 +6,7 @@ use crate::support::tracking::{
     self, FreePowerCube, PEAK, PERIOD, PowerCube, Run, exact, feed_forward, options,
 };
 use gelenk_runtime::control_loop::{Controller, Cycle};
-use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, Nmpc};
+use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcOptions, Nmpc, PredictionRule};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{RestToRest, Sampled, Trajectory};
 
@@ -77,10 +77,25 @@ fn linearizing_around_the_plan_tracks_too() {
     let reference = reference();
     let mut options = options(&PowerCube, PERIOD, 20);
     options.linearization = LinearizationPoint::Plan;
-    let mut mpc = Ltv::new(PowerCube, &reference, options).unwrap();
-    let forward = feed_forward(PowerCube, &reference);
-    let run = tracking::run(PowerCube, exact(), &mut mpc, &reference, PERIOD, forward);
-    below(&run, 0.15e-3);
+    below(&along(&reference, options), 0.15e-3);
+}
+
+fn along(reference: &Sampled<2>, options: MpcOptions<2, 2>) -> Run {
+    let mut mpc = Ltv::new(PowerCube, reference, options).unwrap();
+    let forward = feed_forward(PowerCube, reference);
+    tracking::run(PowerCube, exact(), &mut mpc, reference, PERIOD, forward)
+}
+
+#[test]
+fn the_midpoint_rule_tracks_as_well() {
+    let reference = reference();
+    for linearization in [LinearizationPoint::Reference, LinearizationPoint::Plan] {
+        let prediction = PredictionRule::ImplicitMidpoint;
+        let options = MpcOptions { linearization, prediction, ..options(&PowerCube, PERIOD, 20) };
+        let run = along(&reference, options);
+        println!("{linearization:?} {run:?}");
+        below(&run, 0.15e-3);
+    }
 }
 
 /// The friction of the wrong model: 45 v + 9 tanh 10 v on both joints.

@@ -241,7 +241,20 @@ impl<'g> Equations<'_, 'g> {
         y: &[Scalar<'g>],
         w: &[Force<'g>],
     ) -> (Vec<Scalar<'g>>, Matrix<'g>) {
-        let forces = self.wrench_forces(y, w);
+        self.with_derivatives(self.wrench_forces(y, w), y)
+    }
+
+    /// Generalized forces of the inputs with their derivatives by y.
+    pub fn input_forces_derivatives(
+        &self,
+        y: &[Scalar<'g>],
+        u: &[Scalar<'g>],
+    ) -> (Vec<Scalar<'g>>, Matrix<'g>) {
+        self.with_derivatives(self.input_forces(y, u), y)
+    }
+
+    /// Forces with their derivatives by y.
+    fn with_derivatives(&self, forces: Vec<Scalar<'g>>, y: &[Scalar<'g>]) -> (Vec<Scalar<'g>>, Matrix<'g>) {
         let columns: Vec<Vec<_>> =
             (0..y.len()).map(|coordinate| self.along(&forces, y, coordinate)).collect();
         let rows = (0..forces.len()).map(|row| columns.iter().map(|column| column[row]).collect());

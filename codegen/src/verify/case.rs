@@ -283,6 +283,11 @@ impl<'m, T: Number> Case<'m, T> {
         self.own(self.all_inverse_dynamics(&self.a))
     }
 
+    /// `B(y) u`
+    pub fn input_forces(&self) -> Vec<T> {
+        multiplied(&self.input_matrix(), &self.u)
+    }
+
     pub fn inverse_dynamics_with_wrenches(&self) -> Vec<T> {
         minus(&self.inverse_dynamics(), &self.wrench_forces())
     }
@@ -290,7 +295,7 @@ impl<'m, T: Number> Case<'m, T> {
     /// `M ÿ + k − q − B(y) u − Σ Jᵀ w` up to a constant: inputs count where B depends on y.
     pub fn residual(&self) -> Vec<T> {
         let forces = match self.model().inputs_depend_on_position() {
-            true => minus(&self.inverse_dynamics(), &multiplied(&self.input_matrix(), &self.u)),
+            true => minus(&self.inverse_dynamics(), &self.input_forces()),
             false => self.inverse_dynamics(),
         };
         if self.w.is_empty() { forces } else { minus(&forces, &self.wrench_forces()) }
@@ -298,7 +303,7 @@ impl<'m, T: Number> Case<'m, T> {
 
     /// ÿ of the coordinates, with the inverse of M.
     pub fn forward_dynamics(&self, inverse: &Rows<T>) -> Vec<T> {
-        let exerted = minus(&multiplied(&self.input_matrix(), &self.u), &self.friction_torques());
+        let exerted = minus(&self.input_forces(), &self.friction_torques());
         let one = T::constant(1.0);
         let shares = exerted.iter().zip(self.load_friction());
         let load: Vec<T> = shares.map(|(&w, share)| w / (one + share * w.sign())).collect();

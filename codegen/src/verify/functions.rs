@@ -48,6 +48,10 @@ fn plain<T: Number>(case: &Case<'_, T>, name: &str, constants: &[Constant]) -> O
         names::APPLIED_FORCES => vec![applied()],
         names::BIAS_FORCES => vec![case.bias_forces()],
         names::INPUT_MATRIX => vec![case.input_matrix().concat()],
+        names::INPUT_FORCES_DERIVATIVES => {
+            let by_y = case.derivative(By::Positions, Case::input_forces);
+            vec![case.input_forces(), by_y.concat()]
+        }
         names::EQUATIONS_OF_MOTION => vec![mass_matrix(), case.coriolis_forces(), applied()],
         names::MASS_MATRIX_AND_BIAS_FORCES => vec![mass_matrix(), case.bias_forces()],
         names::INVERSE_DYNAMICS => vec![case.inverse_dynamics()],

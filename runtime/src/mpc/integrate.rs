@@ -48,6 +48,22 @@ pub(super) fn discretize<const N: usize, const M: usize, const NY: usize>(
     if discrete.is_finite() { Ok(discrete) } else { Err(too_fast(model, y, v, u, period)) }
 }
 
+/// A step of the implicit midpoint rule.
+///
+/// - `at`: positions and velocities before, and the accelerations that are the guess
+///
+/// # Errors
+/// As [`discretize`].
+pub(super) fn midpoint<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Discretizable<N, M, NY>,
+    (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
+    u: &[f64; M],
+    period: f64,
+) -> Result<Step<N, M, NY>, ControllerFault> {
+    let step = model.midpoint_step(y, v, a, u, period);
+    if step.is_finite() { Ok(step) } else { Err(too_fast(model, y, v, u, period)) }
+}
+
 fn too_fast<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
     y: &[f64; NY],

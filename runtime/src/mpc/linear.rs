@@ -2,18 +2,18 @@
 
 use super::error::MpcError;
 use super::horizon::Horizon;
-use super::integrate::discretize;
+use super::integrate::{discretize, midpoint};
 use super::node::{Node, Prediction};
 use super::of_the_horizon::{of_the_horizon, plan_of_the_horizon};
-use super::options::{LinearizationPoint, MpcOptions};
+use super::options::{LinearizationPoint, MpcOptions, PredictionRule};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
 use crate::trajectory::{Sample, Trajectory};
 
 /// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the
-/// middle of each period, of the desired trajectory with its feed-forward or of the previous plan. See the
-/// [module](super).
+/// middle of each period, of the desired trajectory with its feed-forward or of the previous plan; by option by
+/// the implicit midpoint rule ([`PredictionRule`]). See the [module](super).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};
@@ -89,8 +89,13 @@ where
     fn set_stages(&mut self, start: f64) -> Result<(), ControllerFault> {
         let period = self.horizon.options.period;
         let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
+        let by_midpoint = self.horizon.options.prediction == PredictionRule::ImplicitMidpoint;
         for k in 0..self.horizon.options.horizon {
             let time = self.horizon.middle_time(start, k);
+            if by_midpoint {
+                self.set_midpoint_stage(k, time)?;
+                continue;
+            }
             let (at, u) = if around_plan {
                 self.middle_of_plan(k)
             } else {
@@ -108,6 +113,38 @@ where
             };
             self.horizon.set_stage(k, &prediction);
         }
+        Ok(())
+    }
+
+    /// Stage `k` by the implicit midpoint rule.
+    ///
+    /// - `time`: the middle of the period (s)
+    fn set_midpoint_stage(&mut self, k: usize, time: f64) -> Result<(), ControllerFault> {
+        let (horizon, period) = (&self.horizon, self.horizon.options.period);
+        let (at, a, u) = match horizon.options.linearization {
+            LinearizationPoint::Plan => {
+                let ((at, u), next) = (horizon.planned_point(k), &horizon.plan.states[k + 1]);
+                let a = core::array::from_fn(|i| (next.velocities[i] - at.velocities[i]) / period);
+                (at, a, u)
+            }
+            LinearizationPoint::Reference => {
+                let middle = horizon.middle(time);
+                let back = middle.velocities.map(|v| -0.5 * period * v);
+                let positions = horizon.model().integrate(&middle.positions, &back);
+                let before = |i: usize| middle.velocities[i] - 0.5 * period * middle.accelerations[i];
+                let velocities = core::array::from_fn(before);
+                (Node { positions, velocities }, middle.accelerations, horizon.inputs[k])
+            }
+        };
+        let from = (&at.positions, &at.velocities, &a);
+        let step = horizon.model().at_time(time, |model| midpoint(model, from, &u, period))?;
+        let prediction = Prediction {
+            state: &step.state,
+            input: &step.input,
+            next: Node { positions: step.coordinates, velocities: step.velocities },
+            at: (at, u),
+        };
+        self.horizon.set_stage(k, &prediction);
         Ok(())
     }
 
@@ -145,5 +182,62 @@ where
         if self.set_stages(start).is_ok() {
             self.horizon.rehearse(next);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "test code")]
+
+    use super::*;
+    use crate::dynamics::LimitRows;
+    use crate::trajectory::{GeodesicMotion, RestToRest};
+
+    gelenk_dynamics::dynamics!(struct Ur5 = gelenk_generated::ur5);
+    gelenk_dynamics::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
+
+    /// Repeated steps from one measurement are Newton's method: the plan becomes a motion of the implicit midpoint rule.
+    fn converge<D, T, const N: usize, const M: usize, const NX: usize, const NY: usize>(model: D, motion: T)
+    where
+        D: Discretizable<N, M, NY> + PhaseSpace<NX> + LimitRows<0>,
+        T: Trajectory<N, NY>,
+    {
+        let period = 0.02;
+        let mut options = MpcOptions::new(&model, period, 8);
+        options.prediction = PredictionRule::ImplicitMidpoint;
+        options.observer.disturbance_noise = [0.0; M];
+        let start = motion.sample(0.3);
+        let mut mpc = LtvMpc::<D, T, N, M, NX, 0, NY>::new(model, motion, options).unwrap();
+        mpc.reset(&mpc.model().integrate(&start.positions, &[0.01; N]), &[0.0; M]);
+        for _ in 0..12 {
+            let cycle = Cycle { time: 0.3, periods: 0, ..Cycle::default() };
+            mpc.step(&cycle).unwrap();
+        }
+        let model = mpc.model();
+        for k in 0..8 {
+            let (at, u) = mpc.horizon.planned_point(k);
+            let next = mpc.horizon.plan.states[k + 1];
+            let mean = core::array::from_fn(|i| 0.5 * (at.velocities[i] + next.velocities[i]));
+            let a = core::array::from_fn(|i| (next.velocities[i] - at.velocities[i]) / period);
+            let middle = model.integrate(&at.positions, &mean.map(|v| 0.5 * period * v));
+            let forces = model.inverse_dynamics(&middle, &mean, &a);
+            let matrix = model.input_matrix(&middle);
+            let end = model.integrate(&at.positions, &mean.map(|v| period * v));
+            let gap = model.difference(&next.positions, &end);
+            for i in 0..N {
+                let of_inputs: f64 = matrix[i].iter().zip(&u).map(|(b, u)| b * u).sum();
+                let lacking = (forces[i] - of_inputs).abs();
+                assert!(lacking <= 1e-7 * (1.0 + forces[i].abs()), "stage {k}: {lacking} N m are lacking");
+                assert!(gap[i].abs() <= 1e-9, "stage {k}: gap {gap:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn plans_become_motions_of_the_midpoint_rule() {
+        let goal = [1.0, -0.6, 1.6, -1.2, 1.0, 0.8];
+        converge(Ur5, RestToRest::new([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], goal, 1.5).unwrap());
+        let (start, goal) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], [1.5, -0.5, 1.4, 0.0, 0.0, 0.6, 0.8]);
+        converge(Quadrotor, GeodesicMotion::between(Quadrotor, start, goal, 3.0).unwrap());
     }
 }

@@ -12,7 +12,7 @@
 //! ([`TerminalWeight`]), and d the input disturbance that a Kalman filter estimates from
 //! the encoders ([`DisturbanceObserver`]), on by default, so that constant errors of the model leave no steady offset. The
 //! two differ in where `A_k, B_k, c_k` come from: the exact zero-order hold of the linearization around the
-//! desired trajectory or the previous plan, or the exact sensitivities of the integrated nonlinear robot
+//! desired trajectory or the previous plan, or there a step of the implicit midpoint rule ([`PredictionRule`]); or the exact sensitivities of the integrated nonlinear robot
 //! around the plan, one Gauss–Newton step a period.
 //!
 //! Sums of positions, velocities and inputs have limits too, hard or soft ([`MpcRow`]): a motor's torque–speed
@@ -59,5 +59,5 @@ pub use linear::LtvMpc;
 pub use nonlinear::Nmpc;
 pub use note::MpcNote;
 pub use observer::{DisturbanceObserver, ObserverOptions};
-pub use options::{LinearizationPoint, MpcOptions, TerminalWeight};
+pub use options::{LinearizationPoint, MpcOptions, PredictionRule, TerminalWeight};
 pub use row::{MpcRow, RowFault, RowKind};

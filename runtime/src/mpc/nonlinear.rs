@@ -40,7 +40,7 @@ where
     T: Trajectory<N, NY>,
 {
     /// A controller of `model` along `trajectory`. All memory is allocated here, and all terminal weights are
-    /// computed. [`MpcOptions::linearization`] has no influence.
+    /// computed. [`MpcOptions::linearization`] and [`MpcOptions::prediction`] have no influence.
     ///
     /// # Errors
     /// [`MpcError`].

@@ -5,6 +5,7 @@ use gelenk_runtime::control_loop::{Controller, ControllerFault, Cycle};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::mpc::{
     DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcOptions, MpcRow, Nmpc, ObserverOptions,
+    PredictionRule,
 };
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{GeodesicMotion, Trajectory};
@@ -92,10 +93,13 @@ fn thrown_upside_down_it_recovers() {
     let [x, y] = [0.8 * angle.sin(), 0.6 * angle.sin()];
     let start = ([0.0, 0.0, 1.0, x, y, 0.0, angle.cos()], [0.5, -0.5, 1.0, 0.5, -1.0, 0.3]);
     let motion = hover(1.0);
-    let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
-    let flight = fly(&mut ltv, &motion, start, 4.5);
-    assert!(flight.lowest_axis < -0.9);
-    assert_arrived(&flight, 1e-3);
+    for prediction in [PredictionRule::ExactHold, PredictionRule::ImplicitMidpoint] {
+        let options = MpcOptions { prediction, ..observed(options()) };
+        let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), options).unwrap();
+        let flight = fly(&mut ltv, &motion, start, 4.5);
+        assert!(flight.lowest_axis < -0.9);
+        assert_arrived(&flight, 1e-3);
+    }
     let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
     assert_arrived(&fly(&mut nonlinear, &motion, start, 4.5), 1e-3);
 }
@@ -106,10 +110,13 @@ fn it_follows_a_motion_of_position_and_heading() {
     let goal = [1.5, -0.5, 1.4, 0.0, 0.0, 0.6, 0.8];
     let motion = Motion::between(Quadrotor, HOVER, goal, 3.0).unwrap();
     let along = MpcOptions { linearization: LinearizationPoint::Reference, ..observed(options()) };
+    let by_midpoint = MpcOptions { prediction: PredictionRule::ImplicitMidpoint, ..along.clone() };
     let mut ltv = LtvMpc::new(Quadrotor, motion.clone(), along).unwrap();
+    let mut midpoint = LtvMpc::new(Quadrotor, motion.clone(), by_midpoint).unwrap();
     let mut nonlinear = Nmpc::new(Quadrotor, motion.clone(), observed(options())).unwrap();
     let flights = [
         fly(&mut ltv, &motion, (HOVER, [0.0; 6]), 4.5),
+        fly(&mut midpoint, &motion, (HOVER, [0.0; 6]), 4.5),
         fly(&mut nonlinear, &motion, (HOVER, [0.0; 6]), 4.5),
     ];
     for flight in &flights {

@@ -313,6 +313,9 @@ impl<'a> Truth<'a> {
             names::APPLIED_FORCES => vec![self.applied()],
             names::BIAS_FORCES => vec![minus(&self.coriolis(), &self.gravity())],
             names::INPUT_MATRIX => vec![self.input_matrix()],
+            names::INPUT_FORCES_DERIVATIVES => {
+                vec![self.inputs(&self.y), self.by_positions(|y| self.inputs(y))]
+            }
             names::EQUATIONS_OF_MOTION => vec![self.mass_matrix(), self.coriolis(), self.applied()],
             names::MASS_MATRIX_AND_BIAS_FORCES => {
                 vec![self.mass_matrix(), minus(&self.coriolis(), &self.gravity())]

@@ -1,10 +1,29 @@
 //! Catalogue texts of robots with forces at frames. If such forces are inputs, B depends on the coordinates.
 
 use super::otherwise::{Otherwise, Robots};
+use super::quantity::Argument::{Coordinates, Inputs};
+use super::quantity::{Quantity, SQUARE, VECTOR, matrix, vector};
+use super::quaternions;
+use crate::function_names;
 use crate::functions::function::Function;
 use crate::model::{Model, PointForce};
 use crate::wording;
 use gelenk_formula::Formula;
+
+/// The functions that only robots with inputs at frames have.
+pub const QUANTITIES: &[Quantity] = &[Quantity {
+    name: function_names::INPUT_FORCES_DERIVATIVES,
+    summary: "Generalized forces of the inputs with their Jacobian.",
+    equation: "δ(B(y) u) = ∂/∂y δy + B δu",
+    arguments: &[Coordinates, Inputs],
+    results: &[("B u", VECTOR, "on the joint side"), ("∂/∂y", SQUARE, "row i = force i")],
+    otherwise: &[quaternions::ALONG],
+    build: |equations, arguments| {
+        let (forces, by_coordinates) = equations.input_forces_derivatives(&arguments.y, &arguments.u);
+        vec![vector(forces), matrix(by_coordinates)]
+    },
+    ..Quantity::PLAIN
+}];
 
 /// Forces at frames act beyond joints.
 pub const BEYOND: Otherwise = Otherwise {

@@ -47,8 +47,12 @@ fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
         let mut rows = friction.iter().chain(of_friction).chain(at_frames).chain(on_tangent);
         rows.find(|row| row.name == quantity.name).unwrap_or(quantity)
     });
+    let of_inputs = rows_if(model.inputs_depend_on_position(), frame_inputs::QUANTITIES);
     let of_the_load = rows_if(has_load_friction(model), load_friction::QUANTITIES);
-    quantities.chain(of_the_load).chain(rows_if(!model.wrenches.is_empty(), wrenches::QUANTITIES))
+    quantities
+        .chain(of_inputs)
+        .chain(of_the_load)
+        .chain(rows_if(!model.wrenches.is_empty(), wrenches::QUANTITIES))
 }
 
 fn rows_if(are_there: bool, rows: &'static [Quantity]) -> &'static [Quantity] {
@@ -84,7 +88,11 @@ pub(super) fn row(name: &str) -> Option<&'static Quantity> {
 
 /// The rows of every function of whatever robot.
 fn all() -> impl Iterator<Item = &'static Quantity> {
-    let of_some = load_friction::QUANTITIES.iter().chain(wrenches::QUANTITIES).chain(driven::QUANTITIES);
+    let of_some = frame_inputs::QUANTITIES
+        .iter()
+        .chain(load_friction::QUANTITIES)
+        .chain(wrenches::QUANTITIES)
+        .chain(driven::QUANTITIES);
     quantities().chain(ON_REQUEST).chain(of_some)
 }
 

@@ -4,7 +4,7 @@ use super::load_friction::{load, under_load};
 use super::manifold::same;
 use super::solve::{product, solve_positive_definite};
 use super::traits::{Differentiable, Discretizable, Dynamics};
-use super::types::{Discretization, Step};
+use super::types::{Discretization, ForceDerivativesAndMass, Step};
 use core::cell::Cell;
 use gelenk_kernels::discrete_time;
 
@@ -101,6 +101,64 @@ pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: u
     let mass = robot.mass_matrix(y);
     let momentum: [f64; N] = core::array::from_fn(|i| product(&mass[i], v));
     0.5 * product(&momentum, v)
+}
+
+/// [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`] by the other methods.
+#[inline]
+pub fn inverse_dynamics_derivatives_and_mass_matrix<
+    D: Differentiable<N, M, NY> + ?Sized,
+    const N: usize,
+    const M: usize,
+    const NY: usize,
+>(
+    robot: &D,
+    y: &[f64; NY],
+    v: &[f64; N],
+    a: &[f64; N],
+) -> ForceDerivativesAndMass<N> {
+    let (forces, mut mass) = (robot.inverse_dynamics_derivatives(y, v, a), robot.mass_matrix(y));
+    let shares = robot.load_friction(y, v);
+    if shares == [0.0; N] {
+        return (forces, mass);
+    }
+    let friction = robot.friction_torques(y, v);
+    for i in 0..N {
+        let load = load(forces.forces[i] - friction[i], shares[i]);
+        let gain = if load < 0.0 { 1.0 - shares[i] } else { 1.0 + shares[i] };
+        mass[i] = mass[i].map(|entry| gain * entry);
+    }
+    (forces, mass)
+}
+
+/// [`Differentiable::input_forces_derivatives`] by the other methods.
+#[inline]
+pub fn input_forces_derivatives<
+    D: Differentiable<N, M, NY> + ?Sized,
+    const N: usize,
+    const M: usize,
+    const NY: usize,
+>(
+    robot: &D,
+    y: &[f64; NY],
+    u: &[f64; M],
+) -> ([f64; N], [[f64; N]; N]) {
+    let input_forces = robot.input_matrix(y).map(|row| product(&row, u));
+    if robot.drives() >= M {
+        return (input_forces, [[0.0; N]; N]);
+    }
+    let rest = [0.0; N];
+    let by_y = robot.linearize(y, &rest, u).by_coordinates;
+    let a = robot.forward_dynamics(y, &rest, u);
+    let (forces, mass) = robot.inverse_dynamics_derivatives_and_mass_matrix(y, &rest, &a);
+    let mut derivatives = forces.by_coordinates;
+    for i in 0..N {
+        for k in 0..N {
+            for j in 0..N {
+                derivatives[i][j] += mass[i][k] * by_y[k][j];
+            }
+        }
+    }
+    (input_forces, derivatives)
 }
 
 /// [`Discretizable::discretize`] by the other methods.

@@ -281,6 +281,13 @@ macro_rules! dynamics {
                 ForceDerivatives<N>
             );
             $crate::dynamics!(
+                @made inverse_dynamics_derivatives_and_mass_matrix, [$($module)::+], $p, (y: NY, v: N, a: N),
+                ForceDerivativesAndMass<N>, by_default
+            );
+            $crate::dynamics!(
+                @provided input_forces_derivatives, [$($module)::+], $p, (y: NY, u: M), forces_by_coordinates
+            );
+            $crate::dynamics!(
                 @made linearize, [$($module)::+], $p, (y: NY, v: N, u: M),
                 Linearization<N, M, NY>
             );
@@ -491,6 +498,9 @@ macro_rules! dynamics {
     (@type state, $module:tt) => { ($crate::dynamics!(@type NY, $module), $crate::dynamics!(@type N, $module)) };
     (@type matrix, [$($module:ident)::+]) => { [[f64; $($module)::+::N]; $($module)::+::N] };
     (@type input_matrix, [$($module:ident)::+]) => { [[f64; $($module)::+::M]; $($module)::+::N] };
+    (@type forces_by_coordinates, $module:tt) => {
+        ($crate::dynamics!(@type vector, $module), $crate::dynamics!(@type matrix, $module))
+    };
     (@type equations, $module:tt) => {
         (
             $crate::dynamics!(@type matrix, $module),

@@ -19,6 +19,7 @@ mod load_friction;
 mod macros;
 mod manifold;
 mod manifold_macro;
+mod midpoint;
 mod names;
 mod parameters;
 mod solve;
@@ -60,4 +61,6 @@ pub use torque_speed::{count_lines, torque_speed_lines};
 pub use traits::{Differentiable, Discretizable, Dynamics, PhaseSpace, Predictable};
 #[doc(hidden)]
 pub use types::OfResults;
-pub use types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
+pub use types::{
+    Discretization, ForceDerivatives, ForceDerivativesAndMass, InputLimits, Limits, Linearization, Step,
+};

@@ -4,8 +4,11 @@ use super::at_rest::either_side;
 use super::defaults;
 use super::dependent::LimitRows;
 use super::manifold::{self, AttitudeError, NO_WIDTHS, QuaternionJoint};
+use super::midpoint;
 use super::names::{names_of_arms, numbered};
-use super::types::{Discretization, ForceDerivatives, InputLimits, Limits, Linearization, Step};
+use super::types::{
+    Discretization, ForceDerivatives, ForceDerivativesAndMass, InputLimits, Limits, Linearization, Step,
+};
 
 /// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs,
 /// with `q = gravity + springs − friction`; where friction grows with the load, there is one more term
@@ -258,6 +261,24 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
     /// `1 + s₁ sign τ_l`.
     fn inverse_dynamics_derivatives(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
 
+    /// The same, and ∂forces/∂ÿ.
+    fn inverse_dynamics_derivatives_and_mass_matrix(
+        &self,
+        y: &[f64; NY],
+        v: &[f64; N],
+        a: &[f64; N],
+    ) -> ForceDerivativesAndMass<N> {
+        defaults::inverse_dynamics_derivatives_and_mass_matrix(self, y, v, a)
+    }
+
+    /// Forces `B(y) u` of the inputs, and ∂(B u)/∂y, which is zero where all inputs are [drives](Dynamics::drives).
+    ///
+    /// The body computes the derivative from the others, as `∂f/∂y + (∂f/∂ÿ) (∂ÿ/∂y)` with f the inverse dynamics at the
+    /// accelerations that u causes at rest.
+    fn input_forces_derivatives(&self, y: &[f64; NY], u: &[f64; M]) -> ([f64; N], [[f64; N]; N]) {
+        defaults::input_forces_derivatives(self, y, u)
+    }
+
     /// Linearization of the forward dynamics about a state and an input.
     fn linearize(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M, NY>;
 
@@ -333,5 +354,41 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     /// [`Self::step`] with the exact derivatives of its result, by the chain rule over the stages.
     fn step_derivatives(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> Step<N, M, NY> {
         defaults::step_derivatives(self, y, v, u, period)
+    }
+
+    /// One step of Newton's method for a period T of the implicit midpoint rule, from the guess that the accelerations
+    /// are `a`, with the derivatives there:
+    ///
+    /// ```text
+    ///     v_m = v + T/2 a,   y_m = y ⊕ T/2 v_m,   r = f(y_m, v_m, a) − B(y_m) u
+    ///     m = ∂f/∂ÿ,   D = ∂f/∂ẏ,   K = ∂f/∂y − ∂(B u)/∂y,   f the inverse dynamics, all at (y_m, v_m, a)
+    ///     (m + T/2 D + T²/4 K Q_h) δv⁺ = (m − T/2 D − T²/4 K Q_h) δv − T K P_h δy + T B δu − T r
+    ///     δy⁺ = P δy + T/2 Q (δv + δv⁺)
+    /// ```
+    ///
+    /// with P, Q the derivatives of `y ⊕ T v_m` by y and by the displacement, and P_h, Q_h those of `y ⊕ T/2 v_m`; for arms
+    /// all four are the identity. The result is `v + T a` and `y ⊕ T v_m`, moved by what r adds. Where r is zero it is a step
+    /// of the rule, and the derivatives are exactly those of this step; else they are off in proportion to r.
+    ///
+    /// The rule has order 2 and is A-stable: the result is bounded wherever the robot is stable. It is not L-stable: of
+    /// velocities that friction stops within much less than T, the sign alternates from step to step. Of a robot with driven
+    /// joints the equations are those at its time, which is best the middle of the period.
+    ///
+    /// Cost: one call of [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`], of
+    /// [`Differentiable::input_forces_derivatives`] and of [`Dynamics::input_matrix`], and one factorization of N × N with
+    /// 2 N + M + 1 right-hand sides. Neither M⁻¹ nor the forward dynamics is computed. An entry is not finite where the
+    /// matrix on the left is singular.
+    ///
+    /// Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, section I.1 (the rule) and VI.4 (its
+    /// derivatives are the rule for the variational equation).
+    fn midpoint_step(
+        &self,
+        y: &[f64; NY],
+        v: &[f64; N],
+        a: &[f64; N],
+        u: &[f64; M],
+        period: f64,
+    ) -> Step<N, M, NY> {
+        midpoint::midpoint_step(self, (y, v, a), u, period)
     }
 }

@@ -16,6 +16,9 @@ pub struct ForceDerivatives<const N: usize> {
     pub by_velocities: [[f64; N]; N],
 }
 
+/// Inverse dynamics with its derivatives, the third of them by accelerations.
+pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; N]; N]);
+
 /// Accelerations as an affine function of state and input: the lower halves of A, B_x and c of
 /// `ẋ = A x + B_x u + c`. The upper halves are `[0 I]`, 0 and 0.
 ///
@@ -137,6 +140,17 @@ pub struct Step<const N: usize, const M: usize, const NY: usize = N> {
     pub input: [[[f64; M]; N]; 2],
 }
 
+impl<const N: usize, const M: usize, const NY: usize> Step<N, M, NY> {
+    /// Tells whether every entry is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let state = self.state.as_flattened().as_flattened().as_flattened();
+        let input = self.input.as_flattened().as_flattened();
+        let end = self.coordinates.iter().chain(&self.velocities);
+        end.chain(state).chain(input).all(|entry| entry.is_finite())
+    }
+}
+
 /// Limits of joints and inputs; infinite where the description gives none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<const N: usize, const M: usize> {
@@ -251,6 +265,22 @@ impl<const N: usize> OfResults<([f64; N], [[f64; N]; N], [[f64; N]; N])> for For
     #[inline]
     fn of((forces, by_coordinates, by_velocities): ([f64; N], [[f64; N]; N], [[f64; N]; N])) -> Self {
         Self { forces, by_coordinates, by_velocities }
+    }
+}
+
+impl<const N: usize> OfResults<([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N])>
+    for ForceDerivativesAndMass<N>
+{
+    #[inline]
+    fn of(
+        (forces, by_coordinates, by_velocities, mass): (
+            [f64; N],
+            [[f64; N]; N],
+            [[f64; N]; N],
+            [[f64; N]; N],
+        ),
+    ) -> Self {
+        (ForceDerivatives { forces, by_coordinates, by_velocities }, mass)
     }
 }
 
