@@ -10,6 +10,8 @@ use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
 use crate::lanes::{self, Lanes};
+use gelenk_formula::Hold;
+
 use crate::model::{DescriptionFiles, Loaded, Model, ReadOptions};
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
@@ -39,6 +41,8 @@ pub struct GenerateOptions {
     pub exact_sign: bool,
     /// The base moves freely: a floating joint stands between the world and it.
     pub floating_base: bool,
+    /// Joints that are held.
+    pub hold: Vec<Hold>,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them,
     /// and compiled only there.
     pub fused_multiply_add: bool,
@@ -96,6 +100,7 @@ fn generate_from(
         exact_sign: options.exact_sign,
         floating_base: options.floating_base,
         free_driven: false,
+        hold: options.hold.clone(),
     };
     let Loaded { model, notes, files } = description.load(&read_options)?;
     tools::check(&model, &options.emit.companions)?;

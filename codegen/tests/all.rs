@@ -27,6 +27,7 @@ mod findings;
 #[path = "floating_identification/main.rs"]
 mod floating_identification;
 mod foreign;
+mod held_grippers;
 mod identified_friction;
 mod kernel_texts;
 mod manifold;

@@ -34,7 +34,7 @@ const EXAMPLES: [(&str, &str); 84] = [
     ("modified_dh", DH),
     ("axis", "`axis = [0, 1, 0]`"),
     ("pitch", "`pitch = \"0.02/(2*pi)\"`: metres for each radian, here 20 mm a turn"),
-    ("held", "`held = 0.5` or `held = \"pi/4\"`"),
+    ("held", "`held = 0.5` at a joint, `held = { \"finger_*\" = 0 }` for joints by their names"),
     ("motion", "`motion = \"driven\"`"),
     ("follows", "`follows = { shoulder = -0.5 }`: the joints that are followed, with their ratios"),
     ("offset", "`offset = 0.1`: the position where the joints that are followed are at 0"),

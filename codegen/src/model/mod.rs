@@ -17,6 +17,7 @@ mod file_kind;
 mod floating_base;
 mod foreign_keys;
 mod frame_force;
+mod hold;
 mod inertia;
 mod joint;
 mod key_examples;

@@ -5,10 +5,11 @@ use super::load::Load;
 use super::read_options::ReadOptions;
 use super::toml_values::Reader;
 use super::{
-    JointKind, Model, Pose, extended_frames, file_kind, floating_base, mjcf, toml_file, urdf, validate,
+    JointKind, Model, Pose, extended_frames, file_kind, floating_base, hold, mjcf, toml_file, urdf, validate,
 };
 use crate::diagnostic::{At, Diagnostics, Report, Span, nearest};
 use crate::wording::listed;
+use gelenk_formula::Hold;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -153,6 +154,10 @@ fn finish(
         if options.free_driven {
             free_driven(&mut robot);
         }
+        let place = robot.name.span;
+        let asked: Vec<_> = options.hold.iter().map(|hold| At::new(hold.clone(), place)).collect();
+        hold::apply(&mut robot, &asked, &mut reader.report);
+        hold::settle(&mut robot, &mut reader.report);
         validate::model(&robot, &mut reader.report)
     });
     reader.angles.report(&mut reader.report);
@@ -280,17 +285,25 @@ fn read_toml(
         ignore_mimic: options.ignore_mimic || preamble.ignore_mimic,
         no_friction: options.no_friction || preamble.no_friction,
         snap_angles: options.snap_angles.or(preamble.snap_angles),
-        ..*options
+        ..options.clone()
     };
     reader.angles.snap = reader.angles.snap.or(options.snap_angles);
     let Some(file) = preamble.extends else {
-        return Some(toml_file::description(reader, &top, stem(name), None));
+        let robot = toml_file::description(reader, &top, stem(name), None);
+        return Some(held(robot, &preamble.held, &mut reader.report));
     };
     let base = read_base(reader, &file, &options, chain);
     let asked = options.floating_base.then_some(file.span);
     let extended = base.as_ref().map(|base| floating_base::extended(base, asked.is_some()));
     let extension = toml_file::description(reader, &top, stem(name), Some(extended.unwrap_or_default()));
-    base.map(|base| extend_freed(base, extension, asked, &mut reader.report))
+    let robot = base.map(|base| extend_freed(base, extension, asked, &mut reader.report));
+    robot.map(|robot| held(robot, &preamble.held, &mut reader.report))
+}
+
+/// The robot with the joints held that its description names.
+fn held(mut robot: RobotDescription, holds: &[At<Hold>], report: &mut Report) -> RobotDescription {
+    hold::apply(&mut robot, holds, report);
+    robot
 }
 
 fn read_base(

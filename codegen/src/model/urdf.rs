@@ -50,7 +50,7 @@ pub(super) fn description(
         return None;
     }
     let mut reader =
-        Reader { report, angles, source, options: *options, notes: Notes::new(), rotors: Vec::new() };
+        Reader { report, angles, source, options: options.clone(), notes: Notes::new(), rotors: Vec::new() };
     if let Some(macros) = xacro::first(robot) {
         let span = reader.span(macros);
         xacro::report(macros, span, file, reader.report);

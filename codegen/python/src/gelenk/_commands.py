@@ -30,6 +30,7 @@ def generate(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    hold: Mapping[str, float] | Iterable[str] = (),
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> list[Path]:
@@ -43,7 +44,7 @@ def generate(
         "output": output, "language": language, "for": list(tools), "functions": functions, "lanes": lanes,
         "scalar": scalar, "control_model": control_model, "self_test": self_test, "snap_angles": snap_angles,
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "hold": hold, "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     }
     written = _program.run(["generate", description, *_program.switches(options)])
@@ -60,6 +61,7 @@ def report(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    hold: Mapping[str, float] | Iterable[str] = (),
     max_operations: int | None = None,
 ) -> Path:
     """Writes a page about a robot, as `gelenk report` does; its `index.html`.
@@ -68,7 +70,7 @@ def report(
     """
     options = {
         "output": output, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
-        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "max_operations": max_operations,
+        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "hold": hold, "max_operations": max_operations,
     }
     result = _program.run(["report", description, *_program.switches(options)], may_fail=True)
     page = next(Path(file) for file in result["files"] if Path(file).name == "index.html")
@@ -140,11 +142,11 @@ def identify(
         "accept_poor": accept_poor,
         "merge": merge,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "hold": hold,
     }
     held_out = [f"--validate={os.fspath(log)}" for log in _paths(validate)]
     loaded = [f"--payload={os.fspath(log)}" for log in _paths(payload)]
-    found = _program.run(["identify", description, *_paths(logs), *held_out, *loaded, *_held(hold), *_program.switches(options)])
+    found = _program.run(["identify", description, *_paths(logs), *held_out, *loaded, *_program.switches(options)])
     return Identified(Path(found["description"]), tuple(map(Path, found["files"])), found)
 
 
@@ -211,9 +213,9 @@ def reduce(
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay, "friction_on": friction_on,
         "accept_poor": accept_poor,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "hold": hold,
     }
-    found = _program.run(["identify", "--reduce", description, *_paths(logs), *_held(hold), *_program.switches(options)])
+    found = _program.run(["identify", "--reduce", description, *_paths(logs), *_program.switches(options)])
     return Path(found["moments"])
 
 
@@ -257,12 +259,6 @@ def _patterns(columns: str | Mapping[str, str] | None) -> str | None:
     if isinstance(columns, Mapping):
         return ",".join(f"{what}={pattern}" for what, pattern in columns.items())
     return columns
-
-
-def _held(hold: Mapping[str, float] | Iterable[str]) -> list[str]:
-    if isinstance(hold, Mapping):
-        return [f"--hold={pattern}={position}" for pattern, position in hold.items()]
-    return [f"--hold={pattern}" for pattern in ([hold] if isinstance(hold, str) else hold)]
 
 
 def _paths(one_or_several: PathLike | Iterable[PathLike]) -> list[PathLike]:

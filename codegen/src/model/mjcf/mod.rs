@@ -100,7 +100,7 @@ pub(super) fn description(
     let mut reader = Reader {
         report,
         angles,
-        options: *options,
+        options: options.clone(),
         classes: Classes::of(&defaults, &files),
         files: &files,
         compiler: Compiler::default(),
