@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::file_kind;
+use super::load::Load;
 use super::read::{Loaded, from_toml, from_xml, is_xml};
 use super::read_options::ReadOptions;
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
@@ -59,9 +60,10 @@ impl DescriptionFiles {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        let mut from = FromFolder { files: self, folder };
         let (model, notes) = match is_xml(&name, &text) {
-            true => from_xml(&text, &name, options, &mut |file| self.text(&folder.join(file))),
-            false => from_toml(&text, &name, options, &mut |file| self.text(&folder.join(file))),
+            true => from_xml(&text, &name, options, &mut from),
+            false => from_toml(&text, &name, options, &mut from),
         }?;
         let files = self.files.iter().map(|(path, _)| path.clone()).collect();
         Ok(Loaded { model, notes, files })
@@ -88,6 +90,22 @@ impl DescriptionFiles {
         }
         let text = String::from_utf8(bytes.to_vec()).or_else(|why| decoded(&name, why))?;
         Ok((name, text))
+    }
+}
+
+/// Files beside a description.
+struct FromFolder<'f> {
+    files: &'f mut DescriptionFiles,
+    folder: &'f Path,
+}
+
+impl Load for FromFolder<'_> {
+    fn text(&mut self, path: &str) -> Result<(String, String), Diagnostics> {
+        self.files.text(&self.folder.join(path))
+    }
+
+    fn bytes(&mut self, path: &str) -> Result<Vec<u8>, Diagnostics> {
+        self.files.bytes(&self.folder.join(path)).map(<[u8]>::to_vec)
     }
 }
 

@@ -23,6 +23,7 @@ mod joint;
 mod key_examples;
 mod levers;
 mod load;
+mod mesh;
 mod mjcf;
 mod name;
 mod notes;

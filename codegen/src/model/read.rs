@@ -49,7 +49,7 @@ pub fn from_toml(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Load,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let mut chain =
@@ -78,7 +78,7 @@ pub fn from_mjcf(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Load,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let file = Path::new(name).file_name().map(PathBuf::from).unwrap_or_default();
@@ -91,7 +91,7 @@ pub(super) fn from_xml(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Load,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     match file_kind::is_mjcf(text) {
         true => from_mjcf(text, name, options, load),
@@ -223,7 +223,7 @@ fn read_mjcf(
     (text, name): (&str, &str),
     path: &Path,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Load,
 ) -> Option<RobotDescription> {
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
@@ -235,13 +235,13 @@ fn read_mjcf(
 const DEEPEST: usize = 8;
 
 /// Descriptions that extend each other, and how to fetch the next.
-struct Chain<'l, 'f> {
-    load: &'l mut Load<'f>,
+struct Chain<'l> {
+    load: &'l mut dyn Load,
     /// Their paths from the folder of the first one.
     files: Vec<PathBuf>,
 }
 
-impl Chain<'_, '_> {
+impl Chain<'_> {
     /// The path of a file that the last description names.
     fn path_of(&self, file: &str) -> PathBuf {
         let folder = self.files.last().and_then(|file| file.parent());
@@ -274,7 +274,7 @@ fn read_toml(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    chain: &mut Chain<'_, '_>,
+    chain: &mut Chain<'_>,
 ) -> Option<RobotDescription> {
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
@@ -310,7 +310,7 @@ fn read_base(
     reader: &mut Reader,
     file: &Name,
     options: &ReadOptions,
-    chain: &mut Chain<'_, '_>,
+    chain: &mut Chain<'_>,
 ) -> Option<RobotDescription> {
     let path = chain.path_of(&file.value);
     if chain.contains(&path) {
@@ -325,7 +325,7 @@ fn read_base(
         reader.report.error(file.span, "extends-too-deep", message);
         return None;
     }
-    match (chain.load)(&path.to_string_lossy()) {
+    match chain.load.text(&path.to_string_lossy()) {
         Ok((name, text)) if is_xml(&name, &text) && file_kind::is_mjcf(&text) => {
             read_mjcf(reader, (&text, &name), &path, options, chain.load)
         }

@@ -10,6 +10,7 @@ mod equalities;
 mod files;
 mod inertia;
 mod joints;
+mod meshes;
 mod notes;
 mod place;
 mod schema;
@@ -27,8 +28,9 @@ use crate::diagnostic::{At, Report, Span, nearest};
 use crate::distinct::Distinct;
 use classes::Classes;
 use compiler::Compiler;
-use files::{Element, Files, Given};
+use files::{Element, Files, Given, plain_path};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
+use meshes::Meshes;
 use notes::Remark;
 
 /// The link of all that does not move.
@@ -55,6 +57,7 @@ pub(super) struct Reader<'r, 'a> {
     files: &'a Files<'a>,
     classes: Classes<'a>,
     compiler: Compiler,
+    meshes: Meshes<'a, 'r>,
     gravity: [f64; 3],
     notes: Notes<Remark>,
     robot: RobotDescription,
@@ -83,9 +86,9 @@ pub(super) fn description(
     text: (&str, usize),
     path: &Path,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Load,
 ) -> Option<RobotDescription> {
-    let texts = files::gather(text, path, load, report)?;
+    let texts = files::gather(text, path, &mut *load, report)?;
     let files = Files::parse(&texts);
     let root = files.root()?;
     if root.tag() != "mujoco" {
@@ -103,7 +106,8 @@ pub(super) fn description(
         options: options.clone(),
         classes: Classes::of(&defaults, &files),
         files: &files,
-        compiler: Compiler::default(),
+        compiler: Compiler::beside(path),
+        meshes: Meshes::new(load),
         gravity: [0.0, 0.0, -9.81],
         notes: Notes::new(),
         robot: RobotDescription {
@@ -134,6 +138,7 @@ impl<'a> Reader<'_, 'a> {
         with("option").for_each(|section| self.option(section));
         self.robot.gravity = Some(self.gravity.map(Formula::Number));
         self.vocabulary(sections);
+        with("asset").for_each(|section| self.assets(section));
         self.bodies(&with("worldbody").collect::<Vec<_>>());
         let mut sums = BTreeMap::new();
         with("tendon").for_each(|section| self.tendons(section, &mut sums));
