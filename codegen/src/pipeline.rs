@@ -43,6 +43,8 @@ pub struct GenerateOptions {
     pub floating_base: bool,
     /// Joints that are held.
     pub hold: Vec<Hold>,
+    /// A body of an MJCF: its tree is the robot.
+    pub body: Option<String>,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them,
     /// and compiled only there.
     pub fused_multiply_add: bool,
@@ -101,6 +103,7 @@ fn generate_from(
         floating_base: options.floating_base,
         free_driven: false,
         hold: options.hold.clone(),
+        body: options.body.clone(),
     };
     let Loaded { model, notes, files } = description.load(&read_options)?;
     tools::check(&model, &options.emit.companions)?;

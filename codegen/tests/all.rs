@@ -36,6 +36,7 @@ mod models;
 mod motion_limits;
 mod one_direction;
 mod reference;
+mod scenes;
 mod self_test;
 mod shown_forces;
 mod stages;

@@ -226,6 +226,9 @@ pub(super) struct New {
     /// given several times
     #[arg(long, value_name = "PATTERN[=VALUE]", value_parser = Hold::parse, requires = "urdf")]
     pub(super) hold: Vec<Hold>,
+    /// Take the tree of this body as the robot, out of the scene of an MJCF
+    #[arg(long, value_name = "NAME", requires = "urdf")]
+    pub(super) body: Option<String>,
     /// The links that are the robot's feet, one for each leg: it stands on them [default: the ends of three or
     /// more branches of the base with equally many joints, three or more; without such it falls]
     #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python"])]

@@ -36,6 +36,9 @@ pub(super) struct Reading {
     /// given several times. For `identify`: joints that the logs leave out, with friction and drives as described
     #[arg(long, value_name = "PATTERN[=VALUE]", value_parser = Hold::parse)]
     pub(super) hold: Vec<Hold>,
+    /// Take the tree of this body as the robot, out of the scene of an MJCF
+    #[arg(long, value_name = "NAME")]
+    pub(super) body: Option<String>,
 }
 
 /// How the base is carried.
@@ -57,6 +60,7 @@ impl Reading {
             floating_base: self.floats(),
             free_driven: false,
             hold: self.hold.clone(),
+            body: self.body.clone(),
         }
     }
 
@@ -72,7 +76,13 @@ impl Reading {
         let mimic = self.ignore_mimic.then(|| "ignore_mimic = true".to_owned());
         let unphysical = self.accept_unphysical.then(|| "accept_unphysical = true".to_owned());
         let base = self.floats().then(|| "base = { type = \"floating\" }".to_owned());
-        snap.into_iter().chain(mimic).chain(unphysical).chain(base).chain(held_key(&self.hold)).collect()
+        snap.into_iter()
+            .chain(mimic)
+            .chain(unphysical)
+            .chain(base)
+            .chain(held_key(&self.hold))
+            .chain(body_key(self.body.as_deref()))
+            .collect()
     }
 
     /// The words of the command line that make these choices.
@@ -90,6 +100,7 @@ impl Reading {
             .chain(flag("--accept-unphysical", self.accept_unphysical))
             .chain(self.floats().then(|| ["--base", "floating"].map(str::to_owned)).into_iter().flatten())
             .chain(self.hold.iter().flat_map(|hold| ["--hold".to_owned(), hold.text()]))
+            .chain(self.body.iter().flat_map(|body| ["--body".to_owned(), body.clone()]))
             .collect()
     }
 }
@@ -101,6 +112,11 @@ pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
     let entries = last.map(|(_, hold)| format!("{} = {:?}", toml_text(&hold.pattern), hold.position));
     let entries: Vec<String> = entries.collect();
     (!entries.is_empty()).then(|| format!("held = {{ {} }}", entries.join(", ")))
+}
+
+/// The key of a description that takes the tree of a body.
+pub(super) fn body_key(body: Option<&str>) -> Option<String> {
+    body.map(|body| format!("body = {}", toml_text(body)))
 }
 
 /// What is made of a description: one module, or two.

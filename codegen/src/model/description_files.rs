@@ -4,8 +4,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::file_kind;
-use super::load::Load;
-use super::read::{Loaded, from_toml, from_xml, is_xml};
+use super::load::Fetch;
+use super::read::{Loaded, from_xml, is_xml, toml_with};
 use super::read_options::ReadOptions;
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
@@ -63,7 +63,7 @@ impl DescriptionFiles {
         let mut from = FromFolder { files: self, folder };
         let (model, notes) = match is_xml(&name, &text) {
             true => from_xml(&text, &name, options, &mut from),
-            false => from_toml(&text, &name, options, &mut from),
+            false => toml_with(&text, &name, options, &mut from),
         }?;
         let files = self.files.iter().map(|(path, _)| path.clone()).collect();
         Ok(Loaded { model, notes, files })
@@ -99,7 +99,7 @@ struct FromFolder<'f> {
     folder: &'f Path,
 }
 
-impl Load for FromFolder<'_> {
+impl Fetch for FromFolder<'_> {
     fn text(&mut self, path: &str) -> Result<(String, String), Diagnostics> {
         self.files.text(&self.folder.join(path))
     }
@@ -123,6 +123,10 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Diagnostics> {
         let problem = Diagnostic::error("file-unreadable", format!("cannot read {name}: {why}"));
         Diagnostics::from(problem.help("give the path of a TOML, URDF or MJCF file that you may read"))
     };
+    // A pipe without a writer would never end.
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return Err(unreadable("it is a pipe or a device, not a file".to_owned()));
+    }
     let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
     let mut bytes = Vec::new();
     let mut limited = file.take(LARGEST + 1);

@@ -2,26 +2,28 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Fetches files that a description names. Paths are relative to the folder of the first description, also if another one
-/// names them. A function of a path is one that has texts alone.
-pub trait Load {
-    /// The name of a file for diagnostics, and its text.
-    ///
-    /// # Errors
-    /// The file cannot be read, or is no description.
+/// Fetches a text that a description names: its name for diagnostics, and its text. The path is relative to
+/// the folder of the first description, also where another one names it.
+pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
+
+/// Fetches texts, as [`Load`], and other files.
+pub(super) trait Fetch {
+    /// The name of a text for diagnostics, and the text.
     fn text(&mut self, path: &str) -> Result<(String, String), Diagnostics>;
 
     /// The content of a file that is not a text, such as a mesh.
-    ///
-    /// # Errors
-    /// The file cannot be read.
-    fn bytes(&mut self, path: &str) -> Result<Vec<u8>, Diagnostics> {
-        Err(Diagnostic::error("file-unreadable", format!("there is no file {path}")).into())
-    }
+    fn bytes(&mut self, path: &str) -> Result<Vec<u8>, Diagnostics>;
 }
 
-impl<F: FnMut(&str) -> Result<(String, String), Diagnostics>> Load for F {
+/// Texts without other files.
+pub(super) struct Texts<'l, 'f>(pub &'l mut Load<'f>);
+
+impl Fetch for Texts<'_, '_> {
     fn text(&mut self, path: &str) -> Result<(String, String), Diagnostics> {
-        self(path)
+        (self.0)(path)
+    }
+
+    fn bytes(&mut self, path: &str) -> Result<Vec<u8>, Diagnostics> {
+        Err(Diagnostic::error("file-unreadable", format!("there is no file {path}")).into())
     }
 }

@@ -37,7 +37,8 @@ pub(super) fn integrals(triangles: &[Triangle], filling: Filling) -> Result<Mesh
     if area < LEAST_SIZE {
         return Err("its surface has no area");
     }
-    let centroid = weighted(triangles.iter().map(|triangle| (area_center(triangle), self::area(triangle) / area)));
+    let centroid =
+        weighted(triangles.iter().map(|triangle| (area_center(triangle), self::area(triangle) / area)));
     let sizes = |point: Point| triangles.iter().map(move |triangle| size(triangle, point, filling));
     let total: f64 = sizes(centroid).sum();
     if total < LEAST_SIZE {
@@ -119,7 +120,11 @@ pub(super) fn triangles(bytes: &[u8], is_obj: bool) -> Result<Vec<Triangle>, &'s
     };
     let found = found.ok_or("it is damaged, or of another format than its name says")?;
     let is_finite = found.iter().flatten().flatten().all(|x| x.is_finite());
-    if is_finite && !found.is_empty() { Ok(found) } else { Err("it has no triangles, or they are not finite") }
+    if is_finite && !found.is_empty() {
+        Ok(found)
+    } else {
+        Err("it has no triangles, or they are not finite")
+    }
 }
 
 /// 80 bytes of a header, the count, and 50 bytes for each triangle: normal, corners, two more.
@@ -129,7 +134,8 @@ fn binary_stl(bytes: &[u8]) -> Option<Vec<Triangle>> {
     if body.len() != count.checked_mul(50)? {
         return None;
     }
-    let number = |bytes: &[u8]| bytes.try_into().map_or(f64::NAN, |bytes| f64::from(f32::from_le_bytes(bytes)));
+    let number =
+        |bytes: &[u8]| bytes.try_into().map_or(f64::NAN, |bytes| f64::from(f32::from_le_bytes(bytes)));
     let triangle = |row: &[u8]| -> Triangle {
         std::array::from_fn(|corner| {
             std::array::from_fn(|k| number(&row[12 + 12 * corner + 4 * k..16 + 12 * corner + 4 * k]))
@@ -199,7 +205,10 @@ mod tests {
         f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2/1/1 3/1/1 7/1/1 6/1/1\nf 3 4 8 7\nf -8 -4 -1 -5\n";
 
     fn near(found: &[f64], expected: &[f64]) {
-        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * (1.0 + b.abs())), "{found:?}");
+        assert!(
+            found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12 * (1.0 + b.abs())),
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -233,7 +242,7 @@ mod tests {
         for triangle in &of_obj {
             binary.extend([0; 12]);
             for [x, y, z] in triangle {
-                [x, y, z].map(|x| binary.extend((*x as f32).to_le_bytes()));
+                [x, y, z].iter().for_each(|x| binary.extend((**x as f32).to_le_bytes()));
                 text.push_str(&format!("vertex {x} {y} {z}\n"));
             }
             binary.extend([0; 2]);

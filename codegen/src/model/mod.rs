@@ -27,6 +27,7 @@ mod mesh;
 mod mjcf;
 mod name;
 mod notes;
+mod one_tree;
 mod pose;
 mod quaternion_joint;
 mod read;

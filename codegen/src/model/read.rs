@@ -1,7 +1,7 @@
 //! From texts to a [`Model`].
 
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
-use super::load::Load;
+use super::load::{Fetch, Load, Texts};
 use super::read_options::ReadOptions;
 use super::toml_values::Reader;
 use super::{
@@ -49,12 +49,23 @@ pub fn from_toml(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut dyn Load,
+    load: &mut Load<'_>,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    toml_with(text, name, options, &mut Texts(load))
+}
+
+/// Reads a TOML description, as [`from_toml`].
+pub(super) fn toml_with(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut dyn Fetch,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let mut chain =
         Chain { load, files: Path::new(name).file_name().map(PathBuf::from).into_iter().collect() };
     let robot = read_toml(&mut reader, text, name, options, &mut chain);
+    require_mjcf(&robot, options, &mut reader.report);
     finish(reader, robot, options)
 }
 
@@ -65,12 +76,13 @@ pub fn from_toml(
 pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let robot = read_urdf(&mut reader, text, name, options);
+    require_mjcf(&robot, options, &mut reader.report);
     finish(reader, robot, options)
 }
 
 /// Reads an MJCF.
 ///
-/// - `load`: fetches the files that it includes
+/// - `load`: fetches the files that it includes; meshes have no mass here
 ///
 /// # Errors
 /// All problems of the description.
@@ -78,7 +90,16 @@ pub fn from_mjcf(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut dyn Load,
+    load: &mut Load<'_>,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    mjcf_with(text, name, options, &mut Texts(load))
+}
+
+fn mjcf_with(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut dyn Fetch,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let file = Path::new(name).file_name().map(PathBuf::from).unwrap_or_default();
@@ -91,10 +112,10 @@ pub(super) fn from_xml(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut dyn Load,
+    load: &mut dyn Fetch,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     match file_kind::is_mjcf(text) {
-        true => from_mjcf(text, name, options, load),
+        true => mjcf_with(text, name, options, load),
         false => from_urdf(text, name, options),
     }
 }
@@ -223,7 +244,7 @@ fn read_mjcf(
     (text, name): (&str, &str),
     path: &Path,
     options: &ReadOptions,
-    load: &mut dyn Load,
+    load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
@@ -236,7 +257,7 @@ const DEEPEST: usize = 8;
 
 /// Descriptions that extend each other, and how to fetch the next.
 struct Chain<'l> {
-    load: &'l mut dyn Load,
+    load: &'l mut dyn Fetch,
     /// Their paths from the folder of the first one.
     files: Vec<PathBuf>,
 }
@@ -285,10 +306,15 @@ fn read_toml(
         ignore_mimic: options.ignore_mimic || preamble.ignore_mimic,
         no_friction: options.no_friction || preamble.no_friction,
         snap_angles: options.snap_angles.or(preamble.snap_angles),
+        body: options.body.clone().or(preamble.body.as_ref().map(|body| body.value.clone())),
         ..options.clone()
     };
     reader.angles.snap = reader.angles.snap.or(options.snap_angles);
     let Some(file) = preamble.extends else {
+        if let Some(body) = &preamble.body {
+            reader.report.error(body.span, "body-without-scene", BODY_OF_MJCF);
+            reader.report.help("`extends` names the MJCF");
+        }
         let robot = toml_file::description(reader, &top, stem(name), None);
         return Some(held(robot, &preamble.held, &mut reader.report));
     };
@@ -296,8 +322,24 @@ fn read_toml(
     let asked = options.floating_base.then_some(file.span);
     let extended = base.as_ref().map(|base| floating_base::extended(base, asked.is_some()));
     let extension = toml_file::description(reader, &top, stem(name), Some(extended.unwrap_or_default()));
+    if let Some(body) = &preamble.body {
+        let own = ReadOptions { body: Some(body.value.clone()), ..ReadOptions::default() };
+        require_mjcf(&base, &own, &mut reader.report);
+    }
     let robot = base.map(|base| extend_freed(base, extension, asked, &mut reader.report));
     robot.map(|robot| held(robot, &preamble.held, &mut reader.report))
+}
+
+const BODY_OF_MJCF: &str = "a body is chosen from the scene of an MJCF";
+
+/// Complains about a body that is chosen in a file without a scene.
+fn require_mjcf(robot: &Option<RobotDescription>, options: &ReadOptions, report: &mut Report) {
+    if let (Some(robot), Some(_)) = (robot, &options.body)
+        && !robot.is_mjcf
+    {
+        report.error(robot.name.span, "body-without-scene", BODY_OF_MJCF);
+        report.help("leave the body out");
+    }
 }
 
 /// The robot with the joints held that its description names.

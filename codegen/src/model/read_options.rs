@@ -23,4 +23,6 @@ pub struct ReadOptions {
     pub free_driven: bool,
     /// Joints that are held. A later entry replaces an earlier one.
     pub hold: Vec<Hold>,
+    /// A body of an MJCF: its tree is the robot, and all else in the scene goes.
+    pub body: Option<String>,
 }

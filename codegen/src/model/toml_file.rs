@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-const ROBOT: [&str; 21] = [
+const ROBOT: [&str; 22] = [
     "name",
     "description",
     "urdf",
@@ -23,6 +23,7 @@ const ROBOT: [&str; 21] = [
     "coordinates",
     "base",
     "held",
+    "body",
     "snap_angles",
     "ignore_mimic",
     "no_friction",
@@ -51,6 +52,8 @@ pub(super) struct Preamble {
     pub no_friction: bool,
     /// Joints that are held.
     pub held: Vec<At<Hold>>,
+    /// A body of the MJCF: its tree is extended.
+    pub body: Option<Name>,
 }
 
 /// Parses the text; syntax errors are reported all at once.
@@ -153,7 +156,8 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let extends = extends.and_then(|item| reader.name(item));
     let snap_angles = top.get("snap_angles").and_then(|item| snap_tolerance(reader, item));
     let held = top.get("held").map_or(Vec::new(), |item| read_held(reader, item));
-    Preamble { extends, snap_angles, ignore_mimic, no_friction, held }
+    let body = top.get("body").and_then(|item| reader.name(item));
+    Preamble { extends, snap_angles, ignore_mimic, no_friction, held, body }
 }
 
 /// `held = { "finger_*" = 0 }`

@@ -24,6 +24,7 @@ def acados(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
     hold: Mapping[str, float] | Iterable[str] = (),
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
@@ -44,7 +45,7 @@ def acados(
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else list(functions), "snap_angles": snap_angles,
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
-        "accept_unphysical": accept_unphysical, "hold": hold, "fused_multiply_add": fused_multiply_add,
+        "accept_unphysical": accept_unphysical, "body": body, "hold": hold, "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     })
     path = Path(description).absolute()

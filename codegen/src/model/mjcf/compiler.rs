@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::files::{Element, plain_path};
 use super::Reader;
+use super::files::{Element, plain_path};
 
 /// Settings with MuJoCo's defaults.
 pub(super) struct Compiler {
@@ -62,7 +62,8 @@ impl Compiler {
 
     /// The path of a mesh from the folder of the first description.
     pub(super) fn mesh_path(&self, file: &str) -> String {
-        let name = Path::new(file).file_name().filter(|_| self.strips_paths).map_or(Path::new(file), Path::new);
+        let name =
+            Path::new(file).file_name().filter(|_| self.strips_paths).map_or(Path::new(file), Path::new);
         self.folder.join(&self.mesh_folder).join(name).to_string_lossy().into_owned()
     }
 }

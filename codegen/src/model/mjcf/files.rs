@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::{Attribute, Document, Node};
 
-use super::super::load::Load;
+use super::super::load::Fetch;
 use super::super::urdf_text::{UrdfText, opening_tag};
 use crate::diagnostic::{At, Report, Span};
 
@@ -27,7 +27,7 @@ pub(super) struct Text {
 pub(super) fn gather(
     (text, source): (&str, usize),
     path: &Path,
-    load: &mut dyn Load,
+    load: &mut dyn Fetch,
     report: &mut Report,
 ) -> Option<Vec<Text>> {
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::super::load::Load;
+use super::super::load::Fetch;
 use super::super::mesh::{Filling, MeshIntegrals, convex_hull, integrals, triangles};
 use super::super::pose::rotate_numbers;
 use super::files::{Element, Given};
@@ -21,13 +21,13 @@ const CONVEX: &str = "convex";
 
 /// The meshes of a file, each read when a geom needs it.
 pub(super) struct Meshes<'a, 'l> {
-    pub(super) load: &'l mut dyn Load,
+    pub(super) load: &'l mut dyn Fetch,
     assets: BTreeMap<String, Element<'a>>,
     known: BTreeMap<String, Result<MeshIntegrals, String>>,
 }
 
 impl<'a, 'l> Meshes<'a, 'l> {
-    pub(super) fn new(load: &'l mut dyn Load) -> Self {
+    pub(super) fn new(load: &'l mut dyn Fetch) -> Self {
         Self { load, assets: BTreeMap::new(), known: BTreeMap::new() }
     }
 }
@@ -62,7 +62,8 @@ impl<'a> Reader<'_, 'a> {
         let placed = Placed { element: asset, pose: super::Pose::identity(), class };
         let find = |reader: &Self, key: &str| -> Option<Given<'a>> { reader.find(&placed, key) };
         let own = asset.node.attribute("name").unwrap_or("a mesh");
-        let file = asset.node.attribute("file").map(plain_path).ok_or(format!("`{own}`, which has no file"))?;
+        let file =
+            asset.node.attribute("file").map(plain_path).ok_or(format!("`{own}`, which has no file"))?;
         let lower = file.to_lowercase();
         let is_obj = lower.ends_with(".obj");
         if !is_obj && !lower.ends_with(".stl") {

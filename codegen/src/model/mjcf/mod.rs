@@ -21,9 +21,9 @@ use std::path::Path;
 
 use super::angles::Angles;
 use super::description::{DriveChoice, Name, RobotDescription};
-use super::load::Load;
+use super::load::Fetch;
 use super::notes::Notes;
-use super::{Pose, ReadOptions};
+use super::{Pose, ReadOptions, one_tree};
 use crate::diagnostic::{At, Report, Span, nearest};
 use crate::distinct::Distinct;
 use classes::Classes;
@@ -86,7 +86,7 @@ pub(super) fn description(
     text: (&str, usize),
     path: &Path,
     options: &ReadOptions,
-    load: &mut dyn Load,
+    load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
     let texts = files::gather(text, path, &mut *load, report)?;
     let files = Files::parse(&texts);
@@ -125,6 +125,9 @@ pub(super) fn description(
     };
     reader.model(root, &sections);
     reader.notes.report(|_| true, reader.report);
+    if let Some(body) = &options.body {
+        one_tree::keep(&mut reader.robot, WORLD, (body, root.span()), reader.report);
+    }
     Some(reader.robot)
 }
 
