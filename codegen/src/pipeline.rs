@@ -106,6 +106,7 @@ fn generate_from(
         body: options.body.clone(),
     };
     let Loaded { model, notes, files } = description.load(&read_options)?;
+    check_size(&model)?;
     tools::check(&model, &options.emit.companions)?;
     let lanes = Lanes::new(&model, &options.lanes)?;
     let selection = lanes.selected_with(selection(&model, options));
@@ -175,6 +176,21 @@ pub fn generate_pair(
     let mut smooth = with(Some(slope), Some(format!("{name}{CONTROL}")), remark)?;
     smooth.is_control_model = true;
     Ok([exact, smooth])
+}
+
+/// M and its derivatives of longer chains have more than 640 000 operations, twice the default limit: such modules would lack
+/// the dynamics.
+const MOST_VELOCITIES: usize = 400;
+
+fn check_size(model: &Model) -> Result<(), Diagnostics> {
+    match model.coordinates.len() {
+        0..=MOST_VELOCITIES => Ok(()),
+        count => {
+            let message = format!("{} has {count} velocities, more than {MOST_VELOCITIES}", model.name);
+            let help = "hold joints (`held = { \"joint_*\" = 0 }`, `--hold`), or let them follow others";
+            Err(Diagnostic::error("too-many-joints", message).help(help).into())
+        }
+    }
 }
 
 fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {

@@ -21,10 +21,10 @@ pub(super) struct Compiler {
     pub(super) balances: bool,
     pub(super) total_mass: Option<f64>,
     /// Where the model's file is, and from there its meshes.
-    folder: PathBuf,
-    mesh_folder: PathBuf,
+    pub(super) folder: PathBuf,
+    pub(super) mesh_folder: PathBuf,
     /// Names of files lose their folders.
-    strips_paths: bool,
+    pub(super) strips_paths: bool,
 }
 
 /// When the inertia of a body is that of its geoms.
@@ -55,11 +55,6 @@ impl Default for Compiler {
 }
 
 impl Compiler {
-    /// The settings of a model without any.
-    pub(super) fn beside(path: &Path) -> Self {
-        Self { folder: path.parent().map(Path::to_owned).unwrap_or_default(), ..Self::default() }
-    }
-
     /// The path of a mesh from the folder of the first description.
     pub(super) fn mesh_path(&self, file: &str) -> String {
         let name =

@@ -22,14 +22,8 @@ const CONVEX: &str = "convex";
 /// The meshes of a file, each read when a geom needs it.
 pub(super) struct Meshes<'a, 'l> {
     pub(super) load: &'l mut dyn Fetch,
-    assets: BTreeMap<String, Element<'a>>,
-    known: BTreeMap<String, Result<MeshIntegrals, String>>,
-}
-
-impl<'a, 'l> Meshes<'a, 'l> {
-    pub(super) fn new(load: &'l mut dyn Fetch) -> Self {
-        Self { load, assets: BTreeMap::new(), known: BTreeMap::new() }
-    }
+    pub(super) assets: BTreeMap<String, Element<'a>>,
+    pub(super) known: BTreeMap<String, Result<MeshIntegrals, String>>,
 }
 
 impl<'a> Reader<'_, 'a> {
@@ -59,7 +53,7 @@ impl<'a> Reader<'_, 'a> {
 
     fn read_mesh(&mut self, asset: Element<'a>) -> Result<MeshIntegrals, String> {
         let class = self.class(asset, "class", 0);
-        let placed = Placed { element: asset, pose: super::Pose::identity(), class };
+        let placed = Placed::outside(asset, class);
         let find = |reader: &Self, key: &str| -> Option<Given<'a>> { reader.find(&placed, key) };
         let own = asset.node.attribute("name").unwrap_or("a mesh");
         let file =

@@ -75,6 +75,15 @@ struct Placed<'a> {
     element: Element<'a>,
     pose: Pose,
     class: usize,
+    /// Ends of its name by the copies of `<replicate>` in which it is.
+    suffix: String,
+}
+
+impl<'a> Placed<'a> {
+    /// An element that is in no body.
+    fn outside(element: Element<'a>, class: usize) -> Self {
+        Self { element, pose: Pose::identity(), class, suffix: String::new() }
+    }
 }
 
 /// Reads an MJCF; `None` where it is no XML or has no model in it.
@@ -106,8 +115,11 @@ pub(super) fn description(
         options: options.clone(),
         classes: Classes::of(&defaults, &files),
         files: &files,
-        compiler: Compiler::beside(path),
-        meshes: Meshes::new(load),
+        compiler: Compiler {
+            folder: path.parent().map(Path::to_owned).unwrap_or_default(),
+            ..Compiler::default()
+        },
+        meshes: Meshes { load, assets: BTreeMap::new(), known: BTreeMap::new() },
         gravity: [0.0, 0.0, -9.81],
         notes: Notes::new(),
         robot: RobotDescription {
@@ -196,6 +208,12 @@ impl<'a> Reader<'_, 'a> {
             return None;
         }
         Some(At::new(given.text.to_owned(), given.span))
+    }
+
+    /// The name of an element in a body.
+    fn placed_name(&mut self, placed: &Placed<'a>) -> Option<Name> {
+        let name = self.name(placed.element, "name")?;
+        Some(At::new(name.value + &placed.suffix, name.span))
     }
 
     fn one_of(&mut self, given: Given<'a>, key: &str, known: &[&'static str]) -> Option<&'static str> {

@@ -19,10 +19,6 @@ use std::collections::BTreeMap;
 /// Gravity where none is described (m/s²).
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// M and its derivatives of longer chains have more than 640 000 operations, twice the default limit: such modules would lack
-/// the dynamics.
-const MOST_COORDINATES: usize = 400;
-
 pub(super) struct Builder<'d, 'r> {
     pub(super) robot: &'d RobotDescription,
     pub(super) report: &'r mut Report,
@@ -94,13 +90,6 @@ impl Builder<'_, '_> {
             self.report
                 .help("a model needs a joint that moves, for example a revolute, prismatic, spherical or floating one, and that is not held, not \
                     driven and follows no other; or a floating base: `base = { link = \"…\", type = \"floating\" }`, for a URDF `--base floating`");
-            return None;
-        }
-        if moving.len() > MOST_COORDINATES {
-            let message = format!("{} joints move, more than {MOST_COORDINATES}", moving.len());
-            self.report.error(self.robot.name.span, "too-many-joints", message);
-            self.report
-                .help("hold joints (`held = { \"joint_*\" = 0 }`, `--hold`), or make them follow others");
             return None;
         }
         if !self.robot.sort_joints {
