@@ -10,6 +10,8 @@ use crate::functions::module_constants;
 use crate::functions::selection::{self, Request, Selection};
 use crate::functions::size::MOST_OPERATIONS;
 use crate::lanes::{self, Lanes};
+use gelenk_formula::Hold;
+
 use crate::model::{DescriptionFiles, Loaded, Model, ReadOptions};
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
@@ -39,6 +41,10 @@ pub struct GenerateOptions {
     pub exact_sign: bool,
     /// The base moves freely: a floating joint stands between the world and it.
     pub floating_base: bool,
+    /// Joints that are held.
+    pub hold: Vec<Hold>,
+    /// A body of an MJCF: its tree is the robot.
+    pub body: Option<String>,
     /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them,
     /// and compiled only there.
     pub fused_multiply_add: bool,
@@ -96,8 +102,11 @@ fn generate_from(
         exact_sign: options.exact_sign,
         floating_base: options.floating_base,
         free_driven: false,
+        hold: options.hold.clone(),
+        body: options.body.clone(),
     };
     let Loaded { model, notes, files } = description.load(&read_options)?;
+    check_size(&model)?;
     tools::check(&model, &options.emit.companions)?;
     let lanes = Lanes::new(&model, &options.lanes)?;
     let selection = lanes.selected_with(selection(&model, options));
@@ -167,6 +176,21 @@ pub fn generate_pair(
     let mut smooth = with(Some(slope), Some(format!("{name}{CONTROL}")), remark)?;
     smooth.is_control_model = true;
     Ok([exact, smooth])
+}
+
+/// M and its derivatives of longer chains have more than 640 000 operations, twice the default limit: such modules would lack
+/// the dynamics.
+const MOST_VELOCITIES: usize = 400;
+
+fn check_size(model: &Model) -> Result<(), Diagnostics> {
+    match model.coordinates.len() {
+        0..=MOST_VELOCITIES => Ok(()),
+        count => {
+            let message = format!("{} has {count} velocities, more than {MOST_VELOCITIES}", model.name);
+            let help = "hold joints (`held = { \"joint_*\" = 0 }`, `--hold`), or let them follow others";
+            Err(Diagnostic::error("too-many-joints", message).help(help).into())
+        }
+    }
 }
 
 fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {

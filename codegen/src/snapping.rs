@@ -48,7 +48,7 @@ fn savings(
     if names.is_empty() {
         return None;
     }
-    let options = ReadOptions { snap_angles: Some(NEARLY_RIGHT), ..*options };
+    let options = ReadOptions { snap_angles: Some(NEARLY_RIGHT), ..options.clone() };
     let snapped = description.load(&options).ok()?.model;
     let snapped = selection::derive_functions(&snapped, &names, usize::MAX).ok()?;
     let lines: Vec<String> = described

@@ -27,6 +27,7 @@ mod findings;
 #[path = "floating_identification/main.rs"]
 mod floating_identification;
 mod foreign;
+mod held_grippers;
 mod identified_friction;
 mod kernel_texts;
 mod manifold;
@@ -35,6 +36,7 @@ mod models;
 mod motion_limits;
 mod one_direction;
 mod reference;
+mod scenes;
 mod self_test;
 mod shown_forces;
 mod stages;

@@ -139,16 +139,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     rows("UR5", (&Ur5, &Ur5), [arm(3.0)?, arm(0.8)?], |_| ())?;
     let panda = |seconds| {
-        RestToRest::new([0.0, -0.8, 0.0, -2.2, 0.0, 1.5, 0.8], [1.0, 0.3, -0.6, -1.2, 0.7, 2.3, -0.4], seconds)
+        RestToRest::new(
+            [0.0, -0.8, 0.0, -2.2, 0.0, 1.5, 0.8],
+            [1.0, 0.3, -0.6, -1.2, 0.7, 2.3, -0.4],
+            seconds,
+        )
     };
     let smooth = |scale| Rubbing { scale: [scale; 7], sign: Sign::Smooth };
     let exact = |scale| Rubbing { scale: [scale; 7], sign: Sign::Exact };
     rows("Panda", (&smooth(0.0), &exact(0.0)), [panda(4.0)?, panda(1.5)?], |_| ())?;
     rows("Panda, rubbing", (&smooth(1.0), &exact(1.0)), [panda(4.0)?, panda(1.5)?], |_| ())?;
     let start = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-    let flight = |seconds| {
-        GeodesicMotion::between(Quadrotor, start, [1.5, -0.5, 1.4, 0.0, 0.0, 0.6, 0.8], seconds)
-    };
+    let flight =
+        |seconds| GeodesicMotion::between(Quadrotor, start, [1.5, -0.5, 1.4, 0.0, 0.0, 0.6, 0.8], seconds);
     rows("quadrotor", (&Quadrotor, &Quadrotor), [flight(4.0)?, flight(1.5)?], |options| {
         options.position_weight = [10.0; 6];
         options.velocity_weight = [10.0, 10.0, 10.0, 1.0, 1.0, 1.0];

@@ -16,12 +16,12 @@ use gelenk_codegen::model::{
     JointPosition, Model, QuaternionJoint, ReadOptions, RotorCoupling, from_urdf, read,
 };
 use gelenk_tests::mujoco::{Compared, independent_values, values};
-use gelenk_tests::python::python_with_mujoco;
+use gelenk_tests::python::{program, python_with_mujoco};
 use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
     random_coupled_model, random_helical_model, random_model, random_model_with_frame_forces,
 };
-use gelenk_tests::{Robot, descriptions, relative_error, workspace};
+use gelenk_tests::{Robot, descriptions, relative_error, shared, workspace};
 use serde_json::Value;
 
 /// The models of this repository with their names.
@@ -152,12 +152,12 @@ fn mujoco_computes_the_same_of_random_exports() {
     agreeing(random);
 }
 
-/// Hinges, slides, balls and free bodies, classes, frames, includes, shapes, tendons and equalities, as MuJoCo reads them.
+/// Hinges, slides, balls and free bodies, classes, frames, includes, shapes, meshes, tendons and equalities, as MuJoCo reads them.
 #[test]
 fn mujoco_computes_the_same_of_what_it_is_read_from() {
     let folder = workspace().join("tests/mujoco/robots");
     let mut compared = Vec::new();
-    for name in ["arm", "cart", "walker"] {
+    for name in ["arm", "cart", "meshes", "walker"] {
         let file = folder.join(format!("{name}.xml"));
         let loaded = read(&file, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
         let what = Compared { by_name: false, passive: true, inputs: true, couples: true };
@@ -216,6 +216,21 @@ fn published_robots_in_mjcf() {
     let known = std::fs::read_to_string(workspace().join("tests/mujoco/robots.txt")).expect("robots.txt");
     let new: Vec<&String> = found.iter().filter(|line| !known.lines().any(|known| known == **line)).collect();
     assert!(new.is_empty(), "not in robots.txt: {new:#?}");
+}
+
+/// Robots and scenes of MuJoCo's menagerie, by the script for folders of such files.
+#[test]
+#[ignore = "takes minutes"]
+fn robots_of_the_menagerie_have_the_same_mass_matrix() {
+    let (Some(python), Some(folder)) =
+        (python_with_mujoco(), shared().map(|folder| folder.join("data/menagerie")))
+    else {
+        return;
+    };
+    let script = workspace().join("tests/mujoco/folder.py");
+    let output = Command::new(python).arg(script).arg(folder).arg(program()).output().expect("Python starts");
+    println!("{}", String::from_utf8_lossy(&output.stdout));
+    assert!(output.status.success());
 }
 
 /// Without the rotors, which a URDF does not have.

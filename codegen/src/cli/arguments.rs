@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use gelenk_formula::Hold;
+
 use super::choices::{BaseName, Choices, Modules, Reading, positive, share};
 
 /// Robot dynamics as plain Rust or C: reads a kinematic description, derives the equations of motion, writes
@@ -23,9 +25,10 @@ impl Arguments {
     pub(super) fn read() -> Self {
         let mut arguments = Self::parse();
         if let Command::Identify(what) = &mut arguments.command
-            && !what.hold.is_empty()
+            && !what.reading.hold.is_empty()
         {
-            let columns = what.columns.iter().cloned().chain([format!("hold={}", what.hold.join("|"))]);
+            let hold: Vec<String> = what.reading.hold.drain(..).map(|hold| hold.text()).collect();
+            let columns = what.columns.iter().cloned().chain([format!("hold={}", hold.join("|"))]);
             what.columns = Some(columns.collect::<Vec<_>>().join(","));
         }
         arguments
@@ -51,6 +54,7 @@ Examples:
   gelenk generate models/powercube.toml
   gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
   gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs
+  gelenk generate arm.urdf --hold 'finger_*=0.02'        without the joints of its gripper
   gelenk generate arm.toml --control-model 50    for the plant and for the controller
   gelenk generate arm.toml --language c --output firmware/    writes firmware/arm.h and firmware/arm.c
   gelenk generate arm.toml --language c --format json         also says how the functions are called";
@@ -218,6 +222,13 @@ pub(super) struct New {
     /// quadrotor rather than an arm]
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
+    /// Hold joints, a name or a pattern with `*`, at VALUE [rad or m, default: 0]; joints that follow them rest too; may be
+    /// given several times
+    #[arg(long, value_name = "PATTERN[=VALUE]", value_parser = Hold::parse, requires = "urdf")]
+    pub(super) hold: Vec<Hold>,
+    /// Take the tree of this body as the robot, out of the scene of an MJCF
+    #[arg(long, value_name = "NAME", requires = "urdf")]
+    pub(super) body: Option<String>,
     /// The links that are the robot's feet, one for each leg: it stands on them [default: the ends of three or
     /// more branches of the base with equally many joints, three or more; without such it falls]
     #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python"])]
@@ -266,10 +277,6 @@ pub(super) struct Identify {
     /// first log as a line to edit [default: known patterns]
     #[arg(long, value_name = "PATTERNS", conflicts_with = "plan")]
     pub(super) columns: Option<String>,
-    /// Joints that the logs leave out, a name or a pattern with `*`: at rest at VALUE [rad or m, default: 0], with friction
-    /// and drives as described; may be given several times
-    #[arg(long, value_name = "PATTERN[=VALUE]", conflicts_with = "plan")]
-    pub(super) hold: Vec<String>,
     /// Character between the fields of the logs [default: from the data]
     #[arg(long, value_name = "CHARACTER", conflicts_with = "plan")]
     pub(super) separator: Option<char>,
@@ -336,7 +343,7 @@ pub(super) struct Identify {
     )]
     pub(super) merge: bool,
     /// Plan a motion to record, within the limits of the description
-    #[arg(long, conflicts_with = "logs")]
+    #[arg(long, conflicts_with_all = ["logs", "hold"])]
     pub(super) plan: bool,
     /// Period of the planned motion
     #[arg(long, value_name = "SECONDS", requires = "plan", value_parser = positive, default_value_t = 20.0)]

@@ -7,6 +7,8 @@ use crate::emit::{Companion, Language, Scalar};
 use crate::function_names;
 use crate::functions::position_functions::PositionFunction;
 use crate::model::ReadOptions;
+use crate::wording::toml_text;
+use gelenk_formula::Hold;
 
 /// How a description is read: choices that change the equations.
 #[derive(Debug, Args)]
@@ -30,6 +32,13 @@ pub(super) struct Reading {
     /// Let the base move freely: a floating joint carries it [default: as described]
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
+    /// Hold joints, a name or a pattern with `*`, at VALUE [rad or m, default: 0]; joints that follow them rest too; may be
+    /// given several times. For `identify`: joints that the logs leave out, with friction and drives as described
+    #[arg(long, value_name = "PATTERN[=VALUE]", value_parser = Hold::parse)]
+    pub(super) hold: Vec<Hold>,
+    /// Take the tree of this body as the robot, out of the scene of an MJCF
+    #[arg(long, value_name = "NAME")]
+    pub(super) body: Option<String>,
 }
 
 /// How the base is carried.
@@ -50,6 +59,8 @@ impl Reading {
             exact_sign: false,
             floating_base: self.floats(),
             free_driven: false,
+            hold: self.hold.clone(),
+            body: self.body.clone(),
         }
     }
 
@@ -65,7 +76,13 @@ impl Reading {
         let mimic = self.ignore_mimic.then(|| "ignore_mimic = true".to_owned());
         let unphysical = self.accept_unphysical.then(|| "accept_unphysical = true".to_owned());
         let base = self.floats().then(|| "base = { type = \"floating\" }".to_owned());
-        snap.into_iter().chain(mimic).chain(unphysical).chain(base).collect()
+        snap.into_iter()
+            .chain(mimic)
+            .chain(unphysical)
+            .chain(base)
+            .chain(held_key(&self.hold))
+            .chain(body_key(self.body.as_deref()))
+            .collect()
     }
 
     /// The words of the command line that make these choices.
@@ -82,8 +99,24 @@ impl Reading {
             .chain(flag("--ignore-mimic", self.ignore_mimic))
             .chain(flag("--accept-unphysical", self.accept_unphysical))
             .chain(self.floats().then(|| ["--base", "floating"].map(str::to_owned)).into_iter().flatten())
+            .chain(self.hold.iter().flat_map(|hold| ["--hold".to_owned(), hold.text()]))
+            .chain(self.body.iter().flat_map(|body| ["--body".to_owned(), body.clone()]))
             .collect()
     }
+}
+
+/// The key of a description that holds these joints.
+pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
+    let is_last = |index: usize| hold[index + 1..].iter().all(|later| later.pattern != hold[index].pattern);
+    let last = hold.iter().enumerate().filter(|(index, _)| is_last(*index));
+    let entries = last.map(|(_, hold)| format!("{} = {:?}", toml_text(&hold.pattern), hold.position));
+    let entries: Vec<String> = entries.collect();
+    (!entries.is_empty()).then(|| format!("held = {{ {} }}", entries.join(", ")))
+}
+
+/// The key of a description that takes the tree of a body.
+pub(super) fn body_key(body: Option<&str>) -> Option<String> {
+    body.map(|body| format!("body = {}", toml_text(body)))
 }
 
 /// Modules generated from a description: one or two.

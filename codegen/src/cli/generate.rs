@@ -273,6 +273,8 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
         accept_unphysical: choices.reading.accept_unphysical,
         exact_sign: false,
         floating_base: choices.reading.floats(),
+        hold: choices.reading.hold.clone(),
+        body: choices.reading.body.clone(),
         fused_multiply_add: choices.fused_multiply_add,
         self_test: choices.self_test,
         form: Form::Cheapest,
@@ -304,7 +306,7 @@ pub(super) fn command(
     if choices.scalar == ScalarName::F32 {
         words.push("--scalar f32".to_owned());
     }
-    words.extend(choices.reading.words());
+    words.extend(choices.reading.words().iter().map(|word| quoted(word)));
     words.extend(choices.fused_multiply_add.then(|| "--fused-multiply-add".to_owned()));
     words.extend(choices.self_test.then(|| "--self-test".to_owned()));
     if let Some(most) = choices.max_operations {
@@ -441,6 +443,7 @@ fn no_workspace() -> Failure {
 mod tests {
     use super::super::choices::Reading;
     use super::*;
+    use gelenk_formula::Hold;
 
     #[test]
     fn the_command_makes_the_same_file_again() {
@@ -454,6 +457,8 @@ mod tests {
                 smooth_sign: Some(100.0),
                 accept_unphysical: true,
                 base: None,
+                hold: vec![Hold { pattern: "finger_*".into(), position: 0.02 }],
+                body: None,
             },
             lanes: vec![],
             fused_multiply_add: false,
@@ -464,7 +469,7 @@ mod tests {
         assert_eq!(
             command,
             "gelenk generate 'my robots/arm.urdf' --output src/arm.rs --functions mass_matrix,bias_forces \
-             --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction --accept-unphysical"
+             --scalar f32 --snap-angles 0.0001 --smooth-sign 100.0 --no-friction --accept-unphysical --hold 'finger_*=0.02'"
         );
     }
 

@@ -36,7 +36,12 @@ const TAKEN: [&str; 13] = [
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
     let feet = if arguments.c || arguments.python { Feet::None } else { Feet::Of(&arguments.feet) };
-    let robot = robot(arguments.urdf.as_deref(), arguments.base == Some(BaseName::Floating), feet)?;
+    let robot = robot(
+        arguments.urdf.as_deref(),
+        arguments.base == Some(BaseName::Floating),
+        (&arguments.hold, arguments.body.as_deref()),
+        feet,
+    )?;
     let (project, package) = project(arguments, &robot)?;
     let description = ("robot.toml", robot.description.as_bytes());
     let copies = robot.copies.iter().map(|(place, content)| (place.as_str(), content.as_slice()));

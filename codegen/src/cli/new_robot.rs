@@ -2,12 +2,14 @@
 
 use std::path::{Component, Path};
 
+use super::choices::{body_key, held_key};
 use super::failure::Failure;
 use super::new_feet::{self, Foot};
 use super::new_propellers;
 use crate::diagnostic::Diagnostics;
 use crate::model::{DescriptionFiles, Joint, Model, QuaternionKind, ReadOptions};
 use crate::wording::toml_text;
+use gelenk_formula::Hold;
 
 const BUILD: &str = include_str!("template/build.rs");
 
@@ -40,10 +42,18 @@ pub(super) enum Feet<'a> {
     Of(&'a [String]),
 }
 
+/// Joints that are held, and the body whose tree is the robot.
+type Parts<'a> = (&'a [Hold], Option<&'a str>);
+
 /// The robot of the URDF or MJCF, or an example.
 ///
 /// - `floats`: the base moves freely, whatever the file says
-pub(super) fn robot(xml: Option<&Path>, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
+pub(super) fn robot(
+    xml: Option<&Path>,
+    floats: bool,
+    parts: Parts<'_>,
+    feet: Feet<'_>,
+) -> Result<Robot, Failure> {
     let example = match floats {
         true => include_str!("template/robot_floating.toml"),
         false => include_str!("template/robot.toml"),
@@ -53,15 +63,20 @@ pub(super) fn robot(xml: Option<&Path>, floats: bool, feet: Feet<'_>) -> Result<
             let (copies, feet, notes) = (vec![], vec![], Diagnostics::default());
             Ok(Robot { description: example.to_owned(), build: BUILD, copies, floats, feet, notes })
         }
-        Some(path) => from_xml(path, floats, feet),
+        Some(path) => from_xml(path, floats, parts, feet),
     }
 }
 
 /// The file must be one that can be generated: half a crate helps nobody.
-fn from_xml(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure> {
+fn from_xml(path: &Path, floats: bool, parts: Parts<'_>, feet: Feet<'_>) -> Result<Robot, Failure> {
     let wrong = |why| Failure::Descriptions(vec![why]);
     let mut files = DescriptionFiles::of(path);
-    let options = ReadOptions { floating_base: floats, ..ReadOptions::default() };
+    let options = ReadOptions {
+        floating_base: floats,
+        hold: parts.0.to_vec(),
+        body: parts.1.map(str::to_owned),
+        ..ReadOptions::default()
+    };
     let loaded = files.load(&options).map_err(wrong)?;
     require_base(path, &loaded.model)?;
     let kind = match (files.is_xml().map_err(wrong)?, files.is_mjcf().map_err(wrong)?) {
@@ -83,7 +98,7 @@ fn from_xml(path: &Path, floats: bool, feet: Feet<'_>) -> Result<Robot, Failure>
             true => BUILD_BOTH,
             false => BUILD,
         },
-        description: description((path, kind), &loaded.model, floats, &feet),
+        description: description((path, kind), &loaded.model, (floats, parts), &feet),
         copies,
         floats: !loaded.model.quaternion_joints.is_empty(),
         feet,
@@ -209,7 +224,12 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
     )))
 }
 
-fn description((path, kind): (&Path, Kind), model: &Model, floats: bool, feet: &[Foot]) -> String {
+fn description(
+    (path, kind): (&Path, Kind),
+    model: &Model,
+    (floats, (hold, body)): (bool, Parts<'_>),
+    feet: &[Foot],
+) -> String {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
         "# The robot of {0}, which is a copy of {1}.\n\
@@ -226,6 +246,7 @@ fn description((path, kind): (&Path, Kind), model: &Model, floats: bool, feet: &
     if floats {
         text.push_str("# The base moves freely.\nbase = { type = \"floating\" }\n");
     }
+    text.extend(held_key(hold).into_iter().chain(body_key(body)).map(|key| key + "\n"));
     if !model.followers.is_empty() {
         text.push_str(
             "# Joints with <mimic> move with the joints that they follow. With `ignore_mimic = true` each is a coordinate of its own.\n",

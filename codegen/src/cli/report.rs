@@ -98,7 +98,7 @@ fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, S
 fn command(arguments: &arguments::Report) -> String {
     let description = shown(&arguments.description, Workspace::find().as_ref());
     let mut words = vec!["gelenk report".to_owned(), quoted(&description)];
-    words.extend(arguments.reading.words());
+    words.extend(arguments.reading.words().iter().map(|word| quoted(word)));
     if let Some(most) = arguments.max_operations {
         words.push(format!("--max-operations {most}"));
     }

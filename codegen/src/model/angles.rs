@@ -21,7 +21,12 @@ pub(super) struct Angles {
 
 /// Tells whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
 pub(super) fn looks_like_degrees(angle: f64) -> bool {
-    (30.0..=720.0).contains(&angle.abs()) && angle % 5.0 == 0.0
+    is_beyond_turns(angle) && angle % 5.0 == 0.0
+}
+
+/// Tells whether an angle is almost five turns or more in radians, and at most two in degrees.
+pub(super) fn is_beyond_turns(angle: f64) -> bool {
+    (30.0..=720.0).contains(&angle.abs())
 }
 
 impl Angles {

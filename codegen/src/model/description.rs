@@ -54,6 +54,8 @@ pub(super) struct RobotDescription {
     /// Children of a link in the order of their joints' names, as Pinocchio has them, not of their
     /// description.
     pub sort_joints: bool,
+    /// Followers that patterns of held joints name: at rest in the end.
+    pub resting: Vec<Name>,
     /// Drives that stand apart from joints.
     pub drives: Vec<SharedDriveDescription>,
     /// Forces between two frames.

@@ -4,7 +4,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::file_kind;
-use super::read::{Loaded, from_toml, from_xml, is_xml};
+use super::load::Fetch;
+use super::read::{Loaded, from_xml, is_xml, toml_with};
 use super::read_options::ReadOptions;
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
@@ -59,9 +60,10 @@ impl DescriptionFiles {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        let mut from = FromFolder { files: self, folder };
         let (model, notes) = match is_xml(&name, &text) {
-            true => from_xml(&text, &name, options, &mut |file| self.text(&folder.join(file))),
-            false => from_toml(&text, &name, options, &mut |file| self.text(&folder.join(file))),
+            true => from_xml(&text, &name, options, &mut from),
+            false => toml_with(&text, &name, options, &mut from),
         }?;
         let files = self.files.iter().map(|(path, _)| path.clone()).collect();
         Ok(Loaded { model, notes, files })
@@ -91,6 +93,22 @@ impl DescriptionFiles {
     }
 }
 
+/// Files beside a description.
+struct FromFolder<'f> {
+    files: &'f mut DescriptionFiles,
+    folder: &'f Path,
+}
+
+impl Fetch for FromFolder<'_> {
+    fn text(&mut self, path: &str) -> Result<(String, String), Diagnostics> {
+        self.files.text(&self.folder.join(path))
+    }
+
+    fn bytes(&mut self, path: &str) -> Result<Vec<u8>, Diagnostics> {
+        self.files.bytes(&self.folder.join(path)).map(<[u8]>::to_vec)
+    }
+}
+
 /// Reads a description, TOML, URDF or MJCF by its file name extension, else by its content.
 ///
 /// # Errors
@@ -105,6 +123,10 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Diagnostics> {
         let problem = Diagnostic::error("file-unreadable", format!("cannot read {name}: {why}"));
         Diagnostics::from(problem.help("give the path of a TOML, URDF or MJCF file that you may read"))
     };
+    // A pipe without a writer would never end.
+    if std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return Err(unreadable("it is a pipe or a device, not a file".to_owned()));
+    }
     let file = std::fs::File::open(path).map_err(|why| unreadable(why.to_string()))?;
     let mut bytes = Vec::new();
     let mut limited = file.take(LARGEST + 1);

@@ -202,7 +202,7 @@ mod tests {
         let asked = ReadOptions { floating_base: true, ..ReadOptions::default() };
         for (top, options) in [
             ("urdf = \"drone.urdf\"\nbase = { type = \"floating\" }\n", ReadOptions::default()),
-            ("urdf = \"drone.urdf\"\nbase = { link = \"frame\", type = \"floating\" }\n", asked),
+            ("urdf = \"drone.urdf\"\nbase = { link = \"frame\", type = \"floating\" }\n", asked.clone()),
             ("urdf = \"drone.urdf\"\n", asked),
             ("extends = \"drone.toml\"\n", ReadOptions::default()),
         ] {

@@ -1,7 +1,7 @@
 //! How the values of keys are written, for messages about values that are not.
 
 /// A key with an example of its value, in the order of models/README.md.
-const EXAMPLES: [(&str, &str); 84] = [
+const EXAMPLES: [(&str, &str); 85] = [
     ("name", "`name = \"elbow\"`"),
     ("description", "`description = \"An arm with two joints\"`"),
     ("urdf", "`urdf = \"arm.urdf\"`: the file that this description extends"),
@@ -9,6 +9,7 @@ const EXAMPLES: [(&str, &str); 84] = [
     ("gravity", "`gravity = [0, 0, -9.81]`"),
     ("coordinates", "`coordinates = [\"shoulder\", \"elbow\"]`"),
     ("base", "`base = \"trunk\"`, or `base = { link = \"trunk\", type = \"floating\" }`"),
+    ("body", "`body = \"link0\"`: the robot of a scene is the tree of this body"),
     ("snap_angles", "`snap_angles = 1e-4`, in rad"),
     ("ignore_mimic", "`ignore_mimic = true`"),
     ("no_friction", "`no_friction = true`"),
@@ -34,7 +35,7 @@ const EXAMPLES: [(&str, &str); 84] = [
     ("modified_dh", DH),
     ("axis", "`axis = [0, 1, 0]`"),
     ("pitch", "`pitch = \"0.02/(2*pi)\"`: metres for each radian, here 20 mm a turn"),
-    ("held", "`held = 0.5` or `held = \"pi/4\"`"),
+    ("held", "`held = 0.5` at a joint, `held = { \"finger_*\" = 0 }` for joints by their names"),
     ("motion", "`motion = \"driven\"`"),
     ("follows", "`follows = { shoulder = -0.5 }`: the joints that are followed, with their ratios"),
     ("offset", "`offset = 0.1`: the position where the joints that are followed are at 0"),

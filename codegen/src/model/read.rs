@@ -1,14 +1,15 @@
 //! From texts to a [`Model`].
 
 use super::description::{BodyDescription, DriveChoice, JointDescription, Name, RobotDescription};
-use super::load::Load;
+use super::load::{Fetch, Load, Texts};
 use super::read_options::ReadOptions;
 use super::toml_values::Reader;
 use super::{
-    JointKind, Model, Pose, extended_frames, file_kind, floating_base, mjcf, toml_file, urdf, validate,
+    JointKind, Model, Pose, extended_frames, file_kind, floating_base, hold, mjcf, toml_file, urdf, validate,
 };
 use crate::diagnostic::{At, Diagnostics, Report, Span, nearest};
 use crate::wording::listed;
+use gelenk_formula::Hold;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -50,10 +51,21 @@ pub fn from_toml(
     options: &ReadOptions,
     load: &mut Load<'_>,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
+    toml_with(text, name, options, &mut Texts(load))
+}
+
+/// Reads a TOML description, as [`from_toml`].
+pub(super) fn toml_with(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut dyn Fetch,
+) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let mut chain =
         Chain { load, files: Path::new(name).file_name().map(PathBuf::from).into_iter().collect() };
     let robot = read_toml(&mut reader, text, name, options, &mut chain);
+    require_mjcf(&robot, options, &mut reader.report);
     finish(reader, robot, options)
 }
 
@@ -64,12 +76,13 @@ pub fn from_toml(
 pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let robot = read_urdf(&mut reader, text, name, options);
+    require_mjcf(&robot, options, &mut reader.report);
     finish(reader, robot, options)
 }
 
 /// Reads an MJCF.
 ///
-/// - `load`: fetches the files that it includes
+/// - `load`: fetches the files that it includes; meshes have no mass here
 ///
 /// # Errors
 /// All problems of the description.
@@ -78,6 +91,15 @@ pub fn from_mjcf(
     name: &str,
     options: &ReadOptions,
     load: &mut Load<'_>,
+) -> Result<(Model, Diagnostics), Diagnostics> {
+    mjcf_with(text, name, options, &mut Texts(load))
+}
+
+fn mjcf_with(
+    text: &str,
+    name: &str,
+    options: &ReadOptions,
+    load: &mut dyn Fetch,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let file = Path::new(name).file_name().map(PathBuf::from).unwrap_or_default();
@@ -90,10 +112,10 @@ pub(super) fn from_xml(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Fetch,
 ) -> Result<(Model, Diagnostics), Diagnostics> {
     match file_kind::is_mjcf(text) {
-        true => from_mjcf(text, name, options, load),
+        true => mjcf_with(text, name, options, load),
         false => from_urdf(text, name, options),
     }
 }
@@ -153,6 +175,10 @@ fn finish(
         if options.free_driven {
             free_driven(&mut robot);
         }
+        let place = robot.name.span;
+        let asked: Vec<_> = options.hold.iter().map(|hold| At::new(hold.clone(), place)).collect();
+        hold::apply(&mut robot, &asked, &mut reader.report);
+        hold::settle(&mut robot, &mut reader.report);
         validate::model(&robot, &mut reader.report)
     });
     reader.angles.report(&mut reader.report);
@@ -218,7 +244,7 @@ fn read_mjcf(
     (text, name): (&str, &str),
     path: &Path,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
@@ -230,13 +256,13 @@ fn read_mjcf(
 const DEEPEST: usize = 8;
 
 /// Descriptions that extend each other, and how to fetch the next.
-struct Chain<'l, 'f> {
-    load: &'l mut Load<'f>,
+struct Chain<'l> {
+    load: &'l mut dyn Fetch,
     /// Their paths from the folder of the first one.
     files: Vec<PathBuf>,
 }
 
-impl Chain<'_, '_> {
+impl Chain<'_> {
     /// The path of a file that the last description names.
     fn path_of(&self, file: &str) -> PathBuf {
         let folder = self.files.last().and_then(|file| file.parent());
@@ -269,7 +295,7 @@ fn read_toml(
     text: &str,
     name: &str,
     options: &ReadOptions,
-    chain: &mut Chain<'_, '_>,
+    chain: &mut Chain<'_>,
 ) -> Option<RobotDescription> {
     let text = without_mark(text);
     let source = reader.report.add_source(name, text);
@@ -280,24 +306,53 @@ fn read_toml(
         ignore_mimic: options.ignore_mimic || preamble.ignore_mimic,
         no_friction: options.no_friction || preamble.no_friction,
         snap_angles: options.snap_angles.or(preamble.snap_angles),
-        ..*options
+        body: options.body.clone().or(preamble.body.as_ref().map(|body| body.value.clone())),
+        ..options.clone()
     };
     reader.angles.snap = reader.angles.snap.or(options.snap_angles);
     let Some(file) = preamble.extends else {
-        return Some(toml_file::description(reader, &top, stem(name), None));
+        if let Some(body) = &preamble.body {
+            reader.report.error(body.span, "body-without-scene", BODY_OF_MJCF);
+            reader.report.help("`extends` names the MJCF");
+        }
+        let robot = toml_file::description(reader, &top, stem(name), None);
+        return Some(held(robot, &preamble.held, &mut reader.report));
     };
     let base = read_base(reader, &file, &options, chain);
     let asked = options.floating_base.then_some(file.span);
     let extended = base.as_ref().map(|base| floating_base::extended(base, asked.is_some()));
     let extension = toml_file::description(reader, &top, stem(name), Some(extended.unwrap_or_default()));
-    base.map(|base| extend_freed(base, extension, asked, &mut reader.report))
+    if let Some(body) = &preamble.body {
+        let own = ReadOptions { body: Some(body.value.clone()), ..ReadOptions::default() };
+        require_mjcf(&base, &own, &mut reader.report);
+    }
+    let robot = base.map(|base| extend_freed(base, extension, asked, &mut reader.report));
+    robot.map(|robot| held(robot, &preamble.held, &mut reader.report))
+}
+
+const BODY_OF_MJCF: &str = "a body is chosen from the scene of an MJCF";
+
+/// Complains about a body that is chosen in a file without a scene.
+fn require_mjcf(robot: &Option<RobotDescription>, options: &ReadOptions, report: &mut Report) {
+    if let (Some(robot), Some(_)) = (robot, &options.body)
+        && !robot.is_mjcf
+    {
+        report.error(robot.name.span, "body-without-scene", BODY_OF_MJCF);
+        report.help("leave the body out");
+    }
+}
+
+/// The robot with the joints held that its description names.
+fn held(mut robot: RobotDescription, holds: &[At<Hold>], report: &mut Report) -> RobotDescription {
+    hold::apply(&mut robot, holds, report);
+    robot
 }
 
 fn read_base(
     reader: &mut Reader,
     file: &Name,
     options: &ReadOptions,
-    chain: &mut Chain<'_, '_>,
+    chain: &mut Chain<'_>,
 ) -> Option<RobotDescription> {
     let path = chain.path_of(&file.value);
     if chain.contains(&path) {
@@ -312,7 +367,7 @@ fn read_base(
         reader.report.error(file.span, "extends-too-deep", message);
         return None;
     }
-    match (chain.load)(&path.to_string_lossy()) {
+    match chain.load.text(&path.to_string_lossy()) {
         Ok((name, text)) if is_xml(&name, &text) && file_kind::is_mjcf(&text) => {
             read_mjcf(reader, (&text, &name), &path, options, chain.load)
         }

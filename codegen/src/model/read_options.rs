@@ -1,7 +1,9 @@
 //! Choices at reading.
 
+use gelenk_formula::Hold;
+
 /// How to read a description; the description's own keys of the same names count too.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
     /// Mimic joints of a URDF become independent.
     pub ignore_mimic: bool,
@@ -19,4 +21,8 @@ pub struct ReadOptions {
     pub floating_base: bool,
     /// Driven joints are coordinates without a drive, as in a log that has the motion of all joints.
     pub free_driven: bool,
+    /// Joints that are held. A later entry replaces an earlier one.
+    pub hold: Vec<Hold>,
+    /// A body of an MJCF: its tree is the robot, and all else in the scene goes.
+    pub body: Option<String>,
 }

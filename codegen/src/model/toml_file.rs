@@ -9,12 +9,12 @@ use super::toml_values::{Reader, unsaid};
 use super::{Options, Pose};
 use crate::diagnostic::{At, Span, nearest};
 use crate::function_names;
-use gelenk_formula::{Allowed, Formula};
+use gelenk_formula::{Allowed, Formula, Hold};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-const ROBOT: [&str; 20] = [
+const ROBOT: [&str; 22] = [
     "name",
     "description",
     "urdf",
@@ -22,6 +22,8 @@ const ROBOT: [&str; 20] = [
     "gravity",
     "coordinates",
     "base",
+    "held",
+    "body",
     "snap_angles",
     "ignore_mimic",
     "no_friction",
@@ -48,6 +50,10 @@ pub(super) struct Preamble {
     pub snap_angles: Option<f64>,
     pub ignore_mimic: bool,
     pub no_friction: bool,
+    /// Joints that are held.
+    pub held: Vec<At<Hold>>,
+    /// A body of the MJCF: its tree is extended.
+    pub body: Option<Name>,
 }
 
 /// Parses the text; syntax errors are reported all at once.
@@ -149,7 +155,22 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let extends = extends.into_iter().flatten().next();
     let extends = extends.and_then(|item| reader.name(item));
     let snap_angles = top.get("snap_angles").and_then(|item| snap_tolerance(reader, item));
-    Preamble { extends, snap_angles, ignore_mimic, no_friction }
+    let held = top.get("held").map_or(Vec::new(), |item| read_held(reader, item));
+    let body = top.get("body").and_then(|item| reader.name(item));
+    Preamble { extends, snap_angles, ignore_mimic, no_friction, held, body }
+}
+
+/// `held = { "finger_*" = 0 }`
+fn read_held(reader: &mut Reader, item: Item<'_>) -> Vec<At<Hold>> {
+    let DeValue::Table(table) = item.value else {
+        item.expected("a table of joints with their positions", &mut reader.report);
+        return Vec::new();
+    };
+    let hold = |item: &Item<'_>| {
+        let position = reader.number(*item)?.value;
+        Some(At::new(Hold { pattern: item.key.to_owned(), position }, item.key_span))
+    };
+    Table::open(table, item.span, "held").items().iter().filter_map(hold).collect()
 }
 
 /// Beyond this, angles would be snapped that were meant as they are (rad).
@@ -201,6 +222,7 @@ pub(super) fn description(
         options: top.get("generate").map(|item| read_options(reader, item)),
         parameters: Vec::new(), // of all files together, in the reader
         joints,
+        resting: Vec::new(),
         drives: read_drives(reader, top),
         point_forces: read_point_forces(reader, top),
         wrench_inputs: read_wrench_inputs(reader, top),

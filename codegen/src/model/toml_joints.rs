@@ -9,7 +9,7 @@ use super::toml_couplings::followed_joints;
 use super::toml_forces::{drive, friction, springs};
 use super::toml_values::{Reader, unsaid};
 use super::{JointKind, Pose, QuaternionKind};
-use crate::diagnostic::At;
+use crate::diagnostic::{At, nearest};
 use gelenk_formula::Formula;
 
 pub(super) const JOINT: [&str; 17] = [
@@ -121,8 +121,18 @@ fn read_motion(reader: &mut Reader, item: Item<'_>) -> Option<At<bool>> {
     Some(At::new(driven, item.span))
 }
 
-const TYPES: &str = "supported are \"fixed\", \"revolute\", \"continuous\", \"prismatic\", \"helical\", \"cylindrical\", \"universal\", \
-    \"planar\", \"spherical\" and \"floating\"";
+const TYPES: [&str; 10] = [
+    "fixed",
+    "revolute",
+    "continuous",
+    "prismatic",
+    "helical",
+    "cylindrical",
+    "universal",
+    "planar",
+    "spherical",
+    "floating",
+];
 
 fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name) -> Option<JointType> {
     let text = item.text(&mut reader.report)?;
@@ -137,7 +147,7 @@ fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name
         "helical" => JointKind::Helical { pitch: pitch(reader, table, name) },
         other => {
             reader.report.error(item.span, "joint-type", format!("unsupported joint type {other:?}"));
-            reader.report.help(TYPES);
+            reader.report.help(nearest(other, TYPES).unwrap_or_default());
             // Reported; taken as moving, so that it causes no second complaint.
             JointKind::Revolute
         }

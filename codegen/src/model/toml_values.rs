@@ -34,6 +34,18 @@ pub(super) struct Reader {
 /// Length of axes and quaternions may differ from 1 by this much (seven written digits).
 const UNIT: f64 = 1e-6;
 
+/// Entries of Denavit and Hartenberg to which the coordinate is added, and what they are by themselves.
+const OFFSETS: [(&str, &str); 2] = [
+    (
+        "theta",
+        "`theta` is the constant part of the angle, and the coordinate is added to it: `\"q+pi/2\"` is `\"pi/2\"`",
+    ),
+    (
+        "d",
+        "`d` is the constant part of the distance, and a prismatic joint's coordinate is added to it: `\"q+0.1\"` is `0.1`",
+    ),
+];
+
 impl Reader {
     /// Has read nothing so far.
     pub fn new(options: &ReadOptions) -> Self {
@@ -89,7 +101,7 @@ impl Reader {
     fn scalar(&mut self, item: Item<'_>, allowed: Allowed) -> Option<Formula> {
         match item.value {
             DeValue::Integer(_) | DeValue::Float(_) => self.literal(item).map(Formula::Number),
-            DeValue::String(text) => self.text_formula(text, item.span, allowed),
+            DeValue::String(text) => self.text_formula(text, item, allowed),
             _ => {
                 item.expected("a number or a formula", &mut self.report);
                 None
@@ -123,7 +135,8 @@ impl Reader {
         }
     }
 
-    fn text_formula(&mut self, text: &str, span: Span, allowed: Allowed) -> Option<Formula> {
+    fn text_formula(&mut self, text: &str, item: Item<'_>, allowed: Allowed) -> Option<Formula> {
+        let span = item.span;
         match parse(text, allowed, &self.parameter_names) {
             Ok(formula) => {
                 let names = |index: &usize| formula.any(&|part| *part == Formula::Parameter(*index));
@@ -137,7 +150,8 @@ impl Reader {
                 let start = span.start + 1;
                 let place = Span { start: start + wrong.range.start, end: start + wrong.range.end, ..span };
                 self.report.error(if plain { place } else { span }, wrong.code, wrong.message);
-                if let Some(help) = wrong.help {
+                let of_key = OFFSETS.iter().find(|(key, _)| wrong.code == "unknown-name" && *key == item.key);
+                if let Some(help) = of_key.map(|(_, help)| (*help).to_owned()).or(wrong.help) {
                     self.report.help(help);
                 }
                 None

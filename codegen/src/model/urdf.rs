@@ -15,7 +15,7 @@ use super::toml_values::join;
 use super::urdf_notes::{HARMLESS, Remark};
 use super::urdf_text::UrdfText;
 use super::{FrictionTerm, JointKind, Pose, QuaternionKind, ReadOptions, xacro};
-use crate::diagnostic::{At, Report, Span};
+use crate::diagnostic::{At, Report, Span, nearest};
 use crate::numeric::length;
 use crate::wording::{as_written, listed, three_digits};
 use gelenk_formula::{Formula, TermOf};
@@ -50,7 +50,7 @@ pub(super) fn description(
         return None;
     }
     let mut reader =
-        Reader { report, angles, source, options: *options, notes: Notes::new(), rotors: Vec::new() };
+        Reader { report, angles, source, options: options.clone(), notes: Notes::new(), rotors: Vec::new() };
     if let Some(macros) = xacro::first(robot) {
         let span = reader.span(macros);
         xacro::report(macros, span, file, reader.report);
@@ -335,9 +335,8 @@ impl Reader<'_> {
                 let other = other.map_or("none".to_owned(), |other| format!("{other:?}"));
                 let message = format!("joint `{}` has type {other}, which is not supported", name.value);
                 self.report.error(span, "joint-type", message);
-                self.report.help(
-                    "supported are fixed, revolute, continuous, prismatic, planar, floating and spherical",
-                );
+                let wanted = kind.map_or("", |attribute| attribute.value());
+                self.report.help(nearest(wanted, TYPES).unwrap_or_default());
                 // Reported; taken as moving, so that it causes no second complaint.
                 Some(JointKind::Revolute)
             }
@@ -399,6 +398,9 @@ impl Reader<'_> {
         (number.value > 0.0).then_some(Formula::Number(number.value))
     }
 }
+
+/// Types of joints that are read.
+const TYPES: [&str; 7] = ["fixed", "revolute", "continuous", "prismatic", "planar", "floating", "spherical"];
 
 /// The type of a joint with several degrees of freedom.
 fn composite_of(joint: XmlNode<'_>) -> Option<Composite> {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from types import ModuleType
-from typing import Iterable
+from typing import Iterable, Mapping
 
 from . import _program
 from ._robot import generated, read
@@ -24,6 +24,8 @@ def acados(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> ModuleType:
@@ -43,7 +45,8 @@ def acados(
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else list(functions), "snap_angles": snap_angles,
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
-        "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
+        "accept_unphysical": accept_unphysical, "body": body, "hold": hold, "fused_multiply_add": fused_multiply_add,
+        "max_operations": max_operations,
     })
     path = Path(description).absolute()
     folder = generated(path, options, "acados")

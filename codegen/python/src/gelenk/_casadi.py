@@ -6,7 +6,7 @@ import ctypes
 import importlib
 import os
 from pathlib import Path
-from typing import Any, Iterable, Iterator
+from typing import Any, Iterable, Iterator, Mapping
 
 from . import _program
 from ._robot import compiled, generated, read
@@ -59,6 +59,8 @@ def casadi(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> CasadiFunctions:
@@ -71,7 +73,8 @@ def casadi(
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else functions, "snap_angles": snap_angles,
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
-        "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add, "max_operations": max_operations,
+        "accept_unphysical": accept_unphysical, "body": body, "hold": hold, "fused_multiply_add": fused_multiply_add,
+        "max_operations": max_operations,
     })
     path = Path(description).absolute()
     module = generated(path, options, "casadi")

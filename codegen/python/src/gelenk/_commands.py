@@ -30,6 +30,8 @@ def generate(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> list[Path]:
@@ -43,7 +45,7 @@ def generate(
         "output": output, "language": language, "for": list(tools), "functions": functions, "lanes": lanes,
         "scalar": scalar, "control_model": control_model, "self_test": self_test, "snap_angles": snap_angles,
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "fused_multiply_add": fused_multiply_add,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body, "hold": hold, "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     }
     written = _program.run(["generate", description, *_program.switches(options)])
@@ -60,6 +62,8 @@ def report(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
     max_operations: int | None = None,
 ) -> Path:
     """Writes a page about a robot, as `gelenk report` does; its `index.html`.
@@ -68,7 +72,7 @@ def report(
     """
     options = {
         "output": output, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
-        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "max_operations": max_operations,
+        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body, "hold": hold, "max_operations": max_operations,
     }
     result = _program.run(["report", description, *_program.switches(options)], may_fail=True)
     page = next(Path(file) for file in result["files"] if Path(file).name == "index.html")
@@ -118,6 +122,7 @@ def identify(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
 ) -> Identified:
     """Finds friction, inertias and drive gains in logs, as `gelenk identify` does, and writes a description with them.
 
@@ -140,11 +145,11 @@ def identify(
         "accept_poor": accept_poor,
         "merge": merge,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body, "hold": hold,
     }
     held_out = [f"--validate={os.fspath(log)}" for log in _paths(validate)]
     loaded = [f"--payload={os.fspath(log)}" for log in _paths(payload)]
-    found = _program.run(["identify", description, *_paths(logs), *held_out, *loaded, *_held(hold), *_program.switches(options)])
+    found = _program.run(["identify", description, *_paths(logs), *held_out, *loaded, *_program.switches(options)])
     return Identified(Path(found["description"]), tuple(map(Path, found["files"])), found)
 
 
@@ -169,13 +174,14 @@ def plan(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
 ) -> Path:
     """Plans a motion that shows the parameters, as `gelenk identify --plan` does; the CSV file."""
     options = {
         "output": output, "seconds": seconds, "rate": rate, "acceleration": acceleration, "position_share": position_share,
         "turn": turn, "speed_share": speed_share, "effort_share": effort_share, "harmonics": harmonics, "start": start,
         "seed": seed, "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic,
-        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body,
     }
     found = _program.run(["identify", "--plan", description, *_program.switches(options)])
     return Path(found["file"])
@@ -201,6 +207,7 @@ def reduce(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
 ) -> Path:
     """Reduces logs to their moments, as `gelenk identify --reduce` does; the file `output`, which ends in .moments.
 
@@ -211,9 +218,9 @@ def reduce(
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay, "friction_on": friction_on,
         "accept_poor": accept_poor,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
-        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body, "hold": hold,
     }
-    found = _program.run(["identify", "--reduce", description, *_paths(logs), *_held(hold), *_program.switches(options)])
+    found = _program.run(["identify", "--reduce", description, *_paths(logs), *_program.switches(options)])
     return Path(found["moments"])
 
 
@@ -229,6 +236,7 @@ def merge(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
 ) -> Path:
     """Adds up files of moments, as `gelenk identify --merge` does; the file `output`, which ends in .moments.
 
@@ -238,7 +246,7 @@ def merge(
         raise ValueError(f"merge writes *.moments, not {os.fspath(output)}: identify(..., merge=True) writes a description")
     options = {
         "output": output, "friction_on": friction_on, "snap_angles": snap_angles, "no_friction": no_friction,
-        "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical,
+        "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body,
     }
     found = _program.run(["identify", "--merge", description, *_paths(moments), *_program.switches(options)])
     return Path(found["moments"])
@@ -257,12 +265,6 @@ def _patterns(columns: str | Mapping[str, str] | None) -> str | None:
     if isinstance(columns, Mapping):
         return ",".join(f"{what}={pattern}" for what, pattern in columns.items())
     return columns
-
-
-def _held(hold: Mapping[str, float] | Iterable[str]) -> list[str]:
-    if isinstance(hold, Mapping):
-        return [f"--hold={pattern}={position}" for pattern, position in hold.items()]
-    return [f"--hold={pattern}" for pattern in ([hold] if isinstance(hold, str) else hold)]
 
 
 def _paths(one_or_several: PathLike | Iterable[PathLike]) -> list[PathLike]:

@@ -82,12 +82,15 @@ def diagnostics(entries: Iterable[Mapping[str, Any]]) -> tuple[Diagnostic, ...]:
 def switches(options: Mapping[str, Any]) -> list[str]:
     """Words of the command line from keyword arguments: `no_friction=True` is `--no-friction`.
 
-    `None`, `False` and empty lists say nothing.
+    `None`, `False` and empty lists say nothing. Patterns of `hold` are a switch each.
     """
     words: list[str] = []
     for name, value in options.items():
         switch = "--" + name.rstrip("_").replace("_", "-")
         if value is None or value is False:
+            continue
+        if name == "hold":
+            words.extend(f"{switch}={pattern}" for pattern in _held(value))
             continue
         if value is True:
             words.append(switch)
@@ -98,6 +101,12 @@ def switches(options: Mapping[str, Any]) -> list[str]:
         elif len(list(value)) > 0:
             words.append(f"{switch}={','.join(os.fspath(each) for each in value)}")
     return words
+
+
+def _held(hold: Mapping[str, float] | str | Iterable[str]) -> Iterable[str]:
+    if isinstance(hold, Mapping):
+        return [f"{pattern}={position}" for pattern, position in hold.items()]
+    return [hold] if isinstance(hold, str) else hold
 
 
 def _json(text: str) -> Any:

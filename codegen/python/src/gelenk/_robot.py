@@ -91,6 +91,8 @@ def load(
     base: str | None = None,
     smooth_sign: float | None = None,
     accept_unphysical: bool = False,
+    body: str | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
     fused_multiply_add: bool = False,
     max_operations: int | None = None,
 ) -> Any:
@@ -118,6 +120,8 @@ def load(
         "base": base,
         "smooth_sign": smooth_sign,
         "accept_unphysical": accept_unphysical,
+        "body": body,
+        "hold": hold,
         "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     })

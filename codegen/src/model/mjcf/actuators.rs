@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::super::description::{
     DriveChoice, DriveDescription, FollowsDescription, Name, SharedDriveDescription, WrenchInputDescription,
 };
-use super::super::{FrictionTerm, Input, MotorTorque, Pose};
+use super::super::{FrictionTerm, Input, MotorTorque};
 use super::files::{Element, Given};
 use super::schema::Place;
 use super::{Placed, Reader, Remark, or};
@@ -56,7 +56,7 @@ impl<'a> Reader<'_, 'a> {
     pub(super) fn actuators(&mut self, section: Element<'a>, sums: &Sums) {
         for element in self.known_children(Place::Actuators, section) {
             let class = self.class(element, "class", 0);
-            self.actuator(&Placed { element, pose: Pose::identity(), class }, sums);
+            self.actuator(&Placed::outside(element, class), sums);
         }
     }
 

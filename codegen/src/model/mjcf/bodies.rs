@@ -7,9 +7,13 @@ use super::files::Element;
 use super::schema::{ORIENTATIONS, Place, tags};
 use super::{Placed, Reader, Remark, WORLD};
 use crate::diagnostic::At;
+use gelenk_formula::Formula;
 
 /// Elements that make several bodies of one.
-const GENERATORS: [&str; 4] = ["replicate", "composite", "flexcomp", "attach"];
+const GENERATORS: [&str; 3] = ["composite", "flexcomp", "attach"];
+
+/// More elements in one body are hardly meant; their count is a number in the file.
+const MOST_ELEMENTS: usize = 10_000;
 
 /// A body that waits for being read.
 struct Waiting<'a> {
@@ -24,7 +28,7 @@ impl<'a> Reader<'_, 'a> {
         for &world in worlds {
             let name = At::new(WORLD.to_owned(), world.span());
             let class = self.class(world, "childclass", 0);
-            let contents = self.contents(world, class);
+            let contents = self.contents(world, class, "");
             for placed in &contents {
                 match placed.element.tag() {
                     "site" => self.site(placed, &name),
@@ -47,7 +51,7 @@ impl<'a> Reader<'_, 'a> {
     /// Reads one body without those inside it; its name, and all that stands in it.
     fn body(&mut self, body: Placed<'a>, parent: Name) -> (Name, Vec<Placed<'a>>) {
         let element = body.element;
-        let named = self.name(element, "name");
+        let named = self.placed_name(&body);
         let wanted = named.as_ref().map_or_else(|| "body".to_owned(), |name| name.value.clone());
         let own = self.link_names.take(&wanted);
         let name = At::new(own, named.as_ref().map_or(element.span(), |name| name.span));
@@ -58,7 +62,7 @@ impl<'a> Reader<'_, 'a> {
         self.robot.links.push(name.clone());
         let pose = body.pose.then(&self.pose(element, &format!("body `{}`", name.value)));
         let class = self.class(element, "childclass", body.class);
-        let contents = self.contents(element, class);
+        let contents = self.contents(element, class, &body.suffix);
         let joints: Vec<&Placed<'a>> =
             contents.iter().filter(|placed| ["joint", "freejoint"].contains(&placed.element.tag())).collect();
         if let Some(given) = element.attribute("gravcomp").filter(|given| given.text.trim() != "0") {
@@ -102,7 +106,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn site(&mut self, placed: &Placed<'a>, link: &Name) {
-        let Some(name) = self.name(placed.element, "name") else { return };
+        let Some(name) = self.placed_name(placed) else { return };
         let class = self.class(placed.element, "class", placed.class);
         let placed = Placed { class, ..placed.clone() };
         let pose = self.pose_of(&placed, &format!("site `{}`", name.value));
@@ -125,22 +129,65 @@ impl<'a> Reader<'_, 'a> {
         self.pose_by(&at, owner)
     }
 
-    /// What stands in a body; frames are dissolved.
-    fn contents(&mut self, element: Element<'a>, class: usize) -> Vec<Placed<'a>> {
-        let place = |element| Placed { element, pose: Pose::identity(), class };
+    /// What stands in a body; frames and copies are dissolved.
+    fn contents(&mut self, element: Element<'a>, class: usize, suffix: &str) -> Vec<Placed<'a>> {
         let files = self.files;
-        let mut stack: Vec<Placed<'a>> = files.children(element).into_iter().rev().map(place).collect();
+        let inside = |around: &Placed<'a>| {
+            let inner = files.children(around.element).into_iter().rev();
+            let around = around.clone();
+            inner.map(move |element| Placed { element, ..around.clone() }).collect::<Vec<_>>()
+        };
+        let outer = Placed { suffix: suffix.to_owned(), ..Placed::outside(element, class) };
+        let mut stack = inside(&outer);
         let mut contents = Vec::new();
         while let Some(next) = stack.pop() {
-            if next.element.tag() != "frame" {
-                contents.push(next);
-                continue;
+            match next.element.tag() {
+                "frame" => {
+                    let pose = next.pose.then(&self.pose(next.element, "a frame"));
+                    let class = self.class(next.element, "childclass", next.class);
+                    stack.extend(inside(&Placed { pose, class, ..next }));
+                }
+                "replicate" => {
+                    let copies =
+                        self.copies(&next, MOST_ELEMENTS.saturating_sub(stack.len() + contents.len()));
+                    stack.extend(copies.iter().rev().flat_map(inside));
+                }
+                _ => contents.push(next),
             }
-            let pose = next.pose.then(&self.pose(next.element, "a frame"));
-            let class = self.class(next.element, "childclass", next.class);
-            let inner = files.children(next.element).into_iter().rev();
-            stack.extend(inner.map(|element| Placed { element, pose: pose.clone(), class }));
         }
         contents
+    }
+
+    /// The copies of `<replicate>`: each is moved by `offset` in the frame of the one before, and turned by its number times the
+    /// angles `euler`. The names in it end with `sep` and its number.
+    fn copies(&mut self, replicate: &Placed<'a>, most: usize) -> Vec<Placed<'a>> {
+        let element = replicate.element;
+        let count = self.number(element.attribute("count"), "count");
+        let counts = count.as_ref().map_or(0..0, |count| 0..(count.value.clamp(0.0, 1e9) as usize));
+        if counts.is_empty() || counts.end > most {
+            let message = format!("<replicate> needs a `count` from 1 to {most}");
+            self.report.error(element.span(), "replicate-count", message);
+            return Vec::new();
+        }
+        let offset =
+            self.vector::<3>(element.attribute("offset"), "offset").map_or([0.0; 3], |offset| offset.value);
+        let euler = self.vector::<3>(element.attribute("euler"), "euler");
+        let separator = element.node.attribute("sep").unwrap_or("");
+        let digits = (counts.end - 1).to_string().len();
+        let mut moved = Pose::identity();
+        let copy = |number: usize| {
+            if let Some(At { value, span }) = &euler {
+                let angles = At::new(value.map(|angle| number as f64 * angle), *span);
+                moved.rotation = self.euler(&angles, "a copy");
+            }
+            let copy = Placed {
+                pose: replicate.pose.then(&moved),
+                suffix: format!("{separator}{number:0digits$}{}", replicate.suffix),
+                ..replicate.clone()
+            };
+            moved.translation = moved.point(&offset.map(Formula::Number));
+            copy
+        };
+        counts.map(copy).collect()
     }
 }

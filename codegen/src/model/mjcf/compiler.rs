@@ -1,7 +1,9 @@
 //! What `<compiler>` and `<option>` say of all other elements.
 
+use std::path::{Path, PathBuf};
+
 use super::Reader;
-use super::files::Element;
+use super::files::{Element, plain_path};
 
 /// Settings with MuJoCo's defaults.
 pub(super) struct Compiler {
@@ -18,6 +20,11 @@ pub(super) struct Compiler {
     pub(super) least_inertia: f64,
     pub(super) balances: bool,
     pub(super) total_mass: Option<f64>,
+    /// Where the model's file is, and from there its meshes.
+    pub(super) folder: PathBuf,
+    pub(super) mesh_folder: PathBuf,
+    /// Names of files lose their folders.
+    pub(super) strips_paths: bool,
 }
 
 /// When the inertia of a body is that of its geoms.
@@ -40,7 +47,19 @@ impl Default for Compiler {
             least_inertia: 0.0,
             balances: false,
             total_mass: None,
+            folder: PathBuf::new(),
+            mesh_folder: PathBuf::new(),
+            strips_paths: false,
         }
+    }
+}
+
+impl Compiler {
+    /// The path of a mesh from the folder of the first description.
+    pub(super) fn mesh_path(&self, file: &str) -> String {
+        let name =
+            Path::new(file).file_name().filter(|_| self.strips_paths).map_or(Path::new(file), Path::new);
+        self.folder.join(&self.mesh_folder).join(name).to_string_lossy().into_owned()
     }
 }
 
@@ -78,6 +97,14 @@ impl<'a> Reader<'_, 'a> {
                 "true" => FromGeoms::Always,
                 _ => FromGeoms::WithoutInertial,
             };
+        }
+        for key in ["assetdir", "meshdir"] {
+            if let Some(given) = element.attribute(key) {
+                self.compiler.mesh_folder = plain_path(given.text).into();
+            }
+        }
+        if let Some(word) = self.word(element, "strippath", &SWITCH) {
+            self.compiler.strips_paths = word == "true";
         }
         if let Some(word) = self.word(element, "balanceinertia", &SWITCH) {
             self.compiler.balances = word == "true";

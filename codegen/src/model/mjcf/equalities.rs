@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::super::Pose;
 use super::super::description::FollowsDescription;
 use super::actuators::Sums;
 use super::files::Element;
@@ -15,7 +14,7 @@ impl<'a> Reader<'_, 'a> {
     pub(super) fn equalities(&mut self, section: Element<'a>, sums: &Sums) {
         for element in self.known_children(Place::Equalities, section) {
             let class = self.class(element, "class", 0);
-            let placed = Placed { element, pose: Pose::identity(), class };
+            let placed = Placed::outside(element, class);
             let active = element.attribute("active");
             let active = active.or_else(|| self.classes.attribute(class, "equality", "active"));
             if active.is_some_and(|given| given.text == "false") {

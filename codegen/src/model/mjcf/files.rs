@@ -1,10 +1,10 @@
 //! The files of an MJCF: the model, and what it includes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use roxmltree::{Attribute, Document, Node};
 
-use super::super::load::Load;
+use super::super::load::Fetch;
 use super::super::urdf_text::{UrdfText, opening_tag};
 use crate::diagnostic::{At, Report, Span};
 
@@ -13,38 +13,48 @@ const MOST_FILES: usize = 100;
 
 /// One file.
 pub(super) struct Text {
-    /// As `<include>` names it; empty for the model itself.
-    included_as: String,
+    /// Where it was found, from the folder of the first description.
+    path: PathBuf,
+    /// The file that includes it, and its name there; nothing for the model itself.
+    included: Option<(usize, String)>,
     source: usize,
     text: UrdfText,
 }
 
 /// Reads the model's text and all that it includes; `None` where something is wrong with them, which was reported.
 ///
-/// - `path`: that of the model, from which the paths of included files begin
+/// - `path`: that of the model, from which the paths of included files begin, else from the file that includes them
 pub(super) fn gather(
     (text, source): (&str, usize),
     path: &Path,
-    load: &mut Load<'_>,
+    load: &mut dyn Fetch,
     report: &mut Report,
 ) -> Option<Vec<Text>> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut texts = vec![Text { included_as: String::new(), source, text: UrdfText::new(text) }];
+    let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
+    let mut texts = vec![Text { path: path.to_owned(), included: None, source, text: UrdfText::new(text) }];
     let mut next = 0;
     while next < texts.len() {
         for file in includes(&texts[next], report)? {
-            if texts.iter().any(|known| known.included_as == file.value) || texts.len() >= MOST_FILES {
+            let name = plain_path(&file.value);
+            // As in MuJoCo: beside the model, else beside the file that includes it.
+            let beside = [path, &texts[next].path].map(|from| folder(from).join(&name));
+            let [first, second] = beside.clone().map(|path| load.text(&path.to_string_lossy()));
+            let (path, found) = match first {
+                Err(_) if second.is_ok() => (&beside[1], second),
+                first => (&beside[0], first),
+            };
+            if texts.iter().any(|known| known.path == *path) || texts.len() >= MOST_FILES {
                 let message =
                     format!("`{}` is included a second time, or after {MOST_FILES} other files", file.value);
                 report.error(file.span, "included-twice", message);
                 report.help("MuJoCo takes each file once");
                 return None;
             }
-            let path = folder.join(&file.value);
-            match load(&path.to_string_lossy()) {
+            match found {
                 Ok((name, text)) => {
+                    let included = Some((texts[next].source, file.value));
                     let source = report.add_source(&name, &text);
-                    texts.push(Text { included_as: file.value, source, text: UrdfText::new(&text) });
+                    texts.push(Text { path: path.clone(), included, source, text: UrdfText::new(&text) });
                 }
                 Err(wrong) => {
                     for entry in wrong.into_entries() {
@@ -77,9 +87,17 @@ fn includes(text: &Text, report: &mut Report) -> Option<Vec<At<String>>> {
     Some(includes.filter_map(file).collect())
 }
 
+/// A path with the separators of all systems: files from Windows have others.
+pub(super) fn plain_path(path: &str) -> String {
+    path.replace('\\', "/")
+}
+
+/// The file that includes another one, and the name of the other one there.
+type Included<'t> = Option<(usize, &'t str)>;
+
 /// The parsed texts.
 pub(super) struct Files<'t> {
-    files: Vec<(&'t str, usize, Document<'t>)>,
+    files: Vec<(Included<'t>, usize, Document<'t>)>,
 }
 
 /// An element and the file that it stands in.
@@ -94,7 +112,8 @@ impl<'t> Files<'t> {
     pub(super) fn parse(texts: &'t [Text]) -> Self {
         let parsed = texts.iter().filter_map(|text| {
             let document = Document::parse(text.text.as_str()).ok()?;
-            Some((text.included_as.as_str(), text.source, document))
+            let included = text.included.as_ref().map(|(by, name)| (*by, name.as_str()));
+            Some((included, text.source, document))
         });
         Self { files: parsed.collect() }
     }
@@ -120,8 +139,8 @@ impl<'t> Files<'t> {
                 result.push(next);
                 continue;
             }
-            let file = next.node.attribute("file").unwrap_or("");
-            let found = self.files.iter().skip(1).find(|(name, ..)| *name == file);
+            let wanted = next.node.attribute("file").map(|file| (next.source, file));
+            let found = self.files.iter().skip(1).find(|(included, ..)| *included == wanted);
             if let Some((_, source, document)) = found {
                 let root = Element { node: document.root_element(), source: *source };
                 let included: Vec<_> = inside(root).collect();

@@ -33,8 +33,8 @@ struct Lump {
 enum Share {
     Nothing,
     Lump(Lump),
-    /// A mesh, which is not read.
-    Unknown,
+    /// A mesh without integrals, and why.
+    Unknown(String),
 }
 
 /// A solid about its centre: volume, and principal moments for a unit of mass.
@@ -100,8 +100,9 @@ impl<'a> Reader<'_, 'a> {
             match self.share(geom, name) {
                 Share::Nothing => {}
                 Share::Lump(lump) => lumps.push(lump),
-                Share::Unknown => {
-                    self.notes.remark(Remark::MeshInertia, geom.element.span(), name.quoted());
+                Share::Unknown(why) => {
+                    let of_body = format!("{} of {}", why, name.quoted());
+                    self.notes.remark(Remark::MeshInertia, geom.element.span(), of_body);
                 }
             }
         }
@@ -129,14 +130,20 @@ impl<'a> Reader<'_, 'a> {
         if is_massless || FLAT.contains(&kind) {
             return Share::Nothing;
         }
-        if MESHES.contains(&kind) || self.find(&geom, "mesh").is_some() {
-            return Share::Unknown;
-        }
         if let Some(given) = self.find(&geom, "shellinertia").filter(|given| given.text == "true") {
             self.report.error(given.span, "shell-inertia", "inertia of a hollow geom is not supported");
             self.report
                 .help("write the body's <inertial>; `mujoco.mj_saveLastXML` with `saveinertial` does it");
             return Share::Nothing;
+        }
+        if let Some(mesh) = self.find(&geom, "mesh") {
+            return match kind {
+                "mesh" => self.of_mesh(&geom, mesh.text, (mass, density), body),
+                _ => Share::Unknown(format!("`{}` as a {kind}", mesh.text)),
+            };
+        }
+        if MESHES.contains(&kind) {
+            return Share::Unknown(format!("a {kind}"));
         }
         let Some((solid, pose)) = self.solid(&geom, kind, body) else { return Share::Nothing };
         let mass = mass.unwrap_or(density * solid.volume);
@@ -144,6 +151,28 @@ impl<'a> Reader<'_, 'a> {
         let pose = geom.pose.then(&pose);
         let inertia = turned(&pose.rotation, [xx, 0.0, 0.0, yy, 0.0, zz]);
         Share::Lump(Lump { mass, center: origin(&pose), inertia })
+    }
+
+    /// A mesh of this mass or density.
+    fn of_mesh(
+        &mut self,
+        geom: &Placed<'a>,
+        mesh: &str,
+        (mass, density): (Option<f64>, f64),
+        body: &Name,
+    ) -> Share {
+        let integrals = match self.mesh(mesh) {
+            Ok(integrals) => integrals,
+            Err(why) => return Share::Unknown(why),
+        };
+        let pose = geom.pose.then(&self.pose_of(geom, &format!("a geom of `{}`", body.value)));
+        let density = mass.map_or(density, |mass| mass / integrals.size);
+        let center = Pose { translation: integrals.center.map(Formula::Number), ..Pose::identity() };
+        Share::Lump(Lump {
+            mass: density * integrals.size,
+            center: origin(&pose.then(&center)),
+            inertia: turned(&pose.rotation, integrals.inertia.map(|entry| density * entry)),
+        })
     }
 
     /// A primitive shape, and where it stands.

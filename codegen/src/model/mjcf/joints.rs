@@ -58,7 +58,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn joint_name(&mut self, joint: &Placed<'a>, body: &Name, is_only: bool) -> Name {
-        let named = self.name(joint.element, "name");
+        let named = self.placed_name(joint);
         let wanted = match &named {
             Some(name) => name.value.clone(),
             None if is_only => format!("{}_joint", body.value),

@@ -10,6 +10,7 @@ mod equalities;
 mod files;
 mod inertia;
 mod joints;
+mod meshes;
 mod notes;
 mod place;
 mod schema;
@@ -20,15 +21,16 @@ use std::path::Path;
 
 use super::angles::Angles;
 use super::description::{DriveChoice, Name, RobotDescription};
-use super::load::Load;
+use super::load::Fetch;
 use super::notes::Notes;
-use super::{Pose, ReadOptions};
+use super::{Pose, ReadOptions, one_tree};
 use crate::diagnostic::{At, Report, Span, nearest};
 use crate::distinct::Distinct;
 use classes::Classes;
 use compiler::Compiler;
-use files::{Element, Files, Given};
+use files::{Element, Files, Given, plain_path};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
+use meshes::Meshes;
 use notes::Remark;
 
 /// The link of all that does not move.
@@ -55,6 +57,7 @@ pub(super) struct Reader<'r, 'a> {
     files: &'a Files<'a>,
     classes: Classes<'a>,
     compiler: Compiler,
+    meshes: Meshes<'a, 'r>,
     gravity: [f64; 3],
     notes: Notes<Remark>,
     robot: RobotDescription,
@@ -72,6 +75,15 @@ struct Placed<'a> {
     element: Element<'a>,
     pose: Pose,
     class: usize,
+    /// Ends of its name by the copies of `<replicate>` in which it is.
+    suffix: String,
+}
+
+impl<'a> Placed<'a> {
+    /// An element that is in no body.
+    fn outside(element: Element<'a>, class: usize) -> Self {
+        Self { element, pose: Pose::identity(), class, suffix: String::new() }
+    }
 }
 
 /// Reads an MJCF; `None` where it is no XML or has no model in it.
@@ -83,9 +95,9 @@ pub(super) fn description(
     text: (&str, usize),
     path: &Path,
     options: &ReadOptions,
-    load: &mut Load<'_>,
+    load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
-    let texts = files::gather(text, path, load, report)?;
+    let texts = files::gather(text, path, &mut *load, report)?;
     let files = Files::parse(&texts);
     let root = files.root()?;
     if root.tag() != "mujoco" {
@@ -100,10 +112,14 @@ pub(super) fn description(
     let mut reader = Reader {
         report,
         angles,
-        options: *options,
+        options: options.clone(),
         classes: Classes::of(&defaults, &files),
         files: &files,
-        compiler: Compiler::default(),
+        compiler: Compiler {
+            folder: path.parent().map(Path::to_owned).unwrap_or_default(),
+            ..Compiler::default()
+        },
+        meshes: Meshes { load, assets: BTreeMap::new(), known: BTreeMap::new() },
         gravity: [0.0, 0.0, -9.81],
         notes: Notes::new(),
         robot: RobotDescription {
@@ -121,6 +137,9 @@ pub(super) fn description(
     };
     reader.model(root, &sections);
     reader.notes.report(|_| true, reader.report);
+    if let Some(body) = &options.body {
+        one_tree::keep(&mut reader.robot, WORLD, (body, root.span()), reader.report);
+    }
     Some(reader.robot)
 }
 
@@ -134,6 +153,7 @@ impl<'a> Reader<'_, 'a> {
         with("option").for_each(|section| self.option(section));
         self.robot.gravity = Some(self.gravity.map(Formula::Number));
         self.vocabulary(sections);
+        with("asset").for_each(|section| self.assets(section));
         self.bodies(&with("worldbody").collect::<Vec<_>>());
         let mut sums = BTreeMap::new();
         with("tendon").for_each(|section| self.tendons(section, &mut sums));
@@ -188,6 +208,12 @@ impl<'a> Reader<'_, 'a> {
             return None;
         }
         Some(At::new(given.text.to_owned(), given.span))
+    }
+
+    /// The name of an element in a body.
+    fn placed_name(&mut self, placed: &Placed<'a>) -> Option<Name> {
+        let name = self.name(placed.element, "name")?;
+        Some(At::new(name.value + &placed.suffix, name.span))
     }
 
     fn one_of(&mut self, given: Given<'a>, key: &str, known: &[&'static str]) -> Option<&'static str> {

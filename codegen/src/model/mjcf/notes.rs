@@ -74,7 +74,7 @@ impl notes::Remark for Remark {
             }
             Self::Medium => "forces of a medium were left out",
             Self::MeshInertia => {
-                "meshes are not read: these bodies have no <inertial>, and the mass of their geoms without meshes alone"
+                "meshes without a volume were left out: the bodies have no <inertial>, and the mass of their other geoms alone"
             }
             Self::QuaternionForce => {
                 "armature, springs, limits and dry friction of ball and free joints were left out"

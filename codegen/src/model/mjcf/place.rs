@@ -64,7 +64,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    fn euler(&mut self, given: &At<[f64; 3]>, owner: &str) -> Rotation {
+    pub(super) fn euler(&mut self, given: &At<[f64; 3]>, owner: &str) -> Rotation {
         let angles = given.value.map(|angle| {
             let angle = At::new(angle * self.compiler.angle, given.span);
             self.angles.angle(&angle, owner)

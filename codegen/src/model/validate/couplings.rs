@@ -182,7 +182,7 @@ impl Resolver<'_, '_> {
         self.report.help("one of them has to be a coordinate: remove its `follows` or `<mimic>`");
     }
 
-    /// A row that has a coordinate; says where ways to coordinates cancel.
+    /// A row that has a coordinate, or is that of a drive whose joints are held; says where ways to coordinates cancel.
     fn moving(
         &mut self,
         name: &Name,
@@ -192,21 +192,17 @@ impl Resolver<'_, '_> {
         let [what, verb, key] = words;
         let names: Vec<&str> = cancelled.iter().map(|&coordinate| self.names[coordinate]).collect();
         let ways = format!("the ways from `{key}` to {} cancel", list(names.iter().copied()));
-        if row.terms.is_empty() && names.is_empty() {
-            let message = format!("{what} `{}` {verb} nothing that moves", name.value);
-            self.report.error(name.span, "follows-nothing", message);
-            self.report.help(match key {
-                "on" => "name joints that move, or leave the drive out",
-                _ => "hold the joint (`held = …`), or name joints that move",
-            });
-        } else if row.terms.is_empty() {
+        if names.is_empty() {
+            return Some(row);
+        }
+        if row.terms.is_empty() {
             let message = format!("{what} `{}` {verb} nothing that moves: {ways}", name.value);
             self.report.error(name.span, "follows-nothing", message);
             self.report.help(match key {
                 "on" => format!("{ADDED_UP}: correct a weight, or leave the drive out"),
                 _ => format!("{ADDED_UP}: correct a ratio, or hold the joint (`held = …`)"),
             });
-        } else if !names.is_empty() {
+        } else {
             let message =
                 format!("{what} `{}` does not move with {}: {ways}", name.value, list(names.into_iter()));
             self.report.note(Some(name.span), "follows-cancel", message);

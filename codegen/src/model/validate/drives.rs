@@ -38,15 +38,16 @@ impl Builder<'_, '_> {
     }
 
     /// The drives of joints in the order of their coordinates, then those that stand apart as they are
-    /// described, then the motors of held joints.
+    /// described, then the motors of held joints; those of the second kind that act on held joints alone begin the third.
     pub(super) fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
         let mut drives: Vec<Drive> =
             (0..links.len()).filter_map(|link| self.drive(link, &links[link])).collect();
         drives.sort_by_key(|drive| drive.coordinate().unwrap_or(usize::MAX));
         let held = drives.iter().position(|drive| drive.acts_on.is_empty()).unwrap_or(drives.len());
-        let shared: Vec<Drive> = (0..self.robot.drives.len())
+        let mut shared: Vec<Drive> = (0..self.robot.drives.len())
             .filter_map(|index| self.shared_drive(index, links, couplings))
             .collect();
+        shared.sort_by_key(|drive| drive.acts_on.is_empty());
         drives.splice(held..held, shared);
         drives
     }
@@ -55,7 +56,16 @@ impl Builder<'_, '_> {
     fn shared_drive(&mut self, index: usize, links: &[Link], couplings: &Couplings) -> Option<Drive> {
         let described = &self.robot.drives[index];
         let row = couplings.drives.get(index)?.as_ref()?;
-        driven_joints::check_shared_drive(self.robot, &self.tree, &described.name, row, links, self.report);
+        if !row.terms.is_empty() {
+            driven_joints::check_shared_drive(
+                self.robot,
+                &self.tree,
+                &described.name,
+                row,
+                links,
+                self.report,
+            );
+        }
         self.check_motor(&described.name.value, &described.motor, None);
         let (acts_on, gear_ratio) = match &row.terms[..] {
             // One number says what gear and weight do together.
@@ -100,11 +110,11 @@ impl Builder<'_, '_> {
             let carrier = self.find_link(name)?;
             return Some((carrier, rotate_numbers(&self.offsets[carrier].rotation, &axis)));
         }
-        let only = match acts_on {
-            [only] if motor.carrier.is_none() && motor.axis.is_none() => {
-                let at = |joint: &&Joint| joint.motion == Motion::Coordinate(only.coordinate);
-                links.iter().filter_map(|link| link.joint.as_ref()).find(at)
-            }
+        let is_placed = motor.carrier.is_some() || motor.axis.is_some();
+        let mut joints = links.iter().filter_map(|link| link.joint.as_ref()).filter(|_| !is_placed);
+        let only = match (acts_on, &described.on[..]) {
+            ([only], _) => joints.find(|joint| joint.motion == Motion::Coordinate(only.coordinate)),
+            ([], [held]) => joints.find(|joint| joint.name == held.joint.value),
             _ => None,
         };
         match only {

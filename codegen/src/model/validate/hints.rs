@@ -4,7 +4,7 @@
 //! Each kind is noted once. Whoever means it so loses nothing.
 
 use super::super::JointKind;
-use super::super::angles::looks_like_degrees;
+use super::super::angles::{is_beyond_turns, looks_like_degrees};
 use super::super::description::{DriveChoice, JointDescription, RobotDescription};
 use super::super::name::identifier;
 use super::super::tree::Tree;
@@ -65,7 +65,8 @@ fn note_found(
 }
 
 fn are_degrees(limits: [f64; 2]) -> bool {
-    limits.iter().all(|limit| limit % 5.0 == 0.0) && limits.into_iter().any(looks_like_degrees)
+    let is_round = limits.iter().all(|limit| limit % 5.0 == 0.0);
+    is_round && limits.into_iter().any(looks_like_degrees) || limits.into_iter().all(is_beyond_turns)
 }
 
 fn note_lengths(

@@ -1,5 +1,7 @@
 //! Statements of the user about the columns of a log: `--columns 'position=joint{}_pos[deg],torque=…,time=…'`.
 
+use gelenk_formula::Hold;
+
 use super::super::super::error::{IdentificationError, Result};
 use super::super::super::run::Effort;
 use super::super::sheet::shortened;
@@ -103,17 +105,14 @@ impl ColumnOptions {
         let all = self.named()?;
         let holds = all.iter().filter(|(_, name, _)| name == HOLD);
         for pattern in holds.flat_map(|(.., text)| text.split('|')) {
-            let (glob, value) = pattern.rsplit_once('=').unwrap_or((pattern, "0"));
-            let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
             let place =
                 |message: String| IdentificationError::File { place: format!("--hold `{pattern}`"), message };
-            let value = value.ok_or_else(|| place("the value is not a number (rad or m)".into()))?;
-            let matching: Vec<usize> =
-                (0..joints.len()).filter(|j| matches(glob.trim(), &joints[*j])).collect();
+            let hold = Hold::parse(pattern).map_err(place)?;
+            let matching: Vec<usize> = (0..joints.len()).filter(|j| hold.matches(&joints[*j])).collect();
             if matching.is_empty() {
                 return Err(place(format!("no joint has such a name. There are {}", shortened(joints))));
             }
-            matching.into_iter().for_each(|joint| held[joint] = Some(value));
+            matching.into_iter().for_each(|joint| held[joint] = Some(hold.position));
         }
         Ok(held)
     }
@@ -137,15 +136,6 @@ fn twice(kind: Kind) -> String {
         Kind::Attitude => "the line names quaternions twice, by `xyzw` and by `wxyz`: leave one out".into(),
         _ => "the line names this quantity twice; torque, input and current are one".into(),
     }
-}
-
-/// Whether a name matches a pattern in which `*` stands for any text.
-fn matches(pattern: &str, name: &str) -> bool {
-    let mut parts = pattern.split('*');
-    let Some(rest) = name.strip_prefix(parts.next().unwrap_or_default()) else { return false };
-    let Some(last) = parts.next_back() else { return rest.is_empty() };
-    let Some(mut rest) = rest.strip_suffix(last) else { return false };
-    parts.all(|part| rest.split_once(part).map(|(_, after)| rest = after).is_some())
 }
 
 /// Parts between commas that a `QUANTITY=` follows; other commas belong to headers.
