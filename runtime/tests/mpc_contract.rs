@@ -10,6 +10,7 @@ use gelenk_runtime::dynamics::{
 use gelenk_runtime::lqr::Lqr;
 use gelenk_runtime::mpc::{
     DisturbanceObserver, LinearizationPoint, LtvMpc, MpcError, MpcNote, MpcOptions, Nmpc, ObserverOptions,
+    PredictionRule,
 };
 use gelenk_runtime::trajectory::RestToRest;
 
@@ -431,4 +432,20 @@ fn a_joint_too_fast_for_the_period_is_named() {
         mpc.set_model(bearable).unwrap();
         assert!(mpc.step(&cycle(0.2, Some([0.0; 2]))).is_ok());
     }
+}
+
+/// Friction of the wrist stops it within 1e-8 s: by the midpoint rule its velocity alternates.
+#[test]
+fn a_joint_that_is_too_steep_for_the_midpoint_rule_is_noted() {
+    let model = LightWrist { viscous: [1.0, 100.0] };
+    let motion = || RestToRest::new([0.0, 0.0], [0.1, 0.1], 1.0).unwrap();
+    let notes = |prediction| {
+        let options = MpcOptions { prediction, ..MpcOptions::new(&model, 0.1, 5) };
+        LtvMpc::new(model, motion(), options).unwrap().notes().to_vec()
+    };
+    let [MpcNote::Alternating { joint: "wrist", share }] = notes(PredictionRule::ImplicitMidpoint)[..] else {
+        panic!("{:?}", notes(PredictionRule::ImplicitMidpoint));
+    };
+    assert!((-1.0..-0.99).contains(&share), "{share}");
+    assert_eq!(notes(PredictionRule::ExactHold), []);
 }

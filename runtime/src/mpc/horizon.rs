@@ -3,7 +3,7 @@
 use super::error::MpcError;
 use super::integrate::{Span, discretize, flat_input, flat_state, integrate, substeps};
 use super::node::{Node, Prediction, in_deviations};
-use super::note::{MpcNote, beyond_limits, beyond_rows, dry_friction, not_kept};
+use super::note::{MpcNote, alternating, beyond_limits, beyond_rows, dry_friction, not_kept};
 use super::observer::DisturbanceObserver;
 use super::options::MpcOptions;
 use super::row;
@@ -115,6 +115,13 @@ where
         let notes = horizon.model().at_time(0.0, |model| dry_friction(model, &start));
         horizon.notes.extend(notes);
         Ok(horizon)
+    }
+
+    /// Notes what the implicit midpoint rule does not serve.
+    pub fn note_alternating(&mut self) {
+        let (start, period) = (self.trajectory.sample(0.0).positions, self.options.period);
+        let notes = self.model().at_time(0.0, |model| alternating(model, &start, period));
+        self.notes.extend(notes);
     }
 
     pub fn model(&self) -> &D {

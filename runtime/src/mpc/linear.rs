@@ -59,7 +59,11 @@ where
     where
         D: PhaseSpace<NX>,
     {
-        Ok(Self { horizon: Horizon::new(model, trajectory, options)? })
+        let mut horizon = Horizon::new(model, trajectory, options)?;
+        if horizon.options.prediction == PredictionRule::ImplicitMidpoint {
+            horizon.note_alternating();
+        }
+        Ok(Self { horizon })
     }
 
     of_the_horizon!();

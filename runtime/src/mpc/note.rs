@@ -2,7 +2,7 @@
 
 use super::options::MpcOptions;
 use super::row::MpcRow;
-use crate::dynamics::{DependentJoint, Dynamics, Named, jumps, plain_positions, under_load};
+use crate::dynamics::{DependentJoint, Discretizable, Dynamics, Named, jumps, plain_positions, under_load};
 use crate::trajectory::{Sample, Trajectory};
 use std::fmt;
 
@@ -61,6 +61,15 @@ pub enum MpcNote {
         /// Height of the jump [N m or N].
         jump: f64,
     },
+    /// By the implicit midpoint rule the predicted velocity of a joint alternates: friction at rest, as at the start of the
+    /// trajectory, stops it within much less than a period, see
+    /// [`PredictionRule::ImplicitMidpoint`](super::PredictionRule::ImplicitMidpoint).
+    Alternating {
+        /// Name of the joint.
+        joint: &'static str,
+        /// Its velocity after a period as a part of that before, negative.
+        share: f64,
+    },
     /// The Riccati equation of a terminal weight was not solved to the digits that rounding allows. The
     /// weight is the cost of a stabilizing regulator that may not be the optimal one.
     Terminal {
@@ -102,6 +111,13 @@ impl fmt::Display for MpcNote {
                 f,
                 "friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions do not see: the joint may stop short of \
                  its goal; generate a smooth model for the controller (`--control-model`)",
+                Named(joint)
+            ),
+            Self::Alternating { joint, share } => write!(
+                f,
+                "by the implicit midpoint rule a small velocity of joint {} is predicted to be {share:.2} times as large after a period: its \
+                 friction at rest is too steep for the rule; take the exact hold (`prediction`), a smoother control model, or a \
+                 shorter period",
                 Named(joint)
             ),
             Self::Terminal { time, residual } => write!(
@@ -205,6 +221,19 @@ pub(super) fn dry_friction<const N: usize, const M: usize, const NY: usize>(
             MpcNote::DryFriction { joint: joints[i], jump: after - before + load[1] - load[0] }
         })
         .collect()
+}
+
+/// Joints whose velocity alternates by the implicit midpoint rule, at rest at these positions.
+pub(super) fn alternating<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Discretizable<N, M, NY>,
+    positions: &[f64; NY],
+    period: f64,
+) -> Vec<MpcNote> {
+    let step = model.midpoint_step(positions, &[0.0; N], &[0.0; N], &[0.0; M], period);
+    let [_, [_, by_velocities]] = step.state;
+    let shares = model.joint_names().into_iter().enumerate().map(|(i, joint)| (joint, by_velocities[i][i]));
+    let negative = shares.filter(|(_, share)| *share < 0.0);
+    negative.map(|(joint, share)| MpcNote::Alternating { joint, share }).collect()
 }
 
 /// The sample furthest beyond, if one is; rounding at a limit that is just touched is not.

@@ -44,7 +44,8 @@ pub enum PredictionRule {
     /// that the plan lacks there.
     ///
     /// It is not L-stable: where friction stops a velocity within much less than T, its predicted sign alternates from period
-    /// to period. Friction that is so steep at rest needs [`Self::ExactHold`].
+    /// to period. Friction that is so steep at rest needs [`Self::ExactHold`]; the controller notes the joint
+    /// ([`MpcNote::Alternating`](super::MpcNote::Alternating)).
     ///
     /// Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, sections I.1 and VI.4.
     ImplicitMidpoint,

@@ -2,6 +2,7 @@
 
 use super::load_friction::{load, under_load};
 use super::manifold::same;
+use super::midpoint::{Columns, solve, times};
 use super::solve::{product, solve_positive_definite};
 use super::traits::{Differentiable, Discretizable, Dynamics};
 use super::types::{Discretization, ForceDerivativesAndMass, Step};
@@ -210,6 +211,107 @@ pub fn step_derivatives<
     let (coordinates, velocities, state, input) =
         discrete_time::runge_kutta_derivatives(same(y), v, u, period, D::SUBSTEPS, linearize);
     Step { coordinates: *same(&coordinates), velocities, state, input }
+}
+
+/// [`Discretizable::midpoint_step`] by the other methods.
+#[inline]
+pub fn midpoint_step<
+    D: Differentiable<N, M, NY> + ?Sized,
+    const N: usize,
+    const M: usize,
+    const NY: usize,
+>(
+    robot: &D,
+    (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
+    u: &[f64; M],
+    period: f64,
+) -> Step<N, M, NY> {
+    let half = 0.5 * period;
+    let (mut mean, mut way) = ([0.0; N], [0.0; N]);
+    for i in 0..N {
+        mean[i] = v[i] + half * a[i];
+        way[i] = half * mean[i];
+    }
+    let middle = robot.integrate(y, &way);
+    let (forces, mut matrix) = robot.inverse_dynamics_derivatives_and_mass_matrix(&middle, &mean, a);
+    let (driving, driving_by_y) = robot.input_forces_derivatives(&middle, u);
+    let (mut by_y, by_u) = (forces.by_coordinates, robot.input_matrix(&middle));
+    for i in 0..N {
+        for j in 0..N {
+            by_y[i][j] -= driving_by_y[i][j];
+        }
+    }
+    let mut by_way = by_y;
+    // Known to the compiler: of arms the tangents are the identity.
+    if NY != N {
+        let (by_position, by_displacement) = robot.integrate_derivatives(y, &way);
+        (by_way, by_y) = (times(&by_y, &by_displacement), times(&by_y, &by_position));
+    }
+    let mut columns = Columns { by_y, by_v: forces.by_velocities, by_u, rest: driving };
+    for i in 0..N {
+        for j in 0..N {
+            let by_v = -period * (columns.by_v[i][j] + half * by_way[i][j]);
+            columns.by_v[i][j] = by_v;
+            columns.by_y[i][j] *= -period;
+            matrix[i][j] -= 0.5 * by_v;
+        }
+        columns.by_u[i].iter_mut().for_each(|entry| *entry *= period);
+        columns.rest[i] = period * (columns.rest[i] - forces.forces[i]);
+    }
+    solve(&mut matrix, &mut columns);
+    stepped(robot, (y, v, a), &mean, &columns, period)
+}
+
+/// The step, whose changes of the velocities are `columns`.
+#[inline]
+fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
+    robot: &D,
+    (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
+    mean: &[f64; N],
+    columns: &Columns<N, M>,
+    period: f64,
+) -> Step<N, M, NY> {
+    let half = 0.5 * period;
+    let mut step = Step {
+        coordinates: *y,
+        velocities: *v,
+        state: [[columns.by_y, columns.by_v]; 2],
+        input: [columns.by_u; 2],
+    };
+    let (mut whole, mut correction) = ([0.0; N], [0.0; N]);
+    // T/2 times the sum of the velocities before and after.
+    for i in 0..N {
+        (whole[i], correction[i]) = (period * mean[i], half * columns.rest[i]);
+        step.velocities[i] += period * a[i] + columns.rest[i];
+        step.state[1][1][i][i] += 1.0;
+        for j in 0..N {
+            step.state[0][0][i][j] *= half;
+            step.state[0][1][i][j] *= half;
+        }
+        step.state[0][1][i][i] += period;
+        step.input[0][i].iter_mut().for_each(|entry| *entry *= half);
+    }
+    if NY == N {
+        for i in 0..N {
+            whole[i] += correction[i];
+            step.state[0][0][i][i] += 1.0;
+        }
+        step.coordinates = robot.integrate(y, &whole);
+        return step;
+    }
+    let (by_position, by_displacement) = robot.integrate_derivatives(y, &whole);
+    for block in &mut step.state[0] {
+        *block = times(&by_displacement, block);
+    }
+    step.input[0] = times(&by_displacement, &step.input[0]);
+    let correction = by_displacement.map(|row| product(&row, &correction));
+    for i in 0..N {
+        for j in 0..N {
+            step.state[0][0][i][j] += by_position[i][j];
+        }
+    }
+    step.coordinates = robot.integrate(&robot.integrate(y, &whole), &correction);
+    step
 }
 
 /// [`Discretizable::step`] of a robot whose equations depend on time, from `time` (s) on: each stage of the method sees

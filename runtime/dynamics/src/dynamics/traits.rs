@@ -4,7 +4,6 @@ use super::at_rest::either_side;
 use super::defaults;
 use super::dependent::LimitRows;
 use super::manifold::{self, AttitudeError, NO_WIDTHS, QuaternionJoint};
-use super::midpoint;
 use super::names::{names_of_arms, numbered};
 use super::types::{
     Discretization, ForceDerivatives, ForceDerivativesAndMass, InputLimits, Limits, Linearization, Step,
@@ -389,6 +388,6 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
         u: &[f64; M],
         period: f64,
     ) -> Step<N, M, NY> {
-        midpoint::midpoint_step(self, (y, v, a), u, period)
+        defaults::midpoint_step(self, (y, v, a), u, period)
     }
 }
