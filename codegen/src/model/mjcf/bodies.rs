@@ -163,17 +163,22 @@ impl<'a> Reader<'_, 'a> {
     fn copies(&mut self, replicate: &Placed<'a>, most: usize) -> Vec<Placed<'a>> {
         let element = replicate.element;
         let count = self.number(element.attribute("count"), "count");
-        let counts = count.as_ref().map_or(0..0, |count| 0..(count.value.clamp(0.0, 1e9) as usize));
-        if counts.is_empty() || counts.end > most {
-            let message = format!("<replicate> needs a `count` from 1 to {most}");
-            self.report.error(element.span(), "replicate-count", message);
+        let is_whole = |count: &f64| count.fract() == 0.0 && (1.0..=most as f64).contains(count);
+        let count = count.map(|count| count.value).filter(is_whole).map_or(0, |count| count as usize);
+        if count == 0 {
+            self.report.error(
+                element.span(),
+                "replicate-count",
+                "<replicate> has no `count` that can be made",
+            );
+            self.report.help(format!("give a whole number from 1; a body may have {MOST_ELEMENTS} elements"));
             return Vec::new();
         }
         let offset =
             self.vector::<3>(element.attribute("offset"), "offset").map_or([0.0; 3], |offset| offset.value);
         let euler = self.vector::<3>(element.attribute("euler"), "euler");
         let separator = element.node.attribute("sep").unwrap_or("");
-        let digits = (counts.end - 1).to_string().len();
+        let digits = (count - 1).to_string().len();
         let mut moved = Pose::identity();
         let copy = |number: usize| {
             if let Some(At { value, span }) = &euler {
@@ -188,6 +193,6 @@ impl<'a> Reader<'_, 'a> {
             moved.translation = moved.point(&offset.map(Formula::Number));
             copy
         };
-        counts.map(copy).collect()
+        (0..count).map(copy).collect()
     }
 }

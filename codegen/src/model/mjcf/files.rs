@@ -1,10 +1,12 @@
 //! The files of an MJCF: the model, and what it includes.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use roxmltree::{Attribute, Document, Node};
 
 use super::super::load::Fetch;
+use super::super::mesh::MeshIntegrals;
 use super::super::urdf_text::{UrdfText, opening_tag};
 use crate::diagnostic::{At, Report, Span};
 
@@ -184,4 +186,11 @@ impl<'a> Given<'a> {
     fn of(attribute: Attribute<'a, 'a>, source: usize) -> Self {
         Self { text: attribute.value(), span: Span::new(source, attribute.range_value()) }
     }
+}
+
+/// The meshes of a file, each read when a geom needs it.
+pub(super) struct Meshes<'a, 'l> {
+    pub(super) load: &'l mut dyn Fetch,
+    pub(super) assets: BTreeMap<String, Element<'a>>,
+    pub(super) known: BTreeMap<String, Result<MeshIntegrals, String>>,
 }

@@ -1,8 +1,5 @@
 //! Meshes of `<asset>`: their files, and their integrals where a geom has mass.
 
-use std::collections::BTreeMap;
-
-use super::super::load::Fetch;
 use super::super::mesh::{Filling, MeshIntegrals, convex_hull, integrals, triangles};
 use super::super::pose::rotate_numbers;
 use super::files::{Element, Given};
@@ -18,13 +15,6 @@ const FILLINGS: [(&str, Filling); 4] = [
 ];
 /// The volume inside the convex hull.
 const CONVEX: &str = "convex";
-
-/// The meshes of a file, each read when a geom needs it.
-pub(super) struct Meshes<'a, 'l> {
-    pub(super) load: &'l mut dyn Fetch,
-    pub(super) assets: BTreeMap<String, Element<'a>>,
-    pub(super) known: BTreeMap<String, Result<MeshIntegrals, String>>,
-}
 
 impl<'a> Reader<'_, 'a> {
     /// Takes the meshes of one `<asset>`; without a name a mesh has that of its file.

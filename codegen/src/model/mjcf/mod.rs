@@ -28,9 +28,8 @@ use crate::diagnostic::{At, Report, Span, nearest};
 use crate::distinct::Distinct;
 use classes::Classes;
 use compiler::Compiler;
-use files::{Element, Files, Given, plain_path};
+use files::{Element, Files, Given, Meshes, plain_path};
 use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
-use meshes::Meshes;
 use notes::Remark;
 
 /// The link of all that does not move.
