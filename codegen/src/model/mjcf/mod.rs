@@ -212,7 +212,7 @@ impl<'a> Reader<'_, 'a> {
     /// The name of an element in a body.
     fn placed_name(&mut self, placed: &Placed<'a>) -> Option<Name> {
         let name = self.name(placed.element, "name")?;
-        Some(At::new(name.value + &placed.suffix, name.span))
+        Some(At::new(name.value + placed.suffix.as_str(), name.span))
     }
 
     fn one_of(&mut self, given: Given<'a>, key: &str, known: &[&'static str]) -> Option<&'static str> {
