@@ -73,7 +73,7 @@ impl Builder {
         self
     }
 
-    /// Snaps angles within this distance [rad] of a multiple of 90° to it.
+    /// Snaps angles within this distance \[rad\] of a multiple of 90° to it.
     #[must_use]
     pub fn snap_angles(mut self, radians: f64) -> Self {
         self.options.snap_angles = Some(radians);
