@@ -10,7 +10,7 @@ pub(super) struct Columns<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> Columns<N, M> {
-    /// Subtracts from row `i` so many times row `k`.
+    /// Subtracts `factor` times row `k` from row `i`.
     #[inline]
     fn subtract(&mut self, i: usize, factor: f64, k: usize) {
         subtract(&mut self.by_y, i, factor, k);
