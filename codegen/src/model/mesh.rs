@@ -1,5 +1,7 @@
 //! Triangle meshes, and their masses, centres and inertias.
 
+use crate::numeric::{cross, length};
+
 type Point = [f64; 3];
 type Triangle = [Point; 3];
 
@@ -76,7 +78,7 @@ const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
 /// Volume of the pyramid between a point and a triangle, or the triangle's area.
 fn size(triangle: &Triangle, point: Point, filling: Filling) -> f64 {
     let [d, e, f] = triangle.map(|corner| minus(corner, point));
-    let volume = dot(d, cross(e, f)) / 6.0;
+    let volume = dot(d, cross(&e, &f)) / 6.0;
     match filling {
         Filling::Legacy => volume.abs(),
         Filling::Exact => volume,
@@ -85,8 +87,7 @@ fn size(triangle: &Triangle, point: Point, filling: Filling) -> f64 {
 }
 
 fn area([a, b, c]: &Triangle) -> f64 {
-    let normal = cross(minus(*b, *a), minus(*c, *a));
-    dot(normal, normal).sqrt() / 2.0
+    length(cross(&minus(*b, *a), &minus(*c, *a))) / 2.0
 }
 
 fn area_center([a, b, c]: &Triangle) -> Point {
@@ -99,10 +100,6 @@ fn weighted(points: impl Iterator<Item = (Point, f64)>) -> Point {
 
 fn minus(a: Point, b: Point) -> Point {
     std::array::from_fn(|k| a[k] - b[k])
-}
-
-fn cross([a, b, c]: Point, [d, e, f]: Point) -> Point {
-    [b * f - c * e, c * d - a * f, a * e - b * d]
 }
 
 fn dot(a: Point, b: Point) -> f64 {

@@ -65,7 +65,7 @@ pub(super) fn toml_with(
     let mut chain =
         Chain { load, files: Path::new(name).file_name().map(PathBuf::from).into_iter().collect() };
     let robot = read_toml(&mut reader, text, name, options, &mut chain);
-    require_mjcf(&robot, options, &mut reader.report);
+    require_mjcf(&robot, options.body.is_some(), &mut reader.report);
     finish(reader, robot, options)
 }
 
@@ -76,7 +76,7 @@ pub(super) fn toml_with(
 pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model, Diagnostics), Diagnostics> {
     let mut reader = Reader::new(options);
     let robot = read_urdf(&mut reader, text, name, options);
-    require_mjcf(&robot, options, &mut reader.report);
+    require_mjcf(&robot, options.body.is_some(), &mut reader.report);
     finish(reader, robot, options)
 }
 
@@ -322,10 +322,7 @@ fn read_toml(
     let asked = options.floating_base.then_some(file.span);
     let extended = base.as_ref().map(|base| floating_base::extended(base, asked.is_some()));
     let extension = toml_file::description(reader, &top, stem(name), Some(extended.unwrap_or_default()));
-    if let Some(body) = &preamble.body {
-        let own = ReadOptions { body: Some(body.value.clone()), ..ReadOptions::default() };
-        require_mjcf(&base, &own, &mut reader.report);
-    }
+    require_mjcf(&base, preamble.body.is_some(), &mut reader.report);
     let robot = base.map(|base| extend_freed(base, extension, asked, &mut reader.report));
     robot.map(|robot| held(robot, &preamble.held, &mut reader.report))
 }
@@ -333,10 +330,10 @@ fn read_toml(
 const BODY_OF_MJCF: &str = "a body is chosen from the scene of an MJCF";
 
 /// Complains about a body that is chosen in a file without a scene.
-fn require_mjcf(robot: &Option<RobotDescription>, options: &ReadOptions, report: &mut Report) {
-    if let (Some(robot), Some(_)) = (robot, &options.body)
-        && !robot.is_mjcf
-    {
+///
+/// - `is_chosen`: whether a body is chosen
+fn require_mjcf(robot: &Option<RobotDescription>, is_chosen: bool, report: &mut Report) {
+    if let Some(robot) = robot.as_ref().filter(|robot| is_chosen && !robot.is_mjcf) {
         report.error(robot.name.span, "body-without-scene", BODY_OF_MJCF);
         report.help("leave the body out");
     }

@@ -5,7 +5,7 @@ use super::super::pose::{IDENTITY, Rotation, about_x, about_y, about_z, product}
 use super::Reader;
 use super::files::{Element, Given};
 use crate::diagnostic::At;
-use crate::numeric::length;
+use crate::numeric::{cross, length};
 use crate::spatial::rotation_about;
 use gelenk_formula::Formula;
 
@@ -137,8 +137,4 @@ pub(super) fn z_to(z: [f64; 3]) -> Rotation {
         return [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
     }
     [[1.0 - a * a / below, -a * b / below, a], [-a * b / below, 1.0 - b * b / below, b], [-a, -b, c]]
-}
-
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -151,13 +151,9 @@ pub fn input_forces_derivatives<
     let by_y = robot.linearize(y, &rest, u).by_coordinates;
     let a = robot.forward_dynamics(y, &rest, u);
     let (forces, mass) = robot.inverse_dynamics_derivatives_and_mass_matrix(y, &rest, &a);
-    let mut derivatives = forces.by_coordinates;
-    for i in 0..N {
-        for k in 0..N {
-            for j in 0..N {
-                derivatives[i][j] += mass[i][k] * by_y[k][j];
-            }
-        }
+    let mut derivatives = times(&mass, &by_y);
+    for (row, by_coordinates) in derivatives.iter_mut().zip(&forces.by_coordinates) {
+        row.iter_mut().zip(by_coordinates).for_each(|(entry, other)| *entry += other);
     }
     (input_forces, derivatives)
 }

@@ -109,7 +109,7 @@ impl Written<'_> {
                 forces.map(|(force, error)| force - error + level).collect();
         }
         estimate.joints[self.joint].offsets.iter_mut().for_each(|offset| *offset -= level);
-        let doubt = self.judge(estimate, runs, offsets.len());
+        let doubt = self.leave_out_offsets(estimate, runs, offsets.len());
         estimate.findings.extend(doubt);
         Ok(())
     }
@@ -134,7 +134,12 @@ impl Written<'_> {
     }
 
     /// The joint's numbers without the offsets that are left; a warning if these cost much.
-    fn judge(&self, estimate: &mut Estimate, runs: &[PreparedRun], recordings: usize) -> Option<Finding> {
+    fn leave_out_offsets(
+        &self,
+        estimate: &mut Estimate,
+        runs: &[PreparedRun],
+        recordings: usize,
+    ) -> Option<Finding> {
         let (mut fitted, mut written, mut measured) = (0.0, 0.0, Vec::new());
         for (index, run) in runs.iter().enumerate() {
             let offset = estimate.joints[self.joint].offsets[index];

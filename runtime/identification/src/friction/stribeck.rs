@@ -155,15 +155,16 @@ impl<'a> Attempt<'a> {
             freedom: fit.freedom as f64,
             effective_samples: data.velocities.len() as f64,
         };
+        let at = fit.sensitivities(samples);
         let map = |common: &CommonTerms| {
             let mut columns = data.columns(&Library::new(&common.bases, &["v"])?)?;
             if self.regression.offset {
                 columns.iter_mut().for_each(|column| centre(column, samples.runs, data.weights));
             }
-            Ok(fit.map(samples, &columns))
+            Ok(fit.map(&at, &columns))
         };
         let common = data.common.map(|common| map(common).map(|map| (common, map)));
-        let changes = data.filtered.map(|filtered| fit.changes(samples, &filtered.near()));
+        let changes = data.filtered.map(|filtered| fit.changes(&at, &filtered.near()));
         own.with_biases(common.transpose()?, changes.unwrap_or_else(|| DVector::zeros(5)))
     }
 

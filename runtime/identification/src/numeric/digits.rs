@@ -70,11 +70,6 @@ pub fn plain(value: f64, digits: usize) -> String {
     }
 }
 
-/// `p = 0.012`, and `p < 0.0001` where nobody needs to know by how much.
-pub fn p_value(p: f64) -> String {
-    if p < 1e-4 { "p < 0.0001".into() } else { format!("p = {}", plain(p, 2)) }
-}
-
 /// A number that is not zero, rounded to two significant digits.
 pub(crate) fn two_digits(x: f64) -> f64 {
     let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
@@ -129,7 +124,6 @@ mod tests {
         for (value, expected) in cases {
             assert_eq!(plain(value, 4), expected);
         }
-        assert_eq!([p_value(0.0123), p_value(3e-9), p_value(0.0)], ["p = 0.012", "p < 0.0001", "p < 0.0001"]);
     }
 
     #[test]

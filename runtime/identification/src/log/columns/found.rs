@@ -75,10 +75,6 @@ impl Found {
         for Column { unit_words: unit, .. } in &self.columns {
             units.extend((!units.contains(&unit.as_str())).then_some(unit.as_str()));
         }
-        Some(format!("{}, {}", self.line_without_units(what)?, units.join(" or ")))
-    }
-
-    pub(super) fn line_without_units(&self, what: &str) -> Option<String> {
         let (first, last) = (self.columns.first()?, self.columns.last()?);
         let name = |i: usize| self.names.get(i).map_or("", String::as_str);
         let whose = match self.columns.len() {
@@ -86,7 +82,7 @@ impl Found {
             _ if self.pattern.contains("{name}") => String::new(),
             n => format!(" from {} of {} to {} of {}", first.label, name(0), last.label, name(n - 1)),
         };
-        Some(format!("{what}: `{}`{whose}", self.pattern))
+        Some(format!("{what}: `{}`{whose}, {}", self.pattern, units.join(" or ")))
     }
 
     /// The columns of all joints or inputs, by their places.

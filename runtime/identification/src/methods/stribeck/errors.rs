@@ -101,51 +101,62 @@ impl StribeckFit {
         self
     }
 
-    /// Contributions of each sample to the normal equations, offsets eliminated.
+    /// Contributions of each sample to the normal equations.
     fn scores(&self, samples: &Observed) -> Vec<Vec<f64>> {
-        let [derivatives, residual] = self.columns(samples);
-        let weight = |i: usize| samples.weights.map_or(1.0, |w| w[i]);
+        let Sensitivities { derivatives, residual, weights } = self.sensitivities(samples);
+        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
         let score = |column: &Vec<f64>| {
-            column.iter().zip(&residual[0]).enumerate().map(|(i, (x, r))| weight(i) * x * r).collect()
+            column.iter().zip(&residual).enumerate().map(|(i, (x, r))| x * (weight(i) * r)).collect()
         };
         derivatives.iter().map(score).collect()
     }
 
-    /// Derivatives of the law by its parameters, and the residual, offsets eliminated.
-    fn columns(&self, samples: &Observed) -> [Vec<Vec<f64>>; 2] {
-        let mut all = samples.columns(&self.parameters).to_vec();
+    /// Derivatives and residual at the samples.
+    pub(crate) fn sensitivities<'a>(&self, samples: &Observed<'a>) -> Sensitivities<'a> {
+        let mut derivatives = samples.columns(&self.parameters).to_vec();
         if !self.offsets.is_empty() {
-            all.iter_mut().for_each(|column| centre(column, samples.runs, samples.weights));
+            derivatives.iter_mut().for_each(|column| centre(column, samples.runs, samples.weights));
         }
-        let residual = all.split_off(all.len() - 1);
-        [all, residual]
+        let residual = derivatives.pop().unwrap_or_default();
+        Sensitivities { derivatives, residual, weights: samples.weights }
     }
 
     /// Changes of the parameters without some of the samples, to first order.
     ///
     /// - `left_out`: whether a sample is left out
-    pub(crate) fn changes(&self, samples: &Observed, left_out: &[bool]) -> DVector<f64> {
-        let [derivatives, residual] = self.columns(samples);
-        let weight = |i: usize| samples.weights.map_or(1.0, |w| w[i]);
-        let product = |one: &[f64], other: &[f64]| -> f64 {
-            let kept = (0..one.len()).filter(|i| !left_out[*i]);
-            kept.map(|i| weight(i) * one[i] * other[i]).sum()
-        };
-        let left = DMatrix::from_fn(5, 5, |i, k| product(&derivatives[i], &derivatives[k]));
-        let score = DVector::from_fn(5, |i, _| product(&derivatives[i], &residual[0]));
+    pub(crate) fn changes(&self, at: &Sensitivities, left_out: &[bool]) -> DVector<f64> {
+        let kept = |i: usize| !left_out[i];
+        let left = at.products(&at.derivatives, kept);
+        let score = at.products(std::slice::from_ref(&at.residual), kept).column(0).into_owned();
         let all = DMatrix::from_fn(5, 5, |i, k| self.information[(i, k)]);
         change(&all, &left, &score)
     }
 
     /// `(JᵀWJ)⁻¹ JᵀW F` with other columns F; zeros for parameters that are not identifiable.
-    pub(crate) fn map(&self, samples: &Observed, others: &[Vec<f64>]) -> DMatrix<f64> {
-        let [derivatives, _] = self.columns(samples);
-        let weight = |i: usize| samples.weights.map_or(1.0, |w| w[i]);
-        let product = |k: usize, other: usize| -> f64 {
-            derivatives[k].iter().zip(&others[other]).enumerate().map(|(i, (x, f))| weight(i) * x * f).sum()
-        };
+    pub(crate) fn map(&self, at: &Sensitivities, others: &[Vec<f64>]) -> DMatrix<f64> {
         let (inverse, ..) = inverse(&self.information);
-        DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * DMatrix::from_fn(5, others.len(), product)
+        DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * at.products(others, |_| true)
+    }
+}
+
+/// A law and its residual to first order in the parameters, offsets eliminated.
+pub(crate) struct Sensitivities<'a> {
+    derivatives: Vec<Vec<f64>>,
+    residual: Vec<f64>,
+    weights: Option<&'a [f64]>,
+}
+
+impl Sensitivities<'_> {
+    /// `JᵀW F` over some of the samples.
+    fn products(&self, others: &[Vec<f64>], kept: impl Fn(usize) -> bool) -> DMatrix<f64> {
+        let weight = |i: usize| self.weights.map_or(1.0, |w| w[i]);
+        let product = |one: &[f64], other: &[f64]| -> f64 {
+            let samples = (0..one.len()).filter(|i| kept(*i));
+            samples.map(|i| weight(i) * one[i] * other[i]).sum()
+        };
+        DMatrix::from_fn(self.derivatives.len(), others.len(), |i, k| {
+            product(&self.derivatives[i], &others[k])
+        })
     }
 }
 
