@@ -354,8 +354,10 @@ fn strange_numbers_are_noted_once() {
     let far = REAL.replace("0 0 0.1", "0 300 0");
     let drawn = "<visual><geometry><mesh filename=\"a.stl\"/></geometry></visual>";
     let winch = LIMIT.replace("\"2\"", "\"100.5\"");
-    let cases: [(String, &[&str]); 6] = [
+    let uneven = LIMIT.replace("\"-1\"", "\"-63\"").replace("\"2\"", "\"74.5\"");
+    let cases: [(String, &[&str]); 7] = [
         (one_joint("revolute", REAL, LIMIT), &[]),
+        (one_joint("revolute", REAL, &uneven), &["looks-like-degrees"]),
         (one_joint("revolute", REAL, &degrees), &["looks-like-degrees"]),
         (one_joint("revolute", REAL, &turned), &["looks-like-degrees"]),
         (one_joint("revolute", REAL, &winch), &[]),

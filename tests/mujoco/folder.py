@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""M and bias forces of gelenk beside those of MuJoCo, for all files in MJCF below a folder.
+"""M and bias forces of gelenk compared with those of MuJoCo, for all files in MJCF below a folder.
 
 usage: folder.py FOLDER [GELENK]      a line for each file; exit code 1 if one differs without a warning about meshes or masses
 

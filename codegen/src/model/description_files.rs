@@ -93,7 +93,7 @@ impl DescriptionFiles {
     }
 }
 
-/// Files beside a description.
+/// Files in the folder of a description.
 struct FromFolder<'f> {
     files: &'f mut DescriptionFiles,
     folder: &'f Path,

@@ -109,7 +109,7 @@ fn dot(a: Point, b: Point) -> f64 {
 /// The triangles of a file: STL, binary or text, or OBJ. Coordinates have single precision, as in MuJoCo.
 ///
 /// # Errors
-/// What is wrong with the file.
+/// The file is damaged, of another format, or without finite triangles.
 pub(super) fn triangles(bytes: &[u8], is_obj: bool) -> Result<Vec<Triangle>, &'static str> {
     let found = match is_obj {
         true => obj(&String::from_utf8_lossy(bytes)),
@@ -179,7 +179,7 @@ fn obj(text: &str) -> Option<Vec<Triangle>> {
 /// Triangles of the convex hull of corners of single precision.
 ///
 /// # Errors
-/// That there is no hull.
+/// The corners have no hull.
 pub(super) fn convex_hull(triangles: &[Triangle]) -> Result<Vec<Triangle>, &'static str> {
     let single = |point: &Point| glam::Vec3A::from(point.map(|x| x as f32));
     let points: Vec<_> = triangles.iter().flatten().map(single).collect();

@@ -1,4 +1,4 @@
-//! One of the trees that stand in a scene.
+//! One of the trees of a scene.
 
 use super::description::{Name, RobotDescription};
 use crate::diagnostic::{Report, Span, nearest};

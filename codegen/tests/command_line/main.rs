@@ -75,6 +75,31 @@ fn a_missing_description_ends_with_1_and_writes_nothing() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
+/// A pipe without a writer would never end.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_no_description() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = Command::new("mkfifo").arg("arm.toml").current_dir(folder.path()).status().unwrap();
+    assert!(made.success());
+    let said = refused(folder.path(), &["generate", "arm.toml", "--output", "arm.rs"]);
+    assert!(said.contains("it is a pipe or a device, not a file"), "{said}");
+}
+
+#[test]
+fn robots_with_too_many_velocities_are_refused_and_held_joints_do_not_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let joint = |k: u32| format!("[[joints]]\nname = \"joint_{k}\"\naxis = [0, 1, 0]\n");
+    let body = "[[bodies]]\nlink = \"joint_400\"\nmass = 1\ncenter_of_mass = [0, 0, 1]\ninertia = 1\n";
+    let chain: String = (0..=400).map(joint).chain([body.to_owned()]).collect();
+    fs::write(folder.path().join("chain.toml"), chain).unwrap();
+    let functions = ["generate", "chain.toml", "--functions", "input_matrix", "--output", "chain.rs"];
+    let said = refused(folder.path(), &functions);
+    assert!(said.contains("401 velocities, more than 400") && said.contains("--hold"), "{said}");
+    let held = gelenk(folder.path(), &[&functions[..], &["--hold", "joint_1*"]].concat());
+    assert!(held.status.success(), "{}", shown(&held));
+}
+
 #[test]
 fn diagnostics_as_json() {
     let folder = tempfile::tempdir().unwrap();

@@ -340,7 +340,7 @@ fn source(recording: &Recording) -> String {
     logs.collect::<Vec<_>>().join(", ")
 }
 
-/// What the estimate says of a joint's friction; `None` where the joint has no terms.
+/// A joint's friction terms in the estimate; `None` if the joint has none.
 pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
     let own = Some(&estimate.joints[joint].terms).filter(|terms| !terms.is_empty())?;
     Some(CommonTerms {

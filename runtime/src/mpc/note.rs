@@ -61,7 +61,7 @@ pub enum MpcNote {
         /// Height of the jump [N m or N].
         jump: f64,
     },
-    /// By the implicit midpoint rule the predicted velocity of a joint alternates: friction at rest, as at the start of the
+    /// The predicted velocity of a joint alternates by the implicit midpoint rule: friction at rest, as at the start of the
     /// trajectory, stops it within much less than a period, see
     /// [`PredictionRule::ImplicitMidpoint`](super::PredictionRule::ImplicitMidpoint).
     Alternating {

@@ -129,7 +129,7 @@ impl<'a> Reader<'_, 'a> {
         self.pose_by(&at, owner)
     }
 
-    /// What stands in a body; frames and copies are dissolved.
+    /// The elements of a body; frames and copies are dissolved.
     fn contents(&mut self, element: Element<'a>, class: usize, suffix: &str) -> Vec<Placed<'a>> {
         let files = self.files;
         let inside = |around: &Placed<'a>| {

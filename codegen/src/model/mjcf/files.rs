@@ -38,14 +38,17 @@ pub(super) fn gather(
     while next < texts.len() {
         for file in includes(&texts[next], report)? {
             let name = plain_path(&file.value);
-            // As in MuJoCo: beside the model, else beside the file that includes it.
-            let beside = [path, &texts[next].path].map(|from| folder(from).join(&name));
-            let [first, second] = beside.clone().map(|path| load.text(&path.to_string_lossy()));
-            let (path, found) = match first {
-                Err(_) if second.is_ok() => (&beside[1], second),
-                first => (&beside[0], first),
+            // As in MuJoCo: in the folder of the model, else in that of the file that includes it.
+            let [first, second] = [path, &texts[next].path].map(|from| folder(from).join(&name));
+            let mut read = |path: &Path| load.text(&path.to_string_lossy());
+            let (path, found) = match read(&first) {
+                Err(wrong) => match read(&second) {
+                    Ok(found) => (second, Ok(found)),
+                    Err(_) => (first, Err(wrong)),
+                },
+                found => (first, found),
             };
-            if texts.iter().any(|known| known.path == *path) || texts.len() >= MOST_FILES {
+            if texts.iter().any(|known| known.path == path) || texts.len() >= MOST_FILES {
                 let message =
                     format!("`{}` is included a second time, or after {MOST_FILES} other files", file.value);
                 report.error(file.span, "included-twice", message);
@@ -56,7 +59,7 @@ pub(super) fn gather(
                 Ok((name, text)) => {
                     let included = Some((texts[next].source, file.value));
                     let source = report.add_source(&name, &text);
-                    texts.push(Text { path: path.clone(), included, source, text: UrdfText::new(&text) });
+                    texts.push(Text { path, included, source, text: UrdfText::new(&text) });
                 }
                 Err(wrong) => {
                     for entry in wrong.into_entries() {
