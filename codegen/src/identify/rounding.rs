@@ -6,8 +6,8 @@
 
 use gelenk_identification::estimation::Estimate;
 use gelenk_identification::inertial::margin;
-use gelenk_identification::inertial::payload::Payload;
 use gelenk_identification::numeric::digits::rounded;
+use gelenk_identification::payload::Payload;
 use nalgebra::{DMatrix, DVector};
 
 use super::bodies::{BodyValues, LinkBodies};

@@ -8,7 +8,6 @@
 #![warn(unreachable_pub)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub mod carried;
 mod doubts;
 pub mod error;
 pub mod estimation;
@@ -20,6 +19,7 @@ pub mod inertial;
 pub mod log;
 pub mod methods;
 pub mod numeric;
+pub mod payload;
 pub mod pose;
 pub mod preparation;
 pub mod result;

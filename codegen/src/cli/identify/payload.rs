@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gelenk_findings::{Severity, texts};
-use gelenk_identification::carried::{CarriedLoad, identify_load};
-use gelenk_identification::inertial::payload::{Estimate, Payload, PayloadSettings};
 use gelenk_identification::numeric::digits::{plain, rounded};
+use gelenk_identification::payload::{CarriedLoad, identify_load};
+use gelenk_identification::payload::{Estimate, Payload, PayloadSettings};
 use gelenk_identification::result::description::{Identified, write_identified};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};

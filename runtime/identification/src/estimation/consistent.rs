@@ -1,18 +1,14 @@
 //! The fit over bodies that can exist.
 
-use super::super::error::{IdentificationError, Result};
+use super::super::error::Result;
 use super::super::inertial::consistent::{ConsistentProblem, MARGIN, solve};
 use super::super::inertial::{PER_BODY, margin};
 use super::layout::{ARMATURE, Layout};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// Pulls towards the description, as shares of the largest curvature, that are tried in turn until the program
-/// converges. They are below what the sums of products resolve.
-const PULLS: [f64; 4] = [0.0, 1e-13, 1e-12, 1e-11];
-
 /// The minimum of `½ xᵀ A x − gᵀ x` where the description plus x has positive pseudo-inertias, and rotor
-/// inertias, reflected inertias and shares of the load that are not negative, and the pull that was needed. `free` is the minimum without these bounds.
+/// inertias, reflected inertias and shares of the load that are not negative. `free` is the minimum without these bounds.
 pub(super) fn bounded(
     layout: &Layout,
     prior: &Prior,
@@ -20,42 +16,21 @@ pub(super) fn bounded(
     regularized: &DMatrix<f64>,
     linear: &DVector<f64>,
     free: &DVector<f64>,
-) -> Result<(DVector<f64>, f64)> {
+) -> Result<DVector<f64>> {
     let described =
         DVector::from_fn(active.len(), |i, _| prior.described.get(active[i]).copied().unwrap_or(0.0));
     let nonnegative = nonnegative(layout, prior, active);
     let absolute = &described + free;
     if can_exist(&absolute, prior.bodies.len(), &nonnegative) {
-        return Ok((free.clone(), 0.0));
+        return Ok(free.clone());
     }
-    let map = prior.unit_bodies(active.len());
-    let origin = map.clone().lu().solve(&described).unwrap_or_else(|| described.clone());
-    let mut hessian = symmetric(map.transpose() * regularized * &map);
-    let mut linear = map.transpose() * (linear + regularized * &described);
-    let largest = hessian.diagonal().max();
-    let mut fault = None;
-    for pull in PULLS {
-        for i in 0..PER_BODY * prior.bodies.len() {
-            hessian[(i, i)] += pull * largest;
-            linear[i] += pull * largest * origin[i];
-        }
-        let bodies = prior.bodies.len();
-        let problem = ConsistentProblem {
-            hessian: hessian.clone(),
-            linear: linear.clone(),
-            bodies,
-            nonnegative: nonnegative.clone(),
-        };
-        match solve(&problem) {
-            Ok(solution) => return Ok((map * solution.parameters - described, pull)),
-            Err(error) => fault = Some(error),
-        }
-    }
-    Err(fault.unwrap_or(IdentificationError::Empty { what: "the list of pulls".into() }))
-}
-
-fn symmetric(a: DMatrix<f64>) -> DMatrix<f64> {
-    0.5 * (&a + a.transpose())
+    let problem = ConsistentProblem {
+        hessian: regularized.clone(),
+        linear: linear + regularized * &described,
+        bodies: prior.bodies.len(),
+        nonnegative,
+    };
+    Ok(solve(&problem)?.parameters - described)
 }
 
 /// Places of rotor inertias, reflected inertias and shares of the load among the active unknowns.

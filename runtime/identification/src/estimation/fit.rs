@@ -81,9 +81,6 @@ pub(super) struct Solved {
     pub(super) mean: DVector<f64>,
     /// Samples that count as one, by active unknown.
     pub(super) time: DVector<f64>,
-    /// Pull towards the description without which the program over bodies that can exist did not converge, as a share
-    /// of the largest curvature.
-    pub(super) pull: f64,
 }
 
 impl Solved {
@@ -132,13 +129,12 @@ pub(super) fn fit(
     let linear = normal.linear + stiffness.component_mul(&known.mean);
     let right = DMatrix::from_column_slice(active.len(), 1, linear.as_slice());
     let mut x = solve(&regularized, &right)?.column(0).into_owned();
-    let mut pull = 0.0;
     if model.consistent {
-        (x, pull) = bounded(layout, prior, &active, &regularized, &linear, &x)?;
+        x = bounded(layout, prior, &active, &regularized, &linear, &x)?;
     }
     let mut values = Values { unknowns: DVector::zeros(layout.len()), gains: start.gains.clone() };
     active.iter().zip(x.iter()).for_each(|(&global, x)| values.unknowns[global] = *x);
-    Ok(Solved { values, active, regularized, metric, mean: known.mean, time: known.time, pull })
+    Ok(Solved { values, active, regularized, metric, mean: known.mean, time: known.time })
 }
 
 /// Errors over each fold of the values fitted to the others.

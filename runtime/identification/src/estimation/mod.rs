@@ -41,6 +41,7 @@ pub(crate) use {
     checks::{ACCELERATION, FRICTION_DRIFTS, OFFSET_DRIFTS, POSITION},
     described::described_ratio,
     intervals::correlation_time,
+    prior::distance,
     residuals::{huber, robust_deviation},
     shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
     sums::{FEWEST_MOTIONS, repeated_motions},

@@ -4,7 +4,7 @@
 //! (Lee, Wensing, Park 2020: the affine-invariant metric at P₀). A change of one means a mass or an inertia
 //! that is wrong by about itself. For a rotor it is (ΔJ / J)².
 
-use super::super::inertial::{PER_BODY, from_pseudo_inertia, margin, pseudo_inertia};
+use super::super::inertial::{PER_BODY, margin, pseudo_inertia};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::normal::Model;
@@ -28,8 +28,6 @@ pub(super) struct Prior {
     pub(super) bodies: Vec<usize>,
     /// Mean squared radius of gyration of the bodies [m²].
     size: f64,
-    /// Cholesky factors L of their believed pseudo-inertias, P₀ = L Lᵀ.
-    factors: Vec<Matrix4<f64>>,
     /// Of each joint; empty where nothing is known.
     pub(super) joints: Vec<JointPrior>,
 }
@@ -45,35 +43,11 @@ pub(super) struct Gaussian {
 
 impl Prior {
     pub(super) fn new(described: &[f64], bodies: usize, joints: Vec<JointPrior>) -> Self {
-        let p = described.len();
-        let mut prior = Self {
-            metric: DMatrix::zeros(p, p),
-            described: described.to_vec(),
-            held: vec![false; p],
-            bodies: Vec::new(),
-            size: mean_radius(described, bodies),
-            factors: Vec::new(),
-            joints,
-        };
-        for body in 0..bodies {
-            let start = body * PER_BODY;
-            let mut parameters = [0.0; PER_BODY];
-            parameters.copy_from_slice(&described[start..start + PER_BODY]);
-            if parameters[0] > 0.0 {
-                let factor = believed(&parameters, prior.size);
-                let block = body_metric(&factor.inverse());
-                prior.factors.push(factor.l());
-                prior.metric.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&block);
-                prior.bodies.push(body);
-            } else {
-                prior.held[start..start + PER_BODY].fill(true);
-            }
-        }
-        for i in bodies * PER_BODY..p {
-            prior.held[i] = described[i] <= 0.0;
-            prior.metric[(i, i)] = if prior.held[i] { 0.0 } else { described[i].powi(-2) };
-        }
-        prior
+        let (metric, held) = distance(described, bodies);
+        let size = mean_radius(described, bodies);
+        let (bodies, described) =
+            ((0..bodies).filter(|body| !held[body * PER_BODY]).collect(), described.to_vec());
+        Self { metric, described, held, bodies, size, joints }
     }
 
     /// The same with the correlation time of each joint's residuals.
@@ -122,22 +96,28 @@ impl Prior {
         let value = |i: usize| self.described[i] + changes[i];
         self.bodies.iter().all(|body| margin(&std::array::from_fn(|k| value(body * PER_BODY + k))) > 0.0)
     }
+}
 
-    /// Coordinates in which the believed bodies have the pseudo-inertia one: `π(L S Lᵀ)` of the parameters of S,
-    /// as a matrix over `unknowns`, of which the bodies come first and the others stay.
-    pub(super) fn unit_bodies(&self, unknowns: usize) -> DMatrix<f64> {
-        let mut map = DMatrix::identity(unknowns, unknowns);
-        for (body, factor) in self.factors.iter().enumerate() {
-            for k in 0..PER_BODY {
-                let mut unit = [0.0; PER_BODY];
-                unit[k] = 1.0;
-                let column = from_pseudo_inertia(&(factor * pseudo_inertia(&unit) * factor.transpose()));
-                let start = body * PER_BODY;
-                map.view_mut((start, start + k), (PER_BODY, 1)).copy_from_slice(&column);
-            }
+/// The quadratic form of the distance from described parameters, and which of them are held: those of bodies without mass, and rotors
+/// without inertia.
+pub(crate) fn distance(described: &[f64], bodies: usize) -> (DMatrix<f64>, Vec<bool>) {
+    let p = described.len();
+    let (mut metric, mut held) = (DMatrix::zeros(p, p), vec![false; p]);
+    let size = mean_radius(described, bodies);
+    for start in (0..bodies).map(|body| body * PER_BODY) {
+        let parameters: [f64; PER_BODY] = std::array::from_fn(|k| described[start + k]);
+        if parameters[0] > 0.0 {
+            let block = body_metric(&believed(&parameters, size).inverse());
+            metric.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&block);
+        } else {
+            held[start..start + PER_BODY].fill(true);
         }
-        map
     }
+    for i in bodies * PER_BODY..p {
+        held[i] = described[i] <= 0.0;
+        metric[(i, i)] = if held[i] { 0.0 } else { described[i].powi(-2) };
+    }
+    (metric, held)
 }
 
 /// Squared radius of gyration, averaged over the bodies with mass [m²].

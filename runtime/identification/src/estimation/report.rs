@@ -1,6 +1,5 @@
 //! The estimate from samples as it is returned.
 
-use super::super::numeric::digits::plain;
 use super::super::run::PreparedRun;
 use super::estimated::{Estimated, JointFit};
 use super::residuals::{Forces, RunOffsets};
@@ -12,12 +11,6 @@ use gelenk_findings::{Finding, Rule};
 /// Example: a load in the hand of a robot that holds itself.
 /// Fixture: `estimation/tests/simulated.rs`.
 const AS_DESCRIBED: Rule = Rule::note("compensated-as-described");
-
-/// Sees: a fit over bodies that can exist that did not converge by itself.
-/// Matters: a small pull towards the description was added.
-/// Example: a motion that shows few parameters.
-/// Fixture: `inertial/regularized.rs`.
-const PULL: Rule = Rule::note("pull-to-description");
 
 /// Everything that the printed estimate is made of.
 pub(super) struct Report<'a> {
@@ -77,8 +70,7 @@ impl Report<'_> {
     /// What was chosen.
     fn choices(&self) -> impl Iterator<Item = Finding> {
         let offsets = self.fitted.offsets_found(self.fitted.chosen.model.offsets);
-        let found = offsets.chain(self.gravity()).chain(self.fitted.choices());
-        found.chain(self.pull())
+        offsets.chain(self.gravity()).chain(self.fitted.choices())
     }
 
     /// The weight that the robot compensates, if it is not all of it.
@@ -88,18 +80,6 @@ impl Report<'_> {
                 "the robot compensates the weight of the bodies as described. What they weigh beyond it is in the efforts, and the \
                  found bodies have it; if the robot's own model is another one, their weight is wrong by the difference",
             )
-        })
-    }
-
-    /// The pull with which the program over bodies that can exist converged.
-    fn pull(&self) -> Option<Finding> {
-        let pull = self.fitted.solved.pull;
-        (pull > 0.0).then(|| {
-            PULL.found(format!(
-                "the fit over bodies that can exist converged with a pull towards the description of {} of the largest \
-                 curvature, which is below what the sums resolve",
-                plain(pull, 1)
-            ))
         })
     }
 }

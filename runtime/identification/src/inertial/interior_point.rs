@@ -237,14 +237,15 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// `σ μ 1 − Λ² − ΔŜ ∘ ΔẐ`, of the predictor's direction.
-    fn corrector(&self, affine: &Direction, centre: f64) -> Targets {
+    /// `σ μ 1 − Λ² − α ΔŜ ∘ ΔẐ`, of the predictor's direction and its step α: the whole correction of a short step leads away from
+    /// the central path, and the iteration can cycle (Colombo and Gondzio 2008).
+    fn corrector(&self, affine: &Direction, centre: f64, length: f64) -> Targets {
         let mut target = self.predictor();
         for ((t, s), z) in target.blocks.iter_mut().zip(&affine.primal.blocks).zip(&affine.dual.blocks) {
-            *t += Matrix4::from_diagonal_element(centre) - (s * z + z * s) * 0.5;
+            *t += Matrix4::from_diagonal_element(centre) - (s * z + z * s) * (0.5 * length);
         }
         for ((t, s), z) in target.scalars.iter_mut().zip(&affine.primal.scalars).zip(&affine.dual.scalars) {
-            *t += centre - s * z;
+            *t += centre - s * z * length;
         }
         target
     }
@@ -328,7 +329,7 @@ impl Cone<'_> {
         let length = newton.step(&affine, 1.0);
         let mu = point.gap / self.degree();
         let centre = mu * (1.0 - length).powi(3);
-        let direction = newton.direction(&newton.corrector(&affine, centre));
+        let direction = newton.direction(&newton.corrector(&affine, centre, length));
         let length = newton.step(&direction, TO_BOUNDARY);
         let stuck = length < 1e-12 || !length.is_finite();
         (!stuck).then(|| (&point.u + &direction.u * length, &point.z + &direction.z * length))

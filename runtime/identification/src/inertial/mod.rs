@@ -5,19 +5,14 @@
 //! of the bodies. A body exists with these numbers if and only if its pseudo-inertia `[[Σ, m c], [m cᵀ, m]]`,
 //! `Σ = ½ tr(I) 1 − I`, is positive definite (Wensing, Kim, Slotine 2017).
 //!
-//! `consistent` minimizes a quadratic function over bodies that
-//! can exist, `regularized` holds what data do not show at the description, [`payload`] compares a robot
-//! with and without its load.
+//! `consistent` minimizes a quadratic function over bodies that can exist.
 
 pub(crate) mod consistent;
 mod interior_point;
-pub mod payload;
-mod problem;
 mod pseudo_inertia;
-pub(crate) mod regularized;
 mod scaled;
 
-#[cfg(test)]
-pub(crate) use pseudo_inertia::is_physically_consistent;
 pub use pseudo_inertia::{PER_BODY, margin};
 pub(crate) use pseudo_inertia::{from_pseudo_inertia, pseudo_inertia};
+#[cfg(test)]
+pub(crate) use pseudo_inertia::{is_physically_consistent, tests as bodies};

@@ -61,13 +61,13 @@ pub fn margin(pi: &[f64; PER_BODY]) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::numeric::random::SplitMix64;
     use nalgebra::Vector4;
 
     /// A body made of point masses [kg] in a box [m]: consistent by construction.
-    pub(in super::super) fn body(random: &mut SplitMix64, mass: f64, size: f64) -> [f64; PER_BODY] {
+    pub(crate) fn body(random: &mut SplitMix64, mass: f64, size: f64) -> [f64; PER_BODY] {
         let mut j = Matrix4::zeros();
         let centre = [0, 1, 2].map(|_| size * (random.uniform() - 0.5));
         for _ in 0..8 {

@@ -5,22 +5,16 @@
 //! scaled together, and so is the objective, by what it gains without cones. Without this a problem with
 //! 100 kg and 10⁻⁶ kg m² loses its smaller digits, and the iteration starts far from its end.
 
+use super::consistent::ConsistentProblem;
 use super::interior_point::{BLOCK, PLACES};
-use super::problem::ConsistentProblem;
 use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
-use crate::error::{IdentificationError, Result};
-use crate::numeric::spectrum::symmetric_eigenvalues;
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
 
 /// A curvature below this share of the largest one is rounding: the direction is not seen.
 const UNSEEN: f64 = 1e-24;
 
-/// An eigenvalue of the scaled Hessian below this share of the largest is a direction that H does not
-/// determine: `H = Wᵀ W` has the square of the condition of W.
-const OPEN: f64 = 1e-12;
-
-/// How negative an eigenvalue may be by rounding, as a share of the largest.
-const NEGATIVE: f64 = 1e-9;
+/// Share of the diagonal that makes a Hessian definite which rounding made indefinite.
+const ROUNDING: f64 = 1e-9;
 
 /// Share of the scaled distance from a body of unit sizes in the objective: rounding where H determines the body.
 /// Where it does not, the multipliers would have no interior, and the iteration would stop early.
@@ -32,13 +26,7 @@ type Block = SMatrix<f64, PER_BODY, BLOCK>;
 pub(super) struct Scaled {
     pub hessian: DMatrix<f64>,
     pub linear: DVector<f64>,
-    /// What the objective gains from zero to its minimum without cones, in its own unit.
-    pub energy: f64,
-    /// Directions that H does not determine.
-    pub open: usize,
     blocks: Vec<Block>,
-    /// Entries behind the bodies which H does not contain; they are zero.
-    pub unseen: Vec<usize>,
     /// Sizes of the entries behind the bodies.
     sizes: Vec<f64>,
 }
@@ -73,9 +61,7 @@ fn balance(curvature: &[f64; BLOCK], largest: f64) -> Vector4<f64> {
 }
 
 impl Scaled {
-    /// # Errors
-    /// An H that is not positive semidefinite.
-    pub(super) fn new(problem: &ConsistentProblem) -> Result<Self> {
+    pub(super) fn new(problem: &ConsistentProblem) -> Self {
         let largest = problem.hessian.diagonal().max();
         let unit = parameters_of_block(&Vector4::repeat(1.0));
         let blocks = (0..problem.bodies).map(|b| {
@@ -84,22 +70,17 @@ impl Scaled {
             parameters_of_block(&balance(&std::array::from_fn(|k| diagonal[k]), largest))
         });
         let others = PER_BODY * problem.bodies;
-        let further: Vec<f64> = problem.hessian.diagonal().iter().skip(others).copied().collect();
-        let seen = |h: f64| h > UNSEEN * largest;
-        let unseen = (0..further.len()).filter(|&i| !seen(further[i])).map(|i| others + i).collect();
-        let size = |h: f64| if seen(h) { 1.0 / h.sqrt() } else { 1.0 };
+        let further = problem.hessian.diagonal();
+        let size = |h: &f64| if *h > 0.0 { 1.0 / h.sqrt() } else { 1.0 };
         let mut scaled = Self {
             hessian: DMatrix::zeros(0, 0),
             linear: DVector::zeros(0),
-            energy: 1.0,
-            open: 0,
             blocks: blocks.collect(),
-            sizes: further.iter().copied().map(size).collect(),
-            unseen,
+            sizes: further.iter().skip(others).map(size).collect(),
         };
         scaled.transform(problem);
-        scaled.normalize()?;
-        Ok(scaled)
+        scaled.normalize();
+        scaled
     }
 
     /// `Tᵀ H T` and `Tᵀ g`, block by block.
@@ -140,11 +121,9 @@ impl Scaled {
     }
 
     /// Scales all entries together, and the objective, such that it gains one without cones.
-    fn normalize(&mut self) -> Result<()> {
-        self.open = open_directions(&self.hessian)?;
+    fn normalize(&mut self) {
         let gain = 0.5 * free_gain(&self.hessian, &self.linear);
         if gain > 0.0 && gain.is_finite() {
-            self.energy = gain;
             let size = gain.sqrt();
             // u = size · u', f = energy · f': H stays, g falls.
             self.linear /= size;
@@ -152,7 +131,6 @@ impl Scaled {
             self.sizes.iter_mut().for_each(|s| *s *= size);
         }
         self.pull();
-        Ok(())
     }
 
     /// Adds `½ · PULL · ‖u − unit bodies‖²`.
@@ -176,31 +154,14 @@ impl Scaled {
         for (i, size) in self.sizes.iter().enumerate() {
             x[BLOCK * self.blocks.len() + i] *= size;
         }
-        for &i in &self.unseen {
-            x[i] = 0.0;
-        }
         x
-    }
-}
-
-/// Number of eigenvalues that are zero up to rounding.
-fn open_directions(h: &DMatrix<f64>) -> Result<usize> {
-    let eigenvalues = symmetric_eigenvalues(h);
-    let largest = eigenvalues.amax();
-    match eigenvalues.iter().copied().fold(0.0, f64::min) {
-        least if least < -NEGATIVE * largest => Err(IdentificationError::Setting {
-            name: "least eigenvalue of the scaled Hessian".into(),
-            value: least / largest,
-            requirement: "the Hessian must be positive semidefinite".into(),
-        }),
-        _ => Ok(eigenvalues.iter().filter(|&&x| x <= OPEN * largest).count()),
     }
 }
 
 /// `gᵀ H⁻¹ g`, with a share of the diagonal that makes H definite.
 fn free_gain(h: &DMatrix<f64>, g: &DVector<f64>) -> f64 {
     let mut definite = h.clone();
-    let share = NEGATIVE * h.diagonal().amax().max(f64::MIN_POSITIVE);
+    let share = ROUNDING * h.diagonal().amax().max(f64::MIN_POSITIVE);
     for i in 0..h.nrows() {
         definite[(i, i)] += share;
     }

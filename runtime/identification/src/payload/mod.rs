@@ -13,21 +13,23 @@
 //! heavier by what they add.
 
 mod equations;
+mod identify;
 mod report;
 mod result;
 mod settings;
 
+pub use identify::{CarriedLoad, identify_load};
 pub use result::{Estimate, NAMES, Payload};
 pub use settings::PayloadSettings;
 
-use super::consistent::{ConsistentProblem, ConsistentSolution, solve};
-use super::pseudo_inertia::{PER_BODY, from_pseudo_inertia};
-use super::regularized::towards;
 use crate::error::{Result, require_setting};
+use crate::estimation::distance;
+use crate::inertial::consistent::{ConsistentProblem, ConsistentSolution, solve};
+use crate::inertial::{PER_BODY, from_pseudo_inertia};
 use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
 use equations::{Equations, Reduced, singular};
-use nalgebra::{DMatrix, Matrix4};
+use nalgebra::{DMatrix, DVector, Matrix4};
 
 /// Density of the ball that stands for what the motion does not show of a load [kg/m³]: plastics, or
 /// half as much metal as air.
@@ -114,15 +116,15 @@ impl Found {
         settings: &PayloadSettings,
     ) -> Result<Self> {
         let weight = BALL * settings.weight;
-        let held = towards(&reference, weight)?;
+        let held = distance(&reference, 1).0 * (2.0 * weight);
         let load = solve(&ConsistentProblem {
-            hessian: &reduced.hessian + &held.hessian,
-            linear: &reduced.linear + &held.linear,
+            hessian: &reduced.hessian + &held,
+            linear: &reduced.linear + &held * DVector::from_row_slice(&reference),
             bodies: 1,
             nonnegative: Vec::new(),
         })?;
-        let covariance = equations.covariance(weights, reduced, &held.hessian, &load.parameters)?;
-        Ok(Self { covariance, sizes: prior_sizes(&held.hessian, weight)?, load })
+        let covariance = equations.covariance(weights, reduced, &held, &load.parameters)?;
+        Ok(Self { covariance, sizes: prior_sizes(&held, weight)?, load })
     }
 }
 

@@ -1,6 +1,6 @@
 //! A load, with how far to trust it.
 
-use crate::inertial::pseudo_inertia::PER_BODY;
+use crate::inertial::PER_BODY;
 use gelenk_findings::Finding;
 
 /// Names of a load's ten parameters, in the frame of the body that carries it.

@@ -1,8 +1,8 @@
 //! Simulated logs of a UR5 with and without a load.
 
 use super::*;
+use crate::inertial::bodies::body;
 use crate::inertial::pseudo_inertia;
-use crate::inertial::pseudo_inertia::tests::body;
 use crate::numeric::random::SplitMix64;
 use crate::robot::JointLimits;
 use crate::run::Effort;

@@ -2,8 +2,8 @@
 
 use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_finite, require_length, require_samples};
-use crate::inertial::pseudo_inertia::PER_BODY;
-use crate::inertial::regularized::towards;
+use crate::estimation::distance;
+use crate::inertial::PER_BODY;
 use crate::pose::rows_of;
 use crate::robot::Robot;
 use crate::run::{Effort, PreparedRun};
@@ -28,6 +28,9 @@ const STILL: f64 = 1e-3;
 
 /// Least standard deviation of a residual, as a share of the effort's: logs without noise are simulated.
 const QUIETEST: f64 = 1e-9;
+
+/// Change of a parameter that is held which counts as one [kg, kg m, kg m²].
+const HELD: f64 = 1e-9;
 
 /// Reweightings of the joints by their residuals; three change nothing that matters any more.
 const REWEIGHTINGS: usize = 5;
@@ -360,13 +363,11 @@ impl<'a> Columns<'a> {
         let described = self.robot.parameters();
         let bodies = PER_BODY * self.robot.bodies();
         require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
-        let held = towards(&described[..bodies], weight)?;
-        prior.view_mut((0, 0), (bodies, bodies)).copy_from(&held.hessian);
-        for (i, &value) in described.iter().enumerate().skip(bodies) {
-            // A rotor that is described as zero stays zero.
-            let size = if value == 0.0 { 1e-9 } else { value };
-            prior[(i, i)] = weight / (size * size);
-        }
+        let (metric, held) = distance(&described, self.robot.bodies());
+        let mut own = metric * (2.0 * weight);
+        // Bodies without mass and rotors without inertia stay so.
+        (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));
+        prior.view_mut((0, 0), own.shape()).copy_from(&own);
         Ok(())
     }
 }

@@ -1,14 +1,14 @@
 //! A load at a robot's hand, from logs without and logs with it.
 
-use super::error::Result;
-use super::estimation::described_ratio;
-use super::identify::{IdentificationSettings, beyond_range, read_and_prepare};
-use super::inertial::payload::{Payload, PayloadSettings, estimate};
-use super::log::Recording;
-use super::preparation::PreparationSettings;
-use super::robot::Robot;
-use super::run::PreparedRun;
-use gelenk_findings::Finding;
+use super::{Payload, PayloadSettings, estimate};
+use crate::error::Result;
+use crate::estimation::described_ratio;
+use crate::identify::{IdentificationSettings, beyond_range, read_and_prepare};
+use crate::log::Recording;
+use crate::preparation::PreparationSettings;
+use crate::robot::Robot;
+use crate::run::PreparedRun;
+use gelenk_findings::{Finding, distinct};
 use std::path::PathBuf;
 
 /// A load, and the logs that it was found from.
@@ -40,23 +40,14 @@ pub fn identify_load(
     progress: &mut dyn FnMut(&str),
 ) -> Result<CarriedLoad> {
     let mut noted = Vec::new();
-    let load = carried(robot, (without, with), (settings, load), &mut noted, progress);
-    let (payload, recordings) = match load {
-        Ok(found) => found,
-        Err(error) => return Err(error.after(noted)),
-    };
-    // What is the same without and with the load is one finding.
-    let mut findings: Vec<Finding> = Vec::new();
-    for finding in noted {
-        if !findings.contains(&finding) {
-            findings.push(finding);
-        }
+    match compared(robot, (without, with), (settings, load), &mut noted, progress) {
+        Ok((payload, recordings)) => Ok(CarriedLoad { payload, recordings, findings: distinct(noted) }),
+        Err(error) => Err(error.after(noted)),
     }
-    Ok(CarriedLoad { payload, recordings, findings })
 }
 
 /// As [`identify_load`]; `noted` holds what was found.
-fn carried(
+fn compared(
     robot: &dyn Robot,
     (without, with): (&[PathBuf], &[PathBuf]),
     (settings, load): (&IdentificationSettings, &PayloadSettings),

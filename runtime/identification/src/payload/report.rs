@@ -1,10 +1,10 @@
 //! The load's numbers as a reader wants them: centre of mass, moments about it, intervals, warnings.
 
-use super::super::super::numeric::digits::plain;
 use super::result::{Estimate, NAMES, Payload};
 use crate::error::{IdentificationError, Result};
+use crate::inertial::PER_BODY;
 use crate::inertial::consistent::ConsistentSolution;
-use crate::inertial::pseudo_inertia::PER_BODY;
+use crate::numeric::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, RowDVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -12,31 +12,31 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Sees: a mass of the load whose interval contains zero.
 /// Matters: there may be no load.
 /// Example: logs without and with an empty gripper.
-/// Fixture: `inertial/payload/tests.rs`.
+/// Fixture: `payload/tests.rs`.
 const NO_LOAD: Rule = Rule::warning("no-load");
 
 /// Sees: values of the load that the motion does not show.
 /// Matters: they are those of a ball.
 /// Example: moments of a load that never turned.
-/// Fixture: `inertial/payload/tests.rs`.
+/// Fixture: `payload/tests.rs`.
 const HIDDEN: Rule = Rule::warning("load-hidden");
 
 /// Sees: efforts that ask for a load that cannot exist.
 /// Matters: the nearest possible one is stated.
 /// Example: a mass below 0.
-/// Fixture: `inertial/payload/tests.rs`.
+/// Fixture: `payload/tests.rs`.
 const IMPOSSIBLE: Rule = Rule::warning("load-impossible");
 
 /// Sees: joints that do not move in logs of a load.
 /// Matters: their efforts are not used.
 /// Example: a wrist that was held.
-/// Fixture: `inertial/payload/tests.rs`.
+/// Fixture: `payload/tests.rs`.
 const NOT_USED: Rule = Rule::warning("load-efforts-not-used");
 
 /// Sees: joints whose residuals the load makes larger.
 /// Matters: friction or offset differ between the logs.
 /// Example: a cold robot without the load, and a warm one with it.
-/// Fixture: `inertial/payload/tests.rs`.
+/// Fixture: `payload/tests.rs`.
 const WORSE: Rule = Rule::warning("load-residuals");
 
 /// What a payload is made of.
