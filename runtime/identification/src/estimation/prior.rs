@@ -30,7 +30,7 @@ pub(super) struct Prior {
     size: f64,
     /// Cholesky factors L of their believed pseudo-inertias, P₀ = L Lᵀ.
     factors: Vec<Matrix4<f64>>,
-    /// Of each joint; empty where nothing is known.
+    /// Prior of each joint; empty if nothing is known.
     pub(super) joints: Vec<JointPrior>,
 }
 
@@ -83,7 +83,7 @@ impl Prior {
         self
     }
 
-    /// What is known of the friction terms among the active unknowns.
+    /// Prior of the friction terms among the active unknowns.
     pub(super) fn friction(&self, layout: &Layout, model: &Model, active: &[usize]) -> Gaussian {
         let zero = DVector::zeros(active.len());
         let mut found = Gaussian { mean: zero.clone(), precision: zero.clone(), time: zero.add_scalar(1.0) };

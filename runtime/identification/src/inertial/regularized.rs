@@ -37,16 +37,16 @@ pub(crate) struct Regularization {
     pub(crate) repaired: Vec<Repair>,
 }
 
-/// A described body that is no reference as it stands.
+/// A described body that cannot serve as a reference without changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Repair {
     /// Number of the body, from 0.
     pub body: usize,
-    /// What the description lacks.
+    /// Fault of the description.
     pub fault: Fault,
 }
 
-/// Why a described body is no reference as it stands.
+/// Reason why a described body cannot serve as a reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fault {
     /// The mass is zero or negative: the reference has a hundredth of the median mass, at the frame's origin.
@@ -97,7 +97,7 @@ struct Typical {
 /// the frame of a massless body.
 ///
 /// # Errors
-/// A length that is no multiple of ten, values that are not finite, or a weight that is not positive.
+/// A length that is not a multiple of ten, values that are not finite, or a weight that is not positive.
 pub(crate) fn towards(prior: &[f64], weight: f64) -> Result<Regularization> {
     let bodies = prior.len() / PER_BODY;
     require_length("parameters, ten per body", bodies * PER_BODY, prior.len())?;

@@ -32,7 +32,7 @@ type Block = SMatrix<f64, PER_BODY, BLOCK>;
 pub(super) struct Scaled {
     pub hessian: DMatrix<f64>,
     pub linear: DVector<f64>,
-    /// What the objective gains from zero to its minimum without cones, in its own unit.
+    /// Decrease of the objective from zero to its minimum without cones, in its own unit.
     pub energy: f64,
     /// Directions that H does not determine.
     pub open: usize,
