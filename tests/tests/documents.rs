@@ -305,21 +305,10 @@ fn the_list_of_functions_is_complete() {
     }
 }
 
-/// Paths that the test of words leaves out, by their beginnings. The first six are temporary: other work edits
-/// these folders at the time of writing. The rest is printed text (help, templates, generated code), or quotes it.
-const NOT_YET: [&str; 11] = [
-    "runtime/identification/",
-    "runtime/src/mpc/",
-    "codegen/src/model/",
-    "codegen/docs/identification.md",
-    "codegen/docs/findings.md",
-    "codegen/kernels/",
-    "codegen/src/cli/arguments.rs",
-    "codegen/src/cli/choices.rs",
-    "codegen/src/cli/template/",
-    "generated/",
-    "CONTRIBUTING.md",
-];
+/// Paths that the test of words leaves out, by their beginnings: comments that are printed into generated modules, whose
+/// bytes are checked, and help texts of the command line, which begin with a verb or a preposition as switches do.
+const NOT_YET: [&str; 4] =
+    ["codegen/kernels/", "codegen/src/cli/arguments.rs", "codegen/src/cli/choices.rs", "generated/"];
 
 /// Doc comments of a source, each with the number of its first line.
 fn doc_comments(text: &str) -> Vec<(usize, String)> {

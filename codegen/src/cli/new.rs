@@ -246,7 +246,7 @@ fn registry(version: &str) -> Result<Source, Failure> {
         return Ok(Source::Version(version.to_owned()));
     }
     Err(Failure::Usage(format!(
-        "`--version {version}` is no version\n  = help: give one to three numbers, e.g. `--version 0.1`"
+        "`--version {version}` is not a version\n  = help: give one to three numbers, e.g. `--version 0.1`"
     )))
 }
 

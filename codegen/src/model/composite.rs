@@ -21,7 +21,7 @@ pub(super) enum Composite {
 /// One of the joints.
 #[derive(Debug)]
 pub(super) struct Part {
-    /// What follows the joint's name, and the key of its values.
+    /// Suffix of the part's name after the joint's name, and key of its values.
     pub name: &'static str,
     pub kind: JointKind,
     axis: PartAxis,

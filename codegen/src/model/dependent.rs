@@ -1,4 +1,4 @@
-//! What moves by constant sums of coordinates and has limits of its own.
+//! Joints and motors that move by constant sums of coordinates and have limits of their own.
 
 use super::{FollowedCoordinate, Model};
 use gelenk_formula::Formula;

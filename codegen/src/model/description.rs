@@ -1,7 +1,7 @@
-//! What a file says, before it is known to make sense: the common form of TOML, URDF and MJCF descriptions.
+//! Contents of a file before validation: the common form of TOML, URDF and MJCF descriptions.
 //!
 //! Names are texts as described, references between entries are by name, and every entry knows its place. A
-//! value that could not be read was reported and stands here as something harmless, so that it causes no
+//! value that could not be read was reported and is replaced by a harmless one, so that it causes no
 //! second complaint.
 
 use super::pose::{Unsaid, rotate_inertia};
@@ -36,7 +36,7 @@ pub(super) struct RobotDescription {
     pub floating_base: Option<Span>,
     /// It is true once the base moves freely.
     pub is_freed: bool,
-    /// What is said of velocities of the base, whose joint comes with its freedom.
+    /// Tables of velocities of the base, whose joint comes with its freedom.
     pub velocities: Vec<JointDescription>,
     /// Whether it is that of an MJCF, or extends one.
     pub is_mjcf: bool,
@@ -271,7 +271,7 @@ impl JointDescription {
 pub(super) struct FrictionDescription {
     /// Friction by velocity and position.
     pub terms: Vec<FrictionTerm>,
-    /// What it gains for each unit of load.
+    /// Increase of friction per unit of load.
     pub load: Option<At<Vec<FrictionTerm>>>,
 }
 
@@ -312,9 +312,9 @@ pub(super) enum DriveChoice {
     /// Not at all.
     #[default]
     Passive,
-    /// By a torque at the joint, without rotor.
+    /// A torque at the joint, without rotor.
     Ideal,
-    /// By a described motor.
+    /// A described motor.
     Motor(Box<DriveDescription>),
 }
 

@@ -32,20 +32,20 @@ impl DescriptionFiles {
         self.files.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
     }
 
-    /// Tells whether the description is XML, by its name, else by its content.
+    /// Whether the description is XML, by its name, else by its content.
     ///
     /// # Errors
-    /// The file cannot be read, or is no description.
+    /// The file cannot be read, or is not a description.
     pub fn is_xml(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
         Ok(is_xml(&name, &text))
     }
 
-    /// Tells whether the description is a model of MuJoCo.
+    /// Whether the description is a model of MuJoCo.
     ///
     /// # Errors
-    /// The file cannot be read, or is no description.
+    /// The file cannot be read, or is not a description.
     pub fn is_mjcf(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
@@ -189,7 +189,7 @@ mod tests {
         assert!(loaded.files.iter().all(|file| file.is_file()));
     }
 
-    /// What changes on the disk between two interpretations does not make them two robots.
+    /// A file that changes on the disk between two interpretations does not make them two robots.
     #[test]
     fn each_file_is_read_once() {
         let folder = tempfile::tempdir().unwrap();

@@ -6,11 +6,11 @@ use super::regularity::{child_from_parent, positions, product_and_sum};
 use super::{Attachment, Model, Motion};
 use crate::random::Random;
 
-/// So many seeded states are tried.
+/// Number of seeded states that are tried.
 const STATES: usize = 64;
 const SEED: u64 = 0x6469_7374_616e_6365;
 
-/// So many of the closest states are where descents begin.
+/// Number of the closest states from which descents begin.
 const STARTS: usize = 8;
 /// A descent takes a dozen steps, and sixty where the distance only touches zero.
 const STEPS: usize = 100;

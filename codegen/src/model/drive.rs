@@ -29,7 +29,7 @@ pub struct Drive {
     pub torque: MotorTorque,
     /// Highest speed of its shaft (rad/s). Where it moves one coordinate, that coordinate's limit contains it.
     pub speed: Option<f64>,
-    /// What it gives less the faster it turns.
+    /// Torque that the motor loses with its speed.
     pub line: Option<TorqueSpeedLine>,
     /// Friction of the shaft over its angle `y` and speed `v`, where the drive acts on several coordinates; that of a
     /// drive on one coordinate is part of its joint's.

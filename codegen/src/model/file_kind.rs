@@ -1,8 +1,8 @@
-//! What a file is that is no description, told by how it begins.
+//! Kinds of files that are not descriptions, recognized by their first bytes.
 
 use std::path::Path;
 
-/// Why a file is no description, and what to do.
+/// Kind of a file that is not a description, and the remedy.
 pub(super) type Foreign = (String, &'static str);
 
 const MESH: &str = "a mesh says nothing of masses and joints: give the URDF that names it, or write a TOML";
@@ -10,7 +10,7 @@ const IMAGE: &str = "give a TOML, URDF or MJCF file";
 const CONVERT: &str = "convert it to URDF first, or describe the robot in TOML";
 const UTF_8: &str = "descriptions are UTF-8 text: save it as that";
 
-/// First bytes of files that are no text, what they are, and what to do.
+/// First bytes of binary files, kind of the file, and remedy.
 const BEGINNINGS: [(&[u8], &str, &str); 10] = [
     (b"\x89PNG", "an image (PNG)", IMAGE),
     (b"\xff\xd8\xff", "an image (JPEG)", IMAGE),
@@ -24,7 +24,7 @@ const BEGINNINGS: [(&[u8], &str, &str); 10] = [
     (b"\xfe\xff", "UTF-16 text", UTF_8),
 ];
 
-/// Roots of XML files that are often at hand beside a URDF.
+/// Roots of XML files that often accompany a URDF.
 const ROOTS: [(&str, &str, &str); 3] = [
     ("sdf", "a robot or world in SDF", CONVERT),
     ("COLLADA", "a mesh (COLLADA)", MESH),

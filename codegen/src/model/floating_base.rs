@@ -70,9 +70,9 @@ fn base_joint(robot: &RobotDescription) -> String {
     unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name))
 }
 
-/// What a description on top of this one can speak of.
+/// Names that a description on top of this one can refer to.
 ///
-/// - `asked`: whether the base is to float, whatever the descriptions say
+/// - `asked`: whether the base floats by an option, whatever the descriptions say
 pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
     let parts = robot.joints.iter().filter_map(|joint| joint.part_of.as_ref());
     let firsts = parts.filter(|part| part.index == 0);
@@ -351,7 +351,7 @@ mod tests {
         }
     }
 
-    /// A joint that is placed keeps its name, and what is said of the base is told by the name that it gets then.
+    /// A placed joint keeps its name; tables of the base use the name that the base gets then.
     #[test]
     fn a_base_beside_a_joint_of_its_name_is_spoken_of_by_its_other_name() {
         let text = "base = { link = \"frame\", type = \"floating\" }

@@ -1,6 +1,6 @@
 //! Keys that other formats have, or that another table of ours has, and what stands in their place.
 
-/// What to write in place of a key, in a table whose keys are `known`.
+/// Replacement of a foreign key, in a table whose keys are `known`.
 pub(super) fn foreign(key: &str, known: &[&str]) -> Option<&'static str> {
     let has = |keys: &[&str]| keys.iter().all(|key| known.contains(key));
     let of_joint = || has(&["follows", "drive"]).then(|| in_joint(key)).flatten();

@@ -33,7 +33,7 @@ pub struct ForceInput {
     pub name: String,
     /// Lowest and highest value; `None` where not described.
     pub limits: Option<[f64; 2]>,
-    /// What a unit of the input does.
+    /// Effect of a unit of the input.
     pub effect: ForceEffect,
 }
 
@@ -47,7 +47,7 @@ impl ForceInput {
     }
 }
 
-/// What a unit of an input does.
+/// Effect of a unit of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForceEffect {
     /// A wrench, fixed in a frame: force (N), then moment about its origin (N m).

@@ -71,7 +71,7 @@ pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
     }
 }
 
-/// `ratio · position` of a joint at rest. A free ratio to another position than 0 is no constant.
+/// `ratio · position` of a joint at rest. A free ratio to another position than 0 is not a constant.
 fn part(term: &FollowsDescription, positions: &BTreeMap<String, f64>, defaults: &[f64]) -> Option<f64> {
     let position = *positions.get(&term.joint.value)?;
     let ratio = &term.ratio.value;

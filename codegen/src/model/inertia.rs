@@ -42,7 +42,7 @@ impl std::fmt::Display for Flaw {
     }
 }
 
-/// Moments that are rounding beside the largest are 0 for those who read them.
+/// Moments that are rounding errors next to the largest are returned as 0.
 fn without_rounding(moments: [f64; 3]) -> [f64; 3] {
     let largest = largest(&moments);
     moments.map(|moment| match moment.abs() > ARITHMETIC * largest {

@@ -67,8 +67,8 @@ pub struct Joint {
     pub springs: Vec<Formula>,
     /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; it is subtracted from q.
     pub friction: Vec<FrictionTerm>,
-    /// Friction s₁(v) = Σ coefficient · basis for each unit of the load τ_l: the joint feels |τ_l| s₁ beside
-    /// the friction above. Empty where friction does not grow with the load; else the joint has an input of
+    /// Friction s₁(v) = Σ coefficient · basis for each unit of the load τ_l: the joint feels |τ_l| s₁ in addition to
+    /// the friction above. Empty if friction does not grow with the load; else the joint has an input of
     /// its own, and |s₁| < 1.
     pub load_friction: Vec<FrictionTerm>,
 }

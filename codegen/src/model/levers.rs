@@ -1,4 +1,4 @@
-//! What forces at frames do at the coordinates, at seeded states: columns of B.
+//! Columns of B of forces at frames, at seeded states.
 
 use super::distances::origin;
 use super::pose::rotate_numbers;
@@ -7,7 +7,7 @@ use super::{Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Model}
 use crate::random::Random;
 use gelenk_formula::Formula;
 
-/// So many seeded states are looked at.
+/// Number of seeded states.
 const STATES: usize = 16;
 const SEED: u64 = 0x6c65_7665_7273;
 /// Part of a wrench that counts as none: directions and levers are written numbers.

@@ -291,7 +291,7 @@ impl Model {
     }
 }
 
-/// What makes an input act.
+/// Source of an input's effect.
 #[derive(Debug, Clone, Copy)]
 pub enum Actuator<'m> {
     /// A drive of joints.

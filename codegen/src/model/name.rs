@@ -1,6 +1,6 @@
 //! Names from a description become Rust identifiers.
 
-/// Words that are no identifiers in any edition, strict and reserved.
+/// Words that cannot be identifiers in any edition, strict and reserved.
 const KEYWORDS: [&str; 54] = [
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
     "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
@@ -23,7 +23,7 @@ pub(super) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }
 
-/// So many characters of a name are used.
+/// Largest number of characters of a name.
 const LONGEST: usize = 200;
 
 /// The name in snake case of ASCII letters, digits and underscores.

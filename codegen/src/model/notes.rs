@@ -1,4 +1,4 @@
-//! What was skipped or changed while a file was read: one note for each kind.
+//! Skipped or changed parts of a file: one note for each kind.
 
 use std::collections::BTreeMap;
 

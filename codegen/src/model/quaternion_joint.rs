@@ -1,4 +1,4 @@
-//! Joints whose positions are no vector space: spherical and floating ones.
+//! Joints whose positions do not form a vector space: spherical and floating ones.
 
 use super::{Model, MovingJoint};
 

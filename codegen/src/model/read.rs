@@ -120,7 +120,7 @@ pub(super) fn from_xml(
     }
 }
 
-/// What the caller asks for beyond the description.
+/// Applies the caller's options in addition to the description.
 fn apply(options: &ReadOptions, model: &mut Model) {
     model.options.smooth_sign = match options.exact_sign {
         true => None,

@@ -11,7 +11,7 @@ pub struct ReadOptions {
     pub snap_angles: Option<f64>,
     /// All friction is left out.
     pub no_friction: bool,
-    /// `tanh` of so many times the argument for `sign`, in friction and springs.
+    /// Slope k of `tanh(k v)`, which replaces `sign(v)` in friction and springs.
     pub smooth_sign: Option<f64>,
     /// Takes a robot whose mass matrix is not positive definite.
     pub accept_unphysical: bool,

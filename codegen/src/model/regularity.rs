@@ -15,7 +15,7 @@ type Matrix = [[f64; 6]; 6];
 /// A pivot below this share of the composite inertia about the same axis is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// So many states are tried: one in general position, the others within the limits.
+/// Number of states that are tried: one in general position, the others within the limits.
 pub(super) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
@@ -30,7 +30,7 @@ pub(super) struct Pivots {
     pub zero: Vec<usize>,
     /// Links of the joints whose pivots are negative at some state.
     pub negative: Vec<usize>,
-    /// At so many states some pivot is negative.
+    /// Number of states with a negative pivot.
     pub indefinite_states: usize,
 }
 

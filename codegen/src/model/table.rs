@@ -72,7 +72,7 @@ impl<'t> Table<'t> {
     }
 }
 
-/// What the value of a key may be where it is read as a table.
+/// Allowed values of a key if it is read as a table.
 fn table_or(key: &str) -> &'static str {
     match key {
         "base" => "the name of a link in quotes, or a table",

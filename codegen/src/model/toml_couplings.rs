@@ -1,4 +1,4 @@
-//! What follows joints: other joints, and drives that stand apart from them.
+//! Elements that follow joints: other joints, and drives that are not on a joint.
 
 use super::description::{DriveDescription, FollowsDescription, SharedDriveDescription};
 use super::table::{Item, Table};

@@ -38,7 +38,7 @@ const ROBOT: [&str; 22] = [
     "wrenches",
     "frames",
 ];
-/// What is described entry by entry.
+/// Tables that are described entry by entry.
 const LISTS: [&str; 7] = ["joints", "bodies", "frames", "drives", "forces", "inputs", "wrenches"];
 const BODY: [&str; 7] = ["name", "link", "mass", "center_of_mass", "inertia", "origin", "accept_unphysical"];
 

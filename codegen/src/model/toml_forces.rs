@@ -33,7 +33,7 @@ pub(super) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Opti
     Some(FrictionDescription { terms, load })
 }
 
-/// What friction gains for each unit of load: a formula, or a weighted sum as identification writes it.
+/// Friction per unit of load: a formula, or a weighted sum as identification writes it.
 fn load_share(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionTerm> {
     match item.value {
         DeValue::Array(_) => weighted(reader, item, owner),

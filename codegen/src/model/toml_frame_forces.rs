@@ -1,4 +1,4 @@
-//! What acts at frames: forces between two of them, wrenches, and inputs that are wrenches.
+//! Elements that act at frames: forces between two of them, wrenches, and inputs that are wrenches.
 
 use super::WrenchAxes;
 use super::description::{

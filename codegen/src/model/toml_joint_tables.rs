@@ -9,21 +9,21 @@ use super::toml_joints::{BY_PART, JOINT, check_all_parts, forces, of_part, read_
 use super::toml_values::Reader;
 use crate::diagnostic::{At, Report};
 
-/// What would give a joint another place.
+/// Keys that would give a joint another place.
 const PLACE: [&str; 5] = ["origin", "dh", "modified_dh", "axis", "pitch"];
 
-/// What one velocity can have alone.
+/// Keys that a single velocity can have alone.
 const SINGLE: [&str; 2] = ["follows", "offset"];
 
 /// The joints of a file.
 #[derive(Debug, Default)]
 pub(super) struct Joints {
     pub joints: Vec<JointDescription>,
-    /// What is said of velocities of a base that this file frees.
+    /// Tables of velocities of a base that this file frees.
     pub velocities: Vec<JointDescription>,
 }
 
-/// What is known of the description that a file extends.
+/// Facts about the description that a file extends.
 #[derive(Debug, Default)]
 pub(super) struct Extended {
     /// Its joints with quaternions.

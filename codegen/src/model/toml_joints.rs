@@ -185,7 +185,7 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
     reader.report.help("only a helical joint has a pitch: give the joint that type, or remove `pitch`");
 }
 
-/// Keys whose values are told part by part.
+/// Keys whose values are given part by part.
 pub(super) const BY_PART: [&str; 6] = ["held", "motion", "limits", "spring", "friction", "drive"];
 
 /// Those that may be one word for all parts.
@@ -212,7 +212,7 @@ fn read_composite(
     })
 }
 
-/// What a key says of a part.
+/// Value of a key for one part.
 pub(super) fn of_part<'t>(
     table: &Table<'t>,
     (composite, part): (Composite, &Part),

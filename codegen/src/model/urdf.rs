@@ -25,7 +25,7 @@ use std::path::Path;
 /// Axes are published with some six digits: what differs less from length 1 is rounding.
 const WRITTEN_DIGITS: f64 = 1e-5;
 
-/// Reads a URDF; `None` where it is no XML or has no robot in it.
+/// Reads a URDF; `None` if it is not XML or has no robot in it.
 pub(super) fn description(
     report: &mut Report,
     angles: &mut Angles,

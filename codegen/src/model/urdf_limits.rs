@@ -9,7 +9,7 @@ use super::urdf_values::of_any_tool;
 use crate::diagnostic::At;
 use gelenk_formula::LARGEST_NUMBER;
 
-/// What a file says about a limit.
+/// A limit as the file gives it.
 enum Limit<T> {
     Given(At<T>),
     /// Nothing, 0, or infinity.

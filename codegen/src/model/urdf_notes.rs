@@ -1,4 +1,4 @@
-//! What was skipped or changed in a URDF: one note or warning for each kind.
+//! Skipped or changed parts of a URDF: one note or warning for each kind.
 
 use super::{notes, urdf_foreign};
 use crate::diagnostic::Severity;

@@ -7,7 +7,7 @@
 use crate::diagnostic::Span;
 use roxmltree::{Document, Error, Node};
 
-/// A file may use so many prefixes that it does not declare.
+/// Largest number of undeclared prefixes in a file.
 const MOST_PREFIXES: usize = 16;
 
 /// Text that XML's grammar takes, of the same length.

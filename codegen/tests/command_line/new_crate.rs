@@ -263,7 +263,7 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
         (vec!["new", "fn"], 2, "a word of Rust"),
         (vec!["new", ".."], 2, "does not end in a name"),
         (vec!["new", "other", "--git", "git@host:a/b"], 2, "ssh://git@host/a/b"),
-        (vec!["new", "other", "--version", "newest"], 2, "is no version"),
+        (vec!["new", "other", "--version", "newest"], 2, "is not a version"),
         (vec!["new", "my-arm/robot.toml/arm"], 1, "choose a folder in which you may write"),
         (vec!["new", "other", "--checkout", "."], 1, "no checkout of gelenk"),
         (vec!["new", "other", "--git", "x", "--version", "1"], 2, "cannot be used with"),

@@ -40,7 +40,7 @@ pub enum IdentificationError {
     /// Equations of sensible size that are singular.
     #[error("the fit has no solution: {reason}")]
     NoSolution {
-        /// What is known of the cause.
+        /// Known details of the cause.
         reason: String,
     },
     /// Fewer samples than the method needs.
@@ -134,7 +134,7 @@ pub enum IdentificationError {
         /// Time at the row.
         after: f64,
     },
-    /// Text that is no valid expression.
+    /// Text that is not a valid expression.
     #[error("expression `{text}`: {message}")]
     Expression {
         /// The text.
@@ -223,7 +223,7 @@ impl IdentificationError {
         }
     }
 
-    /// What was found before the error.
+    /// Findings collected before the error.
     pub fn noted(&self) -> &[Finding] {
         match self {
             Self::After { noted, .. } => noted,

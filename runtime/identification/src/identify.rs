@@ -23,7 +23,7 @@ use std::path::PathBuf;
 const NO_LAW: Rule = Rule::warning("no-friction-law");
 
 /// Sees: a law of which no term differs from 0 by more than its error.
-/// Matters: it is no law.
+/// Matters: the data do not show friction, and no law is written.
 /// Example: a direct drive without friction.
 /// Fixture: `friction/tests.rs`.
 const NOTHING_LEFT: Rule = Rule::error("no-friction");
@@ -34,7 +34,7 @@ const NOTHING_LEFT: Rule = Rule::error("no-friction");
 /// Fixture: `constant_logs` in `runtime/tests/identification_bad_input.rs`.
 pub(crate) const NO_FIT: Rule = Rule::error("no-friction-fit");
 
-/// What may be decided about an identification; the defaults suit a log about which nothing is known.
+/// Settings of an identification; the defaults suit a log about which nothing is known.
 #[derive(Debug, Clone)]
 pub struct IdentificationSettings {
     /// Which columns are what.
@@ -72,12 +72,12 @@ impl IdentificationSettings {
     }
 }
 
-/// What was found, and all that it was found from.
+/// Result of an identification, with its data.
 #[derive(Debug, Clone)]
 pub struct Identification {
     /// The logs.
     pub recording: Recording,
-    /// What was done to their signals.
+    /// Report on the preparation of their signals.
     pub preparation: PreparationReport,
     /// The signals that the estimate was made of; none where it was made of moments.
     pub runs: Vec<PreparedRun>,
@@ -123,11 +123,11 @@ pub struct JointFriction {
 
 /// Reads logs of a robot, prepares their signals, estimates, and chooses the terms of each joint's friction.
 ///
-/// - `progress`: takes a sentence at each step
+/// - `progress`: receives a sentence at each step
 ///
 /// # Errors
 /// Logs that cannot be read or matched with the robot's joints, signals that are too short, and estimates that
-/// explain nothing. A joint whose friction has no law is no error, see [`JointFriction::report`].
+/// explain nothing. A joint whose friction has no law is not an error, see [`JointFriction::report`].
 pub fn identify(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -240,7 +240,7 @@ pub(crate) fn of_signals(
     }
 }
 
-/// What is left of the delay of each effort, and its standard error.
+/// Remaining delay of each effort, and its standard error.
 pub(crate) fn left_of_delays(estimate: &Estimate) -> Vec<[f64; 2]> {
     estimate.delays.iter().map(|delay| [delay.value, delay.standard_error]).collect()
 }

@@ -1,4 +1,4 @@
-//! What identification asks of a robot, whether its functions are compiled or interpreted.
+//! Robot interface of identification, for compiled and interpreted functions alike.
 
 use super::error::{IdentificationError, Result};
 use super::pose::QuaternionJoint;
@@ -94,8 +94,8 @@ pub trait Robot {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
     }
 
-    /// Tells of each row, a joint's or that of one of [`Self::shafts`], whether inertia that its drive adds may be found beside
-    /// the parameters: not where the drive's rotor is one of them, nor where no drive could be written with it.
+    /// For each row, a joint's or that of one of [`Self::shafts`]: whether additional inertia of its drive may be estimated.
+    /// It may not if the drive's rotor is among the parameters, or if no drive could be written with it.
     fn takes_inertia(&self) -> Vec<bool> {
         vec![true; self.joint_names().len()]
     }
@@ -146,7 +146,7 @@ pub trait Robot {
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 
     /// `M ÿ + k − q` with the described parameters, without friction of joints and of [`Self::shafts`], one entry for each joint [N·m or N].
-    /// Springs and other forces that are no inertia are in here and not in `W π`.
+    /// It contains springs and other forces that are not inertial, which `W π` does not.
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]);
 }
 
@@ -173,7 +173,7 @@ pub struct TorqueSpeedLine {
     pub input: usize,
     /// C: what the velocity of each of the N joints takes from the input, in its unit.
     pub slopes: Vec<f64>,
-    /// What the motor gives at rest, in the unit of the input.
+    /// Largest input of the motor at rest, in the unit of the input.
     pub limit: f64,
 }
 

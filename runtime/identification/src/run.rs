@@ -21,14 +21,14 @@ pub struct Run {
     pub velocities: Vec<Option<Vec<f64>>>,
     /// Measured efforts; joints or inputs, as [`Effort`] says.
     pub efforts: Vec<Vec<f64>>,
-    /// What the efforts are.
+    /// Kind of the efforts.
     pub effort: Effort,
 }
 
 /// Fewest samples of a run that is prepared.
 pub(crate) const FEWEST_SAMPLES: usize = 16;
 
-/// What a log's efforts are.
+/// Kind of a log's efforts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// Forces at the joints, `B u` [N·m or N], one for each joint.
@@ -61,7 +61,7 @@ pub struct PreparedRun {
     /// For each joint, whether a sample belongs to a rest: its effort says nothing about friction there, which takes any
     /// value up to the static one. Empty where no joint rests.
     pub resting: Vec<Vec<bool>>,
-    /// What the efforts are.
+    /// Kind of the efforts.
     pub effort: Effort,
 }
 

@@ -28,7 +28,7 @@ pub enum MpcError {
     Row {
         /// Its name.
         row: String,
-        /// What is wrong with it.
+        /// Fault of the row.
         fault: RowFault,
     },
     /// A joint follows several coordinates, and their bounds allow what its limits do not. A row keeps these.
@@ -59,7 +59,7 @@ pub enum MpcError {
         /// The joint.
         joint: &'static str,
     },
-    /// A quaternion of the trajectory is no attitude.
+    /// A quaternion of the trajectory does not represent an attitude.
     #[error("at {time} s of the trajectory {error}")]
     Attitude {
         /// Where on the trajectory (s).
@@ -114,7 +114,7 @@ pub(super) fn require(
     }
 }
 
-/// What to do where the Riccati equation of the terminal weight has no solution.
+/// Remedy if the Riccati equation of the terminal weight has no solution.
 fn remedy(reason: &LqrError) -> &'static str {
     match reason {
         LqrError::NotStabilizable(_) => {

@@ -1,4 +1,4 @@
-//! What the predictive controllers share: estimate, reference over the horizon, QP, plan.
+//! Common parts of the predictive controllers: estimate, reference over the horizon, QP, plan.
 
 use super::error::MpcError;
 use super::integrate::{Span, discretize, flat_input, flat_state, integrate, substeps};
@@ -63,7 +63,7 @@ pub(super) struct Horizon<
     pub plan: Plan<N, M, NY>,
     /// The input that acts from now on, if it acts one period late.
     under_way: [f64; M],
-    /// Of the last step on the trajectory (s).
+    /// Time of the last step on the trajectory (s).
     time: f64,
     pub notes: Vec<MpcNote>,
 }
@@ -227,7 +227,7 @@ where
     ///
     /// # Errors
     /// [`ControllerFault::Stalled`] after more than `MAX_BRIDGED` periods; the next step goes on from this
-    /// measurement. [`ControllerFault::NotFinite`] for a time that is no number.
+    /// measurement. [`ControllerFault::NotFinite`] for a time that is not a number.
     pub fn observe(&mut self, cycle: &Cycle<N, M, NY>) -> Result<(f64, Node<N, NY>), ControllerFault> {
         self.time = cycle.time;
         self.take_in(cycle)?;
@@ -293,7 +293,7 @@ where
     }
 
     /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither
-    /// estimate nor plan change, and the solution of the QP is no state, because each solve is a cold start.
+    /// estimate nor plan change, and each solve is a cold start that keeps no state of the QP.
     pub fn rehearse(&mut self, next: &Cycle<N, M, NY>) {
         let span = self.span(next.time - self.options.period);
         let (y, v) = (self.observer.positions(), self.observer.velocities());

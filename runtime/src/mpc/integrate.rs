@@ -106,7 +106,7 @@ impl Span {
         (0..self.substeps).map(move |k| self.start + k as f64 * self.length())
     }
 
-    /// Of a step (s).
+    /// Length of a step (s).
     pub fn length(self) -> f64 {
         self.period / self.substeps as f64
     }

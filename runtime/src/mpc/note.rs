@@ -1,4 +1,4 @@
-//! What a predictive controller says about its task before it begins.
+//! Notes of a predictive controller about its task, before it begins.
 
 use super::options::MpcOptions;
 use super::row::MpcRow;
@@ -14,7 +14,7 @@ const INTERVALS: usize = 256;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MpcNote {
     /// The trajectory moves a joint faster than its soft limit: the controller will lag behind, and a
-    /// following error is no fault of the robot.
+    /// following error is not a fault of the robot.
     Speed {
         /// Name of the joint.
         joint: &'static str,
@@ -42,7 +42,7 @@ pub enum MpcNote {
         row: &'static str,
         /// When it is furthest beyond (s).
         time: f64,
-        /// What the row gives then, in its unit.
+        /// Value of the row at that time, in its unit.
         value: f64,
         /// Its sides.
         limits: [f64; 2],
@@ -172,7 +172,7 @@ fn samples<const N: usize, const NY: usize>(
         .collect()
 }
 
-/// With positions by velocity entry: 0 for joints with a quaternion, which have neither limits nor rows.
+/// Sample with positions by velocity entry: 0 for joints with a quaternion, which have neither limits nor rows.
 fn coordinates<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,
     sample: &Sample<N, NY>,

@@ -72,7 +72,7 @@ pub struct DisturbanceObserver<const N: usize, const M: usize, const NY: usize =
     /// Covariance, rows of 2 N + M numbers, and memory for its prediction.
     covariance: Vec<f64>,
     work: Vec<f64>,
-    /// What measurements say of the augmented state, before it is moved.
+    /// Correction of the augmented state by the measurements, before it is moved.
     correction: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! What a predictive controller is told.
+//! Options of a predictive controller.
 
 use super::error::{MpcError, require};
 use super::observer::ObserverOptions;
@@ -127,7 +127,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     /// Options with the model's limits (inputs up to the peak of motor and joint, [`Dynamics::input_limits`];
     /// positions; speeds; both narrowed to what joints that follow one of them allow; rows of joints that follow several and of
     /// motors whose torque falls with their speed, [`MpcRow::of_limits`]) and weights for a robot in SI units: position errors
-    /// 1e4, velocity errors 1e2 (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 beside a full input.
+    /// 1e4, velocity errors 1e2 (errors vanish with a time constant of 0.1 s), deviations of the input 1e-3 per full input.
     /// QP to a millionth of its cost. No delay, linearization around the plan. The observer estimates a disturbance of every input,
     /// which changes by 3e-4 of the largest input in a period, and reckons with encoders of 1e-5 rad (or m), see
     /// [`Self::with_encoders`].
@@ -231,7 +231,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
     /// # Errors
     /// [`MpcError::Dependent`] for the first joint whose limits neither bounds nor a row of its name keep, and
     /// [`MpcError::TorqueSpeed`] for the first motor whose line no row of its name with its input keeps. Limits of joints that
-    /// follow driven ones, which change with time, are no rows.
+    /// follow driven ones, which change with time, do not become rows.
     pub(super) fn check_sums(&self, limits: &Limits<N, M>) -> Result<(), MpcError> {
         // A motor may be called as a joint is: rows with inputs are those of motors.
         let has_row = |name: &str, of: fn(&MpcRow<N, M>) -> &[f64; N]| {

@@ -43,7 +43,7 @@ use std::fmt;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MpcRow<const N: usize, const M: usize> {
-    /// What it is called in errors and notes.
+    /// Name of the row in errors and notes.
     pub name: &'static str,
     /// G_y, per rad or m.
     pub positions: [f64; N],
@@ -55,7 +55,7 @@ pub struct MpcRow<const N: usize, const M: usize> {
     pub lower: f64,
     /// Upper side; +∞ where there is none.
     pub upper: f64,
-    /// What happens where it cannot be kept.
+    /// Behaviour if the row cannot be kept.
     pub kind: RowKind,
 }
 
@@ -113,7 +113,7 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
 
     /// The rows of a robot that has limits of sums, with the names of their joints and motors: of positions, then of speeds of
     /// joints that follow several coordinates, then the torque–speed lines of motors; none for other robots.
-    /// [`MpcOptions::new`](super::MpcOptions::new) takes them. Beside rows of your own, take them apart: `let [forearm] = …`.
+    /// [`MpcOptions::new`](super::MpcOptions::new) takes them. To add rows of your own, take them apart: `let [forearm] = …`.
     ///
     /// ```
     /// use gelenk_runtime::mpc::{LtvMpc, MpcOptions, MpcRow};
@@ -254,7 +254,7 @@ pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) 
     range
 }
 
-/// What is wrong with a row.
+/// Fault of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RowFault {
     /// A coefficient is infinite or NaN.
@@ -262,7 +262,7 @@ pub enum RowFault {
         /// The coefficient.
         value: f64,
     },
-    /// The sides are no interval: NaN, lower above upper, infinite inwards, or beyond all numbers in units of
+    /// The sides do not form an interval: NaN, lower above upper, infinite inwards, or beyond all numbers in units of
     /// the largest coefficient.
     Sides {
         /// Lower side.
@@ -277,7 +277,7 @@ pub enum RowFault {
         /// Upper side.
         upper: f64,
     },
-    /// The row has a position of a joint with a quaternion, whose entries of y are no coordinates.
+    /// The row has a position of a joint with a quaternion, whose entries of y are not coordinates.
     Attitude {
         /// The joint.
         joint: &'static str,

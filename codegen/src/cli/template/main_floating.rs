@@ -91,7 +91,7 @@ fn home() -> Positions {
     home
 }
 
-/// From beside its way, tilted, the robot rises by a metre within three seconds and turns by a radian.
+/// From a tilted pose away from its path, the robot rises by a metre within three seconds and turns by a radian.
 fn carry(home: &Positions) -> Result<(), Box<dyn Error>> {
     let goal = Robot.integrate(home, &base([0.0, 0.0, 1.0, 0.0, 0.0, 1.0]));
     let start = Robot.integrate(home, &base([0.3, -0.2, 0.0, 0.3, 0.2, 0.0]));

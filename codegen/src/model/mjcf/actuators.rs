@@ -22,7 +22,7 @@ pub(super) type Sums = BTreeMap<String, Sum>;
 const SERVO: [(&str, &[&str]); 3] =
     [("gaintype", &["fixed"]), ("biastype", &["none"]), ("dyntype", &["none"])];
 
-/// What a motor is but for what it acts on.
+/// Motor of an actuator, without its transmission.
 struct Motor {
     gear: f64,
     rotor_inertia: f64,

@@ -70,7 +70,7 @@ impl<'a> Classes<'a> {
         self.0.iter().map(|class| class.name)
     }
 
-    /// What a class, or one around it, says of an attribute of elements with this tag.
+    /// Value of an attribute from a class, or one around it, for elements with this tag.
     pub(super) fn attribute(&self, class: usize, tag: &str, key: &str) -> Option<Given<'a>> {
         let kind = |tag: &str| if ACTUATORS.contains(&tag) { "general".to_owned() } else { tag.to_owned() };
         let wanted = kind(tag);

@@ -1,4 +1,4 @@
-//! What `<compiler>` and `<option>` say of all other elements.
+//! Settings of `<compiler>` and `<option>` that affect all other elements.
 
 use std::path::{Path, PathBuf};
 

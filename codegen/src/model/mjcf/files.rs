@@ -10,7 +10,7 @@ use super::super::mesh::MeshIntegrals;
 use super::super::urdf_text::{UrdfText, opening_tag};
 use crate::diagnostic::{At, Report, Span};
 
-/// So many files may include each other.
+/// Largest number of files that include each other.
 const MOST_FILES: usize = 100;
 
 /// One file.

@@ -29,7 +29,7 @@ struct Lump {
     inertia: [f64; 6],
 }
 
-/// What a geom adds to its body.
+/// Contribution of a geom to its body.
 enum Share {
     Nothing,
     Lump(Lump),

@@ -191,7 +191,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// A range, where it is one by the switch beside it.
+    /// A range, if its switch makes it one.
     pub(super) fn range(&mut self, placed: &Placed<'a>, key: &str, switch: &str) -> Option<At<[f64; 2]>> {
         let given = self.find(placed, key)?;
         let switch_word = match self.find(placed, switch) {

@@ -45,7 +45,7 @@ struct KnownJoint {
     /// Its position where the description shows it.
     reference: f64,
     has_quaternion: bool,
-    /// What it adds to M by itself.
+    /// Its own contribution to M.
     armature: f64,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct Reader<'r, 'a> {
     gravity: [f64; 3],
     notes: Notes<Remark>,
     robot: RobotDescription,
-    /// By their names in the file.
+    /// Joints by their names in the file.
     joints: BTreeMap<String, KnownJoint>,
     sites: BTreeSet<String>,
     link_names: Distinct,
@@ -85,7 +85,7 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// Reads an MJCF; `None` where it is no XML or has no model in it.
+/// Reads an MJCF; `None` if it is not XML or has no model in it.
 ///
 /// - `text`: the text and its index
 /// - `path`: its path, from which those of included files begin
@@ -177,7 +177,7 @@ impl<'a> Reader<'_, 'a> {
         );
     }
 
-    /// What an element says, or its class.
+    /// Attribute of an element, or of its class.
     fn find(&self, placed: &Placed<'a>, key: &str) -> Option<Given<'a>> {
         let own = placed.element.attribute(key);
         own.or_else(|| self.classes.attribute(placed.class, placed.element.tag(), key))

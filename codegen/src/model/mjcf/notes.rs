@@ -1,4 +1,4 @@
-//! What was skipped or changed in an MJCF: one note for each kind.
+//! Skipped or changed parts of an MJCF: one note for each kind.
 
 use super::super::notes;
 use crate::diagnostic::Severity;
@@ -46,7 +46,7 @@ impl notes::Remark for Remark {
         }
     }
 
-    /// What changes the dynamics in MuJoCo is a warning: M, k, q, and what an input does.
+    /// Changes of the dynamics in MuJoCo (M, k, q, and the effect of an input) are warnings.
     fn severity(self) -> Severity {
         match self {
             Self::ActuatorRange | Self::EffortRange | Self::StartPose => Severity::Note,

@@ -9,7 +9,7 @@ use crate::numeric::{cross, length};
 use crate::spatial::rotation_about;
 use gelenk_formula::Formula;
 
-/// What is not longer has no direction.
+/// Length of a vector up to which it has no direction.
 const NO_LENGTH: f64 = 1e-14;
 
 /// Where an attitude can come from: the element, and for some elements its class.

@@ -74,7 +74,7 @@ fn add_bodies(model: &Model, described: &[f64], positions: &[f64], mass: &mut [V
     }
 }
 
-/// What a unit of a joint's acceleration needs at the joint itself and at those before it.
+/// Adds the forces that a unit acceleration of a joint needs at the joint itself and at those before it.
 fn add_column(
     model: &Model,
     described: &[f64],

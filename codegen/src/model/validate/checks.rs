@@ -1,4 +1,4 @@
-//! What can be wrong with a joint or a body by itself.
+//! Checks of a single joint or body.
 
 use super::super::JointKind;
 use super::super::description::{BodyDescription, JointDescription, LimitsDescription, Name};

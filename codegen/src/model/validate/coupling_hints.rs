@@ -1,4 +1,4 @@
-//! What couplings probably mean otherwise: joints that stand still, drives that act alike.
+//! Couplings that probably mean something else: joints that stand still, drives that act alike.
 
 use nalgebra::{DMatrix, Vector3};
 

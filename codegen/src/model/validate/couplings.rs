@@ -29,7 +29,7 @@ struct Combined {
 pub(super) struct Couplings {
     /// `None` for joints that are fixed, and where the description has an error.
     joints: Vec<Option<Row>>,
-    /// Of the drives that stand apart from joints; `None` where the description has an error.
+    /// Rows of the drives that are not on a joint; `None` if the description has an error.
     pub(super) drives: Vec<Option<Row>>,
     followers: Vec<usize>,
 }
@@ -97,7 +97,7 @@ impl Couplings {
 #[derive(Debug, Clone)]
 enum Progress {
     Open,
-    /// What it follows is being resolved: a second visit closes a circle.
+    /// The joints that it follows are being resolved: a second visit closes a circle.
     Begun,
     Done(Option<Row>),
 }

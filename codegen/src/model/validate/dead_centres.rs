@@ -6,7 +6,7 @@ use super::super::{ForceEffect, ForceInput, Model};
 use crate::diagnostic::Report;
 use crate::wording::three_digits;
 
-/// So many intervals of a joint's range are looked at.
+/// Number of intervals of a joint's range.
 const INTERVALS: u32 = 720;
 /// Halvings after which an interval is one of neighbouring numbers.
 const HALVINGS: u32 = 64;

@@ -44,7 +44,7 @@ impl<'d> Limited<'d> {
         &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
     }
 
-    /// What a joint follows: each ratio with the limits of the joint that is followed.
+    /// Terms of a follower: each ratio with the limits of the joint that is followed.
     fn terms(&self, follower: &Follower) -> impl Iterator<Item = (f64, &'d LimitsDescription)> {
         follower.follows.iter().map(|term| {
             let followed = self.joint(self.coordinates[term.coordinate]);

@@ -15,7 +15,7 @@ const SHORTEST: f64 = 1e-9;
 const CONSTANT: f64 = 1e-9;
 /// Rates of a distance at which laws are looked at [m/s], both signs and 0 too.
 const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
-/// A law that is so many times larger between the distances than at any of them has a pole there.
+/// A law that is larger by this factor between the distances than at any of them has a pole there.
 const POLE: f64 = 1e6;
 /// Steps towards it.
 const THIRDS: u32 = 80;
@@ -24,7 +24,7 @@ const FINITE: &str =
 /// Distances at which laws are looked at, both ends included.
 const LENGTHS: i32 = 21;
 
-/// What acts at frames, in the model's terms.
+/// Forces at frames, in the model's terms.
 #[derive(Debug, Default)]
 pub(super) struct FrameForces {
     pub(super) point_forces: Vec<PointForce>,
@@ -169,7 +169,7 @@ impl Resolver<'_> {
     }
 }
 
-/// What the geometry of a whole model makes of its forces.
+/// Checks of the forces that need the geometry of the whole model.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for force in &robot.point_forces {
         let Some(between) = between(force, model) else { continue };
@@ -343,7 +343,7 @@ fn maximum([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// A cylinder beside a drive on the only joint between its ends is usually a joint whose drive was forgotten.
+/// A cylinder together with a drive on the only joint between its ends usually means that the joint's drive was forgotten.
 fn note_drive_beside(
     force: &PointForceDescription,
     between: &[Attachment; 2],

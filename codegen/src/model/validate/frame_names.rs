@@ -4,8 +4,8 @@ use super::super::description::{FrameDescription, RobotDescription};
 use super::super::tree::Tree;
 use crate::diagnostic::Report;
 
-/// Complains about frames with the name of a link at whose origin they do not stand. Sites of an MJCF have names of their own:
-/// they are told where a force names them ([`is_ambiguous`]).
+/// Complains about frames with the name of a link that are not at its origin. Sites of an MJCF have names of their own:
+/// they are reported if a force names them ([`is_ambiguous`]).
 pub(super) fn check(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     for frame in robot.frames.iter().filter(|frame| !frame.is_site && is_ambiguous(frame, tree)) {
         let (name, link) = (&frame.name.value, &frame.link.value);

@@ -1,7 +1,7 @@
-//! What a description probably means otherwise: degrees, millimetres, legs without a floating base, meshes
-//! without mass, limits of drives that are not there.
+//! Descriptions that probably mean something else: degrees, millimetres, legs without a floating base, meshes
+//! without mass, limits of drives that are missing.
 //!
-//! Each kind is noted once. Whoever means it so loses nothing.
+//! Each kind is noted once. A description that means it so loses nothing.
 
 use super::super::JointKind;
 use super::super::angles::{is_beyond_turns, looks_like_degrees};

@@ -27,7 +27,7 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     }
 }
 
-/// Drives have a note of their own, and so has a drive beside a cylinder.
+/// Drives have a note of their own, and so has a drive together with a cylinder.
 fn are_told_elsewhere(one: Actuator<'_>, other: Actuator<'_>) -> bool {
     let pulls = |input: Actuator<'_>| matches!(input, Actuator::Force(force) if matches!(force.effect, ForceEffect::Pull(_)));
     one.drive().is_some() && (other.drive().is_some() || pulls(other))

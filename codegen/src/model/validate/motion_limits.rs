@@ -8,7 +8,7 @@ use super::frame_forces::between;
 use crate::diagnostic::{At, Report, Span};
 use crate::wording::{as_written, list, three_digits};
 
-/// So many intervals of a coordinate's range are looked at.
+/// Number of intervals of a coordinate's range.
 const INTERVALS: u32 = 720;
 /// Halvings after which an interval is one of neighbouring numbers.
 const HALVINGS: u32 = 64;
@@ -55,7 +55,7 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
     narrow_speed(model, link, speed.value / ratio.abs(), (&format!("motor `{name}`"), speed.span), report);
 }
 
-/// The speed of such a motor stands beside the limits of joints that follow, found by name.
+/// The speed of such a motor is listed with the limits of joints that follow, and found by name.
 fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut Report) {
     let mut joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     if joints.any(|joint| joint.name == name && matches!(joint.motion, Motion::Follower(_))) {
@@ -100,7 +100,7 @@ struct Path {
 }
 
 impl Path {
-    /// Complains where the distance is not that of one coordinate within limits. What does not move is told elsewhere.
+    /// Complains if the distance is not that of one coordinate within limits. A distance that does not move is reported elsewhere.
     fn find(
         force: &PointForceDescription,
         between: &[Attachment; 2],

@@ -18,9 +18,9 @@ pub(super) struct Identifiers {
     pub(super) joints: Vec<String>,
     /// They are part of the names of functions.
     pub(super) frames: Vec<String>,
-    /// By joint; `None` where it has no drive.
+    /// Drives by joint; `None` if the joint has none.
     pub(super) drives: Vec<Option<String>>,
-    /// Of the drives that stand apart from joints.
+    /// Names of the drives that are not on a joint.
     pub(super) shared_drives: Vec<String>,
 }
 

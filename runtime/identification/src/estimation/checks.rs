@@ -1,4 +1,4 @@
-//! What is left of the efforts, against what the model does not have.
+//! Checks of the residual efforts against effects that the model lacks.
 
 use super::super::methods::offset::mean;
 use super::super::numeric::digits::plain;
@@ -34,7 +34,7 @@ pub(crate) const ACCELERATION: Rule = Rule::warning("residual-follows-accelerati
 pub(crate) const POSITION: Rule = Rule::warning("residual-follows-position");
 
 /// Sees: an offset that changes from the beginning to the end of the logs.
-/// Matters: one offset is no longer the offset of the sensor.
+/// Matters: a constant no longer describes the offset of the sensor.
 /// Example: a torque sensor that warms up.
 /// Fixture: `warming_up` in `codegen/tests/findings/arm.rs`.
 pub(crate) const OFFSET_DRIFTS: Rule = Rule::warning("offset-drifts");
@@ -56,7 +56,7 @@ const SUSPICIOUS: f64 = 0.1;
 /// The same in correlation times over samples: chance alone explains about one of these.
 const BY_CHANCE: f64 = 10.0;
 
-/// What the checks look at.
+/// Inputs of the checks.
 pub(super) struct Checked<'a> {
     pub(super) robot: &'a dyn Robot,
     pub(super) layout: &'a Layout,

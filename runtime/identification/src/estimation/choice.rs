@@ -1,4 +1,4 @@
-//! What is estimated is chosen by the error on held-out data: Coulomb widths, optional terms, offsets, and the
+//! Choice of the model by its error on held-out data: widths of Coulomb friction, optional terms, offsets, and the
 //! weight of the description.
 
 use super::super::error::Result;
@@ -33,7 +33,7 @@ pub(super) struct Chosen<'a> {
     pub(super) tried: Vec<WeightTried>,
 }
 
-/// What is left to the choice.
+/// Quantities that the choice may vary.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Freedom<'a> {
     pub(super) offsets: Option<Offsets>,

@@ -10,9 +10,9 @@ use super::layout::Layout;
 use super::normal::Values;
 use super::residuals::Forces;
 
-/// What the first fit gives to the last one.
+/// Results of the first fit that the last fit needs.
 pub(super) struct FirstFit {
-    /// By their numbers \[s\].
+    /// Delays by their numbers \[s\].
     pub(super) delays: Vec<f64>,
     /// Rates of the efforts at the joints, `[run][joint][sample]`, for gains of one; empty where a joint's efforts have
     /// several delays.

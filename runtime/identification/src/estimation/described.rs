@@ -1,4 +1,4 @@
-//! What bodies need by the efforts against what they need as described, from the efforts alone: nothing of the bodies is
+//! Compares the forces that the bodies need, as the efforts show them, with those of the described bodies. No body is
 //! estimated.
 
 use super::super::pose::rows_of;

@@ -45,21 +45,21 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 ///
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
-/// z is the measured effort times B, K the drive's gain (where efforts are currents, in proportion to the described masses and before all else;
-/// else one), s the description's forces that are no inertia, and o the offset. π is held near the description along directions
-/// that the data cannot tell: `λ` times the squared distance from the described bodies is added, with the largest λ
-/// whose held-out error is not worse than the best by more than a standard error.
+/// z is the measured effort times B; K the drive's gain, which is one except for currents, where it is estimated first, relative to
+/// the described masses; s the description's non-inertial forces; o the offset. π is held near the description along directions
+/// that the data do not determine: `λ` times the squared distance from the described bodies is added, with the largest λ
+/// whose held-out error exceeds the best by at most one standard error.
 ///
-/// With [`EstimationSettings::load_friction`] the friction of a joint may hold `|τ_l| s₁ tanh(k v)` too, with the load
-/// `τ_l = M ÿ + k − q` by the values of the pass before; passes repeat until s₁ settles.
+/// If [`EstimationSettings::load_friction`] is set, the friction of a joint may also contain `|τ_l| s₁ tanh(k v)`, with the load
+/// `τ_l = M ÿ + k − q` from the values of the previous pass; passes repeat until s₁ settles.
 ///
-/// `progress` gets a sentence at each stage.
+/// `progress` receives a sentence at each stage.
 ///
 /// # Errors
-/// Data of the wrong shape or not finite (efforts that are NaN throughout were not measured: their joints keep what is
-/// described), no measured efforts at all, settings out of range, and a fit that explains less of a moving joint
-/// than [`EstimationSettings::least_r_squared`] on held-out data, if a remedy is known or no other joint is left; else the joint
-/// is left out with a warning. Friction under load that is asked for where no joint has an input of its own.
+/// Data of the wrong shape or not finite (efforts that are NaN throughout count as not measured: their joints keep the described
+/// values), data without any measured effort, settings out of range, and a fit that explains less of a moving joint
+/// than [`EstimationSettings::least_r_squared`] on held-out data, if a remedy is known or no other joint remains; otherwise the
+/// joint is left out with a warning. Friction under load that is requested although no joint has an input of its own.
 pub fn estimate(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -381,12 +381,12 @@ impl Task<'_> {
         Ok(report.estimate(doubts.findings()))
     }
 
-    /// What speaks against the fit.
+    /// Doubts about the fit.
     ///
     /// - `judged`: the fit to the sums of moving samples, and its errors; `forces`: with their correlation time
     ///
     /// # Errors
-    /// Where it explains too little, and where efforts of the robot as a whole are in another unit.
+    /// A fit that explains too little, and efforts whose unit is wrong for the whole robot.
     fn doubts(
         &self,
         judged: (&Chosen, &HeldOut),

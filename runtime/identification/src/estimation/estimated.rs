@@ -1,4 +1,4 @@
-//! What an estimate says, whether it was made of samples or of sums: parameters, friction terms and gains with their
+//! Results of an estimate, whether it was made from samples or from sums: parameters, friction terms and gains with their
 //! intervals, and the choices in words.
 
 use super::super::error::{IdentificationError, Result};
@@ -131,7 +131,7 @@ impl Estimated<'_> {
             .map(|(_, said)| OFFSETS.found(said))
     }
 
-    /// By how much residuals change with the inertial parameters.
+    /// Change of the residuals with the inertial parameters.
     fn sensitivity(&self) -> Sensitivity {
         let (layout, centred, values) = (self.layout, &self.chosen.centred, &self.solved.values);
         let joint = |j: usize| {
@@ -148,7 +148,7 @@ impl Estimated<'_> {
         Sensitivity { joints: (0..layout.joints).filter(|j| layout.moves[*j]).map(joint).collect() }
     }
 
-    /// Covariance of the inertial parameters, with the standard errors that are told; zero where the data may not change them.
+    /// Covariance of the inertial parameters, scaled to the reported standard errors; zero where the data may not change them.
     fn parameter_covariance(&self) -> DMatrix<f64> {
         let count = self.layout.parameters;
         let active = self.solved.active.iter().enumerate().take_while(|(_, global)| **global < count);
@@ -181,7 +181,7 @@ impl Estimated<'_> {
         DVector::from_vec(margins.collect())
     }
 
-    /// What is left of delays, by their numbers.
+    /// Remaining delays, by their numbers.
     fn delays_found(&self) -> Option<Finding> {
         let mut numbers = self.layout.delays.clone();
         numbers.sort_unstable();
@@ -199,13 +199,13 @@ impl Estimated<'_> {
         })
     }
 
-    /// What is left of a delay, by its number.
+    /// Remainder of one delay, by its number.
     fn delay(&self, number: usize) -> Uncertain {
         let before = self.delays.get(number).copied().unwrap_or(0.0);
         self.uncertain(self.layout.delay(number), before)
     }
 
-    /// What is left of the delay of each effort.
+    /// Remaining delay of each effort.
     fn delays(&self) -> Vec<Uncertain> {
         self.layout.delays.iter().map(|number| self.delay(*number)).collect()
     }

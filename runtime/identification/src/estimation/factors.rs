@@ -16,7 +16,7 @@ use gelenk_findings::{Finding, Rule};
 
 /// Factors that are tried first.
 const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10.0, 20.0];
-/// By how much the best of them is refined, and in how many steps to each side.
+/// Factor of one refinement step around the best candidate, and number of steps to each side.
 const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
 

@@ -29,7 +29,7 @@ pub(super) const POOR: f64 = 0.5;
 /// Power of driving friction, as a share of the power of a force as large as the measured one.
 const NOTICEABLE: f64 = 0.05;
 
-/// Samples below which friction that drives a joint is no sign of a wrong sign: ten periods of the usual filter.
+/// Least samples for which friction that drives a joint shows a wrong sign: ten periods of the usual filter.
 const FEWEST_SAMPLES: usize = 100;
 
 /// Sees: efforts of a joint that fit the rigid body better with the other sign.
@@ -112,7 +112,7 @@ impl Doubts {
     }
 }
 
-/// By which share of the error on held-out data a hypothesis is better; `None` where it is not clearly better.
+/// Share of the held-out error by which a hypothesis is better; `None` unless it is clearly better.
 ///
 /// - residual sums of squares of the joints in the units of the same columns
 pub(super) fn gain(own: &HeldOut, other: &HeldOut) -> Option<f64> {
@@ -334,8 +334,8 @@ pub(super) fn signs(
     Ok(doubts)
 }
 
-/// What is said instead of a sign where friction cannot be told from chance. The residuals' correlation is no measure:
-/// a wrong sign makes it long.
+/// Note that replaces a doubt about a sign if friction cannot be separated from chance. The residuals' correlation time
+/// does not decide this: a wrong sign makes it long.
 fn too_short(task: &Task) -> Option<Finding> {
     let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
     (samples < FEWEST_SAMPLES).then(|| {
@@ -388,7 +388,7 @@ pub(super) fn as_described(mut chosen: Chosen, prior: &Prior) -> Result<HeldOut>
     chosen.held_out(prior)
 }
 
-/// By which share the rigid body fits better with the other sign of a joint's effort.
+/// Share by which the rigid body fits better with the other sign of a joint's effort.
 fn other_sign_gain(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) -> Result<Option<f64>> {
     let mut start = chosen.values.clone();
     start.gains[joint] = -start.gains[joint];

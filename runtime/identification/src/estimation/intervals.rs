@@ -33,7 +33,7 @@ pub(super) struct Scores {
     are_groups: bool,
 }
 
-/// What the scores are made with.
+/// Inputs of the scores.
 pub(super) struct Fitted<'a> {
     pub(super) centred: &'a Centred<'a>,
     pub(super) solved: &'a Solved,

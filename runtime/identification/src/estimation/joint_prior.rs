@@ -1,7 +1,7 @@
-//! What is known about the friction and the offset of a joint before there are data.
+//! Prior knowledge of the friction and the offset of a joint.
 //!
-//! Coulomb friction of a joint that moves in one direction and a constant error of its force are one column: the data
-//! tell their sum, and the spreads stated here share it out.
+//! Coulomb friction of a joint that moves in one direction and a constant error of its force have the same column. The
+//! data determine their sum; the standard deviations given here divide it between them.
 
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;

@@ -49,7 +49,7 @@ pub(super) struct Layout {
     /// Whether the force is known without a sensor, as in the rows of a joint with a quaternion: no offset is in it, and no
     /// friction is estimated.
     pub(super) exact: Vec<bool>,
-    /// Whether inertia of the joint's drive may be found beside the parameters.
+    /// Whether inertia of the joint's drive may be estimated in addition to the parameters.
     pub(super) takes_inertia: Vec<bool>,
     /// Whether the joint's force was measured: its equations have entries.
     pub(super) measured: Vec<bool>,

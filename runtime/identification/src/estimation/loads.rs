@@ -14,7 +14,7 @@ pub(super) const PASSES: usize = 6;
 /// Change of a share s₁ between two passes, in standard errors, below which they have settled.
 const SETTLED: f64 = 0.1;
 
-/// What loads are made of.
+/// Differences from the described robot that the loads at the joints follow from.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Loads {
     /// Estimated minus described inertial parameters.

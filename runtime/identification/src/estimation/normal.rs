@@ -24,7 +24,7 @@ pub(super) struct Model {
 /// Values of all unknowns: differences from the description, candidate terms (zero where not chosen), gains.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Values {
-    /// By global number.
+    /// Values of the unknowns, by global number.
     pub(super) unknowns: DVector<f64>,
     /// Force per unit of the measured effort, by joint: one, or K_M.
     pub(super) gains: Vec<f64>,
@@ -281,7 +281,7 @@ pub(super) fn with_ridge(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     normal
 }
 
-/// Sums of products beyond this are no longer those of data in sensible units.
+/// Larger sums of products do not come from data in sensible units.
 const LARGEST_SUM: f64 = 1e150;
 
 /// Solves `A x = b` for symmetric positive definite A, scaled to a unit diagonal.

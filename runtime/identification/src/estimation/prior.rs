@@ -28,7 +28,7 @@ pub(super) struct Prior {
     pub(super) bodies: Vec<usize>,
     /// Mean squared radius of gyration of the bodies [m²].
     size: f64,
-    /// Of each joint; empty where nothing is known.
+    /// Prior of each joint; empty if nothing is known.
     pub(super) joints: Vec<JointPrior>,
 }
 
@@ -57,7 +57,7 @@ impl Prior {
         self
     }
 
-    /// What is known of the friction terms among the active unknowns.
+    /// Prior of the friction terms among the active unknowns.
     pub(super) fn friction(&self, layout: &Layout, model: &Model, active: &[usize]) -> Gaussian {
         let zero = DVector::zeros(active.len());
         let mut found = Gaussian { mean: zero.clone(), precision: zero.clone(), time: zero.add_scalar(1.0) };

@@ -67,7 +67,7 @@ impl Report<'_> {
         (0..layout.joints).map(fit).collect()
     }
 
-    /// What was chosen.
+    /// Choices of the estimate, as findings.
     fn choices(&self) -> impl Iterator<Item = Finding> {
         let offsets = self.fitted.offsets_found(self.fitted.chosen.model.offsets);
         offsets.chain(self.gravity()).chain(self.fitted.choices())

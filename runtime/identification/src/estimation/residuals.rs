@@ -9,7 +9,7 @@ use super::rows::Rows;
 use nalgebra::DVector;
 
 /// Multiples of the deviation beyond which a sample loses weight (Huber 1964): 99.9 % efficient for normal
-/// errors. Friction at reversals has heavy tails that are no outliers; smaller multiples forget it.
+/// errors. Friction at reversals has heavy tails without outliers; smaller multiples would remove it.
 const HUBER: f64 = 2.5;
 
 /// Standard deviation of normal errors over the median of their magnitudes.
@@ -20,7 +20,7 @@ const FROM_MEDIAN: f64 = 1.4826;
 pub(super) struct Forces {
     pub(super) measured: Vec<Vec<Vec<f64>>>,
     pub(super) residual: Vec<Vec<Vec<f64>>>,
-    /// What the rigid body needs, and what it would need as described.
+    /// Forces of the rigid body by the estimate, and by the description.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
     pub(super) described: Vec<Vec<Vec<f64>>>,
     /// Friction under load; zeros where there is none.

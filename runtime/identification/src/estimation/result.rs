@@ -51,9 +51,9 @@ pub struct Estimate {
     pub parameters: Vec<Uncertain>,
     /// Whether every body with mass can exist: its pseudo-inertia is positive definite.
     pub consistent: bool,
-    /// Of each joint.
+    /// One estimate per joint.
     pub joints: Vec<JointEstimate>,
-    /// What the efforts were.
+    /// Kind of the efforts.
     pub effort: Effort,
     /// The gravity in these.
     pub gravity: Gravity,
@@ -85,10 +85,10 @@ pub struct Estimate {
     pub terms_margins: Vec<DVector<f64>>,
     /// Degrees of freedom of the covariances.
     pub freedom: usize,
-    /// What is left of the delay of each effort after that which was removed \[s\], positive where efforts come later still;
-    /// empty where delays are known. The forces above are at the times of the motion.
+    /// Delay of each effort that remains after the removed one \[s\], positive if efforts come later still;
+    /// empty if delays are known. The forces above are at the times of the motion.
     pub delays: Vec<Uncertain>,
-    /// What was chosen, as notes, and doubts.
+    /// Choices, as notes, and doubts.
     pub findings: Vec<Finding>,
 }
 
@@ -113,7 +113,7 @@ impl Uncertain {
     }
 }
 
-/// What belongs to one joint, or to the shaft that takes its row ([`crate::shafts`]).
+/// Estimate of one joint, or of the shaft that takes its row ([`crate::shafts`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointEstimate {
     /// Name of the joint in the description, or of the shaft's drive.

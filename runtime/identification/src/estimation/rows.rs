@@ -133,7 +133,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Columns of friction that are no multiples of v, through the filter where there is one.
+    /// Columns of friction that are not multiples of v, filtered if there is a filter.
     fn friction(&mut self, run: &PreparedRun, rows: &Range<usize>) {
         let layout = self.layout;
         let half = self.filter.map_or(0, Filter::half_length);

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// By how much residuals change with the inertial parameters: the sums of squares are quadratic functions of them.
+/// Change of the residuals with the inertial parameters: the sums of squares are quadratic functions of them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sensitivity {
     pub(super) joints: Vec<JointSensitivity>,
@@ -22,8 +22,8 @@ pub(super) struct JointSensitivity {
 }
 
 impl Sensitivity {
-    /// What the moving joints lose of their R² where the inertial parameters differ by `change` from the estimate and all else
-    /// stays. It is less than zero where they gain.
+    /// Loss of R² of each moving joint if the inertial parameters differ by `change` from the estimate and all else
+    /// stays. A negative loss is a gain.
     #[must_use]
     pub fn r_squared_lost(&self, change: &[f64]) -> Vec<f64> {
         let lost = |joint: &JointSensitivity| {

@@ -1,4 +1,4 @@
-//! What a user may decide about the estimate.
+//! Settings of the estimate.
 
 use super::super::error::{Result, require_setting};
 use super::super::preparation::Filter;

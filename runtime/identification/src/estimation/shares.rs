@@ -49,7 +49,7 @@ pub(crate) struct ShareSums {
     pub(crate) weights: Vec<f64>,
     /// Σ w (x − x̄)(x − x̄)ᵀ of each joint; Σ w x xᵀ of one with a quaternion.
     pub(crate) products: Vec<DMatrix<f64>>,
-    /// What outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint.
+    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint.
     pub(crate) lost: Vec<[f64; 2]>,
 }
 
@@ -220,7 +220,7 @@ fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
     }
 }
 
-/// What the estimate is made from.
+/// Data of the estimate.
 pub(crate) struct SharedData<'a> {
     pub(crate) robot: &'a dyn Robot,
     pub(crate) settings: &'a EstimationSettings,

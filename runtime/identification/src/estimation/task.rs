@@ -1,4 +1,4 @@
-//! What the stages of an estimate have in common.
+//! Data that all stages of an estimate share.
 
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
@@ -24,7 +24,7 @@ pub(super) struct Task<'a> {
     pub(super) gravity: Gravity,
     pub(super) pieces: Vec<Piece>,
     pub(super) loads: Option<&'a Loads>,
-    /// What a first fit told of the delays, where they are not known; the runs are without these then.
+    /// Delays of a first fit, if they are unknown; they have been removed from the runs.
     pub(super) first_fit: Option<&'a FirstFit>,
 }
 

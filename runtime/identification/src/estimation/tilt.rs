@@ -1,8 +1,8 @@
-//! Whether gravity points where the description says.
+//! Test of the described direction of gravity.
 //!
 //! Weights are linear in gravity. Where this turns by small angles ε₁ and ε₂, they change by `ε₁ W₁(y) π + ε₂ W₂(y) π`, with W₁ and W₂ at
-//! rest under gravities across it. The angles are fitted beside all else, with bodies that are as good as free: what another
-//! body explains as well is no tilt. Passes repeat from the gravity that was found until it stays (Gauss and Newton).
+//! rest under gravities across it. The angles are fitted together with all other unknowns, with almost free bodies: an effect that
+//! another body explains as well does not count as tilt. Passes start from the gravity just found until it stays (Gauss–Newton).
 
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
@@ -34,7 +34,7 @@ const COMPARED: usize = 50;
 /// Level of the test, and of the interval.
 const LEVEL: f64 = 0.01;
 const CONFIDENCE: f64 = 0.95;
-/// Weight of the description beside which bodies are as good as free, and no equation is singular.
+/// Weight of the description that leaves bodies practically free and keeps all equations regular.
 const FREE: f64 = 1e-3;
 /// Trust with which an angle stays zero.
 const HELD: f64 = 1e12;
@@ -216,9 +216,9 @@ impl Turning<'_> {
         }
     }
 
-    /// The angles beside all else.
+    /// The angles, fitted together with all other unknowns.
     ///
-    /// - `time`: the residuals' correlation time, where a covariance is asked for
+    /// - `time`: the residuals' correlation time, if a covariance is wanted
     fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
         let layout = task.layout.with_more_parameters(2);
         let prior = Prior::new(&self.parameters(), self.bodies(), task.prior.joints.clone());
@@ -233,7 +233,7 @@ impl Turning<'_> {
 /// The angles of a fit, by which gravity turns further.
 struct Angles {
     values: DVector<f64>,
-    /// Of all unknowns.
+    /// Changes of all unknowns.
     changes: DVector<f64>,
     /// Directions that the data see, by the covariance under independent residuals.
     seen: DMatrix<f64>,
@@ -276,7 +276,7 @@ impl Angles {
         &self.seen * self.seen.tr_mul(&self.values)
     }
 
-    /// What is said of a direction of gravity that is no chance, and far enough from the described one to matter.
+    /// Finding about a gravity direction that is significant and far enough from the described one to matter.
     fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Finding> {
         let (described, angle) = (turning.described, found.angle(&turning.described));
         let [first, second] = turning.across;

@@ -41,7 +41,7 @@ pub(crate) struct CommonRatio {
     factor: f64,
     /// Names of the joints that it is the median of.
     joints: Vec<String>,
-    /// Of positions, rad or m.
+    /// Unit of positions, rad or m.
     unit: &'static str,
     effort: Effort,
 }

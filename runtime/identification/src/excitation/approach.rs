@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 const PEAKS: [f64; 2] = [1.875, 5.773_502_691_896_258];
 /// Parts of the way at which its forces are looked at.
 const PARTS: usize = 100;
-/// Part of a range by which a posture may lie beside it: postures are typed with a few digits.
+/// Part of a range by which a posture may lie outside it: postures are typed with a few digits.
 const ROUNDING: f64 = 1e-6;
 
 /// A straight way between two postures, at rest without acceleration at both ends: `s(τ) = 10 τ³ − 15 τ⁴ + 6 τ⁵`, the

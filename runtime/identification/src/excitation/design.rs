@@ -1,4 +1,4 @@
-//! What a planned motion is worth, and what keeps it from being possible.
+//! Score of a planned motion, and the limits that it violates.
 
 use super::super::robot::{FollowerLimits, Robot};
 use super::super::shafts::RobotRows;
@@ -11,7 +11,7 @@ use super::settings::PlanSettings;
 use super::{ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
 
-/// What a planned motion asks of the motor of a drive that acts on several joints.
+/// Requirements of a planned motion on the motor of a drive that acts on several joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedShaft {
     /// Name of the drive.
@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-9;
 const FRICTION: usize = 3;
 /// Speed within which Coulomb friction changes its sign, as a share of the joint's largest.
 const SIGN_SHARE: f64 = 0.02;
-/// What the score is made of.
+/// Inputs of the score.
 pub(super) struct Design<'a> {
     robot: &'a dyn Robot,
     rows: RobotRows<'a>,
@@ -52,7 +52,7 @@ pub(super) struct Design<'a> {
     velocity_share: f64,
     chart: &'a Chart,
     limits: &'a [ExcitationLimits],
-    /// What kept motions from being tried further.
+    /// Reasons for which motions were rejected early.
     pub(super) refusals: Refusals,
     /// Rows whose friction and offset are estimated: not those of joints with a quaternion.
     rubbing: Vec<usize>,
@@ -220,7 +220,7 @@ impl<'a> Design<'a> {
             .chain(have_torques.then(|| std::iter::once_with(shafts)).into_iter().flatten().flatten())
     }
 
-    /// What stands still in the middle of the positions and asks for more than it may.
+    /// Limits that the robot exceeds while it rests at the middle of its positions.
     pub(super) fn beyond_at_rest(&self) -> Vec<String> {
         let middle = self.limits.iter().map(|limit| 0.5 * (limit.position[0] + limit.position[1]));
         let rest = vec![0.0; self.limits.len()];
@@ -228,7 +228,7 @@ impl<'a> Design<'a> {
         self.beyond(&still).collect()
     }
 
-    /// What the way to the motion asks too much of, as a sentence.
+    /// Limits that the way to the motion exceeds, as a sentence.
     pub(super) fn doubts_about(&self, approach: &[Instant]) -> Option<String> {
         let beyond: Vec<String> = self.beyond(approach).collect();
         (!beyond.is_empty()).then(|| {
@@ -239,7 +239,7 @@ impl<'a> Design<'a> {
         })
     }
 
-    /// What the motion asks of the motors of shafts.
+    /// Requirements of the motion on the motors of shafts.
     pub(super) fn shafts(&self, instants: &[Instant]) -> Vec<PlannedShaft> {
         let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
         let [speeds, torques] = largest(&self.rows, &along);

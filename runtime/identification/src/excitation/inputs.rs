@@ -10,7 +10,7 @@ use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
 use nalgebra::DMatrix;
 
-/// What a planned motion asks of an input, by the described robot without friction.
+/// Requirements of a planned motion on an input, for the described robot without friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedInput {
     /// Name of the input.
@@ -21,7 +21,7 @@ pub struct PlannedInput {
     pub limits: [f64; 2],
 }
 
-/// So many intervals of a joint's range are looked at for dead centres.
+/// Number of intervals of a joint's range that are searched for dead centres.
 const PLACES: u32 = 200;
 /// Part of the longest lever of a cylinder below which a lever counts as short, near a dead centre.
 const SHORT: f64 = 0.25;
@@ -63,7 +63,7 @@ impl<'a> FrameInputs<'a> {
         })
     }
 
-    /// What a motion, and the way to it, asks of the inputs.
+    /// Requirements of a motion, and of the way to it, on the inputs.
     pub(super) fn planned(&self, instants: &[Instant]) -> Vec<PlannedInput> {
         let needed: Vec<Vec<f64>> = instants
             .iter()

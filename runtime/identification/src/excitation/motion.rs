@@ -44,7 +44,7 @@ impl FourierMotion {
         std::array::from_fn(|k| joints.iter().map(|joint| joint[k]).collect())
     }
 
-    /// The motion at so many evenly spaced times of a period.
+    /// The motion at `samples` evenly spaced times of a period.
     pub fn instants(&self, samples: usize) -> Vec<Instant> {
         let step = self.period / samples as f64;
         (0..samples).map(|i| self.instant(step * i as f64)).collect()

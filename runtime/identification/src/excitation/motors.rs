@@ -5,7 +5,7 @@ use super::smallest_inputs::SmallestInputs;
 use crate::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine, narrowed_limits};
 use nalgebra::{DMatrix, DVector};
 
-/// What a motion may ask of the inputs.
+/// Limits of the inputs for a motion.
 pub(super) struct Torques {
     lines: Vec<TorqueSpeedLine>,
     /// Lowest and highest inputs that the motion may need.

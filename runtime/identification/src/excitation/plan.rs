@@ -54,12 +54,12 @@ pub struct Plan {
     pub shafts: Vec<PlannedShaft>,
     /// All inputs, where some of them act at frames.
     pub inputs: Vec<PlannedInput>,
-    /// What was assumed, and what the motion does not keep.
+    /// Assumptions, and limits that the motion exceeds.
     pub findings: Vec<Finding>,
     chart: Chart,
 }
 
-/// So many times as many instants as the search has show what a motion asks of inputs at frames, whose levers change on the way.
+/// Instants per instant of the search that show the requirements on inputs at frames, because their levers change on the way.
 const SHOWN: usize = 10;
 
 /// Plans a motion that shows the base parameters and the friction of all joints.

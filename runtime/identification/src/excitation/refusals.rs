@@ -1,4 +1,4 @@
-//! What keeps motions from being possible, counted for the message of a search that finds none.
+//! Reasons for rejected motions, counted for the message of a search that finds none.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

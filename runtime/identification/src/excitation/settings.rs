@@ -1,10 +1,10 @@
-//! What a plan may use of the robot.
+//! Settings of a plan.
 
 use super::super::error::{Result, require_setting};
 use super::Excitation;
 use std::f64::consts::PI;
 
-/// What a plan may use of the robot.
+/// Limits of the robot that a plan keeps, and settings of its search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanSettings {
     /// Search, and period of the motion (s).

@@ -109,7 +109,7 @@ pub(super) fn first_outside(inputs: &[f64], limits: &[[f64; 2]]) -> Option<usize
 mod tests {
     use super::*;
 
-    /// Two geared motors behind a differential beside a cylinder with a lever of 0.21 m.
+    /// Two geared motors at a differential, together with a cylinder with a lever of 0.21 m.
     #[test]
     fn geared_motors_beside_a_cylinder_have_their_forces() {
         for lever in [0.21, 0.37, -0.55, 1e-3] {

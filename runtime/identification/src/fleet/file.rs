@@ -72,7 +72,7 @@ impl LogMoments {
     /// Moments of a file's bytes; `place` names them in messages.
     ///
     /// # Errors
-    /// Bytes that are no moments, of another version, cut off or changed.
+    /// Bytes that do not hold moments, have another version, or are cut off or changed.
     pub(crate) fn from_bytes(bytes: &[u8], place: &str) -> Result<Self> {
         let fault =
             |message: &str| IdentificationError::File { place: place.into(), message: message.into() };
@@ -143,7 +143,7 @@ fn exacts(values: &[Exact], bytes: &mut Vec<u8>) {
     values.iter().for_each(|value| value.write(bytes));
 }
 
-/// What is left to read. Every reading fails where too little is left; nothing is allocated beyond it.
+/// Unread rest of the bytes. A read fails if too little is left; nothing is allocated beyond it.
 struct Reader<'a> {
     rest: &'a [u8],
 }

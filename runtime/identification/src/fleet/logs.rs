@@ -20,7 +20,7 @@ const RARE: f64 = 0.1;
 /// A SHA-256.
 pub(super) type Hash = [u8; 32];
 
-/// What logs say about a robot, in a size that does not grow with their length: sums of products of the columns of
+/// Moments of a log, of a size that does not grow with its length: sums of products of the columns of
 /// each joint's equation, offsets of the runs taken out, in 16 shares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogMoments {
@@ -34,7 +34,7 @@ pub struct LogMoments {
     pub(super) shares: Vec<Share>,
 }
 
-/// What has to agree between moments that add up.
+/// Properties that have to agree between moments that are added.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct About {
     /// SHA-256 of the description and of how it is read.
@@ -83,7 +83,7 @@ pub(super) struct Doubt {
     pub(super) first: (Hash, String, String),
 }
 
-/// What is known about a joint beside its sums of products.
+/// Knowledge about a joint in addition to its sums of products.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointFacts {
     /// Largest range of positions in a run [rad or m].
@@ -101,7 +101,7 @@ pub(super) struct JointFacts {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Share {
     pub(super) samples: u64,
-    /// Of each joint; empty in a share without samples.
+    /// Sums of each joint; empty in a share without samples.
     pub(super) joints: Vec<JointSums>,
 }
 
@@ -110,7 +110,7 @@ pub(super) struct Share {
 pub(super) struct JointSums {
     /// Σ w.
     pub(super) weight: Exact,
-    /// What outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort.
+    /// Sums of squares that outliers lost with their weight: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in units of the effort.
     pub(super) lost: [Exact; 2],
     /// Σ w (x − x̄)(x − x̄)ᵀ, or Σ w x xᵀ in the row of a joint with a quaternion: rows of the lower triangle.
     pub(super) products: Vec<Exact>,
@@ -189,7 +189,7 @@ impl LogMoments {
 }
 
 impl Doubt {
-    /// What tells doubts apart.
+    /// Key that distinguishes doubts.
     pub(super) fn place(&self) -> (Option<u32>, &str) {
         (self.joint, &self.kind)
     }

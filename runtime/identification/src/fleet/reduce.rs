@@ -34,11 +34,11 @@ fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Re
 /// Reduces one log to its moments.
 ///
 /// The log is fitted by itself first, as [`super::super::identify::identify`] does, for the weights of its outliers,
-/// the correlation time of its residuals, and its doubts; a fit that explains little is no error here.
+/// the correlation time of its residuals, and its doubts; a fit that explains little is not an error here.
 ///
-/// - `description`: what the robot was made from, e.g. the contents of its files and how they are read; moments are
-///   known by the hash of it and belong to no other
-/// - `progress`: takes a sentence at each step, and what is said about the log
+/// - `description`: source of the robot, e.g. the contents of its files and how they are read; moments carry
+/// its hash and cannot be added to those of another
+/// - `progress`: receives a sentence at each step, and the findings about the log
 ///
 /// # Errors
 /// As [`super::super::identify::identify`], and numbers that are too large to be SI units.
@@ -100,7 +100,7 @@ pub fn reduce(
     })
 }
 
-/// What moments have in common that may be added up.
+/// Properties that have to agree before moments may be added.
 fn about(
     description: &[&[u8]],
     settings: &IdentificationSettings,

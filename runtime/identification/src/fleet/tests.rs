@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 const GRAVITY: f64 = 9.81;
-/// What the arm is: m c, J, viscous and Coulomb friction.
+/// True values of the arm: m c, J, viscous and Coulomb friction.
 const TRUTH: [f64; 4] = [0.7, 0.2, 1.5, 0.8];
 const DESCRIPTION: &[&[u8]] = &[b"arm"];
 

@@ -1,4 +1,4 @@
-//! What a library and a law give at the samples, through the filter of the torques where there is one.
+//! Values of a library or a law at the samples, filtered like the torques if they are.
 
 use super::super::error::Result;
 use super::super::methods::filtered::Filtered;

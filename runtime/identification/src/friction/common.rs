@@ -1,9 +1,9 @@
-//! What the common estimate says of a law's coefficients: errors of the rigid body and of the delay stand in the torques
+//! Covariance of a law's coefficients from the common estimate: errors of the rigid body and of the delay are in the torques
 //! that the law is fitted to, and no residual shows them.
 //!
 //! The common estimate has friction terms F of its own with the covariance C. A law has other terms Θ, and is fitted to torques with
-//! the same errors: its coefficients have the covariance `P C Pᵀ`, where `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is least squares again; of a
-//! nonlinear law, Θ has its derivatives. If the law
+//! the same errors: its coefficients have the covariance `P C Pᵀ`, and `P = (ΘᵀWΘ)⁻¹ ΘᵀW F` is the same least-squares fit; for a
+//! nonlinear law, Θ contains its derivatives. If the law
 //! has the terms of the estimate, P is one. Changes of the estimate without the samples near stops move the law by P in the same way.
 
 use super::super::error::Result;

@@ -19,8 +19,8 @@ use std::ops::Range;
 /// digits of the data would be lost.
 const LEAST_REMAINDER: f64 = 1e-6;
 
-/// Share of a term's size that must change within the runs. What changes less is told by what the data have wrong rather than
-/// by friction, and its coefficient grows by what is missing.
+/// Share of a term's size that must change within the runs. A term that changes less is determined by errors of the data,
+/// not by friction, and its coefficient grows by the missing part.
 const LEAST_CHANGE: f64 = 0.01;
 
 /// Columns of the candidate terms and the torque, without offsets.
@@ -33,7 +33,7 @@ pub(super) struct Design<'a> {
     pub(super) runs: Vec<Range<usize>>,
     offset_ranges: Vec<Range<usize>>,
     pub(super) separate: bool,
-    /// What was left out of the library, and why.
+    /// Terms left out of the library, with reasons.
     pub(super) notes: Vec<String>,
     /// Terms that friction may have and that the data hide in an offset, in one sentence.
     pub(super) hidden: Option<String>,

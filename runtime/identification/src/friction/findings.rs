@@ -39,7 +39,7 @@ const SMALL_PART: f64 = 0.1;
 /// Speed or friction over the described limit that no joint has.
 const ABSURD: f64 = 3.0;
 
-/// What is collected on the way.
+/// Inputs of the findings, and the findings so far.
 pub(super) struct Findings<'a> {
     pub(super) data: &'a FrictionData<'a>,
     pub(super) unit: &'a str,

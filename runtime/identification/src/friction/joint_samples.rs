@@ -28,7 +28,7 @@ pub(crate) struct JointSamples<'a> {
     pub(crate) velocities: Vec<f64>,
     accelerations: Vec<f64>,
     pub(crate) torques: Vec<f64>,
-    /// What the common estimate says of the friction.
+    /// Friction of the common estimate.
     common: Option<CommonTerms>,
 }
 

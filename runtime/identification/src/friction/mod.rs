@@ -43,7 +43,7 @@ impl FrictionIdentification {
     /// # Errors
     /// Lengths that disagree, values that are not finite, a velocity that never changes, and what the method
     /// reports: collinear terms, too few samples, a threshold or λ that removes every term. A law that explains
-    /// nothing is no error but a [`FrictionResult::refusals`](super::result::FrictionResult::refusals).
+    /// nothing is not an error but a [`FrictionResult::refusals`](super::result::FrictionResult::refusals).
     pub fn identify(&self, data: &FrictionData) -> Result<FrictionReport> {
         check(data)?;
         let limit = self.least_r_squared;

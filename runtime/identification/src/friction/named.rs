@@ -14,17 +14,17 @@ const WORDS: [(&str, &[&str]); 4] = [
     ("quadratic", &["v*abs(v)"]),
 ];
 
-/// The law with five parameters, which is no sum of terms.
+/// The law with five parameters, which is not a sum of terms.
 const STRIBECK: &str = "stribeck";
 
 impl FrictionIdentification {
-    /// The same search among other terms, which ends at these terms.
+    /// The same search over a library of the given terms.
     ///
     /// - `terms`: words and expressions in the speed `v` between commas, as in `viscous, coulomb, v*v*v`. The words are `viscous`, `coulomb`,
     ///   `asymmetric` and `quadratic`; `stribeck` stands alone for the Stribeck law.
     ///
     /// # Errors
-    /// No term, a term twice, an expression that cannot be read, or `stribeck` beside others.
+    /// No term, a term twice, an expression that cannot be read, or `stribeck` together with other terms.
     pub fn of_terms(&self, terms: &str) -> Result<Self> {
         let listed = between_commas(terms);
         if listed.iter().any(|term| term.eq_ignore_ascii_case(STRIBECK)) {

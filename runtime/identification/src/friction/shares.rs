@@ -13,7 +13,7 @@ use super::task::{FrictionData, FrictionIdentification, FrictionMethod};
 use super::terms::{Candidates, average};
 use nalgebra::DVector;
 
-/// What is known about the friction of one joint without its samples.
+/// Friction data of one joint without its samples.
 #[derive(Debug, Clone)]
 pub(crate) struct SharedFriction<'a> {
     /// Name, units, limits, source and settings; no samples.
@@ -21,8 +21,8 @@ pub(crate) struct SharedFriction<'a> {
     /// Sums over each share of the columns of terms and torque, offsets of the runs taken out. The terms are those
     /// of a library in `v`.
     pub(crate) shares: Vec<Moments>,
-    /// What the residuals of outliers lost with their weight: Σ (1 − w) r². It counts as residual and as variation of
-    /// the torque, of which the sums tell no more: an outlier's torque is mostly its residual.
+    /// Sum of squares that outliers lost with their weight: Σ (1 − w) r². It counts as residual and as variation of
+    /// the torque, because the sums hold no more: an outlier's torque is mostly its residual.
     pub(crate) lost: f64,
     /// Least and largest ẏ.
     pub(crate) velocity_range: [f64; 2],

@@ -1,4 +1,4 @@
-//! Stribeck laws: nonlinear regression beside the offsets, and the same judgement as for terms.
+//! Stribeck laws: nonlinear regression with offsets, and the same acceptance tests as for terms.
 
 use super::super::error::Result;
 use super::super::methods::library::Library;

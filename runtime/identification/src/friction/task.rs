@@ -44,7 +44,7 @@ pub struct FrictionData<'a> {
     pub positions: Option<&'a [f64]>,
     /// ÿ, where residuals that depend on it are to be noticed.
     pub accelerations: Option<&'a [f64]>,
-    /// What the common estimate says of the friction: intervals reach as far as its own.
+    /// Friction terms of the common estimate: the intervals are at least as wide as its own.
     pub common: Option<&'a CommonTerms>,
     /// Limits of the joint, where samples beyond them are to be noticed.
     pub limits: Option<JointLimits>,
@@ -95,7 +95,7 @@ pub struct CommonTerms {
     pub freedom: f64,
 }
 
-/// What a constant torque in the data is.
+/// Meaning of a constant torque in the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Offsets {
     /// A constant of each run: an offset of the sensor, or gravity that the model has wrong. It is estimated with
@@ -116,7 +116,7 @@ pub struct FrictionIdentification {
     pub library: Library,
     /// How the law is found.
     pub method: FrictionMethod,
-    /// What a constant torque is.
+    /// Meaning of a constant torque.
     pub offsets: Offsets,
     /// Contiguous blocks of the cross-validation, where the data name no folds.
     pub folds: usize,

@@ -39,7 +39,7 @@ pub(super) const REPEATED: Rule = Rule::note("repeated-times");
 pub(super) const NEW_RUN: Rule = Rule::note("time-goes-back");
 
 /// Sees: jumps of a position by a whole turn.
-/// Matters: they are no motion. Joints without limits are unwrapped, those with limits are not.
+/// Matters: such jumps are not motion. Joints without limits are unwrapped, those with limits are not.
 /// Example: an encoder that counts from -π to π.
 /// Fixture: `turns_are_unwrapped_where_a_joint_may_turn` in `log/tests/styles.rs`.
 pub(super) const TURNS: Rule = Rule::note("turns");

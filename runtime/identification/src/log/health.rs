@@ -1,4 +1,4 @@
-//! What runs say about their log: joints that stood still, limits, units, velocities that are none.
+//! Checks of a log by its runs: joints that stood still, limits, units, columns that are not velocities.
 
 use super::super::numeric::digits::plain;
 use super::super::pose::rows_of;
@@ -44,7 +44,7 @@ fn least_travel(unit: &str) -> f64 {
     if unit == "m" { 2e-4 } else { 2e-3 }
 }
 
-/// Smallest and largest value without the outermost 0.5 % at both ends: single outliers are no motion.
+/// Smallest and largest value without the outermost 0.5 % at both ends: single outliers do not count as motion.
 fn span(values: &mut [f64]) -> Option<(f64, f64)> {
     let last = values.len().checked_sub(1)?;
     let cut = values.len() / 200;

@@ -45,14 +45,14 @@ const LARGEST: u64 = 8 << 30;
 
 /// Reads logs as runs of a robot.
 ///
-/// Columns are found by their names or by the user's options ([`ColumnOptions`]); what is measured goes before what is
-/// commanded, names of joints before numbers, a message's own stamp before the time when it came. Times keep every
+/// Columns are found by their names or by the user's options ([`ColumnOptions`]); measured columns go before commanded
+/// ones, names of joints before numbers, a message's own stamp before the time of its arrival. Times keep every
 /// digit of the file. A run ends where the run's number changes, where time goes back, and with the file. Rows without
 /// a time, a position or an effort are left out, samples with the time of the one before too; joints without limits
-/// whose positions jump by a turn are unwrapped. All of this is said in [`Recording::findings`].
+/// whose positions jump by a turn are unwrapped. [`Recording::findings`] reports all of this.
 ///
 /// # Errors
-/// Files that cannot be read or are no tables, columns that are missing or ambiguous, units that do not fit, logs
+/// Files that cannot be read or are not tables, columns that are missing or ambiguous, units that do not fit, logs
 /// without two complete rows, and logs whose efforts are of different kinds.
 pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
     runs_noting(paths, robot, columns, &mut Vec::new())
@@ -157,7 +157,7 @@ fn content(runs: &[Run]) -> [u8; 32] {
 /// The columns of a log as far as they are found, as a line of `--columns`.
 ///
 /// # Errors
-/// Files that cannot be read or are no tables, and options that cannot be read. Columns that are not found are no error.
+/// Files that cannot be read or are not tables, and options that cannot be read. Columns that are not found are not an error.
 pub fn guess_columns(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) -> Result<ColumnGuess> {
     let source = path.display().to_string();
     guess_columns_of(&bytes_of(path)?, &source, robot, columns)

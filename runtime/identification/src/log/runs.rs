@@ -32,14 +32,14 @@ pub(super) struct Samples {
     values: Vec<Vec<f64>>,
 }
 
-/// Values of one column that are no finite numbers.
+/// Values of one column that are not finite numbers.
 #[derive(Debug, Default, Clone, PartialEq)]
 struct Gaps {
     count: usize,
     rows: Option<(usize, usize)>,
     /// The first of them that is text.
     text: Option<String>,
-    /// Rows with text there that is no number.
+    /// Rows with text there that is not a number.
     unread: usize,
     /// Rows that end before the column.
     short: usize,
@@ -167,8 +167,8 @@ impl Samples {
         }
     }
 
-    /// Leaves out rows without an effort that most rows have. Efforts that most rows lack are no reason to leave out the
-    /// others, unless that is so for all of them.
+    /// Leaves out rows without an effort that most rows have. Efforts that most rows lack do not remove a row,
+    /// unless all efforts are like that.
     fn leave_out_gaps(&mut self, efforts: Range<usize>) {
         let known = |i: &usize| self.values[*i].iter().filter(|u| u.is_finite()).count();
         let usual = efforts.clone().filter(|i| 2 * known(i) >= self.lines.len());
@@ -296,8 +296,8 @@ fn labels(mapping: &Mapping, sources: &[Option<&Column>]) -> Vec<Option<usize>> 
     sources.iter().map(|s| s.map(|s| s.index)).chain([mapping.time.column]).collect()
 }
 
-/// Refuses a log most of whose rows cannot be read: what is left is not what was recorded. Fields that are empty are
-/// no fault, as where two topics stand in one table.
+/// Refuses a log most of whose rows cannot be read: the rest would not be the recorded motion. Empty fields are
+/// allowed, for example if two topics share one table.
 fn require_most_readable(
     sheet: &Sheet,
     (columns, gaps): (&[Option<usize>], &[Gaps]),

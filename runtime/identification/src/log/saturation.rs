@@ -6,8 +6,8 @@ use gelenk_findings::Finding;
 
 /// Share of the samples at an extreme from which on it is said.
 const SEEN: f64 = 0.01;
-/// How many times as many as at the next level: a coarse sensor has many samples at each level, and a wave has more at its
-/// crest than beside it.
+/// Least ratio of the samples at a limit to those at the next level: a coarse sensor has many samples at each level, and a wave
+/// has more at its crest than next to it.
 const MORE_THAN_BESIDE: usize = 8;
 
 /// Efforts that were cut off, by their columns.
@@ -48,7 +48,7 @@ fn moving(run: &Run, place: usize) -> Vec<f64> {
     (1..efforts.len()).filter(moved).map(|i| efforts[i]).filter(|x| x.is_finite()).collect()
 }
 
-/// The first value of a sorted list and how often it stands there, where that is too often. Zero is no limit.
+/// The first value of a sorted list and its count, if the count is too high. Zero does not count as a limit.
 fn crowd(sorted: &[f64]) -> Option<(f64, usize)> {
     let value = *sorted.first().filter(|value| **value != 0.0)?;
     let count = sorted.iter().take_while(|x| **x == value).count();

@@ -40,7 +40,7 @@ pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<
     })
 }
 
-/// From counts to seconds since the log's beginning, or since 0 if times are no epoch.
+/// Conversion of counts to seconds since the log's beginning, or since 0 if times have no epoch.
 pub(super) struct Clock {
     zero: i128,
     per_second: f64,

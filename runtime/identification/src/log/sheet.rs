@@ -16,7 +16,7 @@ pub(super) struct Sheet<'a> {
     pub units: Vec<Option<String>>,
     /// Number of fields in a row of numbers.
     pub width: usize,
-    /// What a field is separated by.
+    /// Separator of fields.
     pub separator: u8,
     /// How decimals are written.
     pub decimals: Decimals,
@@ -77,20 +77,20 @@ fn records(
 /// A row of more lines has swallowed the ones behind it.
 const MOST_LINES_OF_A_ROW: usize = 50;
 
-/// More columns are no log of a robot.
+/// A table with more columns is not a log of a robot.
 const MOST_COLUMNS: usize = 20_000;
 
 /// Lines that are looked at to understand a file.
 const SAMPLE: usize = 600;
 
 impl<'a> Sheet<'a> {
-    /// Understands the text of a file.
+    /// Detects the format of a file's text.
     ///
-    /// - `separator`: of the fields, where it is known
+    /// - `separator`: of the fields, if it is known
     /// - `source`: name for messages
     ///
     /// # Errors
-    /// Formats that are no text, no rows of numbers, or a header that does not fit to its rows.
+    /// Bytes that are not text, no rows of numbers, or a header that does not fit to its rows.
     pub(super) fn new(bytes: &'a [u8], separator: Option<char>, source: &str) -> Result<Self> {
         let fault = |message: String| IdentificationError::File { place: source.into(), message };
         refuse_binary(bytes).map_err(fault)?;
@@ -130,7 +130,7 @@ impl<'a> Sheet<'a> {
     /// Calls `each` with line (counted from 1, as an editor does) and fields of every row of numbers.
     ///
     /// # Errors
-    /// What `each` returns; bytes that are no rows.
+    /// Errors that `each` returns; bytes that are not rows.
     pub(super) fn rows(
         &self,
         source: &str,
@@ -262,7 +262,7 @@ fn sample(text: &[u8]) -> Vec<Line<'_>> {
     lines
 }
 
-/// What follows the signs of a comment.
+/// Text after the signs of a comment.
 fn comment(line: &[u8]) -> Option<&[u8]> {
     let trimmed = line.trim_ascii_start();
     let signs = [&b"#"[..], b"%", b"//"];
@@ -291,7 +291,7 @@ fn fields(line: &[u8], separator: u8) -> Vec<String> {
     fields
 }
 
-/// Text of a field. What is no UTF-8 is taken as Windows writes western European languages: its letters have the
+/// Text of a field. Bytes that are not UTF-8 are decoded as Windows writes western European languages: letters have the
 /// numbers that they have in Unicode.
 fn decoded(field: &[u8]) -> String {
     let letter = |byte: &u8| match byte {
@@ -341,7 +341,7 @@ fn guess_separator(lines: &[Line]) -> Option<u8> {
     best.map(|(separator, _)| separator)
 }
 
-/// The first line of numbers: at least half of its fields are, and it is no shorter than half of what is usual.
+/// The first line of numbers: at least half of its fields are numbers, and it has at least half of the usual fields.
 fn first_data(lines: &[Line], split: &[Vec<String>]) -> Option<usize> {
     let is_row = |i: &usize| {
         let (filled, numbers) = count(&split[*i]);
@@ -386,7 +386,7 @@ fn unit_field(field: &str) -> Option<String> {
     units::find(inner).map(|_| inner.to_owned())
 }
 
-/// What most numbers are written with. Between commas, a comma within a field stands in quotation marks.
+/// Decimal sign of most numbers. If commas separate fields, a comma within a field needs quotation marks.
 fn decimals(lines: &[Line], split: &[Vec<String>]) -> Decimals {
     let rows = lines.iter().zip(split).filter(|(line, _)| !line.is_comment);
     let (mut points, mut commas) = (0_usize, 0_usize);

@@ -68,7 +68,7 @@ pub(crate) fn unit_value(unit: &str) -> Option<f64> {
 /// Share of a limit that values use whose unit is right.
 pub(crate) const SEEN: RangeInclusive<f64> = 0.05..=1.1;
 
-/// Whether speeds that are so many times their limit would be within it, and use a part of it that can be seen, if times were
+/// Whether speeds that are `times` their limit would be within it, and use a visible part of it, if times were
 /// minutes.
 pub(crate) fn are_minutes(times: f64) -> bool {
     SEEN.contains(&(times / 60.0))

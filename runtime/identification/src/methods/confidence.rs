@@ -19,7 +19,7 @@ const NEARLY_NORMAL: f64 = 1e6;
 /// Fewest blocks from which a variance is estimated.
 const FEWEST_BLOCKS: usize = 12;
 
-/// What is known about the sum of a correlated series.
+/// Statistics of the sum of a correlated series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LongRun {
     /// Variance of the sum.

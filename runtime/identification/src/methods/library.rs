@@ -17,7 +17,7 @@ impl Library {
     /// Compiles `terms` over `channels`.
     ///
     /// # Errors
-    /// No term, a term twice, a term that is no number, or a fault in its text.
+    /// No term, a term twice, a term that is not a number, or a fault in its text.
     pub fn new<S: AsRef<str>, C: AsRef<str>>(terms: &[S], channels: &[C]) -> Result<Self> {
         let terms: Vec<String> = terms.iter().map(|t| t.as_ref().to_string()).collect();
         let channels: Vec<String> = channels.iter().map(|t| t.as_ref().to_string()).collect();

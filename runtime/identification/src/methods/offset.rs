@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// A constant torque beside the law.
+/// A constant torque in addition to the law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Offset {
     /// The run's samples.

@@ -36,7 +36,7 @@ pub struct SubsetValidation {
     pub one_standard_error: usize,
 }
 
-/// A term that may only stand beside another one: an asymmetry `|f(v)|` beside `f(v)`. Alone it would pass for `f`
+/// A term that needs another one: an asymmetry `|f(v)|` needs `f(v)`. Alone it would pass for `f`
 /// on motion in one direction, and drive the joint in the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Requirement {
@@ -56,7 +56,7 @@ pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
     terms.iter().enumerate().filter_map(partner).collect()
 }
 
-/// What the law of a subset has to meet.
+/// Conditions that the law of a subset has to meet.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Conditions {
     /// Terms that need others.
@@ -102,7 +102,7 @@ impl Conditions {
 pub(crate) const MOST_ALIKE: f64 = 0.8;
 
 /// Terms without the asymmetries `|f(v)|` of motion that is nearly all in one direction: there they are `f(v)` or its
-/// negative. Beside them a sentence about those left out.
+/// negative. The second value is a sentence about those left out.
 ///
 /// - `energies`: Σ f² forwards and backwards of a term f
 pub(crate) fn seen_both_ways(

@@ -58,7 +58,7 @@ pub(crate) fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
 }
 
-/// `value` with so many significant digits, as a person writes it: `0`, `31.62`, and an exponent where the decimals would
+/// `value` with `digits` significant digits, as a person writes it: `0`, `31.62`, and an exponent if the decimals would
 /// be mostly zeros, or the number longer than its digits.
 pub fn plain(value: f64, digits: usize) -> String {
     let digits = digits.clamp(1, MOST_DIGITS.unsigned_abs() as usize);

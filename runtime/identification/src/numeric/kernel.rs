@@ -16,7 +16,7 @@ const LANES: usize = 8;
 
 /// Adds the products of all pairs of columns over one block: `sums[j·q + k] += Σ aⱼ aₖ` for k ≤ j.
 ///
-/// Columns are taken in tiles of so many by four, that each product has vector sums of its own in registers:
+/// Columns are taken in tiles of `ROWS` by four, such that the vector sums of each product stay in registers:
 /// two rows fit the 32 registers of AVX-512, one the 16 of AVX2. The tile does not change a product's order
 /// of additions.
 ///

@@ -43,7 +43,7 @@ pub(super) struct Equations {
     /// Blocks of time, each with the sums of each joint; those with the load come last.
     blocks: Vec<Vec<Sums>>,
     loaded_from: usize,
-    /// What holds δ at zero and friction finite.
+    /// Prior that pulls δ to zero and keeps friction finite.
     prior: DMatrix<f64>,
     weight: f64,
 }
@@ -226,7 +226,7 @@ fn stiffen(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>) {
     }
 }
 
-/// What the columns of all rows are made of.
+/// Inputs from which the columns of all rows are computed.
 struct Columns<'a> {
     robot: &'a dyn Robot,
     joints: usize,

@@ -18,7 +18,7 @@ pub struct CarriedLoad {
     pub payload: Payload,
     /// The logs without and with it.
     pub recordings: [Recording; 2],
-    /// What was found in the logs without and with it.
+    /// Findings of the logs without the load and with it.
     pub findings: Vec<Finding>,
 }
 

@@ -103,7 +103,7 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
 struct Found {
     load: ConsistentSolution,
     covariance: DMatrix<f64>,
-    /// By how much bodies at distance one from the reference differ in each parameter.
+    /// Difference of each parameter between the reference and bodies at distance one from it.
     sizes: Vec<f64>,
 }
 
@@ -155,7 +155,7 @@ fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     from_pseudo_inertia(&j)
 }
 
-/// By how much bodies at distance one from the ball differ in each parameter.
+/// Difference of each parameter between the ball and bodies at distance one from it.
 fn prior_sizes(hessian: &DMatrix<f64>, weight: f64) -> Result<Vec<f64>> {
     let sizes = hessian.diagonal().map(f64::sqrt);
     let unit = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| hessian[(r, c)] / (sizes[r] * sizes[c]));

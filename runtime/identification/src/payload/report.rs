@@ -39,13 +39,13 @@ const NOT_USED: Rule = Rule::warning("load-efforts-not-used");
 /// Fixture: `payload/tests.rs`.
 const WORSE: Rule = Rule::warning("load-residuals");
 
-/// What a payload is made of.
+/// Inputs of the report on a payload.
 pub(super) struct Parts<'a> {
     pub names: Vec<String>,
     pub body: usize,
     pub load: &'a ConsistentSolution,
     pub covariance: &'a DMatrix<f64>,
-    /// By how much bodies of this mass differ.
+    /// Difference of each parameter among bodies of this mass.
     pub sizes: &'a [f64],
     pub degrees: usize,
     pub confidence: f64,

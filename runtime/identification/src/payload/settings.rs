@@ -1,6 +1,6 @@
-//! What a user may decide about a payload.
+//! Settings of a payload estimate.
 
-/// What an estimate of a payload takes for granted.
+/// Assumptions of a payload estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PayloadSettings {
     /// Body that carries the load, from 0; the last one unless stated.

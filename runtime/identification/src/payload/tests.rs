@@ -66,7 +66,7 @@ fn product(y: &[f64], v: &[f64], a: &[f64], pi: &[f64]) -> Vec<f64> {
     w.chunks_exact(P).map(|row| row.iter().zip(pi).map(|(w, p)| w * p).sum()).collect()
 }
 
-/// What moves, and what is measured.
+/// Motion and measurements of a simulated log.
 struct Simulation {
     samples: usize,
     /// Joints that move.

@@ -22,7 +22,7 @@ const ORDERS: [u32; 3] = [1, 2, 4];
 /// Rise of the misfit, as a mean over the efforts of ln RSS, after which lower frequencies are not tried.
 const HOPELESS: f64 = 0.1;
 
-/// Highest frequency that is looked for, as a share of the bandwidth. Friction that is no function of the speed where a joint
+/// Highest candidate frequency, as a share of the bandwidth. Friction that does not depend on speed alone where a joint
 /// reverses, and a delay that is not known exactly, look like a band: simulated arms that stick, and logs with jitter, have the
 /// least misfit at 0.36 to 0.7 of the bandwidth.
 const NARROWER: f64 = 0.25;
@@ -53,9 +53,9 @@ impl Tried {
 impl<'a> Recorded<'a> {
     /// The band of the efforts, if the motion explains all of them better through it: all other signals have to pass it.
     ///
-    /// Each effort has parameters of its own, as in the search for delays, and several widths of friction: a law that grows
-    /// slowly with the speed is no band. The band has to be narrower than a quarter of the bandwidth, and to lower ln RSS of each
-    /// effort by a tenth. No band is looked for if a joint has a quaternion, because filtered quaternions have no unit length.
+    /// Each effort has parameters of its own, as in the search for delays, and several widths of friction, because a law that grows
+    /// slowly with the speed is not a band. The band has to be narrower than a quarter of the bandwidth, and to lower ln RSS of each
+    /// effort by a tenth. If a joint has a quaternion, no band is searched for, because filtered quaternions lose their unit length.
     pub(super) fn band(
         &self,
         robot: &'a dyn Robot,

@@ -4,7 +4,7 @@ use super::super::methods::filter::gain;
 use super::spectrum::Spectrum;
 use std::f64::consts::PI;
 
-/// What is known of a joint's measured positions.
+/// Quality of a joint's measured positions.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PositionQuality {
     /// Pooled spectrum of all runs.

@@ -1,4 +1,4 @@
-//! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are told apart.
+//! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are separated.
 
 use super::super::numeric::statistics::{median, quantile};
 use std::f64::consts::PI;
@@ -20,10 +20,10 @@ pub(super) struct Channel {
     pub turns: usize,
 }
 
-/// Half-width of the windows in which motion is told from rest [samples].
+/// Half-width of the windows that separate motion from rest [samples].
 const WINDOW: usize = 8;
 
-/// Decades of magnitudes that are told apart, from 1e-9 on.
+/// Decades of magnitudes that are distinguished, from 1e-9 on.
 const DECADES: usize = 19;
 
 impl Channel {

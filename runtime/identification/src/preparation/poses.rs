@@ -8,7 +8,7 @@ use super::super::pose::QuaternionJoint;
 use super::super::run::Run;
 use super::channel::Channel;
 
-/// The measured poses of a joint and the ways that it has gone, for each sample that is no spike.
+/// The measured poses of a joint and their path, for each sample that is not a spike.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PoseSignal {
     joint: QuaternionJoint,

@@ -24,9 +24,9 @@ pub(super) struct Columns<'a> {
     inverse: Option<DMatrix<f64>>,
     /// Rounded signs of velocities, for each run, joint and rounding.
     signs: Rc<Vec<Vec<Vec<Vec<f64>>>>>,
-    /// What the signs pass, because the efforts passed it.
+    /// Filter of the signs, the same as of the efforts.
     filter: Option<Filter>,
-    /// What the motion passes too.
+    /// Further filter of the motion.
     band: Option<Filter>,
     /// Number of inertial parameters.
     parameters: usize,
@@ -223,8 +223,8 @@ impl Problem {
         Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)?, rows, moving })
     }
 
-    /// Squares of what fits to all samples but those of a fold leave of each target there, for each of so many contiguous
-    /// folds; `None` where a fold leaves too little.
+    /// Residual sums of squares of each target on each of `folds` contiguous folds, from a fit to the samples outside the fold;
+    /// `None` if a fold leaves too few samples.
     pub(crate) fn held_out(&self, targets: &DMatrix<f64>, folds: usize) -> Option<Vec<Vec<f64>>> {
         let part = |fold: &Range<usize>| self.rows.columns(fold.start, fold.len());
         let of_targets = |fold: &Range<usize>| targets.rows(fold.start, fold.len());
@@ -239,7 +239,7 @@ impl Problem {
         contiguous_blocks(self.moving.len(), folds).map(errors).collect()
     }
 
-    /// What the columns cannot explain of `target`.
+    /// Part of `target` that the columns cannot explain.
     pub(crate) fn residual(&self, target: &DVector<f64>) -> DVector<f64> {
         let explained = self.basis.tr_mul(&(&self.basis * target));
         (target - explained).component_mul(&self.moving)

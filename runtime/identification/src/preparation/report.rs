@@ -49,7 +49,7 @@ const WHOLE_TURNS: Rule = Rule::note("turns-taken-out");
 const NOISY: Rule = Rule::note("noisy-acceleration");
 
 /// Sees: a position or an effort that is new in a part of the rows only.
-/// Matters: repeats are no measurements. They are left out.
+/// Matters: repeated values are not measurements. They are left out.
 /// Example: efforts at 10 Hz in a log of 250 Hz.
 /// Fixture: `held` in `codegen/tests/findings/arm.rs`.
 const HELD: Rule = Rule::note("held-signal");
@@ -158,12 +158,12 @@ impl Recorded<'_> {
         fault.map(|fault| fault.joint(self.name(j)))
     }
 
-    /// Whether something else moves a joint: that its force is not known is no fault.
+    /// Whether something else moves a joint: then its unknown force is not a fault.
     fn is_unmeasured(&self, joint: usize) -> bool {
         self.robot.is_some_and(|robot| robot.unmeasured()[joint])
     }
 
-    /// What was left out of each run.
+    /// Samples left out of each run.
     fn of_runs(&self, how: &Smoothing) -> Vec<Finding> {
         self.signals.iter().flat_map(|s| [self.of_pieces(s, how), self.of_positions(s)].concat()).collect()
     }
@@ -263,7 +263,7 @@ impl Recorded<'_> {
     }
 }
 
-/// What stands out in a joint's numbers.
+/// Remarkable numbers of a joint.
 fn remarks(joint: &JointPreparation) -> Vec<Finding> {
     let noisy = (joint.moves && joint.acceleration_noise > 0.1).then(|| {
         let message = format!(

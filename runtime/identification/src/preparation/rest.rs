@@ -11,7 +11,7 @@ const SLOW: f64 = 0.01;
 /// Deviations of the speed's noise below which a speed is not told from zero.
 const NOISE: f64 = 4.0;
 
-/// Share of the largest speed that noise of the speed may make of this limit: beyond it nothing is told apart.
+/// Largest share of this limit that may be noise of the speed: with more noise, rest cannot be separated from motion.
 const MOST: f64 = 0.1;
 
 /// Least ratio of a rest's time below the limit of the speed to its time between the limit and twice the limit. The ratio is 1
@@ -31,7 +31,7 @@ pub(super) struct Rests {
     joints: Vec<Vec<Stretch>>,
 }
 
-/// What is known of a joint's speeds.
+/// Statistics of a joint's speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Speeds {
     /// Largest speed of all runs [rad/s or m/s]; infinite where the joint moves in none.

@@ -3,7 +3,7 @@
 use super::super::methods::filter::Filter;
 use gelenk_findings::Finding;
 
-/// What was found and chosen for all runs together.
+/// Results and choices for all runs together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparationReport {
     /// For each joint.
@@ -14,7 +14,7 @@ pub struct PreparationReport {
     pub filter: Filter,
     /// Sample rate of the prepared runs \[Hz\].
     pub sample_rate: f64,
-    /// What was done: gaps, dropped pieces, spikes, delays.
+    /// Changes to the signals: gaps, dropped pieces, spikes, delays.
     pub findings: Vec<Finding>,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Delay {
     pub own: bool,
 }
 
-/// What was found and chosen for a joint.
+/// Results and choices for one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointPreparation {
     /// Name as described, or `joint 1` and so on.

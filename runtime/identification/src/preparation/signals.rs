@@ -91,13 +91,13 @@ pub(super) struct Smoothing {
     pub lowest: f64,
     /// Time between results [s].
     pub step: f64,
-    /// What is cut off at either end of a piece [s].
+    /// Time cut off at either end of a piece [s].
     pub cut: f64,
     /// Delay of each effort [s].
     pub delays: Vec<f64>,
     /// Efforts that are not used: their columns hold NaN.
     pub faulty: Vec<bool>,
-    /// What the efforts passed before they were recorded. All other signals pass it here.
+    /// Filter that the efforts passed before they were recorded. All other signals pass it here.
     pub band: Option<Band>,
 }
 

@@ -28,7 +28,7 @@ use std::path::Path;
 /// First line of every description of identified values.
 const FIRST_LINE: &str = "# Identified by gelenk.\n";
 
-/// What a description of identified values says, beside what it extends.
+/// Content of a description of identified values, in addition to the description that it extends.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Identified<'a> {
     /// Name of the robot, and of the module to be generated.
@@ -197,7 +197,7 @@ fn basis(text: &str) -> Result<Formula> {
     })
 }
 
-/// What is known about a law, as lines of comments.
+/// A law's statistics, as lines of comments.
 #[must_use]
 pub fn comment_lines(result: &FrictionResult) -> String {
     let mut text = String::new();

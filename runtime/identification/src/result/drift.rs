@@ -19,7 +19,7 @@ pub struct Trend {
     pub significant: bool,
 }
 
-/// What is left of the torque over the log.
+/// Residual torque over the log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drift {
     /// Runs, or parts of equal length of a single one, with the mean of torque minus law.

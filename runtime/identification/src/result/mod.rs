@@ -84,7 +84,7 @@ impl FrictionLaw {
     /// Torques at `velocities`.
     ///
     /// # Errors
-    /// A basis that is no expression in `v`, or no term.
+    /// A basis that is not an expression in `v`, or no term.
     pub fn torques(&self, velocities: &[f64]) -> Result<Vec<f64>> {
         match self {
             Self::Terms(terms) => sum(terms, velocities),
@@ -222,7 +222,7 @@ pub struct FrictionResult {
     pub r_squared: f64,
     /// The same on folds that were left out; `None` where the samples are too few.
     pub held_out: Option<f64>,
-    /// What changes over the log; `None` where the samples are too few.
+    /// Change of the residual torque over the log; `None` if the samples are too few.
     pub drift: Option<Drift>,
     /// File name and SHA-256 of the data.
     pub data: String,

@@ -122,7 +122,7 @@ impl ShaftRows {
         (0..self.motion.nrows()).map(row).collect()
     }
 
-    /// Positions y for z; those with quaternions are no sums, and stay as they are.
+    /// Positions y for z; those with quaternions are not sums, and stay as they are.
     pub(super) fn positions(&self, z: &[f64]) -> Vec<f64> {
         if self.has_quaternions { z.to_vec() } else { self.joint_motion(z) }
     }
@@ -133,7 +133,7 @@ impl ShaftRows {
         (0..self.back.nrows()).map(row).collect()
     }
 
-    /// C⁻ᵀ times a matrix over the joints of so many columns, rows first.
+    /// C⁻ᵀ times a matrix over the joints with `columns` columns, rows first.
     pub(super) fn forces(&self, joints: &[f64], columns: usize, rows: &mut [f64]) {
         rows.fill(0.0);
         for (row, found) in rows.chunks_exact_mut(columns.max(1)).enumerate() {

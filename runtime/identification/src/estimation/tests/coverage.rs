@@ -59,7 +59,7 @@ const REGIMES: [Regime; 11] = [
 
 const JITTERED_AND_LATE: Regime = Regime { name: "jittered and late", jitter: 0.2, late: 2.4, ..EVEN };
 
-/// What is left out of the way that `identify` takes.
+/// Part that is left out of the sequence of steps in `identify`.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
     /// Nothing.
@@ -131,7 +131,7 @@ impl Regime {
     }
 }
 
-/// What was found in a log.
+/// Estimate from one log, and the true values.
 struct Found {
     truth: Pendulum,
     estimate: Estimate,

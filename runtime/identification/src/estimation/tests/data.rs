@@ -4,7 +4,7 @@ use super::super::super::run::{Effort, PreparedRun};
 use nalgebra::DMatrix;
 use std::path::PathBuf;
 
-/// A file of the data folder beside the checkout, or `None` with a printed note.
+/// A file of the data folder next to the checkout, or `None` with a printed note.
 pub(super) fn shared(path: &str) -> Option<PathBuf> {
     let folder =
         std::env::var_os("GELENK_SHARED").map_or_else(|| PathBuf::from("../../../shared"), PathBuf::from);

@@ -1,4 +1,4 @@
-//! Friction that grows with the load of a gear, beside inertia and friction that do not.
+//! Friction that grows with the load of a gear, together with inertia and friction that do not.
 
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::robot::Robot;

@@ -149,7 +149,7 @@ const SWEEPS: usize = 40;
 pub(super) const STEEPNESS: f64 = 10.0;
 pub(super) const FRICTION: [[f64; 2]; 2] = [[1.2, 2.0], [0.5, 0.8]];
 
-/// What a simulated log is made of.
+/// Parameters of a simulated log.
 #[derive(Clone)]
 pub(super) struct Experiment {
     pub(super) seconds: f64,
@@ -270,7 +270,7 @@ struct History {
     step: f64,
     /// y and ẏ after each step of the integration.
     states: Vec<[[f64; 2]; 2]>,
-    /// What the controller saw and applied over each period, and the noise of the force measurement.
+    /// State that the controller saw and force that it applied in each period, and the noise of the force measurement.
     seen: Vec<[f64; 2]>,
     feeds: Vec<[f64; 2]>,
     noise: Vec<[f64; 2]>,

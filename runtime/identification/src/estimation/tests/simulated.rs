@@ -100,7 +100,7 @@ fn weight_is_compensated_as_described_or_as_it_is() {
     }
 }
 
-/// What a sensor's zero adds to each run is no weight, and what bodies weigh is no zero.
+/// A sensor's zero that differs between runs is not taken for a weight, nor a weight for a zero.
 #[test]
 fn zeros_that_move_are_told_from_weight_that_is_left() {
     let mut random = SplitMix64::new(5);

@@ -96,7 +96,7 @@ fn a_level_base_and_a_small_angle_are_no_doubt() {
     assert!(doubt(&estimated(Vector3::new(1.0, 0.0, 0.0), 0.3, 4)).is_none());
 }
 
-/// Bodies whose weights pull upwards explain it too, and are none: a small angle beside the described gravity is no answer.
+/// Bodies whose weights pull upwards would explain the forces too, but do not exist: a small tilt of gravity is not the answer.
 #[test]
 fn a_robot_that_hangs_from_the_ceiling_is_not_told_of_a_small_angle() {
     let found = estimated(Vector3::new(177.0, 0.0, 0.0), 0.3, 4);

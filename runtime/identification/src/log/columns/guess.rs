@@ -23,7 +23,7 @@ pub struct ColumnGuess {
 /// The guess for a sheet.
 ///
 /// # Errors
-/// Options that cannot be read. Columns that are not found are no error.
+/// Options that cannot be read. Columns that are not found are not an error.
 pub(in crate::log) fn guess(
     sheet: &Sheet,
     robot: &RobotColumns,

@@ -99,7 +99,7 @@ impl ColumnOptions {
     /// Positions of the joints that are held [rad or m], `None` for the others.
     ///
     /// # Errors
-    /// A pattern that no joint's name matches, and values that are no numbers.
+    /// A pattern that no joint's name matches, and values that are not numbers.
     pub fn held(&self, joints: &[String]) -> Result<Vec<Option<f64>>> {
         let mut held = vec![None; joints.len()];
         let all = self.named()?;

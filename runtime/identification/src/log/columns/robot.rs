@@ -7,7 +7,7 @@ use super::super::super::run::{Effort, Run};
 use super::families::Targets;
 use super::pattern::ColumnOptions;
 
-/// A robot's joints and inputs that a log has columns of. Velocities of joints with a quaternion are no joints here.
+/// A robot's joints and inputs for which a log has columns. Velocities of joints with a quaternion do not count as joints here.
 pub(in crate::log) struct RobotColumns {
     /// Joints that are not held.
     pub joints: Targets,

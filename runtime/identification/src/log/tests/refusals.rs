@@ -1,4 +1,4 @@
-//! What cannot be read: each message names what is wrong and the line that settles it.
+//! Logs that cannot be read: each message names the fault and the line that settles it.
 
 use super::super::{ColumnOptions, runs_of};
 use super::testing::{Fake, message};
@@ -46,7 +46,7 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
     ]
 }
 
-/// Times in ms with a point between thousands, beside decimal commas.
+/// Times in ms with a point between thousands, together with decimal commas.
 fn thousands() -> String {
     let row = |i: usize| format!("{}.{:03};0,5;0,{i};0,1;0,{i}\n", i / 2, 500 * (i % 2));
     let rows: String = (2..30).map(row).collect();
@@ -118,7 +118,7 @@ fn packed_logs_are_read() {
     assert_eq!(plain, packed);
 }
 
-/// What was noticed in one log is not lost with the fault of the next.
+/// Findings of one log survive an error in the next.
 #[test]
 fn findings_survive_an_error() {
     let folder = tempfile::tempdir().unwrap();

@@ -139,7 +139,7 @@ fn logs_of_each_style_are_read() {
     }
 }
 
-/// What is printed about the columns of each style.
+/// Printed columns of each style.
 #[test]
 fn columns_of_each_style_are_named() {
     let said = styles().into_iter().map(|(style, header, row, columns, ..)| {
@@ -156,7 +156,7 @@ fn columns_of_each_style_are_named() {
     insta::assert_snapshot!("styles", said.collect::<String>());
 }
 
-/// As a table of Excel in western Europe, whose letters are no UTF-8.
+/// A table of Excel in western Europe, whose letters are not UTF-8.
 #[test]
 fn letters_of_windows_are_read() {
     let (_, header, row, ..) = styles().into_iter().find(|style| style.0 == "italian").unwrap();
@@ -448,7 +448,7 @@ fn topics_between_each_other_are_told_apart() {
     assert_eq!(left.as_deref(), Some("log.csv: 200 rows are left out because they are not complete"));
 }
 
-/// What is asked of every reader: no input takes longer than its length says.
+/// Common requirement on readers: the time grows at most linearly with the input's length.
 #[test]
 fn odd_logs_are_read_in_time() {
     // Every row is a run of its own, or goes back in time.

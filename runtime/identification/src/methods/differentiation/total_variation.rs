@@ -30,7 +30,7 @@ pub struct TotalVariation {
 /// How γ is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regularization {
-    /// By hand.
+    /// Given γ.
     Weight(f64),
     /// Discrepancy principle (Morozov 1966): the largest γ at which `rms(s − f)` reaches this noise σ.
     Noise(f64),

@@ -1,4 +1,4 @@
-//! What the data say about the parameters: standard errors, and warnings.
+//! Accuracy of the parameters: standard errors, and warnings.
 
 use super::super::confidence::{LongRun, covariance_of_sums};
 use super::super::margin::change;

@@ -52,7 +52,7 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
 pub struct StribeckRegression {
     /// How many of the best starts are refined on a part of the samples.
     pub starts: usize,
-    /// Whether each run has a constant torque beside the law.
+    /// Whether each run has a constant torque in addition to the law.
     pub offset: bool,
     /// Limit of the passes over all samples, for each set of weights.
     pub max_iterations: usize,

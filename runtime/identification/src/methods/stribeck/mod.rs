@@ -1,4 +1,4 @@
-//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, beside a
+//! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`, plus a
 //! constant offset of each run.
 //!
 //! Starts are found on at most 4000 samples, where (a1, a2, a4) and the offsets follow from (a3, a5) by linear least

@@ -91,7 +91,7 @@ fn evaluated(v: &[f64], torque: &[f64], a: &[f64; 5]) -> Columns {
 /// A regression of these samples.
 pub(super) struct Data<'a> {
     pub(super) samples: Observed<'a>,
-    /// Whether each run has a constant beside the law.
+    /// Whether each run has a constant in addition to the law.
     pub(super) offset: bool,
 }
 

@@ -12,7 +12,7 @@ pub struct Estimate {
     pub standard_error: Option<f64>,
 }
 
-/// What a1 … a5 mean. At speeds v beyond the step at zero, of width 1/a3, the law is
+/// Physical meaning of a1 … a5. At speeds v beyond the step at zero, of width 1/a3, the law is
 /// `F_v v + F_c + (F_s − F_c) exp(−v/v_s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StribeckWords {

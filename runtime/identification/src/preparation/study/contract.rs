@@ -1,4 +1,4 @@
-//! What `prepare_all` promises about lengths, gaps, faults and settings.
+//! Contract of `prepare_all` about lengths, gaps, faults and settings.
 
 use super::super::super::run::{Effort, Run};
 use super::super::{JointPreparation, PreparationReport, PreparationSettings, prepare_all};

@@ -133,7 +133,7 @@ pub(crate) fn log(arm: &Arm, sampling: &Sampling, duration: f64, seed: u64) -> (
     (run, truth)
 }
 
-/// What the study measures of one way of sampling.
+/// Measures of one way of sampling.
 pub(crate) struct Outcome {
     /// R² on an unseen log, by true derivatives and raw efforts.
     pub truth: Vec<f64>,
