@@ -39,11 +39,12 @@ OF_ANOTHER_FUNCTION = {
     "report": set(),
     "identify": {"plan", "reduce", *OF_PLANS},
     "plan": {"plan", "reduce", "merge", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
-             "validate", "payload", "payload_on", "load_friction", "friction", "method", "accept_poor"},
+             "validate", "payload", "payload_on", "load_friction", "friction", "method", "threshold", "derivative", "accept_poor"},
     "reduce": {"plan", "reduce", "merge", "report", "validate", "payload", "payload_on", "load_friction", "friction", "method",
-               *OF_PLANS},
+               "threshold", "derivative", *OF_PLANS},
     "merge": {"plan", "reduce", "merge", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
-              "validate", "payload", "payload_on", "load_friction", "friction", "method", "accept_poor", *OF_PLANS},
+              "validate", "payload", "payload_on", "load_friction", "friction", "method", "threshold", "derivative",
+              "accept_poor", *OF_PLANS},
 }
 
 

@@ -324,6 +324,12 @@ pub(super) struct Identify {
     /// data better]
     #[arg(long, value_enum, value_name = "METHOD", conflicts_with_all = ["plan", "reduce", "payload"])]
     pub(super) method: Option<MethodName>,
+    /// Threshold of --method stls, in the units of the coefficients [default: 0.1]
+    #[arg(long, value_name = "VALUE", requires = "method", value_parser = positive)]
+    pub(super) threshold: Option<f64>,
+    /// How velocities and accelerations are found from positions
+    #[arg(long, value_enum, value_name = "METHOD", default_value_t = DerivativeName::Filter, conflicts_with_all = ["plan", "merge", "reduce"])]
+    pub(super) derivative: DerivativeName,
     /// Write results although they explain little
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
@@ -396,12 +402,21 @@ pub(super) enum EffortName {
 pub(super) enum MethodName {
     /// Best subset: the fewest terms within one standard error of the least error on left-out data
     Subset,
-    /// SINDy: sequentially thresholded least squares with the threshold 0.1
+    /// SINDy: sequentially thresholded least squares, with --threshold
     Stls,
     /// LASSO, cross-validated with one standard error, then least squares on its terms
     Lasso,
     /// Least squares on all terms
     All,
+}
+
+/// How positions are differentiated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum DerivativeName {
+    /// Derivatives of the filter that positions and efforts pass
+    Filter,
+    /// TVDiff: total-variation regularized differentiation at the noise of each position, then the filter
+    Tvdiff,
 }
 
 /// Where friction is looked for.

@@ -18,7 +18,7 @@ pub use drives::{IdentifiedDrive, drives, rotors};
 pub use robot::{InterpretedRobot, RobotChoices};
 pub use rounding::{round_bodies, rounded_load};
 pub use shafts::{IdentifiedShaft, drive_table, joint_tables, kept_friction, shaft_rotor};
-pub use terms::terms_as_json;
+pub use terms::{front, front_as_json, terms_as_json};
 
 #[cfg(test)]
 mod tests {

@@ -186,12 +186,12 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     figure.plot(plot)
 }
 
-/// Error on left-out data of the best law of each size: more terms than the chosen number gain less than chance.
+/// Error on left-out data over the number of terms.
 fn front(subsets: &SubsetValidation, force: &str) -> Plot {
     let point = |subset: &ValidatedSubset| [subset.active.len() as f64, subset.mean_error.sqrt()];
     Plot::new("Error by number of terms", Axis::new("terms", ""), Axis::new("rms error, left out", force))
-        .series("best of its size", Marks::Points, subsets.best.iter().map(point).collect())
-        .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.one_standard_error])])
+        .series("tried", Marks::Points, subsets.best.iter().map(point).collect())
+        .series("chosen", Marks::Points, vec![point(&subsets.best[subsets.chosen])])
 }
 
 /// Joints whose efforts were measured.

@@ -2,7 +2,8 @@
 
 use gelenk_identification::friction::{Candidate, FrictionReport};
 use gelenk_identification::identify::Identification;
-use gelenk_identification::numeric::digits::significant;
+use gelenk_identification::methods::subset::ValidatedSubset;
+use gelenk_identification::numeric::digits::{plain, significant};
 use gelenk_report::{Cell, Table};
 use serde_json::{Value, json};
 
@@ -46,6 +47,45 @@ fn row(joint: &str, candidate: &Candidate, t: f64) -> Vec<Cell> {
 /// A number with the digits that its error leaves it.
 pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
     Cell::Rounded(value, significant(value, error).unwrap_or(DIGITS))
+}
+
+/// Pareto tables of the choices: joint, number of terms, rms error on left-out data, and the terms; `*` marks the chosen ones.
+#[must_use]
+pub fn front(found: &Identification) -> Vec<Vec<String>> {
+    let head = ["joint", "terms", "rms error, left out", "", "terms of the law"].map(str::to_owned).to_vec();
+    let mut table = vec![head];
+    for joint in &found.friction {
+        let Some((report, subsets)) = joint.report.as_ref().ok().and_then(|r| Some((r, r.subsets.as_ref()?)))
+        else {
+            continue;
+        };
+        table.extend(subsets.best.iter().enumerate().map(|(place, subset)| {
+            let terms: Vec<&str> = subset.active.iter().map(|&i| report.terms[i].as_str()).collect();
+            vec![
+                joint.name.clone(),
+                subset.active.len().to_string(),
+                plain(subset.mean_error.sqrt(), DIGITS),
+                if place == subsets.chosen { "*" } else { "" }.to_owned(),
+                terms.join(", "),
+            ]
+        }));
+    }
+    table
+}
+
+/// The Pareto table of a law for JSON.
+#[must_use]
+pub fn front_as_json(report: &FrictionReport) -> Value {
+    let Some(subsets) = &report.subsets else { return Value::Null };
+    let of = |(place, subset): (usize, &ValidatedSubset)| {
+        json!({
+            "terms": subset.active.iter().map(|&i| report.terms[i].as_str()).collect::<Vec<_>>(),
+            "squared_error": subset.mean_error,
+            "standard_error": subset.standard_error,
+            "chosen": place == subsets.chosen,
+        })
+    };
+    subsets.best.iter().enumerate().map(of).collect()
 }
 
 /// The terms of a law for JSON, those that were left out without a coefficient.

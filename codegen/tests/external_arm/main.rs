@@ -321,9 +321,45 @@ fn terms_are_chosen_by_the_method_that_is_named() {
         assert!(file.contains(words) && file.contains(&format!("--method {method}")), "{method}: {file}");
         let viscous = found["joints"][0]["friction"].as_str().unwrap();
         assert!(viscous.contains("*v"), "{method}: {viscous}");
+        let front = found["joints"][0]["friction_pareto"].as_array().map(Vec::as_slice).unwrap_or_default();
+        let chosen: Vec<usize> = (0..front.len()).filter(|&i| front[i]["chosen"] == true).collect();
+        assert_eq!(chosen.len(), usize::from(method != "all"), "{method}: {front:?}");
+        // The best set of each size, or those of a falling threshold or penalty: more terms come with each row.
+        let sizes = front.iter().map(|row| row["terms"].as_array().unwrap().len());
+        assert!(sizes.is_sorted() && (method == "all" || front.len() > 2), "{method}: {front:?}");
     }
+    let stls = ["arm.toml", "log.csv", "--method", "stls", "--threshold", "0.5", "--output", "found.toml"];
+    let table = String::from_utf8(arm.run(&stls).stdout).unwrap();
+    assert!(table.contains("rms error, left out") && table.contains("  *  v"), "{table}");
+    assert!(
+        fs::read_to_string(arm.at("found.toml")).unwrap().contains("--threshold 0.5"),
+        "the command is in the file"
+    );
+    let refused = arm.refuses(&["arm.toml", "log.csv", "--method", "lasso", "--threshold", "0.5"]);
+    assert!(refused.contains("--threshold is that of --method stls"), "{refused}");
     let refused = arm.refuses(&["arm.toml", "log.csv", "--friction", "stribeck", "--method", "lasso"]);
     assert!(refused.contains("no terms to choose from"), "{refused}");
+}
+
+/// TVDiff instead of the filter's derivatives alone: the same law within a few percent, and the command says so.
+#[test]
+fn positions_are_differentiated_by_total_variation_on_request() {
+    let arm = Arm::new();
+    arm.record("arm.toml", "log.csv", None);
+    let [filter, tvdiff] = ["filter", "tvdiff"]
+        .map(|name| arm.identify(&["log.csv", "--derivative", name, "--output", &format!("{name}.toml")]));
+    for joint in 0..3 {
+        let r_squared = |found: &Value| found["joints"][joint]["r_squared_held_out"].as_f64().unwrap();
+        assert!(
+            r_squared(&tvdiff) > r_squared(&filter) - 2e-3,
+            "{} {}",
+            r_squared(&filter),
+            r_squared(&tvdiff)
+        );
+    }
+    assert_ne!(filter["inertial_parameters"], tvdiff["inertial_parameters"]);
+    assert!(fs::read_to_string(arm.at("tvdiff.toml")).unwrap().contains("--derivative tvdiff"));
+    assert!(!fs::read_to_string(arm.at("filter.toml")).unwrap().contains("--derivative"));
 }
 
 /// The first joint has Stribeck's friction, the others viscous and Coulomb friction alone.

@@ -114,6 +114,8 @@ def identify(
     friction_on: str | None = None,
     friction: str | Iterable[str] | None = None,
     method: str | None = None,
+    threshold: float | None = None,
+    derivative: str | None = None,
     accept_poor: bool = False,
     merge: bool = False,
     snap_angles: float | None = None,
@@ -132,6 +134,7 @@ def identify(
     - `hold`: joints that the logs leave out, at rest at a position in rad or m, `{"finger_*": 0.02}`
     - `friction`: terms that friction laws are chosen from, `["viscous", "coulomb", "tanh(50*v)"]`, or `"stribeck"`
     - `method`: how the terms are chosen, `"subset"`, `"stls"`, `"lasso"` or `"all"`
+    - `derivative`: how positions are differentiated, `"filter"` or `"tvdiff"`
     - `merge`: `logs` are files of moments, which `reduce` wrote
     - all others: as `gelenk identify --help` says
     """
@@ -142,6 +145,7 @@ def identify(
         "effort": effort,
         "gravity_compensated": gravity_compensated, "bandwidth": bandwidth, "delay": delay,
         "load_friction": load_friction, "friction_on": friction_on, "friction": _listed(friction), "method": method,
+        "threshold": threshold, "derivative": derivative,
         "accept_poor": accept_poor,
         "merge": merge,
         "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,

@@ -9,7 +9,7 @@ use gelenk_identification::validation::JointValidation;
 use serde_json::{Value, json};
 
 use super::super::print;
-use crate::identify::{page, terms_as_json};
+use crate::identify::{front_as_json, page, terms_as_json};
 
 fn uncertain(p: &Uncertain) -> Value {
     json!({"value": p.value, "standard_error": p.standard_error, "interval": p.interval})
@@ -50,6 +50,7 @@ pub(super) fn as_json(
         });
         let law = page::law_report(found, index);
         joint["friction_terms"] = law.map_or(Value::Null, terms_as_json);
+        joint["friction_pareto"] = law.map_or(Value::Null, front_as_json);
         joint["friction_resolved_from"] = json!(law.and_then(|report| report.result.resolved_from));
         if let Some(constant) = found.estimate.joints[index].gain {
             joint["motor_constant"] = uncertain(&constant);

@@ -20,7 +20,7 @@ use gelenk_identification::run::Effort;
 use gelenk_identification::shafts::ShaftRows;
 use gelenk_identification::validation::{JointValidation, validate};
 
-use super::super::arguments::{EffortName, Format, FrictionPlace, Identify, MethodName};
+use super::super::arguments::{DerivativeName, EffortName, Format, FrictionPlace, Identify, MethodName};
 use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
@@ -29,7 +29,7 @@ use super::motor_constants;
 use super::read::{read, say};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{
-    IdentifiedDrive, IdentifiedShaft, InterpretedRobot, LinkBodies, bodies, drive_table, drives,
+    IdentifiedDrive, IdentifiedShaft, InterpretedRobot, LinkBodies, bodies, drive_table, drives, front,
     joint_tables, kept_friction, page, rotors, round_bodies, shaft_rotor,
 };
 use crate::model::{Drive, Input, Joint, Loaded, Model, Motion};
@@ -106,10 +106,13 @@ pub(super) fn finish(
         }
         None => Vec::new(),
     };
+    let front = arguments.method.map(|_| front(found)).filter(|table| table.len() > 1);
     let found = (found, findings.as_slice());
     match format {
         Format::Json => print::json(&found_json::as_json(found, validation, output, &files)),
-        Format::Text => print::out(&as_text(found, validation, output, &files)).map(|()| ExitCode::SUCCESS),
+        Format::Text => {
+            print::out(&as_text(found, (front, validation), output, &files)).map(|()| ExitCode::SUCCESS)
+        }
     }
 }
 
@@ -124,6 +127,7 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
         ColumnOptions { columns: arguments.columns.clone(), effort, separator: arguments.separator };
     settings.preparation.bandwidth = arguments.bandwidth;
     settings.preparation.delay = arguments.delay;
+    settings.preparation.total_variation = arguments.derivative == DerivativeName::Tvdiff;
     settings.estimation.gravity_compensated = arguments.gravity_compensated;
     settings.estimation.load_friction = arguments.load_friction;
     settings.estimation.accept_poor = arguments.accept_poor;
@@ -136,21 +140,28 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
             let message = "the law of Stribeck has no terms to choose from: leave --method out".into();
             return Err(IdentificationError::Expression { text: "stribeck".into(), message }.into());
         }
-        settings.friction.method = method(name);
+        settings.friction.method = method(name, arguments.threshold)?;
     }
     Ok(settings)
 }
 
-fn method(name: MethodName) -> FrictionMethod {
-    match name {
+fn method(name: MethodName, threshold: Option<f64>) -> Result<FrictionMethod, Failure> {
+    if threshold.is_some() && name != MethodName::Stls {
+        return Err(Failure::Usage("--threshold is that of --method stls".to_owned()));
+    }
+    let standard = Thresholding::default();
+    Ok(match name {
         MethodName::Subset => FrictionMethod::BestSubset,
-        MethodName::Stls => FrictionMethod::Thresholding(Thresholding::default()),
+        MethodName::Stls => FrictionMethod::Thresholding(Thresholding {
+            threshold: threshold.unwrap_or(standard.threshold),
+            ..standard
+        }),
         MethodName::Lasso => FrictionMethod::Lasso(
             Lasso { standardize: true, ..Lasso::default() },
             LambdaChoice::OneStandardError,
         ),
         MethodName::All => FrictionMethod::LeastSquares,
-    }
+    })
 }
 
 /// Wrenches would act if a log had them.
@@ -251,6 +262,8 @@ pub(super) fn command(arguments: &Identify) -> String {
         arguments.load_friction.then(|| "--load-friction".to_owned()),
         word("--friction", arguments.friction.clone()),
         word("--method", arguments.method.and_then(name_of)),
+        word("--threshold", arguments.threshold.map(|threshold| format!("{threshold:?}"))),
+        word("--derivative", (arguments.derivative != DerivativeName::Filter).then(|| "tvdiff".to_owned())),
         word("--payload-on", arguments.payload_on.clone()),
         on_joints(arguments),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),
@@ -418,7 +431,7 @@ pub(super) fn relative(description: &Path, output: &Path) -> Result<String, Fail
 
 fn as_text(
     (found, findings): (&Identification, &[Finding]),
-    validation: &[JointValidation],
+    (front, validation): (Option<Vec<Vec<String>>>, &[JointValidation]),
     output: &Path,
     files: &[PathBuf],
 ) -> String {
@@ -443,6 +456,9 @@ fn as_text(
         first.chain(rest.then(|| number(joint.held_out_with_rest))).chain(last).collect()
     });
     text.push_str(&print::table(&std::iter::once(head.collect()).chain(rows).collect::<Vec<_>>()));
+    if let Some(front) = front {
+        text.push_str(&format!("\n{}", print::table(&front)));
+    }
     text.push_str(&validated(validation));
     text.push_str(&format!("\nwrote {}\n", output.display()));
     if let Some(page) = files.first() {

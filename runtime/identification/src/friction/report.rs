@@ -23,7 +23,7 @@ pub struct FrictionReport {
     pub covariance: DMatrix<f64>,
     /// Cross-validated path, for the LASSO.
     pub validation: Option<CrossValidation>,
-    /// The best subset of each size with its error on left-out data, for the best subset.
+    /// Pareto table of the choice; none for least squares on all terms and the Stribeck law.
     pub subsets: Option<SubsetValidation>,
     /// Bootstrap; none without draws.
     pub(crate) ensemble: Option<Ensemble>,

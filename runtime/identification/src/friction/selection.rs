@@ -81,9 +81,12 @@ pub(super) fn choose(
             let Thresholding { threshold, ridge, .. } = settings;
             let note =
                 format!("sequentially thresholded least squares, threshold {threshold}, ridge {ridge}");
-            Chosen::directly(Selection::Thresholding(*settings), reduced, note)
+            let chosen = Chosen::directly(Selection::Thresholding(*settings), reduced, note)?;
+            let sets = by_threshold(settings, reduced);
+            let subsets = folds().ok().and_then(|folds| along(sets, &folds, &conditions, &chosen.solution));
+            Ok(Chosen { subsets, ..chosen })
         }
-        FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?),
+        FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?, &conditions),
         FrictionMethod::BestSubset | FrictionMethod::Ladder(_) => by_subsets(reduced, &folds()?, conditions),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
             Chosen::directly(Selection::All, reduced, "least squares on all terms".into())
@@ -93,7 +96,7 @@ pub(super) fn choose(
 
 fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> Result<Chosen> {
     let subsets = SubsetValidation::new(folds, 0, &conditions)?;
-    let best = &subsets.best[subsets.one_standard_error];
+    let best = &subsets.best[subsets.chosen];
     Ok(Chosen {
         selection: Selection::BestOfSize(best.active.len(), conditions),
         solution: reduced.fit(0, &best.active)?,
@@ -103,7 +106,38 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> R
     })
 }
 
-fn by_lasso(reduced: &Reduced, lasso: &Lasso, choice: LambdaChoice, folds: &[Moments]) -> Result<Chosen> {
+/// The sets of terms of rising thresholds, each the least one that removes a term of the set before.
+fn by_threshold(settings: &Thresholding, reduced: &Reduced) -> Vec<Vec<usize>> {
+    let (mut sets, mut threshold) = (Vec::new(), 0.0);
+    while let Ok(solution) = (Thresholding { threshold, ..*settings }).fit(reduced, 0) {
+        let smallest = solution.active.iter().map(|&i| solution.coefficients[i].abs());
+        threshold = smallest.fold(f64::INFINITY, f64::min) * (1.0 + 1e-9);
+        sets.extend(completed(solution, reduced).map(|solution| solution.active));
+    }
+    sets.reverse();
+    sets
+}
+
+/// The Pareto table of sets of terms.
+fn along(
+    mut sets: Vec<Vec<usize>>,
+    folds: &[Moments],
+    conditions: &Conditions,
+    chosen: &Solution,
+) -> Option<SubsetValidation> {
+    sets.push(chosen.active.clone());
+    sets.sort_by_key(|set| (set.len(), set.clone()));
+    sets.dedup();
+    SubsetValidation::along(sets, folds, 0, conditions, &chosen.active)
+}
+
+fn by_lasso(
+    reduced: &Reduced,
+    lasso: &Lasso,
+    choice: LambdaChoice,
+    folds: &[Moments],
+    conditions: &Conditions,
+) -> Result<Chosen> {
     let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-4)?;
     let validation = CrossValidation::new(lasso, folds, 0, &grid)?;
     let (index, name) = match choice {
@@ -121,5 +155,8 @@ fn by_lasso(reduced: &Reduced, lasso: &Lasso, choice: LambdaChoice, folds: &[Mom
     );
     let solution = completed(refit(reduced, 0, &validation.path, index)?, reduced)?;
     let selection = Selection::Lasso(lasso.clone(), lambda);
-    Ok(Chosen { selection, solution, validation: Some(validation), subsets: None, note })
+    let sets = (0..grid.len()).filter_map(|k| refit(reduced, 0, &validation.path, k).ok());
+    let sets = sets.filter_map(|solution| Some(completed(solution, reduced).ok()?.active)).collect();
+    let subsets = along(sets, folds, conditions, &solution);
+    Ok(Chosen { selection, solution, validation: Some(validation), subsets, note })
 }

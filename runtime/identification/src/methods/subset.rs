@@ -25,15 +25,17 @@ pub struct ValidatedSubset {
     pub standard_error: f64,
 }
 
-/// The best subset of each size, from one term to all, and two choices among them.
+/// Pareto table of a choice of terms: sets of terms with their errors on left-out folds, the chosen one among them.
+///
+/// For the best subset these are the best sets of each size; for STLS and LASSO those of a falling threshold or penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubsetValidation {
-    /// Index + 1 = number of terms; sizes that no solvable subset has are left out.
+    /// From few terms to many; sets that cannot be solved are left out.
     pub best: Vec<ValidatedSubset>,
     /// Index of the least error.
     pub minimum: usize,
-    /// Index of the fewest terms whose error is within one standard error of the least.
-    pub one_standard_error: usize,
+    /// Index of the chosen set. For the best subset it has the fewest terms whose error is within one standard error of the least.
+    pub chosen: usize,
 }
 
 /// A term that needs another one: an asymmetry `|f(v)|` needs `f(v)`. Alone it would pass for `f`
@@ -165,14 +167,33 @@ impl SubsetValidation {
 
     fn choose(best: Vec<ValidatedSubset>, names: &[String]) -> Result<Self> {
         let errors: Vec<[f64; 2]> = best.iter().map(|b| [b.mean_error, b.standard_error]).collect();
-        let Some([minimum, one_standard_error]) = simplest(&errors) else {
+        let Some([minimum, chosen]) = simplest(&errors) else {
             return Err(IdentificationError::Collinear {
                 terms: names.to_vec(),
                 condition: f64::INFINITY,
                 limit: 1e7,
             });
         };
-        Ok(Self { best, minimum, one_standard_error })
+        Ok(Self { best, minimum, chosen })
+    }
+
+    /// The table of given sets, `None` if the folds cannot judge the chosen one.
+    ///
+    /// - `sets`: from few terms to many
+    pub(crate) fn along(
+        sets: Vec<Vec<usize>>,
+        folds: &[Moments],
+        target: usize,
+        conditions: &Conditions,
+        chosen: &[usize],
+    ) -> Option<Self> {
+        let splits = splits(folds).collect::<Result<Vec<_>>>().ok()?;
+        let best: Vec<ValidatedSubset> =
+            sets.into_iter().filter_map(|set| validate(set, &splits, target, conditions)).collect();
+        let chosen = best.iter().position(|subset| subset.active == chosen)?;
+        let least = |a: &usize, b: &usize| best[*a].mean_error.total_cmp(&best[*b].mean_error);
+        let minimum = (0..best.len()).min_by(least)?;
+        Some(Self { best, minimum, chosen })
     }
 }
 
@@ -325,8 +346,8 @@ mod tests {
         let folds = folds(&Library::friction().unwrap(), 0.3);
         let found = SubsetValidation::new(&folds, 0, &Conditions::default()).unwrap();
         assert_eq!(found.best.len(), 7);
-        assert_eq!(found.best[found.one_standard_error].active, [1, 4]);
-        assert!(found.one_standard_error <= found.minimum);
+        assert_eq!(found.best[found.chosen].active, [1, 4]);
+        assert!(found.chosen <= found.minimum);
         let all = Moments::sum(&folds).unwrap();
         let two = best_of_size(&all, 0, 2, &Conditions::default()).unwrap();
         assert!((two[1] - 4.0).abs() < 0.05 && (two[4] - 0.7).abs() < 0.05, "{two}");

@@ -1,5 +1,6 @@
 //! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are separated.
 
+use super::super::methods::differentiation::quantization_noise;
 use super::super::numeric::statistics::{median, quantile};
 use std::f64::consts::PI;
 
@@ -60,6 +61,14 @@ impl Channel {
         median_step(&self.times)
     }
 
+    /// Standard deviation of the noise: that of the error of cubics through the neighbours, whose variance is 35/18 times that of white
+    /// noise, by its median, or of the rounding if it is larger.
+    pub(crate) fn noise(&self) -> f64 {
+        let errors = self.values.windows(5).map(|w| cubic_error(w).abs());
+        let noise = median(errors).unwrap_or(0.0) / (0.674_489_75 * (35.0_f64 / 18.0).sqrt());
+        noise.max(quantization_noise(self.resolution))
+    }
+
     /// Changes by at least the resolution per second while the signal moves, which tells how white its
     /// rounding error is.
     pub(crate) fn change_rate(&self) -> f64 {
@@ -105,8 +114,7 @@ fn take_out_turns(values: &mut [f64]) -> usize {
 /// The cubic alone would also blame a spike's neighbours, the median alone the turning points of a motion. A spike
 /// stands above thirty times the noise, which is the rms of the cubic's error without its largest fiftieth.
 fn spikes(values: &[f64]) -> Vec<usize> {
-    let cubic = |w: &[f64]| (w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0).abs();
-    let errors: Vec<f64> = values.windows(5).map(cubic).collect();
+    let errors: Vec<f64> = values.windows(5).map(|w| cubic_error(w).abs()).collect();
     let mut sorted = errors.clone();
     sorted.sort_by(f64::total_cmp);
     let usual = &sorted[..sorted.len() - sorted.len().div_ceil(50)];
@@ -115,6 +123,11 @@ fn spikes(values: &[f64]) -> Vec<usize> {
     let windows = values.windows(5).zip(&errors).enumerate();
     let stands_out = |w: &[f64], e: f64| from_median(w) > bound.max(0.5 * e) && e > bound;
     windows.filter(|(_, (w, e))| stands_out(w, **e)).map(|(i, _)| i + 2).collect()
+}
+
+/// Error of the cubic through the neighbours of the middle one of five samples.
+fn cubic_error(w: &[f64]) -> f64 {
+    w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0
 }
 
 fn from_median(window: &[f64]) -> f64 {
@@ -184,6 +197,7 @@ fn updates(values: &[f64], hold: f64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::random::SplitMix64;
 
     fn wave(samples: usize, step: f64) -> (Vec<f64>, Vec<f64>) {
         let times: Vec<f64> = (0..samples).map(|i| step * i as f64).collect();
@@ -221,6 +235,18 @@ mod tests {
         let signal: Vec<f64> = fine.iter().map(digits).collect();
         let channel = Channel::new(&times, &signal, true);
         assert_eq!((channel.hold, channel.times.len()), (1.0, 4000));
+    }
+
+    #[test]
+    fn noise_is_that_of_the_samples_or_of_their_rounding() {
+        let (times, truth) = wave(4000, 1e-3);
+        let mut random = SplitMix64::new(5);
+        let noisy: Vec<f64> = truth.iter().map(|y| y + 2e-4 * random.normal()).collect();
+        let noise = Channel::new(&times, &noisy, true).noise();
+        assert!((noise / 2e-4 - 1.0).abs() < 0.1, "{noise}");
+        let coarse: Vec<f64> = truth.iter().map(|y| (y / 6e-3).round() * 6e-3).collect();
+        let noise = Channel::new(&times, &coarse, true).noise();
+        assert!((noise / (6e-3 / 12.0_f64.sqrt()) - 1.0).abs() < 0.1, "{noise}");
     }
 
     #[test]

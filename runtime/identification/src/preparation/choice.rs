@@ -60,7 +60,7 @@ pub(super) fn prepare_all(
     known: Option<&Filter>,
 ) -> Result<(Vec<PreparedRun>, PreparationReport)> {
     check(runs, robot, settings)?;
-    let mut recorded = Recorded::new(runs, robot, settings);
+    let mut recorded = Recorded::new(runs, robot, settings)?;
     let widest = recorded.widest()?;
     recorded.find_rests(widest)?;
     let first = recorded.delays_at(widest, None)?;
@@ -91,8 +91,11 @@ pub(super) fn prepare_all(
 }
 
 impl<'a> Recorded<'a> {
-    fn new(runs: &[Run], robot: Option<&'a dyn Robot>, settings: &'a PreparationSettings) -> Self {
-        let signals: Vec<Signals> = runs.iter().map(|run| Signals::new(run, robot)).collect();
+    fn new(runs: &[Run], robot: Option<&'a dyn Robot>, settings: &'a PreparationSettings) -> Result<Self> {
+        let mut signals: Vec<Signals> = runs.iter().map(|run| Signals::new(run, robot)).collect();
+        if settings.total_variation {
+            signals.iter_mut().try_for_each(Signals::regularize)?;
+        }
         let mut steps: Vec<f64> = signals.iter().map(|s| s.step).filter(|h| *h > 0.0).collect();
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
@@ -102,7 +105,7 @@ impl<'a> Recorded<'a> {
         let is_exact = |m: usize| runs[0].effort == Effort::Joint && exact[m];
         recorded.faults = (0..recorded.efforts()).map(|m| effort_fault(runs, m, is_exact(m))).collect();
         recorded.quality = (0..recorded.joints()).map(|j| recorded.quality_of(j)).collect();
-        recorded
+        Ok(recorded)
     }
 
     pub(super) fn joints(&self) -> usize {

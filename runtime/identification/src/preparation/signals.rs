@@ -1,6 +1,7 @@
 //! A run as channels of informative samples, and its pieces smoothed onto an even grid.
 
 use super::super::error::Result;
+use super::super::methods::differentiation::TotalVariation;
 use super::super::methods::filter::{Band, Filter, convolved, kernel, weighted};
 use super::super::pose::{plain_positions, rows_of};
 use super::super::robot::Robot;
@@ -56,6 +57,18 @@ impl Signals {
             rests: Rests::default(),
             step: median_step(&run.times),
         }
+    }
+
+    /// Positions by total-variation regularization at their noise.
+    pub(crate) fn regularize(&mut self) -> Result<()> {
+        for (channel, _) in self.positions.iter_mut().zip(&self.plain).filter(|(_, entry)| entry.is_some()) {
+            let noise = channel.noise();
+            if noise > 0.0 {
+                let method = TotalVariation::from_noise(noise);
+                channel.values = method.differentiate(&channel.times, &channel.values)?.value;
+            }
+        }
+        Ok(())
     }
 
     /// The columns of y at `times`, with smoothed `positions`; none where no joint has a quaternion.
