@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use gelenk_identification::friction::METHODS;
 
 use gelenk_formula::Hold;
 
@@ -322,8 +324,8 @@ pub(super) struct Identify {
     pub(super) friction: Option<String>,
     /// How the terms of friction laws are chosen [default: subset, then the law of Stribeck if it predicts left-out
     /// data better]
-    #[arg(long, value_enum, value_name = "METHOD", conflicts_with_all = ["plan", "reduce", "payload"])]
-    pub(super) method: Option<MethodName>,
+    #[arg(long, value_parser = methods(), value_name = "METHOD", conflicts_with_all = ["plan", "reduce", "payload"])]
+    pub(super) method: Option<String>,
     /// Threshold of --method stls, in the units of the coefficients [default: 0.1]
     #[arg(long, value_name = "VALUE", requires = "method", value_parser = positive)]
     pub(super) threshold: Option<f64>,
@@ -397,17 +399,9 @@ pub(super) enum EffortName {
     Current,
 }
 
-/// How terms are chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum MethodName {
-    /// Best subset: the fewest terms within one standard error of the least error on left-out data
-    Subset,
-    /// SINDy: sequentially thresholded least squares, with --threshold
-    Stls,
-    /// LASSO, cross-validated with one standard error, then least squares on its terms
-    Lasso,
-    /// Least squares on all terms
-    All,
+/// The methods that choose terms.
+fn methods() -> PossibleValuesParser {
+    METHODS.map(|(word, sentence)| PossibleValue::new(word).help(sentence)).into()
 }
 
 /// How positions are differentiated.

@@ -5,13 +5,10 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use gelenk_findings::{Finding, Rule};
-use gelenk_identification::IdentificationError;
 use gelenk_identification::estimation::JointEstimate;
-use gelenk_identification::friction::{FrictionMethod, FrictionReport, LambdaChoice};
+use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
-use gelenk_identification::methods::lasso::Lasso;
-use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_identification::numeric::digits::plain;
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::result::description::{Identified, write_identified};
@@ -20,7 +17,7 @@ use gelenk_identification::run::Effort;
 use gelenk_identification::shafts::ShaftRows;
 use gelenk_identification::validation::{JointValidation, validate};
 
-use super::super::arguments::{DerivativeName, EffortName, Format, FrictionPlace, Identify, MethodName};
+use super::super::arguments::{DerivativeName, EffortName, Format, FrictionPlace, Identify};
 use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
@@ -106,7 +103,7 @@ pub(super) fn finish(
         }
         None => Vec::new(),
     };
-    let front = arguments.method.map(|_| front(found)).filter(|table| table.len() > 1);
+    let front = arguments.method.as_ref().map(|_| front(found)).filter(|table| table.len() > 1);
     let found = (found, findings.as_slice());
     match format {
         Format::Json => print::json(&found_json::as_json(found, validation, output, &files)),
@@ -135,33 +132,10 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     if let Some(terms) = &arguments.friction {
         settings.friction = settings.friction.of_terms(terms)?;
     }
-    if let Some(name) = arguments.method {
-        if matches!(settings.friction.method, FrictionMethod::Stribeck(_)) {
-            let message = "the law of Stribeck has no terms to choose from: leave --method out".into();
-            return Err(IdentificationError::Expression { text: "stribeck".into(), message }.into());
-        }
-        settings.friction.method = method(name, arguments.threshold)?;
+    if let Some(word) = &arguments.method {
+        settings.friction = settings.friction.by_method(word, arguments.threshold)?;
     }
     Ok(settings)
-}
-
-fn method(name: MethodName, threshold: Option<f64>) -> Result<FrictionMethod, Failure> {
-    if threshold.is_some() && name != MethodName::Stls {
-        return Err(Failure::Usage("--threshold is that of --method stls".to_owned()));
-    }
-    let standard = Thresholding::default();
-    Ok(match name {
-        MethodName::Subset => FrictionMethod::BestSubset,
-        MethodName::Stls => FrictionMethod::Thresholding(Thresholding {
-            threshold: threshold.unwrap_or(standard.threshold),
-            ..standard
-        }),
-        MethodName::Lasso => FrictionMethod::Lasso(
-            Lasso { standardize: true, ..Lasso::default() },
-            LambdaChoice::OneStandardError,
-        ),
-        MethodName::All => FrictionMethod::LeastSquares,
-    })
 }
 
 /// Wrenches would act if a log had them.
@@ -261,7 +235,7 @@ pub(super) fn command(arguments: &Identify) -> String {
         arguments.gravity_compensated.then(|| "--gravity-compensated".to_owned()),
         arguments.load_friction.then(|| "--load-friction".to_owned()),
         word("--friction", arguments.friction.clone()),
-        word("--method", arguments.method.and_then(name_of)),
+        word("--method", arguments.method.clone()),
         word("--threshold", arguments.threshold.map(|threshold| format!("{threshold:?}"))),
         word("--derivative", (arguments.derivative != DerivativeName::Filter).then(|| "tvdiff".to_owned())),
         word("--payload-on", arguments.payload_on.clone()),

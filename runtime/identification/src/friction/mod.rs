@@ -29,9 +29,11 @@ mod terms;
 mod tests;
 
 pub use super::methods::filtered::{Filtered, FilteredRun};
+pub use named::METHODS;
 pub use report::{Candidate, FrictionReport};
+pub use selection::{FrictionMethod, LambdaChoice};
 pub(crate) use shares::SharedFriction;
-pub use task::{CommonTerms, FrictionData, FrictionIdentification, FrictionMethod, LambdaChoice, Offsets};
+pub use task::{CommonTerms, FrictionData, FrictionIdentification, Offsets};
 
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,

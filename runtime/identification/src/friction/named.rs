@@ -1,9 +1,12 @@
 //! The terms of a friction law as people name them.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::methods::lasso::Lasso;
 use super::super::methods::library::Library;
 use super::super::methods::stribeck::StribeckRegression;
-use super::task::{FrictionIdentification, FrictionMethod};
+use super::super::methods::thresholding::Thresholding;
+use super::selection::{FrictionMethod, LambdaChoice};
+use super::task::FrictionIdentification;
 use std::collections::BTreeMap;
 
 /// Words, and the terms that they stand for.
@@ -17,7 +20,56 @@ const WORDS: [(&str, &[&str]); 4] = [
 /// The law with five parameters, which is not a sum of terms.
 const STRIBECK: &str = "stribeck";
 
+/// Words of the methods that choose terms, and a sentence about each.
+pub const METHODS: [(&str, &str); 4] = [
+    ("subset", "Best subset: the fewest terms within one standard error of the least error on left-out data"),
+    ("stls", "SINDy: sequentially thresholded least squares, with --threshold"),
+    ("lasso", "LASSO, cross-validated with one standard error, then least squares on its terms"),
+    ("all", "Least squares on all terms"),
+];
+
+/// The method of a word; `None` if there is no such word.
+fn method(word: &str, threshold: Option<f64>) -> Option<FrictionMethod> {
+    let standard = Thresholding::default();
+    Some(match word {
+        "subset" => FrictionMethod::BestSubset,
+        "stls" => {
+            let threshold = threshold.unwrap_or(standard.threshold);
+            FrictionMethod::Thresholding(Thresholding { threshold, ..standard })
+        }
+        "lasso" => FrictionMethod::Lasso(
+            Lasso { standardize: true, ..Lasso::default() },
+            LambdaChoice::OneStandardError,
+        ),
+        "all" => FrictionMethod::LeastSquares,
+        _ => return None,
+    })
+}
+
 impl FrictionIdentification {
+    /// The same search by another method.
+    ///
+    /// - `word`: one of [`METHODS`]
+    /// - `threshold`: of `stls`, in the units of the coefficients; 0.1 if not given
+    ///
+    /// # Errors
+    /// Another word, a threshold of another method, or a method for the Stribeck law, which has no terms to choose from.
+    pub fn by_method(&self, word: &str, threshold: Option<f64>) -> Result<Self> {
+        let refused = |message: &str| {
+            Err(IdentificationError::Expression { text: word.to_owned(), message: message.to_owned() })
+        };
+        if matches!(self.method, FrictionMethod::Stribeck(_)) {
+            return refused("the law of Stribeck has no terms to choose from: leave --method out");
+        }
+        match method(word, threshold) {
+            Some(method) if threshold.is_none() || matches!(method, FrictionMethod::Thresholding(_)) => {
+                Ok(Self { method, ..self.clone() })
+            }
+            Some(_) => refused("--threshold is that of --method stls"),
+            None => refused("no method has this name"),
+        }
+    }
+
     /// The same search over a library of the given terms.
     ///
     /// - `terms`: words and expressions in the speed `v` between commas, as in `viscous, coulomb, v*v*v`. The words are `viscous`, `coulomb`,

@@ -117,7 +117,8 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
 #[cfg(test)]
 mod tests {
     use super::super::super::numeric::random::SplitMix64;
-    use super::super::task::{FrictionData, FrictionIdentification, FrictionMethod};
+    use super::super::selection::FrictionMethod;
+    use super::super::task::{FrictionData, FrictionIdentification};
 
     /// The law of a joint that moved slowly, and its speed.
     fn slow(passive: bool) -> (impl Fn(f64) -> f64, f64) {

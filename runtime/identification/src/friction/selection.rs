@@ -5,10 +5,38 @@ use super::super::methods::cross_validation::{CrossValidation, refit};
 use super::super::methods::lasso::{Lasso, active_terms, paper_lambda};
 use super::super::methods::least_squares::{Reduced, Solution};
 use super::super::methods::moments::Moments;
+use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, requirements};
 use super::super::methods::thresholding::Thresholding;
 use super::super::numeric::digits::plain;
-use super::task::{FrictionMethod, LambdaChoice};
+
+/// Which λ of a cross-validated path is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LambdaChoice {
+    /// The one with the least error on left-out blocks.
+    Minimum,
+    /// The largest one whose error is within one standard error of the least.
+    OneStandardError,
+}
+
+/// How the law is found.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FrictionMethod {
+    /// Least squares on all terms of the library.
+    LeastSquares,
+    /// Sequentially thresholded least squares.
+    Thresholding(Thresholding),
+    /// LASSO on 100 values of λ, cross-validated on contiguous blocks, then least squares on the chosen
+    /// terms.
+    Lasso(Lasso, LambdaChoice),
+    /// The subset with the fewest terms whose error on left-out blocks is within one standard error of the
+    /// least, for libraries of at most twelve terms.
+    BestSubset,
+    /// Nonlinear regression of the Stribeck law; the library is not used.
+    Stribeck(StribeckRegression),
+    /// [`FrictionMethod::BestSubset`], or the Stribeck law if its error on left-out data is less by more than one standard error.
+    Ladder(StribeckRegression),
+}
 
 /// A choice of terms.
 pub(super) enum Selection {

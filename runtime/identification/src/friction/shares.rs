@@ -9,7 +9,8 @@ use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::held_out;
 use super::report::FrictionReport;
-use super::task::{FrictionData, FrictionIdentification, FrictionMethod};
+use super::selection::FrictionMethod;
+use super::task::{FrictionData, FrictionIdentification};
 use super::terms::{Candidates, average};
 use nalgebra::DVector;
 
