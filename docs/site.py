@@ -74,9 +74,12 @@ def page_text(page, title, known):
     parts = FENCE.split(text)
     # rustdoc compiles blocks without a language as Rust.
     parts[1::2] = [re.sub(r"^( *)```\n", r"\1```rust\n", part, count=1) for part in parts[1::2]]
-    if not re.search(r"^# ", parts[0]):
+    # One heading of the first level for each page: rustdoc's guides have their sections there.
+    own = re.match(r"# .*\n", parts[0])
+    parts[0] = parts[0][own.end() :] if own else parts[0]
+    if any(re.search(r"^# ", part, re.M) for part in parts[::2]):
         parts[::2] = [re.sub(r"^#", "##", part, flags=re.M) for part in parts[::2]]
-        parts[0] = f"# {title}\n\n{parts[0]}"
+    parts[0] = (own[0] if own else f"# {title}\n\n") + parts[0]
     parts[::2] = [prose(page, part, known) for part in parts[::2]]
     return "".join(parts)
 
