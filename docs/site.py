@@ -78,7 +78,7 @@ def page_text(page, title, known):
     own = re.match(r"# .*\n", parts[0])
     parts[0] = parts[0][own.end() :] if own else parts[0]
     if any(re.search(r"^# ", part, re.M) for part in parts[::2]):
-        parts[::2] = [re.sub(r"^#", "##", part, flags=re.M) for part in parts[::2]]
+        parts[::2] = [re.sub(r"^(#+ )", r"#\1", part, flags=re.M) for part in parts[::2]]
     parts[0] = (own[0] if own else f"# {title}\n\n") + parts[0]
     parts[::2] = [prose(page, part, known) for part in parts[::2]]
     return "".join(parts)
