@@ -49,7 +49,7 @@ fn every_example_of_the_readme_loads() {
     let readme = std::fs::read_to_string(folder().join("README.md")).unwrap();
     let examples: Vec<&str> =
         readme.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
-    assert_eq!(examples.len(), 12);
+    assert_eq!(examples.len(), 8);
     for (index, example) in examples.iter().enumerate() {
         let mut load =
             |file: &str| Ok((file.to_owned(), std::fs::read_to_string(folder().join(file)).unwrap()));

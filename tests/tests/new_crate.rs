@@ -1,6 +1,7 @@
 //! `gelenk new` as a new user meets it: from an empty folder to a simulation that runs.
 
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use gelenk_tests::cargo::{aloud, cargo, lock_like_here, success, text};
@@ -62,6 +63,45 @@ fn a_new_crate_builds_and_simulates() {
     let renamed = build_with("name = \"robot\"", "name = \"walker\"");
     let says = "generates no robot `robot`, but `walker` from robot.toml. A module is named after its robot: the key `name`";
     assert!(renamed.contains(says), "{renamed}");
+}
+
+/// The files and commands of docs/tutorial.md, in its order: the identified law tracks ten times better than the guess.
+#[test]
+fn the_tutorial_identifies_friction_and_controls_with_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let made = folder.path().join("powercube");
+    let gelenk = |folder: &Path, arguments: &[&str]| {
+        success(&Command::new(program()).args(arguments).current_dir(folder).output().expect("gelenk"))
+    };
+    gelenk(folder.path(), &["new", "powercube", "--version", env!("CARGO_PKG_VERSION")]);
+    use_published(&made);
+    lock_like_here(&made);
+    fs::remove_file(made.join("src/main.rs")).expect("a program");
+    fs::create_dir(made.join("src/bin")).expect("a folder");
+    let copy = |name: &str, place: &str| {
+        let text = fs::read_to_string(workspace().join("docs/tutorial").join(name)).expect("a file");
+        fs::write(made.join(place), &text).expect("written");
+        text
+    };
+    copy("robot.toml", "robot.toml");
+    copy("arm.toml", "arm.toml");
+    let build = copy("build.rs", "build.rs");
+    gelenk(&made, &["identify", "--plan", "robot.toml"]);
+    copy("record.rs", "src/bin/record.rs");
+    let recorded = success(&cargo(&made, &["run", "--bin", "record"]));
+    assert!(recorded.contains("finished"), "{recorded}");
+    gelenk(&made, &["identify", "robot.toml", "log.csv", "--method", "stls"]);
+
+    let last_line = "// gelenk_codegen";
+    assert!(build.contains(last_line));
+    fs::write(made.join("build.rs"), build.replace(last_line, "gelenk_codegen")).expect("written");
+    copy("mpc.rs", "src/bin/mpc.rs");
+    let moved = success(&cargo(&made, &["run", "--bin", "mpc"]));
+    let errors = moved.lines().last().and_then(|line| line.strip_prefix("largest error: guessed "));
+    let (guessed, identified) =
+        errors.and_then(|line| line.split_once(" mrad, identified ")).expect("errors");
+    let number = |text: &str| text.trim_end_matches(" mrad").parse::<f64>().expect("a number");
+    assert!(number(identified) < 0.1 * number(guessed), "{moved}");
 }
 
 /// The simulations of projects in C and Python print the same motion, digit by digit.

@@ -37,7 +37,7 @@ fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Re
 /// the correlation time of its residuals, and its doubts; a fit that explains little is not an error here.
 ///
 /// - `description`: source of the robot, e.g. the contents of its files and how they are read; moments carry
-/// its hash and cannot be added to those of another
+///   its hash and cannot be added to those of another
 /// - `progress`: receives a sentence at each step, and the findings about the log
 ///
 /// # Errors
