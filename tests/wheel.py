@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds the wheel of the Python package, installs it in a fresh environment, and runs it where there is no Cargo.
+"""Builds the wheel of the Python package, installs it in a fresh environment, and runs it without Cargo.
 
     python3 tests/wheel.py             builds the wheel with maturin, without optimization
     python3 tests/wheel.py FOLDER      takes the wheel in the folder
