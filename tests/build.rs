@@ -1,4 +1,5 @@
-//! Lists the functions of `generated/` for the tests that call all of them.
+//! Lists the functions of `generated/` for the tests that call all of them, and tells them by `cfg(robots_of_others)` whether
+//! `tests/reference/robots.py` has fetched the URDFs of others.
 
 #![allow(clippy::expect_used, reason = "a build script of tests: what is missing ends it")]
 
@@ -10,6 +11,7 @@ use std::{env, fs};
 mod table;
 
 fn main() {
+    robots_of_others();
     let folder = Path::new("../generated/src");
     println!("cargo::rerun-if-changed=../generated/src");
     println!("cargo::rerun-if-changed=src/table.rs");
@@ -31,4 +33,16 @@ fn main() {
     text.push_str("];\n");
     let out = env::var_os("OUT_DIR").expect("Cargo sets OUT_DIR");
     fs::write(Path::new(&out).join("table.rs"), text).expect("the table");
+}
+
+fn robots_of_others() {
+    // The folder `robots` may be missing: Cargo would run a script that watches it at each build.
+    println!("cargo::rerun-if-changed=reference");
+    println!("cargo::rustc-check-cfg=cfg(robots_of_others)");
+    let list = fs::read_to_string("reference/robots.txt").expect("robots.txt");
+    let mut names =
+        list.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split(' ').next());
+    if names.all(|name| Path::new("reference/robots").join(format!("{name}.urdf")).exists()) {
+        println!("cargo::rustc-cfg=robots_of_others");
+    }
 }

@@ -13,7 +13,7 @@ use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
-use super::common::shared;
+use super::common::cases;
 
 fn read(file: &Path) -> InterpretedRobot {
     InterpretedRobot::new(&model::read(file, &ReadOptions::default()).unwrap().model).unwrap()
@@ -35,7 +35,7 @@ fn identify(folder: &Path, arguments: &[&str]) -> Value {
 fn a_stribeck_law_passes_the_filter_of_the_torques() {
     const TRUTH: [f64; 5] = [4.0, 3.0, 40.0, 1.5, 12.5];
     const BY_SCIPY: [f64; 5] = [4.004, 2.998, 40.3, 1.473, 12.31];
-    let Some(cases) = shared("cases/identification") else { return };
+    let cases = cases();
     let folder = tempfile::tempdir().unwrap();
     for name in ["joint.toml", "joint_log.csv"] {
         fs::copy(cases.join(name), folder.path().join(name)).unwrap();
@@ -154,19 +154,19 @@ struct Found {
     resolved: [f64; 3],
 }
 
-fn found_with(filter: Filter, arguments: &[&str]) -> Option<Found> {
+fn found_with(filter: Filter, arguments: &[&str]) -> Found {
     let folder = tempfile::tempdir().unwrap();
-    fs::copy(shared("cases/identification")?.join("arm3.urdf"), folder.path().join("arm3.urdf")).unwrap();
+    fs::copy(cases().join("arm3.urdf"), folder.path().join("arm3.urdf")).unwrap();
     let robot = read(&folder.path().join("arm3.urdf"));
     fs::write(folder.path().join("log.csv"), log(&robot, filter)).unwrap();
     let found = identify(folder.path(), &[&["arm3.urdf", "log.csv"], arguments].concat());
     let robot = read(&folder.path().join("found.toml"));
     let errors = |speeds: &[f64]| [0, 1, 2].map(|joint| error(&robot, joint, speeds));
-    Some(Found {
+    Found {
         is_noticed: found["findings"].to_string().contains("efforts-low-passed"),
         errors: [errors(&[0.6, 0.3]), errors(&[0.05, 0.1])],
         resolved: [0, 1, 2].map(|joint| found["joints"][joint]["friction_resolved_from"].as_f64().unwrap()),
-    })
+    }
 }
 
 fn largest(errors: [f64; 3]) -> f64 {
@@ -176,13 +176,11 @@ fn largest(errors: [f64; 3]) -> f64 {
 /// The steepest term of the library that the data tell decides the error of a slow law: `tanh(20*v)` is 0.76 at 0.05 rad/s.
 #[test]
 fn efforts_that_were_low_passed_have_the_same_friction() {
-    let Some(Found { is_noticed, errors: [fast, slow], resolved }) = found_with(<[f64]>::to_vec, &[]) else {
-        return;
-    };
+    let Found { is_noticed, errors: [fast, slow], resolved } = found_with(<[f64]>::to_vec, &[]);
     assert!(!is_noticed && largest(fast) < 0.02 && largest(slow) < 0.02, "{fast:.3?} {slow:.3?}");
     assert!(largest(resolved) < 0.2, "{resolved:.3?}");
     for (name, filter) in FILTERS {
-        let found = found_with(filter, &[]).unwrap();
+        let found = found_with(filter, &[]);
         let [fast, slow] = found.errors;
         println!("{name}: {fast:.3?} {slow:.3?}, resolved from {:.3?}", found.resolved);
         assert!(found.is_noticed, "{name}");
@@ -194,7 +192,6 @@ fn efforts_that_were_low_passed_have_the_same_friction() {
         );
     }
     // The way out of a wrong guess, and the law that it gives here.
-    let Found { is_noticed, errors: [_, slow], .. } =
-        found_with(FILTERS[0].1, &["--bandwidth", "20"]).unwrap();
+    let Found { is_noticed, errors: [_, slow], .. } = found_with(FILTERS[0].1, &["--bandwidth", "20"]);
     assert!(!is_noticed && largest(slow) > 0.4, "{slow:.3?}");
 }

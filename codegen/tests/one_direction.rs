@@ -13,7 +13,7 @@ use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
-use super::common::shared;
+use super::common::cases;
 
 /// Viscous and Coulomb friction of the simulated robot.
 const FRICTION: [[f64; 2]; 7] =
@@ -91,7 +91,7 @@ fn holds(([low, high], truth): &([f64; 2], f64)) -> bool {
 
 #[test]
 fn friction_of_a_motion_in_one_direction_is_no_offset() {
-    let Some(cases) = shared("cases/identification") else { return };
+    let cases = cases();
     let folder = folder(&cases, 1.0);
     let (found, robot) = identify(folder.path(), &["one_way.csv"]);
     for joint in 0..FRICTION.len() {
@@ -104,7 +104,7 @@ fn friction_of_a_motion_in_one_direction_is_no_offset() {
 /// A description with half the friction: the interval of Coulomb friction tells how far an offset may be part of it.
 #[test]
 fn a_worn_robot_is_known_after_a_motion_in_one_direction_as_far_as_offsets_are() {
-    let Some(cases) = shared("cases/identification") else { return };
+    let cases = cases();
     let folder = folder(&cases, 0.5);
     let (found, robot) = identify(folder.path(), &["one_way.csv"]);
     for joint in 0..FRICTION.len() {
@@ -116,7 +116,7 @@ fn a_worn_robot_is_known_after_a_motion_in_one_direction_as_far_as_offsets_are()
 
 #[test]
 fn there_and_back_tells_friction_from_offsets() {
-    let Some(cases) = shared("cases/identification") else { return };
+    let cases = cases();
     for factor in [1.0, 0.5] {
         let folder = folder(&cases, factor);
         for logs in [&["one_way.csv", "way_back.csv"][..], &["both.csv"]] {

@@ -1,8 +1,7 @@
 //! The models that come out of descriptions have the right mass matrix and gravity.
 //!
 //! M = Σ m JᵥᵀJᵥ + J_ωᵀ I J_ω and g = −Σ m Jᵥᵀ g₀ are summed body by body here, from frames alone, and
-//! compared with published tables and with Pinocchio's values (folder named by GELENK_SHARED, or ../shared
-//! next to the repository).
+//! compared with published tables and with Pinocchio's values.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -149,17 +148,12 @@ fn add_rotors(model: &Model, placed: &[Placed], p: &[f64], mass: &mut [Vec<f64>]
     }
 }
 
-fn shared() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let folder = std::env::var_os("GELENK_SHARED").map_or(beside, PathBuf::from);
-    let found = folder.join("reference").is_dir();
-    if !found {
-        eprintln!("skipped: no reference values in {}", folder.display());
-    }
-    found.then(|| folder.join("reference"))
+fn workspace(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 
-fn json(path: &Path) -> Value {
+fn reference(name: &str) -> Value {
+    let path = workspace("tests/reference").join(format!("{name}.json"));
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
@@ -195,29 +189,22 @@ fn compare_with_pinocchio(model: &Model, reference: &Value, tolerance: f64) {
 }
 
 #[test]
-fn urdfs_agree_with_pinocchio() {
-    let Some(folder) = shared() else { return };
-    let options = ReadOptions { ignore_mimic: true, ..ReadOptions::default() };
-    for name in ["double_pendulum", "ur5", "baxter"] {
-        let path = folder.join(format!("urdf/{name}.urdf"));
-        let loaded = read(&path, &options).unwrap_or_else(|wrong| panic!("{wrong}"));
-        compare_with_pinocchio(&loaded.model, &json(&folder.join(format!("{name}.json"))), 1e-13);
-    }
+fn a_urdf_agrees_with_pinocchio() {
+    let loaded = read(&workspace("models/urdf/ur5.urdf"), &ReadOptions::default());
+    let model = loaded.unwrap_or_else(|wrong| panic!("{wrong}")).model;
+    compare_with_pinocchio(&model, &reference("ur5"), 1e-13);
 }
 
 #[test]
 fn committed_vendor_models_agree_with_pinocchio() {
-    let Some(folder) = shared() else { return };
     // The UR5's 1.57079632679 is snapped, 5e-12 rad away.
     for (name, tolerance) in [("ur5", 1e-10), ("panda", 1e-13)] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../models/{name}.toml"));
-        let loaded = read(&path, &ReadOptions::default()).unwrap_or_else(|wrong| panic!("{wrong}"));
-        compare_with_pinocchio(&loaded.model, &json(&folder.join(format!("{name}.json"))), tolerance);
+        compare_with_pinocchio(&committed(name), &reference(name), tolerance);
     }
 }
 
 fn committed(name: &str) -> Model {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../models/{name}.toml"));
+    let path = workspace(&format!("models/{name}.toml"));
     read(&path, &ReadOptions::default()).unwrap_or_else(|wrong| panic!("{wrong}")).model
 }
 
@@ -239,9 +226,8 @@ fn powercube_has_the_published_constants() {
 
 #[test]
 fn powercube_agrees_with_its_published_states() {
-    let Some(folder) = shared() else { return };
     let model = committed("powercube");
-    let reference = json(&folder.join("powercube/dynamics.json"));
+    let reference = reference("powercube/dynamics");
     for sample in reference["samples"].as_array().unwrap() {
         let (y, v) = (numbers(&sample["y"]), numbers(&sample["v"]));
         let (mass, gravity) = mass_and_gravity(&model, &y);

@@ -3,17 +3,15 @@
 //!
 //!     cargo run --release -p gelenk-runtime --example feed_forward [FOLDER]
 //!
-//! Reads the trajectory from the folder `GELENK_SHARED`, or `../shared` next to the repository; without it a
-//! motion over the top is driven. A page of plots goes to FOLDER, by default one in the folder for temporary files.
+//! A page of plots goes to FOLDER, by default one in the folder for temporary files.
 
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::limits::{Rating, violations};
 use gelenk_runtime::plant::{Plant, PlantOptions};
-use gelenk_runtime::trajectory::{Columns, Recording, RestToRest, Smoothing, Trajectory};
+use gelenk_runtime::trajectory::{Columns, Recording, Smoothing, Trajectory};
 use outcome::Outcome;
 use plots::{Folder, figure, over_time};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[path = "support/outcome.rs"]
@@ -31,16 +29,9 @@ fn main() -> ExitCode {
 
 fn run() -> Outcome<()> {
     let folder = Folder::from_arguments("feed_forward")?;
-    let path = std::env::var_os("GELENK_SHARED")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared")), PathBuf::from)
-        .join("reference/powercube/trajectory.csv");
-    if !path.exists() {
-        println!("{} is not there: a motion over the top instead", path.display());
-        let motion = RestToRest::new([-0.9, -0.5], [0.9, 0.5], 6.0)?;
-        return drive(&folder, &motion);
-    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/powercube_trajectory.csv");
     let columns = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
-    let recording = Recording::open(&path, &columns)?;
+    let recording = Recording::open(path, &columns)?;
     println!("steps that contradict their velocities by more than 0.1 mrad:");
     for found in recording.inconsistencies(1e-4) {
         println!(

@@ -5,20 +5,13 @@
 use gelenk_runtime::trajectory::{
     Columns, Recording, RestToRest, Sampled, Smoothing, Trajectory, TrajectoryError,
 };
-use std::path::PathBuf;
 
 const COLUMNS: Columns<2> = Columns { time: "t", positions: ["y1", "y2"], velocities: Some(["v1", "v2"]) };
 
-/// The published trajectory; `None`, with a printed note, where it is not there.
-fn published() -> Option<Recording<2>> {
-    let folder = std::env::var_os("GELENK_SHARED")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
-    let path = folder.join("reference/powercube/trajectory.csv");
-    if path.exists() {
-        return Some(Recording::open(path, &COLUMNS).unwrap());
-    }
-    println!("skipped: {} is not there; set GELENK_SHARED", path.display());
-    None
+/// The published trajectory.
+fn published() -> Recording<2> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/powercube_trajectory.csv");
+    Recording::open(path, &COLUMNS).unwrap()
 }
 
 /// Largest jump of the third derivative [rad/s³]: a spline of degree five with single knots has none.
@@ -56,9 +49,7 @@ fn disagreement(trajectory: &Sampled<2>) -> [f64; 2] {
 
 #[test]
 fn the_published_trajectory_contradicts_itself_at_fourteen_borders() {
-    let Some(recording) = published() else {
-        return;
-    };
+    let recording = published();
     assert_eq!(recording.positions().len(), 1220);
     assert!((recording.period() - 0.02).abs() < 1e-12);
     let found = recording.inconsistencies(1e-5);
@@ -75,9 +66,7 @@ fn the_published_trajectory_contradicts_itself_at_fourteen_borders() {
 
 #[test]
 fn the_published_trajectory_is_smoothed() {
-    let Some(recording) = published() else {
-        return;
-    };
+    let recording = published();
     let smoothed = recording.smoothed(&Smoothing::of(0.02)).unwrap();
     let motion = &smoothed.trajectory;
     println!("deviations {:?} {:?}", smoothed.position_deviation, smoothed.velocity_deviation);

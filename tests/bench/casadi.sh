@@ -4,12 +4,11 @@
 #
 #     sh tests/bench/casadi.sh [ur5 panda]
 #
-# GELENK_SHARED is the folder whose bench/dynamics describes the robots for CasADi; by default the folder `shared` beside the workspace.
+# peers/dynamics describes the robots for CasADi.
 # PYTHON names a Python with casadi, pin, example-robot-data and numpy; otherwise an environment is made. CC is the C compiler.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
-shared=${GELENK_SHARED:-$root/../shared}
-[ -e "$shared/bench/dynamics/rbd_symbolic.py" ] || { echo "skipped: no comparison at $shared/bench"; exit 0; }
+peers=$root/tests/bench/peers/dynamics
 work=${CARGO_TARGET_DIR:-$root/target}/bench/casadi
 mkdir -p "$work/models"
 python=${PYTHON:-$work/python/bin/python}
@@ -20,12 +19,12 @@ if [ ! -x "$python" ]; then
 fi
 gelenk=${GELENK:-${CARGO_TARGET_DIR:-$root/target}/release/gelenk}
 [ -n "${GELENK:-}" ] || (cd "$root" && cargo build --quiet --release -p gelenk-codegen)
-[ -e "$work/models/panda.txt" ] || "$python" "$shared/bench/dynamics/make_models.py" "$work/models" >/dev/null
+[ -e "$work/models/panda.txt" ] || "$python" "$peers/make_models.py" "$work/models" >/dev/null
 grep -m1 '^model name' /proc/cpuinfo || true
 for robot in ${*:-ur5 panda}; do
   # The other side knows no friction.
   "$gelenk" generate "$root/models/$robot.toml" --no-friction --language c --for casadi --output "$work" \
     --functions inverse_dynamics,inverse_dynamics_derivatives_and_mass_matrix,forward_dynamics,linearize >"$work/$robot.txt" 2>&1
-  PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$shared/bench/dynamics \
+  PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$peers \
     "$python" "$root/tests/bench/casadi_externals.py" "$robot" "$work"
 done

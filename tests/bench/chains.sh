@@ -3,7 +3,7 @@
 #
 #     sh tests/bench/chains.sh [arguments of the comparison, e.g. --rounds 81]
 #
-# CHAINS are numbers of joints for which the comparison has a chain: 2 3 4 6 7 12 20 30; GELENK_SHARED and LAB as in
+# CHAINS are numbers of joints for which the comparison has a chain: 2 3 4 6 7 12 20 30; LAB as in
 # dynamics.sh, which has to have run once: it builds the comparison.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)

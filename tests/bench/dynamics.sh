@@ -4,15 +4,12 @@
 #
 #     sh tests/bench/dynamics.sh [arguments of the comparison, e.g. --fn rnea,crba]
 #
-# ROBOTS chooses among ur5, panda and the floating go2, solo12 and iris of the comparison's folder, by default ur5 and panda. URDFS is a
-# folder with URDFs of further floating robots that the comparison knows: g1.urdf and talos_floating.urdf.
+# ROBOTS chooses among ur5, panda and the floating go2, solo12, iris, g1 and talos_floating, by default ur5 and panda. The URDFs of the
+# floating robots are those that tests/reference/robots.py fetches.
 #
-# GELENK_SHARED is the folder whose bench/run.sh makes the others; by default the folder `shared` beside the workspace.
-# LAB is where it keeps what it builds. Further options of the generator, if any, stand in GELENK_OPTIONS.
+# peers/run.sh installs and builds the others. LAB is where it keeps what it builds. GELENK_OPTIONS has further options of the generator.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
-shared=${GELENK_SHARED:-$root/../shared}
-[ -e "$shared/bench/run.sh" ] || { echo "skipped: no comparison at $shared/bench"; exit 0; }
 work=${CARGO_TARGET_DIR:-$root/target}/bench
 mkdir -p "$work"
 (cd "$root" && cargo build --quiet --release -p gelenk-codegen)
@@ -20,12 +17,13 @@ gelenk=${CARGO_TARGET_DIR:-$root/target}/release/gelenk
 
 # The description of a robot. A floating base has forces here, as in the comparison.
 description() {
-  urdf=$shared/reference/mechanisms/urdf/$1.urdf
-  [ -e "$urdf" ] || urdf=${URDFS:-}/$1.urdf
-  if [ ! -e "$urdf" ]; then
+  case $1 in ur5 | panda)
     echo "$root/models/$1.toml"
     return
-  fi
+    ;;
+  esac
+  python3 "$root/tests/reference/robots.py" >&2
+  urdf=$root/tests/reference/robots/$1.urdf
   {
     printf 'name = "%s"\nurdf = "%s"\nbase = { type = "floating" }\n' "$1" "$urdf"
     for part in x y z rx ry rz; do printf '[[joints]]\nname = "base_%s"\ndrive = "ideal"\n' "$part"; done
@@ -54,4 +52,4 @@ for robot in ${ROBOTS:=ur5 panda}; do
   build gelenk_fma "$robot" --fused-multiply-add
 done
 export ROBOTS
-sh "$shared/bench/run.sh" dynamics gelenk="$work/{robot}_gelenk.so" gelenk_fma="$work/{robot}_gelenk_fma.so" "$@"
+sh "$root/tests/bench/peers/run.sh" dynamics gelenk="$work/{robot}_gelenk.so" gelenk_fma="$work/{robot}_gelenk_fma.so" "$@"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Throughput of the functions over eight states beside the scalar ones: inverse dynamics and linearize, by default of UR5, Panda,
-# the quadrotor and a floating Go2 (by its URDF in GELENK_SHARED, where it is). Prints the median of the
+# the quadrotor and a floating Go2. Prints the median of the
 # ratios round by round, scalar code and lanes compiled for the same instruction set.
 #
 #     ROBOTS="ur5 panda" sh tests/bench/lanes.sh [options of the generator, e.g. --fused-multiply-add]
@@ -8,7 +8,6 @@ set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 target=${CARGO_TARGET_DIR:-$root/target}
 functions=inverse_dynamics,linearize
-shared=${GELENK_SHARED:-$root/../shared}
 mkdir -p "$target/bench"
 (cd "$root" && cargo build --quiet --release -p gelenk-codegen)
 # Names of the form, of its function's ending, and what the whole program is compiled for. Not x86-64-v4: for it LLVM
@@ -20,13 +19,7 @@ echo "load $(cut -d' ' -f1-3 /proc/loadavg)"
 echo "function             robot  form    scalar ns   lanes ns   ratio (first and last quartile)"
 for robot in ${ROBOTS:=ur5 panda quadrotor go2}; do
   module=$target/bench/${robot}_lanes.rs
-  description=$root/models/$robot.toml base=
-  if [ ! -e "$description" ]; then
-    description=$shared/reference/mechanisms/urdf/$robot.urdf base="--base floating"
-    [ -e "$description" ] || { echo "skipped: no $description"; continue; }
-  fi
-  # shellcheck disable=SC2086
-  "$target/release/gelenk" generate "$description" $base --no-friction --functions "$functions" \
+  "$target/release/gelenk" generate "$root/models/$robot.toml" --no-friction --functions "$functions" \
     --lanes "$functions" "$@" --output "$module" >"$target/bench/${robot}_lanes.txt" 2>&1
   has=
   if grep -q "^pub const NY:" "$module"; then has="--cfg has_quaternions"; fi

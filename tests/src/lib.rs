@@ -43,17 +43,30 @@ pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_owned).unwrap_or_default()
 }
 
-/// The folder of reference data: `GELENK_SHARED`, or `../shared` next to the workspace; `None`, with a printed
-/// note, where there is none.
-pub fn shared() -> Option<PathBuf> {
-    let folder = match std::env::var_os("GELENK_SHARED") {
-        Some(folder) => PathBuf::from(folder),
-        None => workspace().parent()?.join("shared"),
-    };
-    if folder.join("reference").is_dir() {
+/// A file of values that nobody here computed.
+///
+/// # Panics
+/// If there is no such file.
+pub fn reference(path: &str) -> serde_json::Value {
+    let path = workspace().join("tests/reference").join(path);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The URDF of a robot of others. Tests that call it are ignored without `cfg(robots_of_others)`.
+pub fn robot_of_others(name: &str) -> PathBuf {
+    workspace().join(format!("tests/reference/robots/{name}.urdf"))
+}
+
+/// A folder of published data: below `GELENK_SHARED`, or below `shared` next to the workspace; `None`, with a printed
+/// note, if it is missing.
+pub fn published(path: &str) -> Option<PathBuf> {
+    let beside = || workspace().parent().map(|parent| parent.join("shared"));
+    let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from).or_else(beside)?.join(path);
+    if folder.is_dir() {
         return Some(folder);
     }
-    println!("skipped: no reference data at {}", folder.display());
+    println!("skipped: {} is not there; set GELENK_SHARED", folder.display());
     None
 }
 

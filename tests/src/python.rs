@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::cargo::target;
-use crate::{shared, workspace};
+use crate::workspace;
 
 /// The interpreter of an environment with the packages of `tests/python/requirements.txt`; none, with a note, where there
 /// is no Python, or where its packages cannot be had.
@@ -113,9 +113,6 @@ pub fn pytest(python: &Path, files: &[PathBuf], folder: &Path, variables: &[(&st
         .envs(variables.iter().copied())
         .env_remove("CC")
         .current_dir(folder);
-    if let Some(shared) = shared() {
-        command.env("GELENK_SHARED", shared);
-    }
     let output = command.output().expect("Python starts");
     let text = [output.stdout, output.stderr].concat();
     let text = String::from_utf8_lossy(&text);

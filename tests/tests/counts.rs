@@ -6,7 +6,6 @@
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
 
 use gelenk_codegen::emit::Scalar;
 use gelenk_codegen::formula::Formula;
@@ -15,7 +14,7 @@ use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::cost::count;
 use gelenk_codegen::program::{Instruction, Operation, fuse_multiply_adds};
 use gelenk_tests::literature::{GENERAL, PLANAR, PUMA, RX90, chain, right_angles};
-use gelenk_tests::{Robot, descriptions, generate_model, relative_error, shared, workspace};
+use gelenk_tests::{Robot, descriptions, generate_model, relative_error, robot_of_others, workspace};
 
 const DOWN: [f64; 3] = [0.0, 0.0, -9.81];
 
@@ -201,29 +200,27 @@ fn thirty_joints_as_loops() {
 
 /// Robots with a floating base, by their URDFs.
 #[test]
+#[cfg_attr(not(robots_of_others), ignore = "no URDF: python3 tests/reference/robots.py")]
 fn floating_robots() {
-    let Some(folder) = shared() else { return };
     for (name, inverse_dynamics, mass_matrix) in
         [("go2", [616, 607], [268, 256]), ("solo12", [562, 494], [256, 227]), ("iris", [87, 89], [12, 12])]
     {
-        let path = folder.join("reference/mechanisms/urdf").join(format!("{name}.urdf"));
-        let options = ReadOptions { floating_base: true, no_friction: true, ..ReadOptions::default() };
-        let model = read(&path, &options).unwrap_or_else(|problems| panic!("{problems}")).model;
+        let model = floating_robot(name);
         let bars = [("inverse_dynamics", inverse_dynamics), ("mass_matrix", mass_matrix)];
         assert_within(name, model, &bars.map(|(name, [products, sums])| (name, products, sums)));
     }
 }
 
-/// A Unitree G1 with 29 joints, where the folder `URDFS` has its URDF as `g1.urdf`.
-#[test]
-fn humanoid_robot() {
-    let path = std::env::var_os("URDFS").map(|folder| PathBuf::from(folder).join("g1.urdf"));
-    let Some(path) = path.filter(|path| path.exists()) else {
-        println!("skipped: URDFS names no folder with g1.urdf");
-        return;
-    };
+fn floating_robot(name: &str) -> Model {
     let options = ReadOptions { floating_base: true, no_friction: true, ..ReadOptions::default() };
-    let model = read(&path, &options).unwrap_or_else(|problems| panic!("{problems}")).model;
+    read(&robot_of_others(name), &options).unwrap_or_else(|problems| panic!("{problems}")).model
+}
+
+/// A Unitree G1 with 29 joints.
+#[test]
+#[cfg_attr(not(robots_of_others), ignore = "no URDF: python3 tests/reference/robots.py")]
+fn humanoid_robot() {
+    let model = floating_robot("g1");
     assert_eq!(model.coordinates.len(), 35);
     assert_within("G1", model, &[("inverse_dynamics", 1567, 1467), ("mass_matrix", 1833, 1457)]);
 }

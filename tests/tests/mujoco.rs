@@ -21,7 +21,7 @@ use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
     random_coupled_model, random_helical_model, random_model, random_model_with_frame_forces,
 };
-use gelenk_tests::{Robot, descriptions, relative_error, shared, workspace};
+use gelenk_tests::{Robot, descriptions, published, relative_error, workspace};
 use serde_json::Value;
 
 /// The models of this repository with their names.
@@ -222,11 +222,7 @@ fn published_robots_in_mjcf() {
 #[test]
 #[ignore = "takes minutes"]
 fn robots_of_the_menagerie_have_the_same_mass_matrix() {
-    let (Some(python), Some(folder)) =
-        (python_with_mujoco(), shared().map(|folder| folder.join("data/menagerie")))
-    else {
-        return;
-    };
+    let (Some(python), Some(folder)) = (python_with_mujoco(), published("data/menagerie")) else { return };
     let script = workspace().join("tests/mujoco/folder.py");
     let output = Command::new(python).arg(script).arg(folder).arg(program()).output().expect("Python starts");
     println!("{}", String::from_utf8_lossy(&output.stdout));

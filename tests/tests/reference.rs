@@ -8,15 +8,8 @@ use std::path::Path;
 
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::pipeline::GenerateOptions;
-use gelenk_tests::{Robot, relative_error, shared, workspace};
+use gelenk_tests::{Robot, reference, relative_error, robot_of_others, workspace};
 use serde_json::Value;
-
-/// Reads a reference file; `None` where the folder is absent.
-fn reference(name: &str) -> Option<Value> {
-    let path = shared()?.join("reference").join(name);
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    Some(serde_json::from_str(&text).expect("reference files are JSON"))
-}
 
 /// All numbers below a value, in order: matrices rows first.
 fn numbers(value: &Value) -> Vec<f64> {
@@ -31,9 +24,8 @@ fn samples(reference: &Value) -> &[Value] {
 }
 
 /// One robot of the reference: its URDF as it is, the listed joints held, a frame at the last joint.
-fn reference_robot(name: &str, reference: &Value) -> Option<Robot> {
-    let urdf = shared()?.join("reference/urdf").join(format!("{name}.urdf"));
-    let text = std::fs::read_to_string(&urdf).expect("the URDF of the reference");
+fn reference_robot(name: &str, urdf: &Path, reference: &Value) -> Robot {
+    let text = std::fs::read_to_string(urdf).expect("the URDF of the reference");
     let joint = reference["frame"].as_str().expect("frame");
     let mut description =
         format!("name = \"{name}\"\nurdf = {:?}\nignore_mimic = true\n", urdf.display().to_string());
@@ -45,7 +37,7 @@ fn reference_robot(name: &str, reference: &Value) -> Option<Robot> {
     let path = folder.path().join("robot.toml");
     std::fs::write(&path, description).expect("a file");
     let options = GenerateOptions { no_friction: true, ..GenerateOptions::default() };
-    Some(Robot::derive(&path, &options))
+    Robot::derive(&path, &options)
 }
 
 /// The link that a joint of a URDF moves.
@@ -103,13 +95,9 @@ fn derivatives_agree(robot: &Robot, sample: &Value) {
     check("A x + B u + c", &total, &get("fd"), 1e-8);
 }
 
-fn agrees_with_pinocchio(name: &str) {
-    let Some(reference) = reference(&format!("{name}.json")) else {
-        return;
-    };
-    let Some(robot) = reference_robot(name, &reference) else {
-        return;
-    };
+fn agrees_with_pinocchio(name: &str, urdf: &Path) {
+    let reference = reference(&format!("{name}.json"));
+    let robot = reference_robot(name, urdf, &reference);
     const TOLERANCE: f64 = 1e-9;
     for sample in samples(&reference) {
         let get = |key: &str| numbers(&sample[key]);
@@ -141,30 +129,30 @@ fn agrees_with_pinocchio(name: &str) {
 }
 
 #[test]
+#[cfg_attr(not(robots_of_others), ignore = "no URDF: python3 tests/reference/robots.py")]
 fn double_pendulum_agrees_with_pinocchio() {
-    agrees_with_pinocchio("double_pendulum");
+    agrees_with_pinocchio("double_pendulum", &robot_of_others("double_pendulum"));
 }
 
 #[test]
 fn ur5_agrees_with_pinocchio() {
-    agrees_with_pinocchio("ur5");
+    agrees_with_pinocchio("ur5", &workspace().join("models/urdf/ur5.urdf"));
 }
 
 #[test]
 fn panda_agrees_with_pinocchio() {
-    agrees_with_pinocchio("panda");
+    agrees_with_pinocchio("panda", &workspace().join("models/urdf/panda.urdf"));
 }
 
 #[test]
+#[cfg_attr(not(robots_of_others), ignore = "no URDF: python3 tests/reference/robots.py")]
 fn baxter_agrees_with_pinocchio() {
-    agrees_with_pinocchio("baxter");
+    agrees_with_pinocchio("baxter", &robot_of_others("baxter"));
 }
 
 #[test]
 fn powercube_agrees_with_its_published_model() {
-    let Some(reference) = reference("powercube/dynamics.json") else {
-        return;
-    };
+    let reference = reference("powercube/dynamics.json");
     let robot = model("powercube");
     const TOLERANCE: f64 = 1e-12;
     for sample in samples(&reference) {
@@ -246,11 +234,8 @@ fn every_model_is_there() {
 /// The Panda's second finger follows the first one: `<mimic>` of its URDF.
 #[test]
 fn coupled_fingers_agree_with_pinocchio() {
-    let Some(reference) = reference("mechanisms/panda_mimic.json") else {
-        return;
-    };
-    let Some(folder) = shared() else { return };
-    let urdf = folder.join("reference/mechanisms/urdf/panda_mimic.urdf");
+    let reference = reference("mechanisms/panda_mimic.json");
+    let urdf = workspace().join("models/urdf/panda.urdf");
     let in_form = |form| {
         let options = GenerateOptions { no_friction: true, form, ..GenerateOptions::default() };
         Robot::derive(&urdf, &options)

@@ -3,7 +3,7 @@
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use fastrand::Rng;
 use gelenk_codegen::functions::function::ConstantValue;
@@ -13,7 +13,7 @@ use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_identification::inertial::{PER_BODY, margin};
 use gelenk_tests::positions::positions;
 use gelenk_tests::random_model::{Sample, random_helical_model, random_model, random_sample};
-use gelenk_tests::{Robot, descriptions, oracle, shared, workspace};
+use gelenk_tests::{Robot, descriptions, oracle, robot_of_others, workspace};
 use nalgebra::DMatrix;
 
 const FUNCTIONS: [&str; 8] = [
@@ -308,26 +308,27 @@ fn base_parameters_are_as_many_as_the_rank_of_the_regressor() {
 /// sensors of effort.
 #[test]
 fn rows_of_a_floating_base_have_the_rank_of_all_rows() {
-    let floating = |path: PathBuf| {
-        let options = ReadOptions {
-            floating_base: path.extension() == Some("urdf".as_ref()),
-            ..ReadOptions::default()
-        };
-        let model = read(&path, &options).unwrap_or_else(|problems| panic!("{problems}")).model;
-        Robot::of_model(model, &["base_regressor"])
-    };
-    let models =
-        ["go2", "quadrotor", "satellite"].map(|name| workspace().join(format!("models/{name}.toml")));
-    let urdfs = shared().map(|folder| folder.join("reference/mechanisms/urdf"));
-    let urdf = urdfs.map(|folder| folder.join("solo12.urdf"));
-    for robot in models.into_iter().chain(urdf).map(floating) {
-        let base = stacked(&robot, "base_regressor", &mut Rng::with_seed(12));
-        let of_the_base = (0..base.nrows()).filter(|row| row % robot.model.coordinates.len() < 6);
-        let rows = base.select_rows(&of_the_base.collect::<Vec<_>>());
-        let count = names(&robot, "base_regressor").len();
-        println!("{}: {count} base parameters", robot.model.name);
-        assert_eq!(rank(rows), count, "{}", robot.model.name);
+    for name in ["go2", "quadrotor", "satellite"] {
+        rows_of_the_base_have_the_rank_of_all_rows(&workspace().join(format!("models/{name}.toml")), false);
     }
+}
+
+#[test]
+#[cfg_attr(not(robots_of_others), ignore = "no URDF: python3 tests/reference/robots.py")]
+fn rows_of_the_base_of_solo12_have_the_rank_of_all_rows() {
+    rows_of_the_base_have_the_rank_of_all_rows(&robot_of_others("solo12"), true);
+}
+
+fn rows_of_the_base_have_the_rank_of_all_rows(path: &Path, floating_base: bool) {
+    let options = ReadOptions { floating_base, ..ReadOptions::default() };
+    let model = read(path, &options).unwrap_or_else(|problems| panic!("{problems}")).model;
+    let robot = Robot::of_model(model, &["base_regressor"]);
+    let base = stacked(&robot, "base_regressor", &mut Rng::with_seed(12));
+    let of_the_base = (0..base.nrows()).filter(|row| row % robot.model.coordinates.len() < 6);
+    let rows = base.select_rows(&of_the_base.collect::<Vec<_>>());
+    let count = names(&robot, "base_regressor").len();
+    println!("{}: {count} base parameters", robot.model.name);
+    assert_eq!(rank(rows), count, "{}", robot.model.name);
 }
 
 /// Both axes are horizontal and parallel: of each link the two first moments across them count, and one

@@ -57,8 +57,4 @@ def powercube(cache: Path) -> gelenk.Robot:
 @pytest.fixture(scope="session")
 def reference() -> Path:
     """The folder of values that nobody here computed."""
-    shared = os.environ.get("GELENK_SHARED", str(MODELS.parents[1] / "shared"))
-    folder = Path(shared) / "reference"
-    if not folder.is_dir():
-        pytest.skip(f"no reference values in {folder}: GELENK_SHARED names their parent")
-    return folder
+    return MODELS.parent / "tests" / "reference"

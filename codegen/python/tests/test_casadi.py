@@ -31,7 +31,7 @@ def jacobian(function: Any, *arguments: Any) -> list[np.ndarray]:
 
 def test_values_and_jacobians_agree_with_pinocchio(reference: Path, tmp_path: Path) -> None:
     file = tmp_path / "ur5.toml"
-    urdf = reference / "urdf" / "ur5.urdf"
+    urdf = MODELS / "urdf" / "ur5.urdf"
     file.write_text(f'name = "ur5"\nurdf = "{urdf}"\n[[frames]]\nname = "last"\nlink = "wrist_3_link"\n', "utf-8")
     functions = ["inverse_dynamics_derivatives_and_mass_matrix", "inverse_dynamics", "linearize", "forward_dynamics", "frames"]
     robot = gelenk.casadi(file, no_friction=True, functions=functions)

@@ -16,6 +16,11 @@ use gelenk_codegen::model::{
 };
 use gelenk_codegen::program::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
 
+/// Logs and descriptions of `tests/cases/`, which were made for this repository.
+pub fn cases() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/cases/identification")
+}
+
 /// A folder of `$GELENK_SHARED`, or of the folder `shared` next to the repository; none with a note if it is missing.
 pub fn shared(path: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from);

@@ -1,6 +1,6 @@
 //! `qplus`, `qplus_by_q`, `qplus_by_d` of the reference files: `q ⊕ 0.1 v` and its Jacobians by Pinocchio.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use gelenk_kernels::manifold::{difference, integrate, integrate_derivatives};
 use serde_json::Value;
@@ -10,17 +10,10 @@ use super::random::distance;
 /// Largest deviation from Pinocchio, of values of size 1.
 const BOUND: f64 = 1e-13;
 
-fn file(name: &str) -> Option<Value> {
-    let folder = std::env::var_os("GELENK_SHARED").map(PathBuf::from);
-    let folder = folder.unwrap_or_else(|| PathBuf::from("../../shared"));
-    let path = folder.join("reference/mechanisms").join(format!("{name}.json"));
-    match std::fs::read_to_string(&path) {
-        Ok(text) => Some(serde_json::from_str(&text).unwrap()),
-        Err(_) => {
-            println!("skipped: {} is not there; set GELENK_SHARED", path.display());
-            None
-        }
-    }
+fn file(name: &str) -> Value {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/reference/mechanisms");
+    let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap();
+    serde_json::from_str(&text).unwrap()
 }
 
 fn numbers<const K: usize>(list: &Value, first: usize) -> [f64; K] {
@@ -58,7 +51,7 @@ fn check<const J: usize, const N: usize, const NY: usize>(
 fn joints_are_those_of_pinocchio() {
     let mut count = 0;
     for name in ["iris_floating", "go2_floating", "solo12_floating", "zoo_1", "zoo_2", "zoo_3", "zoo_4"] {
-        let Some(file) = file(name) else { return };
+        let file = file(name);
         for sample in file["samples"].as_array().unwrap() {
             for joint in file["joints"].as_array().unwrap() {
                 let first = [index(&joint["idx_q"]), index(&joint["idx_v"])];
@@ -79,7 +72,7 @@ fn joints_are_those_of_pinocchio() {
 #[test]
 fn whole_robots_are_those_of_pinocchio() {
     for name in ["iris_floating", "go2_floating"] {
-        let Some(file) = file(name) else { return };
+        let file = file(name);
         for sample in file["samples"].as_array().unwrap() {
             match name {
                 "iris_floating" => check::<5, 10, 11>(&[7, 1, 1, 1, 1], sample, [0, 0]),

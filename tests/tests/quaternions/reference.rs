@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use gelenk_codegen::pipeline::GenerateOptions;
-use gelenk_tests::{Robot, shared};
+use gelenk_tests::Robot;
 use nalgebra::{Matrix3, UnitQuaternion};
 use serde_json::Value;
 
@@ -102,23 +102,20 @@ pub const FUNCTIONS: &str = "[\"mass_matrix\", \"coriolis_forces\", \"gravity_fo
     \"center_of_mass_jacobian\", \"centroidal_momentum\", \"centroidal_momentum_matrix\", \"frames\"]";
 
 /// The robot of a reference file, with these functions.
-pub fn reference(name: &str, functions: &str) -> Option<Reference> {
-    let path = shared()?.join("reference/mechanisms").join(format!("{name}.json"));
-    let text_of =
-        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let reference: Value = serde_json::from_str(&text_of).expect("reference files are JSON");
+pub fn reference(name: &str, functions: &str) -> Reference {
+    let reference = gelenk_tests::reference(&format!("mechanisms/{name}.json"));
     let joints = reference["joints"].as_array().expect("joints").clone();
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("robot.toml");
     std::fs::write(&path, description(name, &joints, functions)).expect("a file");
     let options = GenerateOptions { accept_unphysical: true, ..GenerateOptions::default() };
     let planar = joints.iter().filter(|joint| text(&joint["type"]) == "Planar");
-    Some(Reference {
+    Reference {
         robot: Robot::derive(&path, &options),
         planar: planar.map(|joint| [index(&joint["idx_q"]), index(&joint["idx_v"])]).collect(),
         joints: joints.iter().map(|joint| text(&joint["name"]).to_owned()).collect(),
         samples: reference["samples"].as_array().expect("samples").clone(),
-    })
+    }
 }
 
 impl Reference {
