@@ -98,8 +98,8 @@ const SCHEMA_EXAMPLES: &str = "\
 Examples:
   gelenk schema > gelenk.schema.json
 
-A description whose first line is `#:schema ./gelenk.schema.json` is then checked by Taplo and by the extension Even Better TOML of VS
-Code.";
+Taplo and the extension Even Better TOML of VS Code then check each description whose first line is
+  #:schema ./gelenk.schema.json";
 
 const IDENTIFY_EXAMPLES: &str = "\
 Examples:

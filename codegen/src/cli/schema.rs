@@ -85,6 +85,9 @@ fn value(value: &'static Value, definitions: &mut Map<String, Json>) -> Map<Stri
         [] if of_parts.is_empty() => json!({}),
         [keys] if of_parts.is_empty() => reference(keys, definitions),
         _ => {
+            for keys in &tables {
+                let _ = reference(keys, definitions);
+            }
             let rows = tables.into_iter().flat_map(Keys::rows);
             let keys = rows.map(|row| (row.name.to_owned(), property(row, definitions)));
             let keys: Map<String, Json> = keys.collect::<Vec<_>>().into_iter().chain(of_parts).collect();
@@ -143,7 +146,9 @@ fn json_of(value: &DeValue<'_>) -> Json {
                 |(key, value): (&toml::Spanned<toml::de::DeString<'_>>, &toml::Spanned<DeValue<'_>>)| {
                     (key.get_ref().to_string(), json_of(value.get_ref()))
                 };
-            Json::Object(table.iter().map(entry).collect())
+            let mut entries: Vec<_> = table.iter().collect();
+            entries.sort_by_key(|(key, _)| key.span().start);
+            Json::Object(entries.into_iter().map(entry).collect())
         }
         DeValue::Integer(number) => serde_json::from_str(number.as_str()).unwrap_or_default(),
         DeValue::Float(number) => serde_json::from_str(number.as_str()).unwrap_or_default(),

@@ -46,6 +46,7 @@ fn the_tables_of_the_page_are_those_of_the_schema() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/README.md");
     let page = fs::read_to_string(&file).unwrap();
     let mut fresh = page.clone();
+    assert_eq!(page.matches("<!-- keys: ").count(), tables.len());
     for (name, table) in &tables {
         let (start, end) = (format!("<!-- keys: {name} -->\n"), "<!-- end of keys -->\n");
         let (before, rest) =
