@@ -5,7 +5,7 @@
 use super::composite::Composite;
 use super::description::{JointDescription, Name};
 use super::table::Table;
-use super::toml_joints::{BY_PART, check_all_parts, forces, of_part, read_joint, single_joint};
+use super::toml_joints::{by_part, check_all_parts, forces, of_part, read_joint, single_joint};
 use super::toml_values::Reader;
 use crate::diagnostic::{At, Report};
 
@@ -135,7 +135,7 @@ fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composi
     check_all_parts(reader, table, name, composite);
     let mut told = Vec::new();
     for part in composite.parts() {
-        if BY_PART.iter().any(|key| of_part(table, (composite, part), key).is_some()) {
+        if by_part(table).any(|item| of_part(table, (composite, part), item.key).is_some()) {
             let own = At::new(format!("{}_{}", name.value, part.name), name.span);
             told.push(forces(reader, &|key| of_part(table, (composite, part), key), own));
         }

@@ -2,6 +2,7 @@
 
 use super::composite::{self, Composite, Part, Place};
 use super::description::{JointDescription, LimitsDescription, Name};
+use super::keys::Value;
 use super::pose::{about_z, modified_dh, standard_dh};
 use super::quaternion_joint::{NO_LAW_OF_POSITION, NO_ROTOR};
 use super::table::{Item, Table};
@@ -134,11 +135,15 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
     reader.report.help("only a helical joint has a pitch: give the joint that type, or remove `pitch`");
 }
 
-/// Keys whose values are told part by part.
-pub(super) const BY_PART: [&str; 6] = ["held", "motion", "limits", "spring", "friction", "drive"];
+/// Values of a table that are described part by part.
+pub(super) fn by_part<'t>(table: &Table<'t>) -> impl Iterator<Item = Item<'t>> {
+    table.items().iter().copied().filter(|item| matches!(item.row.value, Value::ByPart(_)))
+}
 
-/// Those that may be one word for all parts.
-const FOR_ALL_PARTS: [&str; 2] = ["motion", "drive"];
+/// Tells whether a value is one word for all parts.
+fn is_for_all_parts(item: &Item<'_>) -> bool {
+    item.value.is_str() && !item.row.value.words().is_empty()
+}
 
 /// The joints that a composite one stands for.
 fn read_composite(
@@ -170,14 +175,14 @@ pub(super) fn of_part<'t>(
     match table.get(key)? {
         _ if key == "held" && composite.quaternion().is_some() => None, // reported
         // One word for all parts.
-        item if FOR_ALL_PARTS.contains(&key) && item.value.is_str() => Some(item),
+        item if is_for_all_parts(&item) => Some(item),
         item => item.named()?.into_iter().find(|entry| entry.key == part.name),
     }
 }
 
 /// Complains about values that are not told part by part.
 pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
-    for item in BY_PART.iter().filter_map(|key| table.get(key)) {
+    for item in by_part(table) {
         if let (Some(kind), "held") = (composite.quaternion(), item.key) {
             let message = format!("`held` at {} joint `{}`", kind.name(), name.value);
             reader.report.error(item.key_span, "quaternion-joint", message);
@@ -200,7 +205,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         )
     };
     let Some(entries) = item.named() else {
-        if !FOR_ALL_PARTS.contains(&item.key) || !item.value.is_str() {
+        if !is_for_all_parts(&item) {
             let message =
                 format!("`{}` of {kind} joint `{}` says nothing of its parts", item.key, name.value);
             reader.report.error(item.span, "wrong-type", message);
