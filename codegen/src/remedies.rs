@@ -4,7 +4,6 @@
 pub(crate) fn remedy(code: &str) -> Option<&'static str> {
     Some(match code {
         "number-not-finite" => "give a finite number; what is not limited has no limit written",
-        "wrong-type" => "numbers stand without quotes, as 0.5, and formulas with them, as \"pi/4\"",
         "number-too-large" => "numbers are in m, kg, s and rad: check unit and exponent",
         "toml-syntax" => {
             "text stands in quotes, a list in [ ], a table in { }, and commas separate entries: check this line and the one before it"

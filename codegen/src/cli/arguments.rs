@@ -48,6 +48,7 @@ Examples:
   gelenk export arm.toml --mjcf                the robot for MuJoCo
   gelenk identify arm.toml log.csv             friction and inertias from a recorded motion
   gelenk new my_arm                            a crate to begin with
+  gelenk schema                                the keys of a description, for editors
 
 Exit codes: 0 success, 1 the description is at fault or the output is stale, 2 wrong command line.";
 
@@ -95,6 +96,13 @@ Examples:
 
 Exit codes: 0 success, 1 the description is at fault or the self-check fails, 2 wrong command line.";
 
+const SCHEMA_EXAMPLES: &str = "\
+Examples:
+  gelenk schema > gelenk.schema.json
+
+Taplo and the extension Even Better TOML of VS Code then check each description whose first line is
+  #:schema ./gelenk.schema.json";
+
 const IDENTIFY_EXAMPLES: &str = "\
 Examples:
   gelenk identify --plan arm.toml                         a motion to record, plan.csv
@@ -136,6 +144,9 @@ pub(super) enum Command {
     /// Write a page about a robot: drawing, parameters, equations, costs, a self-check
     #[command(after_help = REPORT_EXAMPLES)]
     Report(Report),
+    /// Print the JSON Schema of robot descriptions, by which editors complete and check keys
+    #[command(after_help = SCHEMA_EXAMPLES)]
+    Schema,
 }
 
 #[derive(Debug, Args)]

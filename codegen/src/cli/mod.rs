@@ -22,6 +22,7 @@ mod place;
 mod print;
 mod progress;
 mod report;
+mod schema;
 
 use std::process::ExitCode;
 
@@ -41,6 +42,7 @@ pub fn run() -> ExitCode {
         Command::Identify(what) => identify::identify(what, format),
         Command::New(what) => new::new(what, format),
         Command::Report(what) => report::write(what, format),
+        Command::Schema => schema::schema(),
     });
     result.unwrap_or_else(|failure| ExitCode::from(failure.say(format)))
 }

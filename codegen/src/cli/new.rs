@@ -12,7 +12,7 @@ use super::choices::BaseName;
 use super::failure::Failure;
 use super::new_project::Project;
 use super::new_robot::{Feet, Robot, robot};
-use super::print;
+use super::{print, schema};
 use crate::wording::{quoted, toml_text};
 
 /// Names that Cargo or the compiler keep for themselves, and those of the dependencies.
@@ -43,10 +43,12 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
         feet,
     )?;
     let (project, package) = project(arguments, &robot)?;
-    let description = ("robot.toml", robot.description.as_bytes());
+    let description = format!("#:schema ./{}\n{}", schema::FILE, robot.description);
+    let schema = format!("{:#}\n", schema::of_descriptions());
+    let described = [("robot.toml", description.as_bytes()), (schema::FILE, schema.as_bytes())];
     let copies = robot.copies.iter().map(|(place, content)| (place.as_str(), content.as_slice()));
     let texts = project.files.iter().map(|(name, text)| (*name, text.as_bytes()));
-    let files: Vec<(&str, &[u8])> = [description].into_iter().chain(copies).chain(texts).collect();
+    let files: Vec<(&str, &[u8])> = described.into_iter().chain(copies).chain(texts).collect();
     require_places(&files)?;
     make(folder)?;
     if let Err(error) = write(folder, &files) {

@@ -58,6 +58,14 @@ const FLOATING: &[Part] = &[
 ];
 
 impl Composite {
+    pub const ALL: [Self; 5] = [
+        Self::Cylindrical,
+        Self::Universal,
+        Self::Planar,
+        Self::Quaternion(QuaternionKind::Spherical),
+        Self::FLOATING,
+    ];
+
     /// A floating joint.
     pub const FLOATING: Self = Self::Quaternion(QuaternionKind::Floating);
 
@@ -71,10 +79,7 @@ impl Composite {
 
     /// The composite joint of a type's name.
     pub fn named(name: &str) -> Option<Self> {
-        let quaternions = [QuaternionKind::Spherical, QuaternionKind::Floating].map(Self::Quaternion);
-        let [spherical, floating] = quaternions;
-        let all = [Self::Cylindrical, Self::Universal, Self::Planar, spherical, floating];
-        all.into_iter().find(|composite| composite.name() == name)
+        Self::ALL.into_iter().find(|composite| composite.name() == name)
     }
 
     pub fn name(self) -> &'static str {

@@ -1,8 +1,7 @@
 //! TOML tables with places: every key is known or complained about, every value has the type that is asked
 //! for.
 
-use super::foreign_keys::foreign;
-use super::key_examples::example;
+use super::keys::{Key, Keys, advice};
 use crate::diagnostic::{Report, Span, nearest};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -11,10 +10,10 @@ use toml::de::{DeTable, DeValue};
 #[derive(Debug)]
 pub(super) struct Table<'t> {
     entries: Vec<Item<'t>>,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
-    /// The thing that the table describes, with article: `a joint`.
-    pub what: &'static str,
+    /// The keys that it may have.
+    pub keys: &'static Keys,
 }
 
 /// A key with its value.
@@ -22,47 +21,38 @@ pub(super) struct Table<'t> {
 pub(super) struct Item<'t> {
     /// The key; in arrays that of the whole array.
     pub key: &'t str,
-    /// Where the key stands.
+    /// Place of the key.
     pub key_span: Span,
     /// The value.
     pub value: &'t DeValue<'t>,
-    /// Where the value stands.
+    /// Place of the value.
     pub span: Span,
+    /// The row of the key; of a key that is a name of the user that of the whole table.
+    pub row: &'static Key,
 }
 
 impl<'t> Table<'t> {
-    /// All entries in the order of their description.
-    pub fn open(table: &'t DeTable<'t>, span: Span, what: &'static str) -> Self {
-        let mut entries: Vec<Item<'t>> =
-            table.iter().map(|(key, value)| entry(key, value, span.source)).collect();
-        entries.sort_by_key(|item| item.key_span.start);
-        Self { entries, span, what }
-    }
-
-    /// The same with an error for each key that is not among `keys`.
-    pub fn checked(
-        table: &'t DeTable<'t>,
-        span: Span,
-        what: &'static str,
-        keys: &[&'static str],
-        report: &mut Report,
-    ) -> Self {
-        let table = Self::open(table, span, what);
-        for item in table.entries.iter().filter(|item| !keys.contains(&item.key)) {
-            report.error(item.key_span, "unknown-key", format!("unknown key `{}` in {what}", item.key));
-            if report.is_full() {
-                continue;
+    /// Its entries in the order of their description, with an error for each key that is not known, and for each that is
+    /// needed and absent.
+    pub fn checked(table: &'t DeTable<'t>, span: Span, keys: &'static Keys, report: &mut Report) -> Self {
+        let mut entries = Vec::new();
+        for (key, value) in in_order(table) {
+            match keys.row(key.get_ref()) {
+                Some(row) => entries.push(item(key, value, span.source, row)),
+                None => unknown(key, span.source, keys, report),
             }
-            let help = foreign(item.key, keys).map(str::to_owned);
-            if let Some(help) = help.or_else(|| nearest(item.key, keys.iter().copied())) {
-                report.help(help);
-            }
+        }
+        let table = Self { entries, span, keys };
+        for row in keys.rows().filter(|row| row.is_needed && table.get(row.name).is_none()) {
+            report.error(span, "missing-key", format!("{} needs `{}`", keys.what, row.name));
+            report.help(format!("for example {}", row.line()));
         }
         table
     }
 
     /// The value of a key.
     pub fn get(&self, key: &str) -> Option<Item<'t>> {
+        debug_assert!(self.keys.row(key).is_some(), "{} has no row `{key}`", self.keys.what);
         self.entries.iter().find(|item| item.key == key).copied()
     }
 
@@ -72,26 +62,36 @@ impl<'t> Table<'t> {
     }
 }
 
-/// Allowed values of a key if it is read as a table.
-fn table_or(key: &str) -> &'static str {
-    match key {
-        "base" => "the name of a link in quotes, or a table",
-        "spring" | "friction" => "a force law in quotes, or a table",
-        "drive" => "\"ideal\", \"none\", or a table",
-        _ => "a table",
+fn in_order<'t>(
+    table: &'t DeTable<'t>,
+) -> Vec<(&'t Spanned<toml::de::DeString<'t>>, &'t Spanned<DeValue<'t>>)> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_by_key(|(key, _)| key.span().start);
+    entries
+}
+
+fn unknown(key: &Spanned<toml::de::DeString<'_>>, source: usize, keys: &Keys, report: &mut Report) {
+    let message = format!("unknown key `{}` in {}", key.get_ref(), keys.what);
+    report.error(Span::new(source, key.span()), "unknown-key", message);
+    if !report.is_full()
+        && let Some(help) = advice(key.get_ref(), keys)
+    {
+        report.help(help);
     }
 }
 
-fn entry<'t>(
+fn item<'t>(
     key: &'t Spanned<toml::de::DeString<'t>>,
     value: &'t Spanned<DeValue<'t>>,
     source: usize,
+    row: &'static Key,
 ) -> Item<'t> {
     Item {
         key: key.get_ref(),
         key_span: Span::new(source, key.span()),
         value: value.get_ref(),
         span: Span::new(source, value.span()),
+        row,
     }
 }
 
@@ -104,16 +104,12 @@ impl<'t> Item<'t> {
             "wrong-type",
             format!("`{}` must be {what}, not {} {found}", self.key, article(found)),
         );
-        self.help_by_example(what.starts_with("a list"), report);
+        self.help_by_example(report);
     }
 
     /// Adds an example of the value to the last message.
-    ///
-    /// - `is_list`: whether the value has to be a list
-    pub fn help_by_example(&self, is_list: bool, report: &mut Report) {
-        if let Some(example) = example(self.key, is_list) {
-            report.help(format!("for example {example}"));
-        }
+    pub fn help_by_example(&self, report: &mut Report) {
+        report.help(format!("for example {}", self.row.line()));
     }
 
     /// The value as text.
@@ -149,22 +145,50 @@ impl<'t> Item<'t> {
         Some(array.iter().map(item).collect())
     }
 
-    /// The value as a table with known keys.
-    pub fn table(&self, what: &'static str, keys: &[&'static str], report: &mut Report) -> Option<Table<'t>> {
+    /// The value as a table with the keys of its row.
+    pub fn table(&self, report: &mut Report) -> Option<Table<'t>> {
+        let Some(keys) = self.row.value.keys() else {
+            self.expected(&self.row.value.kinds(), report);
+            return None;
+        };
+        self.table_of(keys, report)
+    }
+
+    /// The value as a table with these keys.
+    pub fn table_of(&self, keys: &'static Keys, report: &mut Report) -> Option<Table<'t>> {
         match self.value {
-            DeValue::Table(table) => Some(Table::checked(table, self.span, what, keys, report)),
+            DeValue::Table(table) => Some(Table::checked(table, self.span, keys, report)),
             _ => {
-                self.expected(table_or(self.key), report);
+                self.expected(&self.row.value.kinds(), report);
                 None
             }
         }
     }
 
     /// The value as a list of tables with known keys.
-    pub fn tables(&self, what: &'static str, keys: &[&'static str], report: &mut Report) -> Vec<Table<'t>> {
+    pub fn tables(&self, report: &mut Report) -> Vec<Table<'t>> {
         let expected = format!("a list of tables, each written [[{}]]", self.key);
         let items = self.array(&expected, report).unwrap_or_default();
-        items.iter().filter_map(|item| item.table(what, keys, report)).collect()
+        items.iter().filter_map(|item| item.table(report)).collect()
+    }
+
+    /// The entries of a table whose keys are names.
+    pub fn named(&self) -> Option<Vec<Self>> {
+        let entries = in_order(self.value.as_table()?).into_iter();
+        Some(entries.map(|(key, value)| item(key, value, self.span.source, self.row)).collect())
+    }
+
+    /// The value as one of the words of its row.
+    pub fn word(&self, report: &mut Report) -> Option<&'static str> {
+        let text = self.text(report)?;
+        let words = self.row.value.words();
+        let word = words.iter().copied().find(|word| *word == text);
+        if word.is_none() {
+            report.error(self.span, "unknown-value", format!("`{}` cannot be {text:?}", self.key));
+            let near = nearest(text, words.iter().copied()).unwrap_or_default();
+            report.help(format!("{near} ({})", self.row.says));
+        }
+        word
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::description::{DriveDescription, FollowsDescription, SharedDriveDescription};
 use super::table::{Item, Table};
-use super::toml_forces::{DRIVE, motor};
+use super::toml_forces::motor;
 use super::toml_values::Reader;
 use crate::diagnostic::At;
 
@@ -12,11 +12,10 @@ pub(super) fn followed_joints(
     item: Item<'_>,
     owner: &str,
 ) -> Option<Vec<FollowsDescription>> {
-    let Some(table) = item.value.as_table() else {
+    let Some(terms) = item.named() else {
         item.expected("a table of joints with their ratios", &mut reader.report);
         return None;
     };
-    let terms = Table::open(table, item.span, "joints that are followed").items().to_vec();
     if terms.is_empty() {
         reader.report.error(item.span, "follows-nothing", format!("`{}` names no joint", item.key));
         reader.report.help(format!("`{} = {{ shoulder = 1 }}` names a joint and its ratio", item.key));
@@ -34,18 +33,12 @@ pub(super) fn followed_joints(
 
 /// The drives that stand apart from joints.
 pub(super) fn read_drives(reader: &mut Reader, top: &Table<'_>) -> Vec<SharedDriveDescription> {
-    reader.all(top, "drives", ("a drive", &[&DRIVE[..], &["on"]].concat()), read_drive)
+    reader.all(top, "drives", read_drive)
 }
 
 fn read_drive(reader: &mut Reader, table: &Table<'_>) -> Option<SharedDriveDescription> {
-    let name = reader.required_name(table, "name")?;
-    let Some(on) = table.get("on") else {
-        let message = format!("drive `{}` has no `on`", name.value);
-        reader.report.error(table.span, "missing-key", message);
-        reader.report.help("`on = { wrist_pitch = 1, wrist_roll = 1 }` names the joints that it acts on");
-        return None;
-    };
-    let on = followed_joints(reader, on, &name.value)?;
+    let name = reader.name_of(table, "name")?;
+    let on = followed_joints(reader, table.get("on")?, &name.value)?;
     let motor: DriveDescription = motor(reader, table, &name.value);
     Some(SharedDriveDescription { name, on, motor })
 }

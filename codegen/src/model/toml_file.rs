@@ -1,6 +1,7 @@
 //! A TOML description as a [`RobotDescription`]; the format is documented in models/README.md.
 
 use super::description::{BodyDescription, DriveChoice, FrameDescription, Name, RobotDescription};
+use super::keys::ROBOT;
 use super::table::{Item, Table};
 use super::toml_couplings::read_drives;
 use super::toml_frame_forces::{read_point_forces, read_wrench_inputs, read_wrenches};
@@ -13,34 +14,6 @@ use gelenk_formula::{Allowed, Formula, Hold};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
-
-const ROBOT: [&str; 22] = [
-    "name",
-    "description",
-    "urdf",
-    "extends",
-    "gravity",
-    "coordinates",
-    "base",
-    "held",
-    "body",
-    "snap_angles",
-    "ignore_mimic",
-    "no_friction",
-    "accept_unphysical",
-    "generate",
-    "parameters",
-    "bodies",
-    "joints",
-    "drives",
-    "forces",
-    "inputs",
-    "wrenches",
-    "frames",
-];
-/// Tables that are described entry by entry.
-const LISTS: [&str; 7] = ["joints", "bodies", "frames", "drives", "forces", "inputs", "wrenches"];
-const BODY: [&str; 7] = ["name", "link", "mass", "center_of_mass", "inertia", "origin", "accept_unphysical"];
 
 /// Keys at the top of the file that say how to read the rest and its base.
 #[derive(Debug, Default)]
@@ -109,7 +82,7 @@ fn duplicate_help(line: &str) -> String {
     let name = line.split('#').next().unwrap_or_default().trim().strip_prefix('[');
     let name = name.and_then(|name| name.strip_suffix(']')).map(str::trim);
     match name {
-        Some(name) if LISTS.contains(&name) => {
+        Some(name) if ROBOT.row(name).is_some_and(|row| row.value.is_tables()) => {
             format!("each of several stands under double brackets: `[[{name}]]`")
         }
         Some(name) => format!("each table stands once: put the keys of both under one `[{name}]`"),
@@ -139,7 +112,7 @@ pub(super) fn open<'t>(
     table: &'t toml::Spanned<DeTable<'t>>,
     source: usize,
 ) -> Table<'t> {
-    Table::checked(table.get_ref(), Span::new(source, 0..0), "a robot", &ROBOT, &mut reader.report)
+    Table::checked(table.get_ref(), Span::new(source, 0..0), &ROBOT, &mut reader.report)
 }
 
 /// Reads what steers the reading of the rest.
@@ -162,22 +135,22 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
 
 /// `held = { "finger_*" = 0 }`
 fn read_held(reader: &mut Reader, item: Item<'_>) -> Vec<At<Hold>> {
-    let DeValue::Table(table) = item.value else {
+    let Some(joints) = item.named() else {
         item.expected("a table of joints with their positions", &mut reader.report);
         return Vec::new();
     };
-    let hold = |item: &Item<'_>| {
-        let position = reader.number(*item)?.value;
+    let hold = |item: Item<'_>| {
+        let position = reader.number(item)?.value;
         Some(At::new(Hold { pattern: item.key.to_owned(), position }, item.key_span))
     };
-    Table::open(table, item.span, "held").items().iter().filter_map(hold).collect()
+    joints.into_iter().filter_map(hold).collect()
 }
 
 /// Beyond this, angles would be snapped that were meant as they are (rad).
 const WIDEST_SNAP: f64 = 0.1;
 
 fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
-    let tolerance = reader.positive(item)?;
+    let tolerance = reader.number(item)?;
     if tolerance.value <= WIDEST_SNAP {
         return Some(tolerance.value);
     }
@@ -244,30 +217,13 @@ fn read_base(reader: &mut Reader, item: Item<'_>) -> (Option<Name>, Option<Span>
     if item.value.is_str() {
         return (reader.name(item), None);
     }
-    let Some(table) = item.table("the base", &["link", "type"], &mut reader.report) else {
+    let Some(table) = item.table(&mut reader.report) else {
         return (None, None);
     };
     let link = table.get("link").and_then(|item| reader.name(item));
-    let kind = table.get("type").and_then(|kind| Some((kind.text(&mut reader.report)?, kind.span)));
-    let floats = match kind {
-        None | Some(("fixed", _)) => None,
-        Some(("floating", span)) => Some(span),
-        Some((other, span)) => {
-            reader.report.error(span, "base-type", format!("unsupported type of a base {other:?}"));
-            reader.report.help(match other {
-                "spherical" | "ball" => {
-                    "a base is \"fixed\" or \"floating\"; one that turns about a point is carried by a joint of type \"spherical\", \
-                     whose parent is the base"
-                }
-                _ => {
-                    "a base is \"fixed\" or \"floating\"; one that slides on a rail or turns is carried by a joint, of type \
-                     \"prismatic\" or \"spherical\" for example"
-                }
-            });
-            // What follows is then about a base that moves, not about a robot that does not.
-            Some(span)
-        }
-    };
+    // An unknown type is that of a base that moves, so that it causes no second complaint.
+    let floats = table.get("type").filter(|kind| kind.word(&mut reader.report) != Some("fixed"));
+    let floats = floats.map(|kind| kind.span);
     (link, floats)
 }
 
@@ -283,12 +239,12 @@ fn names(reader: &mut Reader, item: Item<'_>, what: &str) -> Option<Vec<Name>> {
 }
 
 fn read_parameters(reader: &mut Reader, item: Item<'_>) {
-    let DeValue::Table(table) = item.value else {
+    let Some(parameters) = item.named() else {
         return item.expected("a table of parameters", &mut reader.report);
     };
     let before = reader.parameters.len();
-    for item in Table::open(table, item.span, "parameters").items() {
-        read_parameter(reader, *item);
+    for item in parameters {
+        read_parameter(reader, item);
     }
     reader.unused.extend(before..reader.parameters.len());
 }
@@ -300,23 +256,15 @@ fn read_parameter(reader: &mut Reader, item: Item<'_>) {
         reader.push_parameter(name, value, String::new(), String::new());
         return;
     }
-    let Some(table) = item.table("a parameter", &["value", "unit", "description"], &mut reader.report) else {
+    let Some(table) = item.table(&mut reader.report) else {
         return;
     };
-    if table.get("value").is_none() {
-        reader.report.error(item.span, "missing-key", format!("parameter `{}` has no `value`", item.key));
-        reader.report.help(format!("write `{} = {{ value = 2.5 }}`, or `{} = 2.5`", item.key, item.key));
-    }
     let value = table.get("value").and_then(|value| reader.number(value)).map_or(1.0, |number| number.value);
     reader.add_parameter(name, value, &table);
 }
 
 fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
-    let Some(table) = item.table(
-        "the choice of functions",
-        &["functions", "lanes", "smooth_sign", "substeps"],
-        &mut reader.report,
-    ) else {
+    let Some(table) = item.table(&mut reader.report) else {
         return Options::default();
     };
     let functions = table.get("functions");
@@ -324,7 +272,7 @@ fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
     let lanes = table.get("lanes");
     let lanes = lanes.map(|item| function_names(reader, item));
     let smooth_sign =
-        table.get("smooth_sign").and_then(|item| reader.positive(item)).map(|number| number.value);
+        table.get("smooth_sign").and_then(|item| reader.number(item)).map(|number| number.value);
     Options {
         functions: functions.unwrap_or_default(),
         lanes: lanes.unwrap_or_default(),
@@ -352,7 +300,7 @@ fn function_names(reader: &mut Reader, item: Item<'_>) -> Vec<String> {
 const MOST_SUBSTEPS: usize = 1000;
 
 fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
-    let number = reader.positive(item)?;
+    let number = reader.number(item)?;
     let count = (1..=MOST_SUBSTEPS).find(|&count| count as f64 == number.value);
     if count.is_none() {
         reader.report.error(number.span, "bad-count", format!("`substeps` is {}", number.value));
@@ -362,7 +310,7 @@ fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
 }
 
 fn read_bodies(reader: &mut Reader, top: &Table<'_>) -> Vec<BodyDescription> {
-    reader.all(top, "bodies", ("a body", &BODY), read_body)
+    reader.all(top, "bodies", read_body)
 }
 
 fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> {
@@ -401,11 +349,10 @@ fn read_inertia(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<[For
             Some([xx, zero(), zero(), yy, zero(), zz])
         }
         DeValue::Table(entries) if !entries.contains_key("free") => {
-            let keys = ["xx", "xy", "xz", "yy", "yz", "zz"];
-            let table = item.table("an inertia", &keys, &mut reader.report)?;
+            let table = item.table(&mut reader.report)?;
             let owner = &format!("{owner}_inertia");
             Some(
-                keys.map(|key| {
+                ["xx", "xy", "xz", "yy", "yz", "zz"].map(|key| {
                     table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or_else(zero)
                 }),
             )
@@ -418,12 +365,12 @@ fn read_inertia(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<[For
 }
 
 fn read_frames(reader: &mut Reader, top: &Table<'_>) -> Vec<FrameDescription> {
-    reader.all(top, "frames", ("a frame", &["name", "link", "origin"]), read_frame)
+    reader.all(top, "frames", read_frame)
 }
 
 fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription> {
-    let name = reader.required_name(table, "name");
-    let link = reader.required_name(table, "link");
+    let name = reader.name_of(table, "name");
+    let link = reader.name_of(table, "link");
     let owner = name.as_ref().map_or("frame", |name| &name.value).to_owned();
     let pose = table.get("origin").and_then(|item| reader.pose(item, &owner)).unwrap_or_else(Pose::identity);
     Some(FrameDescription { name: name?, link: link?, pose, is_site: false })

@@ -9,14 +9,12 @@ use crate::wording::as_written;
 use gelenk_formula::{Formula, FrictionPart, FrictionTerm};
 use toml::de::DeValue;
 
-const FRICTION: [&str; 6] = ["viscous", "coulomb", "stribeck", "terms", "law", "load"];
-
 /// Friction of a joint: a force law as text, or a table of named laws, which add up.
 pub(super) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionDescription> {
     if item.value.is_str() {
         return Some(FrictionDescription { terms: law(reader, item), load: None });
     }
-    let table = item.table("a friction law", &FRICTION, &mut reader.report)?;
+    let table = item.table(&mut reader.report)?;
     let (mut parts, mut load) = (Vec::new(), None);
     for item in table.items() {
         match item.key {
@@ -53,10 +51,9 @@ fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionP
         let level = reader.formula(item, owner)?;
         return Some(FrictionPart::Coulomb { level, slope: None });
     }
-    let table =
-        item.table("Coulomb friction", &["value", "positive", "negative", "slope"], &mut reader.report)?;
+    let table = item.table(&mut reader.report)?;
     let slope = match table.get("slope") {
-        Some(slope) => Some(reader.positive(slope)?.value),
+        Some(slope) => Some(reader.number(slope)?.value),
         None => None,
     };
     let owner = &format!("{owner}_coulomb");
@@ -77,11 +74,7 @@ fn coulomb(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionP
 
 fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionPart> {
     let keys = FrictionPart::STRIBECK_KEYS;
-    let table = item.table("a Stribeck law", &keys, &mut reader.report)?;
-    for key in keys.iter().filter(|key| table.get(key).is_none()) {
-        reader.report.error(item.span, "missing-key", format!("a Stribeck law without `{key}`"));
-        reader.report.help(FrictionPart::STRIBECK);
-    }
+    let table = item.table(&mut reader.report)?;
     let owner = &format!("{owner}_stribeck");
     let mut value = |key| table.get(key).and_then(|item| reader.formula(item, owner));
     let [a1, a2, a3, a4, a5] = keys.map(&mut value);
@@ -129,7 +122,7 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     if item.value.is_str() {
         return reader.force_law(item);
     }
-    let table = item.table("a spring", &["stiffness", "rest", "damping"], &mut reader.report)?;
+    let table = item.table(&mut reader.report)?;
     let joint = owner;
     let owner = &format!("{owner}_spring");
     let mut value =
@@ -172,34 +165,13 @@ pub(super) fn warn_of_negative_stiffness(joint: &str, stiffness: At<f64>, report
     report.help("a spring beyond its dead centre does so; one that pulls back has a positive stiffness");
 }
 
-pub(super) const DRIVE: [&str; 12] = [
-    "name",
-    "gear_ratio",
-    "rotor_inertia",
-    "carrier",
-    "axis",
-    "coupling",
-    "torque",
-    "speed",
-    "stall_torque",
-    "no_load_speed",
-    "motor_constant",
-    "friction",
-];
-
 /// The drive of a joint: `"ideal"`, `"none"` or a motor.
 pub(super) fn drive(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<At<DriveChoice>> {
-    let choice = match item.value.as_str() {
-        Some("ideal") => DriveChoice::Ideal,
-        Some("none") => DriveChoice::Passive,
-        Some(other) => {
-            let message = format!("unknown drive {other:?}");
-            reader.report.error(item.span, "unknown-value", message);
-            reader.report.help("\"ideal\", \"none\", or a table with gear_ratio, rotor_inertia, …");
-            return None;
-        }
+    let choice = match item.value.is_str().then(|| item.word(&mut reader.report)) {
+        Some(word) if word? == "ideal" => DriveChoice::Ideal,
+        Some(_) => DriveChoice::Passive,
         None => {
-            let table = item.table("a drive", &DRIVE, &mut reader.report)?;
+            let table = item.table(&mut reader.report)?;
             DriveChoice::Motor(Box::new(motor(reader, &table, owner)))
         }
     };
@@ -212,7 +184,10 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         None => At::new(Formula::Number(default), table.span),
     };
     let (gear_ratio, rotor_inertia) = (value("gear_ratio", 1.0), value("rotor_inertia", 0.0));
-    let shaft = table.get("friction").and_then(|item| shaft_friction(reader, item, owner));
+    let shaft = table.get("friction").and_then(|item| {
+        let described = friction(reader, item, &format!("{owner}_shaft"))?;
+        Some(At::new(described.terms, item.span))
+    });
     let current = table.get("motor_constant").and_then(|item| reader.formula(item, owner));
     let coupling = table.get("coupling").map_or(RotorCoupling::Body, |item| coupling(reader, item));
     warn_of_unused_mounting(reader, table, coupling);
@@ -227,7 +202,7 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
         input: current.map_or(Input::Torque, Input::Current),
         input_span: table.get("motor_constant").map_or(table.span, |item| item.span),
         torque: table.get("torque").and_then(|item| torque(reader, item)).unwrap_or_default(),
-        speed: table.get("speed").and_then(|item| reader.positive(item)),
+        speed: table.get("speed").and_then(|item| reader.number(item)),
         line: torque_speed_line(reader, table),
         friction: shaft,
     }
@@ -236,7 +211,7 @@ pub(super) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
 /// Torque at rest and speed without load, of which neither says anything alone.
 fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<TorqueSpeedLine>> {
     let keys @ [torque, speed] = ["stall_torque", "no_load_speed"].map(|key| table.get(key));
-    let [stall_torque, no_load_speed] = keys.map(|item| item.and_then(|item| reader.positive(item)));
+    let [stall_torque, no_load_speed] = keys.map(|item| item.and_then(|item| reader.number(item)));
     let (present, missing) = match (torque, speed) {
         (Some(present), None) => (present, "no_load_speed"),
         (None, Some(present)) => (present, "stall_torque"),
@@ -259,29 +234,10 @@ fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<Torque
     None
 }
 
-/// Friction of a motor's shaft, over its angle and speed.
-fn shaft_friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<At<Vec<FrictionTerm>>> {
-    let described = friction(reader, item, &format!("{owner}_shaft"))?;
-    if let Some(load) = &described.load {
-        reader.report.error(
-            load.span,
-            "load-at-drive",
-            "friction of a drive's shaft does not grow with a load",
-        );
-        reader.report.help("`load` stands at the joint: `friction = { load = … }` there");
-    }
-    Some(At::new(described.terms, item.span))
-}
-
 fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
-    match item.text(&mut reader.report) {
+    match item.word(&mut reader.report) {
         Some("diagonal") => RotorCoupling::Diagonal,
-        Some("body") | None => RotorCoupling::Body,
-        Some(other) => {
-            reader.report.error(item.span, "unknown-value", format!("unknown rotor coupling {other:?}"));
-            reader.report.help("\"body\" (the rotor is a body, the default) or \"diagonal\" (only i² J_R)");
-            RotorCoupling::Body
-        }
+        _ => RotorCoupling::Body,
     }
 }
 
@@ -299,11 +255,11 @@ fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: Rot
 
 fn torque(reader: &mut Reader, item: Item<'_>) -> Option<MotorTorque> {
     if !item.value.is_table() {
-        let nominal = reader.positive(item)?.value;
+        let nominal = reader.number(item)?.value;
         return Some(MotorTorque { nominal: Some(nominal), peak: None });
     }
-    let table = item.table("a motor torque", &["nominal", "peak"], &mut reader.report)?;
-    let mut value = |key| table.get(key).and_then(|item| reader.positive(item)).map(|number| number.value);
+    let table = item.table(&mut reader.report)?;
+    let mut value = |key| table.get(key).and_then(|item| reader.number(item)).map(|number| number.value);
     let torque = MotorTorque { nominal: value("nominal"), peak: value("peak") };
     if let (Some(nominal), Some(peak)) = (torque.nominal, torque.peak)
         && nominal > peak

@@ -10,23 +10,22 @@ use crate::diagnostic::At;
 use crate::wording::as_written;
 use gelenk_formula::Formula;
 
-const FORCE: [&str; 7] = ["name", "between", "law", "input", "limits", "stroke", "speed"];
-const INPUT: [&str; 4] = ["name", "frame", "wrench", "limits"];
-const WRENCH: [&str; 3] = ["name", "frame", "in"];
-
 /// The forces between two frames: `[[forces]]`.
 pub(super) fn read_point_forces(reader: &mut Reader, top: &Table<'_>) -> Vec<PointForceDescription> {
-    reader.all(top, "forces", ("a force", &FORCE), read_point_force)
+    reader.all(top, "forces", read_point_force)
 }
 
 fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForceDescription> {
-    let between = reader.required(table, "between").and_then(|item| two_names(reader, item));
+    let name = reader.name_of(table, "name");
+    let between = table.get("between").and_then(|item| two_names(reader, item));
     let law = table.get("law").map(|item| {
         let formula = reader.force_between_law(item).unwrap_or(Formula::ZERO);
         At::new(formula, item.span)
     });
     let input = table.get("input").and_then(|item| reader.name(item));
     let limits = table.get("limits").map(|item| (item.key_span, reader.numbers::<2>(item)));
+    let stroke = table.get("stroke").and_then(|item| stroke(reader, item));
+    let speed = table.get("speed").and_then(|item| reader.number(item));
     if table.get("law").is_none() && table.get("input").is_none() {
         reader.report.error(table.span, "missing-key", "a force needs `law` or `input`");
         reader.report.help(
@@ -39,10 +38,8 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
         reader.report.error(*span, "limits-without-input", "`limits` of a force that is no input");
         reader.report.help("name the input with `input = …`, or leave `limits` out");
     }
-    let stroke = table.get("stroke").and_then(|item| stroke(reader, item));
-    let speed = table.get("speed").and_then(|item| reader.positive(item));
     let between = between?;
-    let name = table.get("name").and_then(|item| reader.name(item)).or_else(|| input.clone());
+    let name = name.or_else(|| input.clone());
     let name =
         name.unwrap_or_else(|| At::new(format!("{} – {}", between[0].value, between[1].value), table.span));
     let input = input.map(|name| PullDescription { name, limits: limits.and_then(|(_, limits)| limits) });
@@ -68,7 +65,7 @@ fn two_names(reader: &mut Reader, item: Item<'_>) -> Option<[Name; 2]> {
     let [first, second] = entries[..] else {
         let message = format!("`{}` must name two frames or links, not {}", item.key, entries.len());
         reader.report.error(item.span, "wrong-length", message);
-        reader.report.help("for example between = [\"boom_pin\", \"rod_pin\"]");
+        item.help_by_example(&mut reader.report);
         return None;
     };
     Some([reader.name(first)?, reader.name(second)?])
@@ -76,13 +73,13 @@ fn two_names(reader: &mut Reader, item: Item<'_>) -> Option<[Name; 2]> {
 
 /// The inputs that are wrenches: `[[inputs]]`.
 pub(super) fn read_wrench_inputs(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchInputDescription> {
-    reader.all(top, "inputs", ("an input", &INPUT), read_wrench_input)
+    reader.all(top, "inputs", read_wrench_input)
 }
 
 fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInputDescription> {
-    let name = reader.required_name(table, "name")?;
-    let frame = reader.required_name(table, "frame");
-    let wrench = reader.required(table, "wrench");
+    let name = reader.name_of(table, "name")?;
+    let frame = reader.name_of(table, "frame");
+    let wrench = table.get("wrench");
     let wrench = wrench.and_then(|item| {
         let errors = reader.report.error_count();
         let parts = reader.formulas::<6>(item, &name.value)?;
@@ -95,24 +92,17 @@ fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInp
 
 /// The wrenches that are arguments: `[[wrenches]]`.
 pub(super) fn read_wrenches(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchDescription> {
-    reader.all(top, "wrenches", ("a wrench", &WRENCH), read_wrench)
+    reader.all(top, "wrenches", read_wrench)
 }
 
 fn read_wrench(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchDescription> {
-    let name = reader.required_name(table, "name")?;
-    let frame = reader.required_name(table, "frame");
+    let name = reader.name_of(table, "name")?;
+    let frame = reader.name_of(table, "frame");
     let axes = table.get("in").map_or(Some(WrenchAxes::Frame), |item| wrench_axes(reader, item));
     Some(WrenchDescription { name, frame: frame?, axes: axes? })
 }
 
 fn wrench_axes(reader: &mut Reader, item: Item<'_>) -> Option<WrenchAxes> {
-    match item.text(&mut reader.report)? {
-        "frame" => Some(WrenchAxes::Frame),
-        "base" => Some(WrenchAxes::Base),
-        other => {
-            reader.report.error(item.span, "unknown-value", format!("unknown axes {other:?} of a wrench"));
-            reader.report.help("\"frame\" (axes of the frame, the default) or \"base\" (axes of the base)");
-            None
-        }
-    }
+    let word = item.word(&mut reader.report)?;
+    Some(if word == "base" { WrenchAxes::Base } else { WrenchAxes::Frame })
 }

@@ -5,7 +5,7 @@
 use super::composite::Composite;
 use super::description::{JointDescription, Name};
 use super::table::Table;
-use super::toml_joints::{BY_PART, JOINT, check_all_parts, forces, of_part, read_joint, single_joint};
+use super::toml_joints::{by_part, check_all_parts, forces, of_part, read_joint, single_joint};
 use super::toml_values::Reader;
 use crate::diagnostic::{At, Report};
 
@@ -44,7 +44,7 @@ pub(super) fn read_joints(
     let Some(item) = top.get("joints") else {
         return Joints::default();
     };
-    let tables = item.tables("a joint", &JOINT, &mut reader.report);
+    let tables = item.tables(&mut reader.report);
     let extends = extended.is_some();
     let standing = standing(&tables, frees, extended);
     let mut joints: Vec<JointDescription> = Vec::new();
@@ -111,14 +111,14 @@ fn velocities_of(
         return None;
     }
     if let Some((_, joint)) = standing.iter().find(|(name, _)| is_called(table, name)) {
-        let name = reader.required_name(table, "name")?;
+        let name = reader.name_of(table, "name")?;
         return Some(whole(reader, table, &name, *joint));
     }
     let is_part = |(name, joint): &(String, Composite)| {
         joint.parts().iter().any(|part| is_called(table, &format!("{name}_{}", part.name)))
     };
     let (joint, composite) = standing.iter().find(|joint| is_part(joint))?;
-    let name = reader.required_name(table, "name")?;
+    let name = reader.name_of(table, "name")?;
     refuse(reader, table, &PLACE, (joint, *composite));
     Some(vec![single_joint(reader, table, name, None)])
 }
@@ -135,7 +135,7 @@ fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composi
     check_all_parts(reader, table, name, composite);
     let mut told = Vec::new();
     for part in composite.parts() {
-        if BY_PART.iter().any(|key| of_part(table, (composite, part), key).is_some()) {
+        if by_part(table).any(|item| of_part(table, (composite, part), item.key).is_some()) {
             let own = At::new(format!("{}_{}", name.value, part.name), name.span);
             told.push(forces(reader, &|key| of_part(table, (composite, part), key), own));
         }

@@ -2,6 +2,7 @@
 
 use super::composite::{self, Composite, Part, Place};
 use super::description::{JointDescription, LimitsDescription, Name};
+use super::keys::Value;
 use super::pose::{about_z, modified_dh, standard_dh};
 use super::quaternion_joint::{NO_LAW_OF_POSITION, NO_ROTOR};
 use super::table::{Item, Table};
@@ -9,30 +10,8 @@ use super::toml_couplings::followed_joints;
 use super::toml_forces::{drive, friction, springs};
 use super::toml_values::{Reader, unsaid};
 use super::{JointKind, Pose, QuaternionKind};
-use crate::diagnostic::{At, nearest};
+use crate::diagnostic::At;
 use gelenk_formula::Formula;
-
-pub(super) const JOINT: [&str; 17] = [
-    "name",
-    "type",
-    "parent",
-    "child",
-    "origin",
-    "dh",
-    "modified_dh",
-    "axis",
-    "pitch",
-    "held",
-    "motion",
-    "follows",
-    "offset",
-    "limits",
-    "spring",
-    "friction",
-    "drive",
-];
-const LIMITS: [&str; 6] = ["position", "velocity", "effort", "peak_effort", "acceleration", "jerk"];
-const DH: [&str; 4] = ["a", "alpha", "d", "theta"];
 
 /// The type of a described joint.
 enum JointType {
@@ -42,10 +21,10 @@ enum JointType {
 
 /// The joint of a table, or those that it stands for.
 pub(super) fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
-    let Some(name) = reader.required_name(table, "name") else {
+    let Some(name) = reader.name_of(table, "name") else {
         return Vec::new();
     };
-    let kind = match table.get("type").and_then(|item| read_type(reader, table, item, &name)) {
+    let kind = match table.get("type").map(|item| read_type(reader, table, item, &name)) {
         Some(JointType::Composite(composite)) => return read_composite(reader, table, name, composite),
         Some(JointType::Single(kind)) => Some(kind),
         None => None,
@@ -107,52 +86,23 @@ pub(super) fn forces<'t>(
 
 /// Whether a joint's motion is prescribed.
 fn read_motion(reader: &mut Reader, item: Item<'_>) -> Option<At<bool>> {
-    let driven = match item.text(&mut reader.report)? {
-        "driven" => true,
-        "free" => false,
-        other => {
-            reader.report.error(item.span, "motion", format!("unknown motion {other:?}"));
-            reader.report.help(
-                "\"driven\" is a motion that is prescribed from outside, \"free\" one that forces cause",
-            );
-            return None;
-        }
-    };
+    let driven = item.word(&mut reader.report)? == "driven";
     Some(At::new(driven, item.span))
 }
 
-const TYPES: [&str; 10] = [
-    "fixed",
-    "revolute",
-    "continuous",
-    "prismatic",
-    "helical",
-    "cylindrical",
-    "universal",
-    "planar",
-    "spherical",
-    "floating",
-];
-
-fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name) -> Option<JointType> {
-    let text = item.text(&mut reader.report)?;
-    if let Some(composite) = Composite::named(text) {
-        return Some(JointType::Composite(composite));
-    }
-    let kind = match text {
-        "fixed" => JointKind::Fixed,
-        "revolute" => JointKind::Revolute,
-        "continuous" => JointKind::Continuous,
-        "prismatic" => JointKind::Prismatic,
-        "helical" => JointKind::Helical { pitch: pitch(reader, table, name) },
-        other => {
-            reader.report.error(item.span, "joint-type", format!("unsupported joint type {other:?}"));
-            reader.report.help(nearest(other, TYPES).unwrap_or_default());
-            // Reported; taken as moving, so that it causes no second complaint.
-            JointKind::Revolute
-        }
+fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name) -> JointType {
+    let kind = match item.word(&mut reader.report) {
+        Some("fixed") => JointKind::Fixed,
+        Some("continuous") => JointKind::Continuous,
+        Some("prismatic") => JointKind::Prismatic,
+        Some("helical") => JointKind::Helical { pitch: pitch(reader, table, name) },
+        word => match word.and_then(Composite::named) {
+            Some(composite) => return JointType::Composite(composite),
+            // Also for an unknown type: a joint that moves causes no second complaint.
+            None => JointKind::Revolute,
+        },
     };
-    Some(JointType::Single(kind))
+    JointType::Single(kind)
 }
 
 /// The pitch of a helical joint (m/rad); what is wrong with it is reported, and it is 1 then.
@@ -185,11 +135,15 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
     reader.report.help("only a helical joint has a pitch: give the joint that type, or remove `pitch`");
 }
 
-/// Keys whose values are given part by part.
-pub(super) const BY_PART: [&str; 6] = ["held", "motion", "limits", "spring", "friction", "drive"];
+/// Values of a table that are described part by part.
+pub(super) fn by_part<'t>(table: &Table<'t>) -> impl Iterator<Item = Item<'t>> {
+    table.items().iter().copied().filter(|item| matches!(item.row.value, Value::ByPart(_)))
+}
 
-/// Those that may be one word for all parts.
-const FOR_ALL_PARTS: [&str; 2] = ["motion", "drive"];
+/// Tells whether a value is one word for all parts.
+fn is_for_all_parts(item: &Item<'_>) -> bool {
+    item.value.is_str() && !item.row.value.words().is_empty()
+}
 
 /// The joints that a composite one stands for.
 fn read_composite(
@@ -221,14 +175,14 @@ pub(super) fn of_part<'t>(
     match table.get(key)? {
         _ if key == "held" && composite.quaternion().is_some() => None, // reported
         // One word for all parts.
-        item if FOR_ALL_PARTS.contains(&key) && item.value.is_str() => Some(item),
-        item => Table::open(item.value.as_table()?, item.span, "the parts of a joint").get(part.name),
+        item if is_for_all_parts(&item) => Some(item),
+        item => item.named()?.into_iter().find(|entry| entry.key == part.name),
     }
 }
 
 /// Complains about values that are not told part by part.
 pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
-    for item in BY_PART.iter().filter_map(|key| table.get(key)) {
+    for item in by_part(table) {
         if let (Some(kind), "held") = (composite.quaternion(), item.key) {
             let message = format!("`held` at {} joint `{}`", kind.name(), name.value);
             reader.report.error(item.key_span, "quaternion-joint", message);
@@ -250,8 +204,8 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
             composite.parts()[0].name
         )
     };
-    let Some(table) = item.value.as_table() else {
-        if !FOR_ALL_PARTS.contains(&item.key) || !item.value.is_str() {
+    let Some(entries) = item.named() else {
+        if !is_for_all_parts(&item) {
             let message =
                 format!("`{}` of {kind} joint `{}` says nothing of its parts", item.key, name.value);
             reader.report.error(item.span, "wrong-type", message);
@@ -259,7 +213,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         }
         return;
     };
-    for entry in Table::open(table, item.span, "the parts of a joint").items() {
+    for entry in entries {
         if composite.parts().iter().any(|part| part.name == entry.key) {
             continue;
         }
@@ -272,7 +226,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         let message = format!("{kind} joint `{}` has no part `{}`", name.value, entry.key);
         reader.report.error(entry.key_span, "unknown-key", message);
         let part = composite.parts()[0].name;
-        reader.report.help(match OF_ONE_PART.contains(&entry.key) {
+        reader.report.help(match item.row.value.keys().is_some_and(|keys| keys.row(entry.key).is_some()) {
             true => format!(
                 "its parts are {}, each with its own: `{} = {{ {part} = {{ {} = … }} }}`",
                 composite.listed(),
@@ -283,24 +237,6 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         });
     }
 }
-
-/// Keys that stand in the table of a part.
-const OF_ONE_PART: [&str; 14] = [
-    "position",
-    "velocity",
-    "effort",
-    "peak_effort",
-    "acceleration",
-    "jerk",
-    "viscous",
-    "coulomb",
-    "stribeck",
-    "load",
-    "stiffness",
-    "rest",
-    "damping",
-    "gear_ratio",
-];
 
 /// Why no velocity of a joint with a quaternion has something that joints with one position have.
 fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str> {
@@ -359,7 +295,7 @@ fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pos
 }
 
 fn dh_row(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<(Option<Pose>, Option<Pose>)> {
-    let table = item.table("a Denavit–Hartenberg row", &DH, &mut reader.report)?;
+    let table = item.table(&mut reader.report)?;
     let mut length =
         |key| table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or(Formula::ZERO);
     let (a, d) = (length("a"), length("d"));
@@ -376,9 +312,9 @@ fn dh_row(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<(Option<Po
 }
 
 fn read_limits(reader: &mut Reader, item: Item<'_>) -> Option<LimitsDescription> {
-    let table = item.table("limits", &LIMITS, &mut reader.report)?;
+    let table = item.table(&mut reader.report)?;
     let position = table.get("position").and_then(|item| reader.numbers::<2>(item));
-    let mut positive = |key| table.get(key).and_then(|item| reader.positive(item));
+    let mut positive = |key| table.get(key).and_then(|item| reader.number(item));
     let [velocity, effort, peak_effort, acceleration, jerk] =
         ["velocity", "effort", "peak_effort", "acceleration", "jerk"].map(&mut positive);
     Some(LimitsDescription { position, velocity, effort, peak_effort, acceleration, jerk })

@@ -4,7 +4,7 @@ use super::Parameter;
 use super::Pose;
 use super::angles::Angles;
 use super::description::Name;
-use super::key_examples::example;
+use super::keys::FREE;
 use super::name::{has_meaning, identifier, is_keyword};
 use super::pose::{IDENTITY, Unsaid, norm};
 use super::read_options::ReadOptions;
@@ -54,22 +54,17 @@ impl Reader {
         reader
     }
 
-    /// A number or a formula without parameters, finite.
+    /// A number or a formula without parameters, finite, and greater than 0 if the row of its key says so.
     pub fn number(&mut self, item: Item<'_>) -> Option<At<f64>> {
         let formula = self.scalar(item, Allowed::Constants)?;
-        formula.as_number().map(|value| At::new(value, item.span))
-    }
-
-    /// A number that is greater than zero.
-    pub fn positive(&mut self, item: Item<'_>) -> Option<At<f64>> {
-        let number = self.number(item)?;
-        if number.value > 0.0 {
-            return Some(number);
+        let number = formula.as_number()?;
+        if item.row.value.is_positive() && number <= 0.0 {
+            let message = format!("`{}` must be greater than 0, not {number}", item.key);
+            self.report.error(item.span, "not-positive", message);
+            item.help_by_example(&mut self.report);
+            return None;
         }
-        let message = format!("`{}` must be greater than 0, not {}", item.key, number.value);
-        self.report.error(item.span, "not-positive", message);
-        item.help_by_example(false, &mut self.report);
-        None
+        Some(At::new(number, item.span))
     }
 
     /// A number, a formula over parameters, or `{ free = … }`, which makes a parameter named after owner and
@@ -128,8 +123,7 @@ impl Reader {
             _ => {
                 let message = format!("`{}` must be finite, not {}", item.key, self.report.text(item.span));
                 self.report.error(item.span, "number-not-finite", message);
-                // A number for this key is an entry of a list: those of joints have keys of their own.
-                item.help_by_example(item.key == "limits", &mut self.report);
+                item.help_by_example(&mut self.report);
                 None
             }
         }
@@ -160,14 +154,8 @@ impl Reader {
     }
 
     fn free_parameter(&mut self, item: Item<'_>, name: &str) -> Option<Formula> {
-        let table = item.table("a free value", &["free", "name", "unit", "description"], &mut self.report)?;
-        let Some(value) = table.get("free") else {
-            let message = format!("`{}` is a table without `free`", item.key);
-            self.report.error(item.span, "missing-key", message);
-            self.report.help(format!("write `{} = {{ free = 1.5 }}` for a value that stays free", item.key));
-            return None;
-        };
-        let default = self.number(value)?;
+        let table = item.table_of(&FREE, &mut self.report)?;
+        let default = self.number(table.get("free")?)?;
         let name = match table.get("name") {
             Some(own) => At::new(own.text(&mut self.report)?.to_owned(), own.span),
             None => At::new(identifier(name), item.span),
@@ -237,32 +225,18 @@ impl Reader {
         &mut self,
         top: &Table<'_>,
         key: &str,
-        (what, keys): (&'static str, &[&'static str]),
         read: fn(&mut Self, &Table<'_>) -> Option<T>,
     ) -> Vec<T> {
         let Some(item) = top.get(key) else {
             return Vec::new();
         };
-        let tables = item.tables(what, keys, &mut self.report);
+        let tables = item.tables(&mut self.report);
         tables.iter().filter_map(|table| read(self, table)).collect()
     }
 
-    /// The entry of a table that has to be there.
-    pub fn required<'t>(&mut self, table: &Table<'t>, key: &'static str) -> Option<Item<'t>> {
-        let item = table.get(key);
-        if item.is_none() {
-            self.report.error(table.span, "missing-key", format!("{} needs `{key}`", table.what));
-            if let Some(example) = example(key, false) {
-                self.report.help(format!("for example {example}"));
-            }
-        }
-        item
-    }
-
-    /// A name that has to be there.
-    pub fn required_name(&mut self, table: &Table<'_>, key: &'static str) -> Option<Name> {
-        let item = self.required(table, key)?;
-        self.name(item)
+    /// The name under a key, where there is one.
+    pub fn name_of(&mut self, table: &Table<'_>, key: &str) -> Option<Name> {
+        table.get(key).and_then(|item| self.name(item))
     }
 
     /// A list of `N` formulas.
@@ -301,7 +275,7 @@ impl Reader {
         }
         let message = format!("`{}` must be {what}, not {}", item.key, entries.len());
         self.report.error(item.span, "wrong-length", message);
-        item.help_by_example(true, &mut self.report);
+        item.help_by_example(&mut self.report);
         None
     }
 
@@ -318,14 +292,14 @@ impl Reader {
             let unit = axis.map(|x| x / length);
             self.report.help(format!("write [{}]", join(&unit)));
         } else {
-            item.help_by_example(true, &mut self.report);
+            item.help_by_example(&mut self.report);
         }
         None
     }
 
     /// A pose: `{ xyz, rpy }` or `{ xyz, quaternion = { w, x, y, z } }`.
     pub fn pose(&mut self, item: Item<'_>, owner: &str) -> Option<Pose> {
-        let table = item.table("a pose", &["xyz", "rpy", "quaternion"], &mut self.report)?;
+        let table = item.table(&mut self.report)?;
         let xyz = table.get("xyz").and_then(|xyz| self.formulas::<3>(xyz, owner));
         let rotation = match (table.get("rpy"), table.get("quaternion")) {
             (Some(rpy), None) => self.numbers::<3>(rpy).map(|angles| self.angles.rpy(&angles, owner)),
@@ -346,10 +320,9 @@ impl Reader {
     }
 
     fn quaternion(&mut self, item: Item<'_>) -> Option<[[f64; 3]; 3]> {
-        let keys = ["w", "x", "y", "z"];
-        let table = item.table("a quaternion", &keys, &mut self.report)?;
-        let parts =
-            keys.map(|key| table.get(key).map_or(Some(0.0), |part| self.number(part).map(|n| n.value)));
+        let table = item.table(&mut self.report)?;
+        let parts = ["w", "x", "y", "z"]
+            .map(|key| table.get(key).map_or(Some(0.0), |part| self.number(part).map(|n| n.value)));
         let [w, x, y, z] = [parts[0]?, parts[1]?, parts[2]?, parts[3]?];
         let length = numeric::length([w, x, y, z]);
         if (length - 1.0).abs() <= UNIT {

@@ -5,6 +5,7 @@
 mod files;
 mod identify;
 mod new_crate;
+mod schema;
 
 use std::fs;
 use std::path::Path;
@@ -43,6 +44,7 @@ fn help_of_all_commands() {
         ("help_report", vec!["report", "--help"]),
         ("help_identify", vec!["identify", "--help"]),
         ("help_export", vec!["export", "--help"]),
+        ("help_schema", vec!["schema", "--help"]),
     ] {
         insta::assert_snapshot!(name, shown(&gelenk(folder.path(), &arguments)));
     }

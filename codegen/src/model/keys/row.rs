@@ -1,0 +1,177 @@
+//! Rows of the tables of keys.
+
+/// The keys of one table of a description.
+#[derive(Debug)]
+pub(crate) struct Keys {
+    /// Its name in the schema.
+    pub(crate) name: &'static str,
+    /// The thing that the table describes, with article: `a joint`.
+    pub(crate) what: &'static str,
+    /// The rows; several tables may share a group.
+    pub(crate) groups: &'static [&'static [Key]],
+}
+
+/// A key of a table.
+#[derive(Debug)]
+pub(crate) struct Key {
+    pub(crate) name: &'static str,
+    pub(crate) value: Value,
+    /// SI unit of the value, empty where it has none or several.
+    pub(crate) unit: &'static str,
+    /// Value or meaning if the key is absent, as text.
+    #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
+    pub(crate) default: &'static str,
+    /// A value in TOML.
+    pub(crate) example: &'static str,
+    /// The meaning.
+    pub(crate) says: &'static str,
+    /// Names of the same quantity in other formats, data sheets and tables.
+    pub(crate) also: &'static [&'static str],
+    /// The table is not complete without the key.
+    pub(crate) is_needed: bool,
+}
+
+/// The values that a key may have.
+#[derive(Debug)]
+pub(crate) enum Value {
+    /// Any text.
+    Text,
+    /// One line of text.
+    Name,
+    Flag,
+    /// A number or a formula.
+    Number,
+    /// The same, greater than 0.
+    Positive,
+    /// A number, a formula of parameters, or `{ free = … }`.
+    Formula,
+    /// A force law as text.
+    Law,
+    /// One of these texts.
+    Words(&'static [&'static str]),
+    /// A list of so many values, or of any number of them.
+    List(&'static Self, Option<usize>),
+    /// Two values of different kinds.
+    Pair(&'static [Self; 2]),
+    Table(&'static Keys),
+    /// A table whose keys are names of the user.
+    Names(&'static Self),
+    /// One value; at joints of several degrees of freedom a table of such values by the names of the parts.
+    ByPart(&'static Self),
+    Either(&'static [Self]),
+}
+
+/// A row with what every key has.
+pub(super) const fn key(name: &'static str, value: Value, example: &'static str, says: &'static str) -> Key {
+    Key { name, value, unit: "", default: "", example, says, also: &[], is_needed: false }
+}
+
+impl Key {
+    pub(super) const fn unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+
+    pub(super) const fn default(self, default: &'static str) -> Self {
+        Self { default, ..self }
+    }
+
+    pub(super) const fn also(self, also: &'static [&'static str]) -> Self {
+        Self { also, ..self }
+    }
+
+    pub(super) const fn needed(self) -> Self {
+        Self { is_needed: true, ..self }
+    }
+
+    /// The key with its example, and the unit.
+    pub(crate) fn line(&self) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(", in {}", self.unit) };
+        format!("`{} = {}`{unit}", self.name, self.example)
+    }
+
+    /// The meaning with unit and default.
+    #[cfg(feature = "cli")]
+    pub(crate) fn description(&self) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) };
+        let default = match (self.is_needed, self.default) {
+            (true, _) => "; needed".to_owned(),
+            (false, "") => String::new(),
+            (false, default) => format!("; default: {default}"),
+        };
+        let words: Vec<String> = self.value.words().iter().map(|word| format!("`{word:?}`")).collect();
+        let words = if words.is_empty() { String::new() } else { format!("{}: ", words.join(", ")) };
+        format!("{words}{}{unit}{default}", self.says)
+    }
+}
+
+impl Keys {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &'static Key> + use<> {
+        self.groups.iter().copied().flatten()
+    }
+
+    pub(crate) fn row(&self, name: &str) -> Option<&'static Key> {
+        self.rows().find(|row| row.name == name)
+    }
+}
+
+impl Value {
+    /// The alternatives of the value itself, of the entries of a list and of a table by names.
+    fn parts(&self) -> &[Self] {
+        match self {
+            Self::List(entry, _) | Self::Names(entry) | Self::ByPart(entry) => std::slice::from_ref(entry),
+            Self::Pair(entries) => &entries[..],
+            Self::Either(values) => values,
+            _ => &[],
+        }
+    }
+
+    /// The keys of the table that the value is or holds.
+    pub(crate) fn keys(&self) -> Option<&'static Keys> {
+        match self {
+            Self::Table(keys) => Some(keys),
+            other => other.parts().iter().find_map(Self::keys),
+        }
+    }
+
+    /// The words that the value may be.
+    pub(crate) fn words(&self) -> &'static [&'static str] {
+        match self {
+            Self::Words(words) => words,
+            other => {
+                other.parts().iter().map(Self::words).find(|words| !words.is_empty()).unwrap_or_default()
+            }
+        }
+    }
+
+    /// Tells whether numbers must be greater than 0.
+    pub(crate) fn is_positive(&self) -> bool {
+        matches!(self, Self::Positive) || self.parts().iter().any(Self::is_positive)
+    }
+
+    /// Tells whether it is a list of tables.
+    pub(crate) fn is_tables(&self) -> bool {
+        matches!(self, Self::List(Self::Table(_), None))
+    }
+
+    /// The kinds of value, in words.
+    pub(crate) fn kinds(&self) -> String {
+        match self {
+            Self::Text | Self::Name => "a text in quotes".to_owned(),
+            Self::Flag => "true or false".to_owned(),
+            Self::Number | Self::Positive | Self::Formula => "a number or a formula".to_owned(),
+            Self::Law => "a force law in quotes".to_owned(),
+            Self::Words(words) => words.iter().map(|word| format!("{word:?}")).collect::<Vec<_>>().join(", "),
+            Self::List(_, Some(count)) => format!("a list of {count}"),
+            Self::List(..) | Self::Pair(_) => "a list".to_owned(),
+            Self::Table(_) | Self::Names(_) => "a table".to_owned(),
+            Self::ByPart(value) => value.kinds(),
+            Self::Either(values) => {
+                let kinds: Vec<String> = values.iter().map(Self::kinds).collect();
+                match kinds.split_last() {
+                    Some((last, others)) if !others.is_empty() => format!("{}, or {last}", others.join(", ")),
+                    _ => kinds.concat(),
+                }
+            }
+        }
+    }
+}
