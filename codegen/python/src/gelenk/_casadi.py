@@ -89,15 +89,21 @@ def loaded(description: str, options: list[str], depth: int) -> CasadiFunctions:
 
     - `depth`: how many calls above `read` the user stands
     """
-    tool, path = importlib.import_module("casadi"), Path(description)
+    path = Path(description)
     module = generated(path, options, "casadi")
     told, _ = read(module, path, depth)
+    library, found = external(module, told)
+    parameters = {each["name"]: each["default"] for each in told["interface"]["parameters"]}
+    return CasadiFunctions(library, found, parameters, (description, options, module.name))
+
+
+def external(module: Path, told: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    """The compiled library of a module, and CasADi's functions in it by name."""
+    tool = importlib.import_module("casadi")
     library = str(compiled(module, told["files"]))
     symbols = ctypes.CDLL(library)
     interface = told["interface"]
     poses = [each["name"] for each in interface["functions"] if each["name"].endswith("_pose")]
     names = ["dynamics", "inverse_dynamics", "step", *(pose.removesuffix("_pose") for pose in poses)]
     prefix = f"{interface['prefix']}_casadi_"
-    found = {name: tool.external(prefix + name, library) for name in names if hasattr(symbols, prefix + name)}
-    parameters = {each["name"]: each["default"] for each in interface["parameters"]}
-    return CasadiFunctions(library, found, parameters, (description, options, module.name))
+    return library, {name: tool.external(prefix + name, library) for name in names if hasattr(symbols, prefix + name)}
