@@ -11,7 +11,7 @@ use crate::wording::listed;
 /// Refuses robots that a tool has no functions of.
 pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
     for (tool, name, option) in
-        [(Companion::Casadi, "CasADi", "casadi"), (Companion::Acados, "acados", "acados")]
+        [(Companion::Acados, "acados", "acados"), (Companion::Casadi, "CasADi", "casadi")]
     {
         if tools.contains(&tool) {
             check_joints(model, name, option)?;

@@ -5,6 +5,8 @@ mod bad;
 mod bands;
 mod c_command_line;
 mod c_module;
+#[path = "c_pages/main.rs"]
+mod c_pages;
 mod check;
 #[path = "command_line/main.rs"]
 mod command_line;

@@ -22,6 +22,30 @@ bodies = [
 ]
 """
 
+SEVEN = """\
+name = "seven"
+joints = [
+    { name = "j1", axis = [0, 0, 1], origin = { xyz = [0, 0, 0.34] }, drive = "ideal", friction = { viscous = 0.5 } },
+    { name = "j2", axis = [0, 1, 0], drive = "ideal", friction = { viscous = 0.5 } },
+    { name = "j3", axis = [0, 0, 1], origin = { xyz = [0, 0, 0.4] }, drive = "ideal", friction = { viscous = 0.4 } },
+    { name = "j4", axis = [0, -1, 0], drive = "ideal", friction = { viscous = 0.4 } },
+    { name = "j5", axis = [0, 0, 1], origin = { xyz = [0, 0, 0.4] }, drive = "ideal", friction = { viscous = 0.3 } },
+    { name = "j6", axis = [0, 1, 0], drive = "ideal", friction = { viscous = 0.2 } },
+    { name = "j7", axis = [0, 0, 1], origin = { xyz = [0.02, 0, 0.126] }, drive = "ideal", friction = { viscous = 0.1 } },
+]
+bodies = [
+    { link = "j1", mass = 5.1, center_of_mass = [0, -0.03, 0.12], inertia = { xx = 0.06, yy = 0.05, zz = 0.02 } },
+    { link = "j2", mass = 4.3, center_of_mass = [0, 0.05, 0.06], inertia = { xx = 0.05, yy = 0.018, zz = 0.044, yz = 0.001 } },
+    { link = "j3", mass = 3.2, center_of_mass = [0.01, 0.03, 0.13], inertia = { xx = 0.04, yy = 0.03, zz = 0.012 } },
+    { link = "j4", mass = 2.9, center_of_mass = [0, 0.06, 0.03], inertia = { xx = 0.02, yy = 0.01, zz = 0.02 } },
+    { link = "j5", mass = 1.7, center_of_mass = [0, 0.02, 0.08], inertia = { xx = 0.012, yy = 0.01, zz = 0.006 } },
+    { link = "j6", mass = 1.6, center_of_mass = [0.01, 0, 0.02], inertia = { xx = 0.006, yy = 0.005, zz = 0.004 } },
+    { link = "j7", mass = 0.8, center_of_mass = [0.01, 0, 0.05], inertia = { xx = 0.002, yy = 0.002, zz = 0.001 } },
+]
+frames = [{ name = "tool", link = "j7", origin = { xyz = [0, 0, 0.12] } }]
+"""
+"""An arm with seven axes, which `models/` does not have."""
+
 
 @pytest.fixture(scope="session", autouse=True)
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -41,6 +65,11 @@ def write(file: Path, text: str) -> Path:
 @pytest.fixture(scope="session")
 def arm_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("arm") / "arm.toml", ARM)
+
+
+@pytest.fixture(scope="session")
+def seven_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("seven") / "seven.toml", SEVEN)
 
 
 @pytest.fixture(scope="session")

@@ -261,3 +261,42 @@ def test_robots_are_tracked_by_real_time_iterations(problem: Problem) -> None:
         if k >= 25:
             assert np.abs(state - x[k + 1])[:n].max() < 1e-3, k
     assert np.abs(state - x[count])[:n].max() < 2e-4
+
+
+def test_the_height_of_a_tool_is_limited(seven_file: Path, tmp_path: Path) -> None:
+    """The same inputs as those of CasADi's solver, for a robot that `models/` does not have."""
+    module = gelenk.acados(seven_file)
+    count, period, height = 20, 0.05, 1.16
+    q, r = np.repeat([100.0, 1.0], 7), np.full(7, 1e-4)
+    start = np.concatenate([[0, 0.6, 0, 0.9, 0, 0.5, 0], np.zeros(7)])
+    goal = np.concatenate([[0.5, 0.9, -0.3, 1.2, 0.4, 0.8, -0.5], np.zeros(7)])
+    ocp = module.ocp(count, period, compile_flags="-O1")
+    module.track(ocp, q / period, r / period, 100 * q)
+    ocp.model.con_h_expr = module.frame_tool(ocp.model.x[:7])[0][2]
+    ocp.constraints.lh, ocp.constraints.uh = np.array([height]), np.array([module.UNLIMITED])
+    ocp.solver_options.nlp_solver_type, ocp.solver_options.nlp_solver_max_iter = "SQP", 50
+    ocp.code_export_directory = str(tmp_path / "generated")
+    solver = module.solver(ocp, json_file=str(tmp_path / "ocp.json"), verbose=False)
+    for stage in range(count):
+        solver.set(stage, "yref", np.concatenate([goal, np.zeros(7)]))
+        solver.set(stage, "x", start)
+    solver.set(count, "yref", goal)
+    solver.set(count, "x", start)
+    solver.set(0, "lbx", start)
+    solver.set(0, "ubx", start)
+    assert solver.solve() == 0
+    heights = [float(module.frame_tool(solver.get(stage, "x")[:7])[0][2]) for stage in range(1, count)]
+    assert min(heights) == pytest.approx(height, abs=1e-5)
+    robot = gelenk.casadi(seven_file)
+    other = gelenk.gauss_newton(
+        lambda x, u, p: robot.step(x, u, period), lambda x, u, p: ca.vertcat(x - p, u), lambda x, p: x - p,
+        states=14, inputs=7, parameters=14, intervals=count, weights=np.concatenate([q, r]), terminal_weights=100 * q,
+        rows=lambda x, u, p: robot.frame_tool(x[:7])[0][2], row_limits=[[height], [np.inf]],
+        # CasADi's HPIPM would be that of acados here: libraries of the same name.
+        options={"qpsol": "qrqp", "qpsol_options": {"print_iter": False, "print_header": False, "print_info": False}},
+    )
+    inputs = np.array([solver.get(stage, "u") for stage in range(count)])
+    expected = other.solve(start, goal).u
+    assert np.abs(inputs - expected).max() < 1e-3 * np.abs(expected).max()
+    with pytest.raises(AttributeError, match="has no attribute 'frame_foot'"):
+        module.frame_foot

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -136,6 +137,42 @@ def test_all_inputs_have_their_derivatives(arm: Any) -> None:
             assert np.abs(found - expected).max() <= 1e-8 * max(1, np.abs(expected).max()), (name, function.name_in(index))
 
 
+def test_second_derivatives_are_those_of_the_module(seven_file: Path) -> None:
+    """The module's Hessian of λᵀ b_u is analytic; CasADi's comes from differences."""
+    robot = gelenk.casadi(seven_file)
+    module = gelenk.load(seven_file, functions=["inverse_dynamics_hessian"])
+    rng = np.random.default_rng(18)
+    z, weights = ca.MX.sym("z", 21), ca.MX.sym("weights", 7)
+    force = ca.dot(weights, robot.inverse_dynamics(z[:7], z[7:14], z[14:]))
+    hessian = ca.Function("hessian", [z, weights], [ca.hessian(force, z)[0]])
+    for _ in range(3):
+        y, v, a, given = rng.uniform(-1, 1, (4, 7))
+        h = module.inverse_dynamics_hessian(y, v, a, given)
+        none = np.zeros((7, 7))
+        expected = np.block([[h.h_yy, h.h_yv, h.h_ya], [h.h_yv.T, h.h_vv, none], [h.h_ya.T, none, none]])
+        found = hessian(np.concatenate([y, v, a]), given).full()
+        assert np.abs(found - expected).max() <= 1e-7 * np.abs(expected).max()
+
+
+def test_all_inputs_have_their_second_derivatives(arm: Any) -> None:
+    """Differences of blocks by another step, and zero for the outputs, which derivatives do not read."""
+    robot, _ = arm
+    rng = np.random.default_rng(19)
+    for name in robot:
+        first = getattr(robot, name).jacobian()
+        arguments = [rng.uniform(-1, 1, first.size_in(index)) for index in range(first.n_in())]
+        function = getattr(robot, name)
+        arguments[function.n_in() - 1] = np.array([list(robot.parameters.values())]).T
+        if name == "step":
+            arguments[2] = np.array([[0.05]])
+        blocks = jacobian(first, *arguments)
+        count = first.n_in()
+        for index in range(count):
+            found = np.concatenate([blocks[output * count + index] for output in range(first.n_out())])
+            expected = differences(first, arguments, index)
+            assert np.abs(found - expected).max() <= 1e-6 * max(1, np.abs(expected).max()), (name, first.name_in(index))
+
+
 def test_the_functions_are_those_of_the_module(arm: Any) -> None:
     robot, module = arm
     y, v, u = np.random.default_rng(17).uniform(-1, 1, (3, 2))
@@ -191,3 +228,63 @@ def test_ipopt_solves_an_optimal_control_problem(arm: Any) -> None:
     again = solver(x0=found["x"], p=more, lbx=-limits, ubx=limits, lbg=0, ubg=0)
     slope = float(again["f"] - found["f"]) / 0.01
     assert -float(found["lam_p"][1]) == pytest.approx(slope, rel=0.01)
+
+
+def test_gauss_newton_finds_what_exact_hessians_find(seven_file: Path) -> None:
+    """A motion in a second under limits that bind, and above a plane; IPOPT differentiates the same problem twice."""
+    robot = gelenk.casadi(seven_file)
+    module = gelenk.load(seven_file, functions=["step"])
+    count, period, height = 20, 0.05, 1.16
+    effort, speed = np.array([80.0, 80, 50, 50, 50, 20, 20]), np.full(7, 0.9)
+    free = np.full(7, np.inf)
+    q, r = np.repeat([100.0, 1.0], 7), np.full(7, 1e-4)
+    problem = gelenk.gauss_newton(
+        lambda x, u, p: robot.step(x, u, period), lambda x, u, p: ca.vertcat(x - p, u), lambda x, p: x - p,
+        states=14, inputs=7, parameters=14, intervals=count, weights=np.concatenate([q, r]), terminal_weights=100 * q,
+        state_limits=[np.concatenate([-free, -speed]), np.concatenate([free, speed])], input_limits=[-effort, effort],
+        rows=lambda x, u, p: robot.frame_tool(x[:7])[0][2], row_limits=[[height], [np.inf]],
+    )
+    start = np.concatenate([[0, 0.6, 0, 0.9, 0, 0.5, 0], np.zeros(7)])
+    goal = np.concatenate([[0.5, 0.9, -0.3, 1.2, 0.4, 0.8, -0.5], np.zeros(7)])
+    found = problem.solve(start, goal)
+    iterations = problem.solver.stats()["iter_count"]
+    assert iterations < 30
+    for k in range(count):
+        after = np.concatenate(module.step(found.x[k, :7], found.x[k, 7:], found.u[k], period))
+        assert np.abs(after - found.x[k + 1]).max() < 1e-6
+    heights = [float(robot.frame_tool(x[:7])[0][2]) for x in found.x[1:-1]]
+    assert min(heights) == pytest.approx(height, abs=1e-6), "the plane binds"
+    assert np.abs(found.x[1:, 7:]).max() == pytest.approx(0.9, abs=1e-6), "so do speeds"
+
+    x, u = ca.MX.sym("x", 14, count + 1), ca.MX.sym("u", 7, count)
+    error = x - ca.repmat(ca.DM(goal), 1, count + 1)
+    cost = ca.dot(q, ca.sum2(error[:, :-1] ** 2)) / 2 + ca.dot(r, ca.sum2(u**2)) / 2 + 50 * ca.dot(q, error[:, -1] ** 2)
+    gaps = robot.step.map(count)(x[:, :-1], u, period) - x[:, 1:]
+    heights = [robot.frame_tool(x[:7, k])[0][2] for k in range(1, count)]
+    options = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes", "ipopt.tol": 1e-9}
+    exact = ca.nlpsol("exact", "ipopt", {"x": ca.veccat(x, u), "f": cost, "g": ca.vertcat(ca.vec(gaps), *heights)}, options)
+    sides = np.concatenate([np.tile(np.concatenate([free, speed]), count + 1), np.tile(effort, count)])
+    low, high = -sides, sides.copy()
+    low[:14] = high[:14] = start
+    floor = np.concatenate([np.zeros(14 * count), np.full(count - 1, height)])
+    guess = np.concatenate([np.tile(start, count + 1), np.zeros(7 * count)])
+    other = exact(x0=guess, lbx=low, ubx=high, lbg=floor, ubg=np.where(floor > 0, np.inf, 0))
+    assert exact.stats()["return_status"] == "Solve_Succeeded"
+    assert found.cost == pytest.approx(float(other["f"]), rel=1e-6)
+    assert np.abs(found.u.ravel() - other["x"].full().ravel()[14 * (count + 1) :]).max() < 1e-3 * effort.max()
+    # The solution is where the next one begins.
+    assert problem.solve(start, goal, found).cost == pytest.approx(found.cost)
+    assert problem.solver.stats()["iter_count"] <= iterations / 2
+    with pytest.raises(ValueError, match=r"`x0` has the shape \(7,\), expected \(14,\)"):
+        problem.solve(start[:7], goal)
+    with pytest.raises(RuntimeError):
+        problem.solve(np.concatenate([start[:7], np.full(7, 5.0)]), goal)
+
+
+def test_functions_are_pickled_and_their_library_is_one_of_casadi(arm: Any) -> None:
+    robot, _ = arm
+    again = pickle.loads(pickle.dumps(robot))
+    assert list(again) == list(robot) and again.library == robot.library and again.parameters == robot.parameters
+    dynamics = ca.external("arm_casadi_dynamics", robot.library)
+    p = list(robot.parameters.values())
+    assert np.array_equal(dynamics(1, 0.5, p).full(), again.dynamics(1, 0.5, p).full())

@@ -169,8 +169,8 @@ def test_a_stub_is_python_and_names_everything(powercube: gelenk.Robot) -> None:
     robot = classes["PowercubeParameters"]
     functions = {each.name: each for each in robot.body if isinstance(each, ast.FunctionDef)}
     assert functions.keys() == set(powercube.FUNCTIONS)
-    assert [each.arg for each in functions["step"].args.args] == ["y", "v", "u", "period"]
-    assert [each.arg for each in functions["step"].args.kwonlyargs][:2] == ["parameters", "g"]
+    assert [each.arg for each in functions["step"].args.args] == ["self", "y", "v", "u", "period"]
+    assert [each.arg for each in functions["step"].args.kwonlyargs][:3] == ["out", "parameters", "g"]
     assert "Linearize" in classes
     constants = {each.target.id for each in robot.body if isinstance(each, ast.AnnAssign)}
     assert {"JOINT_NAMES", "POSITION_LIMITS", "N", "SUBSTEPS"} <= constants

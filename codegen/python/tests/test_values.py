@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
+import pickle
 from pathlib import Path
 from typing import Any, Callable
 
@@ -11,7 +13,7 @@ import gelenk
 import numpy as np
 import pytest
 
-from conftest import MODELS
+from conftest import ARM, MODELS, write
 
 FUNCTIONS = [
     "mass_matrix", "bias_forces", "gravity_forces", "inverse_dynamics", "forward_dynamics",
@@ -261,3 +263,44 @@ def test_all_of_a_robot_is_there(arm: gelenk.Robot) -> None:
         results = function(*arguments)
         results = results if len(told.results) > 1 else (results,)
         assert [np.shape(each) for each in results] == told.result_shapes, name
+
+
+def test_results_are_written_to_given_arrays(powercube: gelenk.Robot, tmp_path: Path) -> None:
+    y, v, a = np.random.default_rng(21).uniform(-1, 1, (3, 4, 2))
+    place = np.zeros((9, 2, 2))
+    assert powercube.mass_matrix(y, out=place[2:6]) is not None
+    assert np.array_equal(place[2:6], powercube.mass_matrix(y)) and not place[:2].any() and not place[6:].any()
+    expected = powercube.linearize(y, v, a, g=1.62)
+    arrays = tuple(np.zeros_like(each) for each in expected)
+    found = powercube.linearize(y, v, a, g=1.62, out=arrays)
+    assert type(found) is type(expected) and all(one is other for one, other in zip(found, arrays))
+    assert all(np.array_equal(one, other) for one, other in zip(arrays, expected))
+    # The result may take the place of an argument.
+    expected, place = powercube.inverse_dynamics(y, v, a), y.copy()
+    powercube.inverse_dynamics(place, v, a, out=place)
+    assert np.array_equal(place, expected)
+    with pytest.raises(TypeError, match="`out` for `m` holds float32, expected float64"):
+        powercube.mass_matrix(y, out=np.zeros((4, 2, 2), np.float32))
+    with pytest.raises(TypeError, match="linearize: `out` is not 4 arrays of NumPy: a_y, a_v, b_x, c"):
+        powercube.linearize(y, v, a, out=place)
+    with pytest.raises(ValueError):
+        powercube.mass_matrix(y, out=np.zeros((3, 2, 2)))
+    with pytest.raises(ValueError, match="`y` has the shape"):
+        powercube.mass_matrix(y[:, :1], out=np.zeros((4, 2, 2)))
+
+
+def test_robots_and_their_functions_are_pickled(tmp_path: Path) -> None:
+    file = tmp_path / "arm.toml"
+    write(file, ARM)
+    robot = gelenk.load(file, functions=iter(["mass_matrix"]), scalar="f32")
+    y = np.array([0.25, 0.5], np.float32)
+    again, function = (pickle.loads(pickle.dumps(each)) for each in (robot, robot.mass_matrix))
+    assert again.FUNCTIONS == ("mass_matrix",) and again.dtype == np.float32
+    assert np.array_equal(again.mass_matrix(y), robot.mass_matrix(y)) and np.array_equal(function(y), robot.mass_matrix(y))
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        [other] = pool.map(robot.mass_matrix, [y])
+    assert np.array_equal(other, robot.mass_matrix(y))
+    pickled = pickle.dumps(robot)
+    write(file, ARM.replace("mass = 2.0", "mass = 2.5"))
+    with pytest.raises(gelenk.GelenkError, match="has changed since this robot was pickled"):
+        pickle.loads(pickled)

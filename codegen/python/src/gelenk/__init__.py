@@ -14,6 +14,7 @@
 from ._acados import acados
 from ._casadi import CasadiFunctions, casadi
 from ._commands import Identified, generate, identify, merge, plan, reduce, report
+from ._gauss_newton import Motion, Shooting, gauss_newton
 from ._robot import Robot, load
 from .errors import (
     CacheError,
@@ -34,10 +35,13 @@ __all__ = [
     "Diagnostic",
     "GelenkError",
     "Identified",
+    "Motion",
     "ProgramError",
     "Robot",
+    "Shooting",
     "acados",
     "casadi",
+    "gauss_newton",
     "generate",
     "identify",
     "load",

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from types import ModuleType
-from typing import Iterable, Mapping
+from typing import Any, Iterable, Mapping
 
 from . import _program
+from ._casadi import external
 from ._robot import generated, read
 
-FUNCTIONS = ("step", "step_derivatives", "input_matrix")
-"""What acados and the file in Python need."""
+FUNCTIONS = ("step", "step_derivatives", "input_matrix", "frames")
+"""What acados and the file in Python need, and the poses of frames for costs and constraints."""
 
 
 def acados(
@@ -37,6 +38,7 @@ def acados(
     - `solver(ocp)`: the compiled solver
     - `parameters(period, values)`: the parameters of a stage
     - `model()`, and the limits of the description as constants
+    - `frame_<name>(y)` and the other functions of `gelenk.casadi` that `functions` allow, for expressions in costs and constraints
 
     It is the file `NAME_acados.py` that `gelenk generate --language c --for acados` writes. acados compiles in the folder
     `ocp.code_export_directory`, by default `c_generated_code` in the current one. Dry friction needs `smooth_sign`: solvers follow
@@ -49,7 +51,7 @@ def acados(
         "max_operations": max_operations,
     })
     path = Path(description).absolute()
-    folder = generated(path, options, "acados")
+    folder = generated(path, options, "acados,casadi")
     told, _ = read(folder, path)
     [file] = [name for name in told["files"] if name.endswith(".py")]
     module = ModuleType(Path(file).stem)
@@ -57,4 +59,14 @@ def acados(
     # An import would write into the cache, where nothing is ever changed.
     text = (folder / file).read_text("utf-8")
     exec(compile(text, module.__file__, "exec"), module.__dict__)
+    sources = [name for name in told["files"] if not name.endswith("_acados.c")]
+
+    def further(name: str) -> Any:
+        # Compiled where one is asked for; the source of the solver has them as well.
+        functions = {} if name.startswith("_") else external(folder, {**told, "files": sources})[1]
+        if name not in functions:
+            raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
+        return functions[name]
+
+    module.__dict__["__getattr__"] = further
     return module

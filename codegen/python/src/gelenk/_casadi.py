@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Iterable, Iterator, Mapping
 
 from . import _program
-from ._robot import compiled, generated, read
+from ._robot import again, compiled, generated, read
 
 
 class CasadiFunctions:
@@ -25,15 +25,21 @@ class CasadiFunctions:
     `step` also `y_ref_next`, which the state after it is about. Quaternions of a reference are made unit ones.
 
     Each takes `p` last where the robot has free parameters: all of them, in the order of `parameters`. First derivatives by all
-    inputs are analytic. Second ones are not there: with IPOPT take `{"ipopt.hessian_approximation": "limited-memory"}`.
+    inputs are analytic, second ones are central differences of these.
     """
 
-    def __init__(self, library: Path, functions: dict[str, Any], parameters: dict[str, float]):
+    def __init__(
+        self, library: str, functions: dict[str, Any], parameters: dict[str, float], made_of: tuple[str, list[str], str]
+    ):
         self.library = library
-        """The shared library, for `casadi.external` elsewhere."""
+        """The path of the shared library, as `casadi.external` takes it."""
         self.parameters = parameters
         """The free parameters by name, with their described values."""
         self._functions = functions
+        self._made_of = made_of
+
+    def __reduce__(self) -> Any:
+        return again, (loaded, *self._made_of)
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -69,22 +75,35 @@ def casadi(
     Dry friction needs `smooth_sign`: solvers follow derivatives, and that of the exact sign is zero. All arguments are those of
     `load`. The functions of a module that derivatives need have to be among `functions` where these are named.
     """
-    tool = importlib.import_module("casadi")
     options = _program.switches({
         "functions": [functions] if isinstance(functions, str) else functions, "snap_angles": snap_angles,
         "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base, "smooth_sign": smooth_sign,
         "accept_unphysical": accept_unphysical, "body": body, "hold": hold, "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     })
-    path = Path(description).absolute()
+    return loaded(str(Path(description).absolute()), options, 4)
+
+
+def loaded(description: str, options: list[str], depth: int) -> CasadiFunctions:
+    """The functions of a description by words of the command line.
+
+    - `depth`: how many calls above `read` the user stands
+    """
+    path = Path(description)
     module = generated(path, options, "casadi")
-    told, _ = read(module, path)
-    library = compiled(module, told["files"])
-    symbols = ctypes.CDLL(str(library))
+    told, _ = read(module, path, depth)
+    library, found = external(module, told)
+    parameters = {each["name"]: each["default"] for each in told["interface"]["parameters"]}
+    return CasadiFunctions(library, found, parameters, (description, options, module.name))
+
+
+def external(module: Path, told: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    """The compiled library of a module, and CasADi's functions in it by name."""
+    tool = importlib.import_module("casadi")
+    library = str(compiled(module, told["files"]))
+    symbols = ctypes.CDLL(library)
     interface = told["interface"]
     poses = [each["name"] for each in interface["functions"] if each["name"].endswith("_pose")]
     names = ["dynamics", "inverse_dynamics", "step", *(pose.removesuffix("_pose") for pose in poses)]
     prefix = f"{interface['prefix']}_casadi_"
-    found = {name: tool.external(prefix + name, str(library)) for name in names if hasattr(symbols, prefix + name)}
-    parameters = {each["name"]: each["default"] for each in interface["parameters"]}
-    return CasadiFunctions(library, found, parameters)
+    return library, {name: tool.external(prefix + name, library) for name in names if hasattr(symbols, prefix + name)}

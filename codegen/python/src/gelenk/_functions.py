@@ -11,6 +11,9 @@ import numpy as np
 PARAMETERS = "parameters"
 """The keyword for all free parameters at once."""
 
+OUT = "out"
+"""The keyword for arrays that take results."""
+
 
 def identifier(name: str, taken: Sequence[str] = ()) -> str:
     """A name of C as one of Python."""
@@ -29,7 +32,7 @@ class Function:
         self.told = told
         self.parameters = parameters
         self.dtype = dtype
-        self.arguments = [identifier(each["name"]) for each in told["arguments"]]
+        self.arguments = [identifier(each["name"], [OUT]) for each in told["arguments"]]
         self.shapes = [tuple(each["shape"]) for each in told["arguments"]]
         self.results = [identifier(each["name"]) for each in told["results"]]
         self.result_shapes = [tuple(each["shape"]) for each in told["results"]]
@@ -47,16 +50,18 @@ class Function:
 
     def signature(self) -> str:
         """Arguments as they stand in a definition."""
-        words = list(self.arguments)
+        words = ["_self", "/", *self.arguments, "*", f"{OUT}=None"]
         if self.parameters.fields:
-            words += ["*", f"{PARAMETERS}=None", *(f"{field}=None" for field in self.parameters.fields)]
+            words += [f"{PARAMETERS}=None", *(f"{field}=None" for field in self.parameters.fields)]
         return ", ".join(words)
 
     def define(self, call: Callable[..., Any] | None) -> Callable[..., Any]:
-        """The function, over the loop that NumPy calls; none where no result has entries."""
+        """A method of the robot, over the loop that NumPy calls; none where no result has entries."""
         has_empty = any(0 in shape for shape in self.shapes + self.result_shapes)
+        used = with_empty(self, call) if has_empty else call
         names: dict[str, Any] = {
-            "_call": with_empty(self, call) if has_empty else call,
+            "_call": used,
+            "_into": lambda out, values: into(self, used, out, values),
             "_new": tuple.__new__,
             "_explain": lambda error, values: explain(self, error, values),
             "_defaults": self.parameters.defaults,
@@ -75,14 +80,17 @@ class Function:
                 f"        _p = _pack({PARAMETERS}, {given})",
             ]
             passed.append("_p")
-        call_text = f"_call({', '.join(passed)})"
+        values = "".join(f"{name}, " for name in passed)
+        new = "{}"
         if len(self.results) > 1:
             names["_Result"] = self.result_type()
-            call_text = f"_new(_Result, {call_text})"
-        values = "".join(f"{name}, " for name in passed)
+            new = "_new(_Result, {})"
+        call_text, into_text = f"_call({', '.join(passed)})", f"_into({OUT}, ({values}))"
         lines += [
             "    try:",
-            f"        return {call_text}",
+            f"        if {OUT} is not None:",
+            f"            return {new.format(into_text)}",
+            f"        return {new.format(call_text)}",
             "    except (TypeError, ValueError) as _error:",
             f"        _reason = _explain(_error, ({values}))",
             "    raise _reason",
@@ -115,6 +123,8 @@ class Function:
                 lines += [f"{name} : (...)", f"    {about}{unit}; described as {each['default']!r}"]
             lines += [f"{PARAMETERS} : (..., {len(self.parameters.fields)})"]
             lines += ["    all free parameters at once, from `pack_parameters`"]
+        lines += [f"{OUT} : " + ("tuple of arrays" if len(self.results) > 1 else "array")]
+        lines += [f"    arrays of {self.dtype} that take the results, and are returned"]
         lines += ["", "Returns", "-------"]
         for name, each in zip(self.results, told["results"]):
             symbol = each["symbol"] if each["symbol"] == name else f"{name}, {each['symbol']}"
@@ -132,7 +142,7 @@ class Parameters:
         self.told = told
         self.fields: list[str] = []
         for each in told:
-            self.fields.append(identifier(each["field"], [*taken, PARAMETERS, *self.fields]))
+            self.fields.append(identifier(each["field"], [*taken, PARAMETERS, OUT, *self.fields]))
         self.defaults = np.array([each["default"] for each in told], dtype)
         self.defaults.flags.writeable = False
 
@@ -212,6 +222,27 @@ def explain(function: Function, error: Exception, values: Sequence[Any]) -> Exce
         axes = ", ".join(f"{batch} of `{name}`" for name, batch in batches)
         return ValueError(f"{function.name}: the axes in front do not broadcast: {axes}")
     return error
+
+
+def into(function: Function, call: Callable[..., Any] | None, out: Any, values: Sequence[Any]) -> Any:
+    """A call whose results are written to arrays; these."""
+    count = len(function.results)
+    arrays = out if count > 1 else (out,)
+    expected = f"{count} arrays" if count > 1 else "one array"
+    if not isinstance(arrays, tuple) or len(arrays) != count or not all(type(each) is np.ndarray for each in arrays):
+        raise TypeError(f"{function.name}: `{OUT}` is not {expected} of NumPy: " + ", ".join(function.results))
+    for name, array in zip(function.results, arrays):
+        if array.dtype != function.dtype:
+            raise TypeError(f"{function.name}: `{OUT}` for `{name}` holds {array.dtype}, expected {function.dtype}")
+    if not isinstance(call, np.ufunc):
+        # Results without entries are not NumPy's.
+        found = call(*values) if call is not None else ()
+        for array, result in zip(arrays, found if count > 1 else (found,)):
+            if array.shape != result.shape:
+                raise ValueError(f"{function.name}: `{OUT}` has the shape {array.shape}, expected {result.shape}")
+            array[...] = result
+        return out
+    return call(*values, out=arrays)
 
 
 def with_empty(function: Function, call: Callable[..., Any] | None) -> Callable[..., Any]:

@@ -98,8 +98,8 @@ def switches(options: Mapping[str, Any]) -> list[str]:
             words.append(f"{switch}={os.fspath(value)}")
         elif isinstance(value, (int, float)):
             words.append(f"{switch}={value!r}")
-        elif len(list(value)) > 0:
-            words.append(f"{switch}={','.join(os.fspath(each) for each in value)}")
+        elif listed := ",".join(os.fspath(each) for each in value):
+            words.append(f"{switch}={listed}")
     return words
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from . import _cache, _compiler, _program
 from ._functions import Function, Parameters, identifier
 from ._numpy import gufunc
-from .errors import DescriptionWarning, Diagnostic
+from .errors import DescriptionWarning, Diagnostic, GelenkError
 
 FORMAT = 2
 """Changes with what entries of the cache hold."""
@@ -72,11 +72,15 @@ class Robot:
         """
         return stub(self)
 
+    def __reduce__(self) -> Any:
+        return again, (loaded, *self._made_of)
+
     def __repr__(self) -> str:
         return f"<gelenk robot {self.name}: {self.N} coordinates, {self.M} inputs, {len(self._functions)} functions>"
 
     _parameters: Parameters
     _functions: list[Function]
+    _made_of: tuple[str, list[str], str]
 
 
 def load(
@@ -125,21 +129,42 @@ def load(
         "fused_multiply_add": fused_multiply_add,
         "max_operations": max_operations,
     })
-    path = Path(description).absolute()
+    return loaded(str(Path(description).absolute()), options, 4)
+
+
+def loaded(description: str, options: list[str], depth: int) -> Any:
+    """The robot of a description by words of the command line.
+
+    - `depth`: how many calls above `read` the user stands
+    """
+    path = Path(description)
     module = generated(path, options, "python")
-    told, notes = read(module, path)
+    told, notes = read(module, path, depth)
     library = compiled(module, told["files"])
-    return robot(told, notes, library, np.dtype(np.float32 if scalar == "f32" else np.float64))
+    made = robot(told, notes, library, np.dtype(np.float32 if "--scalar=f32" in options else np.float64))
+    made._made_of = description, options, module.name
+    return made
 
 
-def read(module: Path, description: Path) -> tuple[dict[str, Any], tuple[Diagnostic, ...]]:
+def again(make: Callable[[str, list[str], int], Any], description: str, options: list[str], module: str) -> Any:
+    """What was pickled, in this process.
+
+    Raises `GelenkError` where the description is another one than at that time.
+    """
+    made = make(description, options, 5)
+    if made._made_of[2] != module:
+        raise GelenkError(f"{description} or the program `gelenk` has changed since this robot was pickled: load it and pickle it again")
+    return made
+
+
+def read(module: Path, description: Path, depth: int = 3) -> tuple[dict[str, Any], tuple[Diagnostic, ...]]:
     """What the program said about a module, and its notes. Warnings become those of Python, in the name of whoever loads the robot."""
     told = json.loads((module / "module.json").read_text("utf-8"))
     folder = description.parent
     notes = _program.diagnostics(_at(note, lambda file: os.path.join(folder, file)) for note in told["notes"])
     for note in notes:
         if note.severity == "warning":
-            warnings.warn(str(note), DescriptionWarning, stacklevel=3)
+            warnings.warn(str(note), DescriptionWarning, stacklevel=depth)
     return told, notes
 
 
@@ -243,7 +268,7 @@ def robot(told: Mapping[str, Any], notes: tuple[Diagnostic, ...], path: Path, dt
         inputs, results = function.operands()
         symbol = f"{interface['prefix']}_python_{function.told['name']}"
         call = gufunc(library, symbol, function.name, inputs, results, dtype) if results else None
-        names[function.name] = staticmethod(function.define(call))
+        names[function.name] = function.define(call)
     made: Robot = type(class_name(told["robot"]), (Robot,), names)()
     return made
 
@@ -289,12 +314,12 @@ def stub(robot: Robot) -> str:
         if name.isupper():
             lines.append(f"    {name}: {_type_name(value)}")
     for function in robot._functions:
-        words = [f"{name}: ArrayLike" for name in function.arguments]
-        if function.parameters.fields:
-            words.append("*")
-            words += [f"{name}: ArrayLike | None = None" for name in ["parameters", *function.parameters.fields]]
         result = function.result_name if len(function.results) > 1 else array
-        lines += ["", "    @staticmethod", f"    def {function.name}({', '.join(words)}) -> {result}:"]
+        arrays = f"tuple[{', '.join([array] * len(function.results))}]" if len(function.results) > 1 else array
+        words = ["self", *(f"{name}: ArrayLike" for name in function.arguments), "*", f"out: {arrays} | None = None"]
+        if function.parameters.fields:
+            words += [f"{name}: ArrayLike | None = None" for name in ["parameters", *function.parameters.fields]]
+        lines += ["", f"    def {function.name}({', '.join(words)}) -> {result}:"]
         lines += [f"        {_quoted(function.documentation())}", "        ..."]
     return "\n".join(lines) + "\n"
 

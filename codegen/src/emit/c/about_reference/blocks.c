@@ -1,4 +1,6 @@
 
+#ifndef GELENK_ABOUT_BLOCKS
+#define GELENK_ABOUT_BLOCKS
 // The product of a matrix by one that has a block for each joint: N rows, and N columns, or NY where its columns are
 // position entries.
 static void gelenk_about_blocks(int rows, const double *a, const double *blocks, int columns, double *product)
@@ -17,3 +19,4 @@ static void gelenk_about_blocks(int rows, const double *a, const double *blocks,
             }
         }
 }
+#endif

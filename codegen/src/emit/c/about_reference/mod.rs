@@ -1,7 +1,7 @@
 //! States about a reference: small motions d from reference positions, y = y_ref ⊕ d, for tools that know vectors alone.
 //!
 //! The texts call nothing of the module but each other, and read its constants JOINT_POSITIONS, FIRST_POSITIONS and
-//! FIRST_VELOCITIES.
+//! FIRST_VELOCITIES. Each has a guard, since the source for acados may include that for CasADi.
 
 /// `gelenk_about_blocks`: a matrix times one with a block for each joint.
 pub(super) const BLOCKS: &str = include_str!("blocks.c");

@@ -1,4 +1,6 @@
 
+#ifndef GELENK_ABOUT_RATES
+#define GELENK_ABOUT_RATES
 // 1/x^2 - cot x / x and its first two derivatives by z = x^2; NaN from x = pi on, where it has a pole.
 //
 // It is the sum of 2 / (k^2 pi^2 - z). The first two terms stand by themselves, the others as a power series.
@@ -122,3 +124,4 @@ static void gelenk_about_rates(
         }
     }
 }
+#endif

@@ -1,4 +1,6 @@
 
+#ifndef GELENK_ABOUT_ROWS
+#define GELENK_ABOUT_ROWS
 // N rows of a matrix, multiplied from the left by one that has a block for each joint.
 static void gelenk_about_rows(const double *blocks, int columns, double *matrix)
 {
@@ -15,3 +17,4 @@ static void gelenk_about_rows(const double *blocks, int columns, double *matrix)
         }
     }
 }
+#endif

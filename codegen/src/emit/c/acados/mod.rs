@@ -12,6 +12,7 @@ use super::comment;
 use super::context::Context;
 use super::header;
 use crate::emit::documentation::Block;
+use crate::emit::options::Companion;
 
 pub(super) use setup::text as setup;
 
@@ -31,13 +32,18 @@ pub(super) fn dynamics(context: &Context<'_>) -> String {
         header::top(context),
         format!("//\n{}", comment::documentation(&overview(has_quaternions)).replace("///", "//")),
         HEADERS.to_owned(),
-        format!(
-            "\n// acados compiles one source: this one, with the module in it.\n#include \"{}.c\"\n",
-            context.name
-        ),
+        sources(context),
         context.pasted_names(&body),
     ]
     .concat()
+}
+
+/// The module, and the functions that costs and constraints in CasADi call.
+fn sources(context: &Context<'_>) -> String {
+    let with_casadi = context.options.companions.contains(&Companion::Casadi);
+    let names = [Some(".c"), with_casadi.then_some("_casadi.c")].into_iter().flatten();
+    let includes: String = names.map(|ending| format!("#include \"{}{ending}\"\n", context.name)).collect();
+    format!("\n// acados compiles one source: this one, with all others in it.\n{includes}")
 }
 
 fn overview(has_quaternions: bool) -> Vec<Block> {

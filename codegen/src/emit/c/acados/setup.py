@@ -11,14 +11,35 @@ STATE `acados_template` and `casadi` have to be installed.
 
 from __future__ import annotations
 
+import ctypes
+import importlib.util
 import os
+import sys
 import warnings
 from pathlib import Path
 from typing import Any, Mapping
 
 import casadi
 import numpy as np
-from acados_template import AcadosModel, AcadosOcp, AcadosOcpSolver
+
+
+def _find_template() -> None:
+    """Makes `acados_template` importable where a wheel holds it within its package `acados`, with the libraries of acados."""
+    wheel = importlib.util.find_spec("acados")
+    if importlib.util.find_spec("acados_template") is not None or wheel is None or wheel.origin is None:
+        return
+    package = Path(wheel.origin).parent
+    sys.path.append(str(package))
+    os.environ.setdefault("ACADOS_SOURCE_DIR", str(package / "install"))
+    os.environ.setdefault("ACADOS_PYTHON_INTERFACE_PATH", str(package / "acados_template"))
+    # libacados needs these, and does not find them by itself.
+    for name in ("blasfeo", "hpipm", "qpOASES_e"):
+        for library in sorted((package / "install" / "lib").glob(f"lib{name}.*")):
+            ctypes.CDLL(str(library))
+
+
+_find_template()
+from acados_template import AcadosModel, AcadosOcp, AcadosOcpSolver  # noqa: E402
 
 FOLDER = Path(__file__).resolve().parent
 """Where the sources in C lie."""

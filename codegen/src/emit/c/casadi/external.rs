@@ -4,8 +4,8 @@
 pub(super) struct External {
     /// The function.
     pub(super) value: Evaluation,
-    /// Its derivatives; none where the module does not have them.
-    pub(super) jacobian: Option<Evaluation>,
+    /// Its derivatives and second derivatives; none where the module does not have the first.
+    pub(super) derivatives: Option<[Evaluation; 2]>,
 }
 
 /// A function as CasADi calls it.
@@ -18,10 +18,23 @@ pub(super) struct Evaluation {
     pub(super) inputs: Vec<Input>,
     /// Outputs.
     pub(super) outputs: Vec<Block>,
-    /// Fill the array `e`, from [`VALUES`] on.
-    pub(super) statements: Vec<String>,
-    /// Entries of `e`.
-    pub(super) size: usize,
+    /// How outputs are computed.
+    pub(super) body: Body,
+}
+
+/// How the outputs of an evaluation are computed.
+pub(super) enum Body {
+    /// Statements fill an array `e` of this size from [`VALUES`] on, from which the entries of all outputs are taken.
+    Filled { statements: Vec<String>, size: usize },
+    /// Central differences by the first inputs.
+    Differences {
+        /// The differentiated function.
+        of: String,
+        /// How many inputs they are, and how many outputs the function has.
+        counts: [usize; 2],
+        /// The numbers that they store.
+        work: usize,
+    },
 }
 
 /// An input.
@@ -78,20 +91,49 @@ impl Block {
 
 impl External {
     pub(super) fn new(value: Evaluation, derivatives: Option<Derivatives>) -> Self {
-        let of_outputs = value.outputs.iter().map(|output| {
-            let name = format!("out_{}", output.name);
-            Input { columns: output.columns, ..Input::new(&name, output.rows) }
+        let derivatives = derivatives.map(|Derivatives { statements, size, blocks }| {
+            let jacobian = Evaluation {
+                name: format!("jac_{}", value.name),
+                about: format!("Derivatives of `{}`.", value.name),
+                inputs: with_outputs(&value),
+                outputs: blocks,
+                body: Body::Filled { statements, size },
+            };
+            let second = second_derivatives(&jacobian, value.inputs.len());
+            [jacobian, second]
         });
-        let inputs = value.inputs.iter().cloned().chain(of_outputs).collect();
-        let jacobian = derivatives.map(|Derivatives { statements, size, blocks }| Evaluation {
-            name: format!("jac_{}", value.name),
-            about: format!("Derivatives of `{}`.", value.name),
-            inputs,
-            outputs: blocks,
-            statements,
-            size,
-        });
-        Self { value, jacobian }
+        Self { value, derivatives }
+    }
+}
+
+/// The inputs of a function's derivatives: its own, then its outputs.
+fn with_outputs(evaluation: &Evaluation) -> Vec<Input> {
+    let of_outputs = evaluation.outputs.iter().map(|output| {
+        let name = format!("out_{}", output.name);
+        Input { columns: output.columns, ..Input::new(&name, output.rows) }
+    });
+    evaluation.inputs.iter().cloned().chain(of_outputs).collect()
+}
+
+/// Central differences of derivatives by the first `by` inputs: no derivative depends on the outputs, which follow.
+fn second_derivatives(jacobian: &Evaluation, by: usize) -> Evaluation {
+    let blocks = jacobian.outputs.iter().flat_map(|output| {
+        jacobian.inputs.iter().enumerate().map(move |(index, input)| {
+            let is_there = index < by && !output.entries.is_empty();
+            let name = format!("jac_{}_{}", output.name, input.name);
+            let shape = [output.rows * output.columns, input.rows * input.columns];
+            Block::new(&name, shape, |_, _| is_there.then_some(0))
+        })
+    });
+    let entries: usize = jacobian.outputs.iter().map(|output| output.entries.len()).sum();
+    let longest = jacobian.inputs[..by].iter().map(|input| input.rows).max().unwrap_or(0);
+    let counts = [by, jacobian.outputs.len()];
+    Evaluation {
+        name: format!("jac_{}", jacobian.name),
+        about: format!("Derivatives of `{}`, by central differences.", jacobian.name),
+        outputs: blocks.collect(),
+        body: Body::Differences { of: jacobian.name.clone(), counts, work: 2 * entries + longest },
+        inputs: with_outputs(jacobian),
     }
 }
 

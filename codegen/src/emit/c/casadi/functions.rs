@@ -1,7 +1,7 @@
 //! The functions that CasADi is given, with their derivatives.
 
 use super::super::context::Context;
-use super::external::{Block, Derivatives, Evaluation, External, Input, ONE, Stored, VALUES, room};
+use super::external::{Block, Body, Derivatives, Evaluation, External, Input, ONE, Stored, VALUES, room};
 use super::robot::{Given, Robot};
 use crate::emit::interface::Interface;
 use crate::functions::function::{FrameFunction, FrameKind};
@@ -47,8 +47,7 @@ impl Robot<'_> {
             about: about.to_owned(),
             inputs: self.with_rest(vec![Input::new("x", 2 * n), Input::new("u", m)], &REFERENCE),
             outputs: vec![Block::column("xdot", 2 * n, rate)],
-            statements,
-            size: a + n,
+            body: Body::Filled { statements, size: a + n },
         };
         let derivatives = self.derivatives_of_dynamics();
         Some(External::new(value, derivatives))
@@ -100,8 +99,7 @@ impl Robot<'_> {
             about: about.to_owned(),
             inputs: self.with_rest(inputs.to_vec(), &REFERENCE),
             outputs: vec![Block::column("b_u", n, VALUES)],
-            statements,
-            size: VALUES + n,
+            body: Body::Filled { statements, size: VALUES + n },
         };
         let derivatives = self.derivatives_of_inverse_dynamics();
         Some(External::new(value, derivatives))
@@ -153,8 +151,7 @@ impl Robot<'_> {
             about: about.to_owned(),
             inputs: self.with_rest(inputs, &["y_ref", "y_ref_next"]),
             outputs: vec![Block::column("x_next", 2 * n, entries.start)],
-            statements,
-            size: entries.end,
+            body: Body::Filled { statements, size: entries.end },
         };
         let derivatives = self.derivatives_of_step();
         Some(External::new(value, derivatives))
@@ -179,13 +176,18 @@ impl Robot<'_> {
         let [by_x, by_u] = [after + ny + n, after + ny + n + 4 * n * n];
         let width = 1 + self.parameters().unwrap_or(0);
         let others = made.room(2 * n * width);
-        made.statements.push(self.sensitivities(others)?);
+        // They take as long as all others, and solvers seldom ask for them.
+        let places = [Some(2), self.parameters().map(|_| if self.has_reference() { 5 } else { 3 })];
+        let wanted = places.into_iter().flatten().map(|place| format!("res[{place}]"));
+        let wanted = wanted.collect::<Vec<_>>().join(" || ");
+        made.statements.push(format!("const int others = {wanted} ? {width} : 0;"));
+        made.statements.push(format!("if (others) {}", self.sensitivities(others)?));
         let references = self.has_reference().then(|| [made.room(2 * n * ny), made.room(n * ny)]);
         if let Some([by_ref, by_next]) = references {
             made.statements.extend(self.next_reference());
             made.statements.push(format!(
                 "{}(y_ref_next, unit_next, &e[{after}], by_d, by_ref, &e[{by_x}], &e[{by_u}], &e[{by_ref}], &e[{by_next}], \
-                 {width}, &e[{others}]);",
+                 others, &e[{others}]);",
                 self.name("step_about")
             ));
         }
@@ -233,8 +235,7 @@ impl Robot<'_> {
             about: about.to_owned(),
             inputs: self.with_rest(vec![Input::new(positions, self.n)], &REFERENCE),
             outputs: vec![Block::column("position", 3, position), Block::new("rotation", [3, 3], turned)],
-            statements,
-            size: VALUES + 12,
+            body: Body::Filled { statements, size: VALUES + 12 },
         };
         let derivatives = self.derivatives_of_frame(frame);
         Some(External::new(value, derivatives))

@@ -2,17 +2,17 @@
 
 use super::super::context::Context;
 use super::super::{comment, layout};
-use super::external::{self, Evaluation, External, Input, ONE};
+use super::external::{self, Body, Evaluation, External, Input, ONE};
 use crate::emit::documentation::Block;
 use crate::emit::text::code;
 
 /// Overview of all functions for the top of the file.
 pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String {
     let item = |external: &External| {
-        let External { value, jacobian } = external;
+        let External { value, derivatives } = external;
         let inputs: Vec<&str> = value.inputs.iter().map(|input| input.name.as_str()).collect();
         let outputs: Vec<&str> = value.outputs.iter().map(|output| output.name.as_str()).collect();
-        let without = if jacobian.is_some() { "" } else { " Its derivatives are not in this module." };
+        let without = if derivatives.is_some() { "" } else { " Its derivatives are not in this module." };
         Block::Item(format!(
             "{} of {} gives {}: {}{without}",
             code(&value.name),
@@ -27,7 +27,7 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
     );
     let tail = Block::Paragraph(
         "Each has its derivatives as `jac_<name>`, which CasADi finds by itself: sparse, with the entries that are not zero in \
-         every state. `p` are the free parameters in the order of their struct. Second derivatives are not there: solvers take a quasi-Newton or Gauss-Newton Hessian."
+         every state. Second derivatives are central differences of these: `jac_jac_<name>`. `p` are the free parameters in the order of their struct."
             .to_owned(),
     );
     let about = context.module.has_quaternions().then(|| Block::Paragraph(REFERENCE.to_owned()));
@@ -110,9 +110,12 @@ pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String
         let choice = format!("return i >= 0 && i < {} ? names[i] : NULL;", names.len());
         define(&format!("const char *{name}_{what}(casadi_int i)"), &[table, choice])
     };
+    let statements = match &evaluation.body {
+        Body::Filled { statements, size } => filled(context, evaluation, statements, *size),
+        Body::Differences { of, counts, .. } => differences(context, of, inputs.len(), *counts),
+    };
     let parts = [
-        [comment::paragraph(about), define(&format!("int {name}({ARGUMENTS})"), &body(context, evaluation))]
-            .concat(),
+        [comment::paragraph(about), define(&format!("int {name}({ARGUMENTS})"), &statements)].concat(),
         count("n_in", inputs.len()),
         count("n_out", outputs.len()),
         names("name_in", inputs.iter().map(|input| input.name.as_str()).collect()),
@@ -127,7 +130,7 @@ pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String
                 format!("if (sz_arg) *sz_arg = {};", inputs.len()),
                 format!("if (sz_res) *sz_res = {};", outputs.len()),
                 "if (sz_iw) *sz_iw = 0;".to_owned(),
-                "if (sz_w) *sz_w = 0;".to_owned(),
+                format!("if (sz_w) *sz_w = {};", work(&evaluation.body)),
                 "return 0;".to_owned(),
             ],
         ),
@@ -137,9 +140,33 @@ pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String
 
 const ARGUMENTS: &str = "const casadi_real **arg, casadi_real **res, casadi_int *iw, casadi_real *w, int mem";
 
-/// The statements of the function itself.
-fn body(context: &Context<'_>, evaluation: &Evaluation) -> Vec<String> {
-    let Evaluation { inputs, outputs, statements, size, .. } = evaluation;
+/// The numbers that CasADi reserves for a function.
+fn work(body: &Body) -> usize {
+    match body {
+        Body::Filled { .. } => 0,
+        Body::Differences { work, .. } => *work,
+    }
+}
+
+/// The statements of central differences of a function.
+///
+/// - `inputs`: of the differences: those of the function, then its outputs
+/// - `by`, `outputs`: how many inputs the differences are by, and how many outputs the function has
+fn differences(context: &Context<'_>, of: &str, inputs: usize, [by, outputs]: [usize; 2]) -> Vec<String> {
+    let [own, differences] = [inputs - outputs, outputs].map(|count| count.max(1));
+    let call = context.function("casadi_differences");
+    vec![
+        format!("const casadi_real *moved[{own}];\ncasadi_real *all[{differences}];"),
+        "(void)iw;".to_owned(),
+        format!(
+            "return {call}(\n    {of}, {of}_sparsity_in, {of}_sparsity_out, {by}, {own}, {outputs}, arg, res, moved, all, w, mem);"
+        ),
+    ]
+}
+
+/// The statements of a function that fills `e`.
+fn filled(context: &Context<'_>, evaluation: &Evaluation, statements: &[String], size: usize) -> Vec<String> {
+    let Evaluation { inputs, outputs, .. } = evaluation;
     let longest = inputs.iter().map(|input| input.rows * input.columns).max().unwrap_or(0).max(1);
     let mut lines =
         vec![format!("static const double zeros[{longest}] = {{0.0}};"), format!("double e[{size}];")];
@@ -203,8 +230,10 @@ fn sparsity(
         .iter()
         .enumerate()
         .map(|(index, numbers)| {
-            let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
-            format!("static const casadi_int s{index}[] = {};", layout::braces(4, &numbers))
+            // Entries without a value are zero: those of a matrix without entries.
+            let last = numbers.iter().rposition(|number| *number > 0).map_or(1, |last| last + 1);
+            let listed: Vec<String> = numbers[..last].iter().map(ToString::to_string).collect();
+            format!("static const casadi_int s{index}[{}] = {};", numbers.len(), layout::braces(4, &listed))
         })
         .collect();
     let names: Vec<String> = (0..all.len()).map(|index| format!("s{index}")).collect();

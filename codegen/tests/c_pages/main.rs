@@ -1,0 +1,155 @@
+//! The page about C: its code compiles, and its numbers are those of the compiler.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const PAGE: &str = include_str!("../../docs/c.md");
+
+/// The block of C on the page that has these words.
+fn block(words: &str) -> &'static str {
+    let blocks = PAGE.split("```c\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    blocks.into_iter().find(|block| block.contains(words)).unwrap()
+}
+
+/// A folder with the module of a robot and the declarations of Simulink and FreeRTOS.
+fn module(robot: &str, functions: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let texts = [
+        ("simstruc.h", include_str!("simstruc.h")),
+        ("FreeRTOS.h", include_str!("FreeRTOS.h")),
+        ("task.h", include_str!("task.h")),
+        ("call.c", include_str!("call.c")),
+        ("cg_sfun.h", ""),
+    ];
+    for (name, text) in texts {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    generate(robot, functions, folder.path());
+    folder
+}
+
+fn generate(robot: &str, functions: &str, folder: &Path) {
+    let description = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../models/{robot}.toml"));
+    let output = Command::new(env!("CARGO_BIN_EXE_gelenk"))
+        .args(["generate", "--language", "c", "--functions", functions, "--output", "."])
+        .arg(description)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// What a compiler says; none, with a note, where it is missing.
+fn compile(folder: &Path, line: &str) -> Option<String> {
+    let mut words = line.split(' ');
+    let name = words.next().unwrap();
+    let Ok(output) = Command::new(name).args(words).current_dir(folder).output() else {
+        println!("skipped: no {name}");
+        return None;
+    };
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.success(), said.is_empty(), "{said}");
+    Some(said)
+}
+
+#[test]
+fn the_block_for_simulink_computes_what_the_module_computes() {
+    let folder = module("ur5", "inverse_dynamics");
+    fs::write(folder.path().join("ur5_forces.c"), block("S_FUNCTION_NAME")).unwrap();
+    let line = "cc -std=c99 -Wall -Wextra -Werror -pedantic -O2 call.c ur5.c -o call";
+    let Some(said) = compile(folder.path(), line) else { return };
+    assert_eq!(said, "");
+    assert!(Command::new(folder.path().join("call")).status().unwrap().success());
+}
+
+const MATH: &str = "double fabs(double); double sqrt(double);\n\
+    #define INFINITY __builtin_inff()\n#define NAN __builtin_nanf(\"\")\n";
+
+const STRING: &str =
+    "#include <stddef.h>\nvoid *memcpy(void *, const void *, size_t);\nvoid *memset(void *, int, size_t);\n";
+
+#[test]
+fn the_task_for_freertos_compiles() {
+    let folder = module("ur5", "inverse_dynamics");
+    fs::write(folder.path().join("task.c"), block("FreeRTOS.h")).unwrap();
+    let zynq =
+        "arm-none-eabi-gcc -mcpu=cortex-a9 -mfpu=vfpv3 -mfloat-abi=hard -fno-math-errno -idirafter libc";
+    // Where the compiler comes without a library, which has them otherwise.
+    let libc = folder.path().join("libc");
+    fs::create_dir(&libc).unwrap();
+    fs::write(libc.join("math.h"), MATH).unwrap();
+    fs::write(libc.join("string.h"), STRING).unwrap();
+    for compiler in ["cc", zynq] {
+        let line = format!("{compiler} -std=c99 -Wall -Wextra -Werror -O2 -c task.c ur5.c");
+        assert_eq!(compile(folder.path(), &line).unwrap_or_default(), "");
+    }
+}
+
+#[test]
+fn a_source_refuses_the_header_of_another_generation() {
+    let folder = module("ur5", "inverse_dynamics");
+    let source = fs::read(folder.path().join("ur5.c")).unwrap();
+    generate("ur5", "mass_matrix", folder.path());
+    fs::write(folder.path().join("ur5.c"), source).unwrap();
+    let Some(said) = compile(folder.path(), "cc -std=c99 -c ur5.c") else { return };
+    assert!(said.contains("ur5.h and ur5.c were not generated together"), "{said}");
+}
+
+/// The bytes of stack of each function with all that it calls, from gcc's graph of calls.
+fn stack(graph: &str) -> BTreeMap<String, usize> {
+    let part = |line: &str, name: &str| {
+        let rest = line.split_once(&format!("{name}: \""))?.1;
+        Some(rest.split('"').next()?.to_owned())
+    };
+    let nodes = graph.lines().filter(|line| line.starts_with("node:"));
+    let own: BTreeMap<String, usize> = nodes
+        .filter_map(|line| {
+            let label = part(line, "label")?;
+            let bytes = label.split("\\n").find_map(|each| each.split_once(" bytes")?.0.parse().ok());
+            Some((part(line, "title")?, bytes.unwrap_or(0)))
+        })
+        .collect();
+    let edges = graph.lines().filter(|line| line.starts_with("edge:"));
+    let edges: Vec<(String, String)> =
+        edges.filter_map(|line| Some((part(line, "sourcename")?, part(line, "targetname")?))).collect();
+    let mut all = own.clone();
+    // Calls go no deeper than there are functions.
+    for _ in 0..own.len() {
+        for (from, to) in &edges {
+            let through = own.get(from).unwrap_or(&0) + all.get(to).unwrap_or(&0);
+            all.entry(from.clone()).and_modify(|bytes| *bytes = through.max(*bytes));
+        }
+    }
+    all
+}
+
+#[test]
+fn the_stack_of_calls_is_that_of_the_page() {
+    let version = Command::new("gcc").arg("-dumpfullversion").output();
+    if !version.is_ok_and(|output| output.stdout.starts_with(b"12.")) || cfg!(not(target_arch = "x86_64")) {
+        println!("skipped: the numbers of the page are those of gcc 12 on x86-64");
+        return;
+    }
+    let table: Vec<Vec<&str>> = PAGE
+        .lines()
+        .skip_while(|line| !line.starts_with("| bytes of stack"))
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| line.trim_matches('|').split('|').map(|cell| cell.trim().trim_matches('`')).collect())
+        .collect();
+    let functions = &table[0][1..];
+    assert_eq!((functions.len(), table.len()), (6, 4), "{table:?}");
+    for row in &table[2..] {
+        let robot = row[0];
+        let folder = module(robot, &functions.join(","));
+        let line = format!("gcc -std=c99 -O2 -fno-math-errno -fcallgraph-info=su -c {robot}.c");
+        assert_eq!(compile(folder.path(), &line).unwrap(), "");
+        let found = stack(&fs::read_to_string(folder.path().join(format!("{robot}.ci"))).unwrap());
+        for (function, told) in functions.iter().zip(&row[1..]) {
+            assert_eq!(found[&format!("{robot}_{function}")].to_string(), *told, "{robot} {function}");
+        }
+    }
+}
