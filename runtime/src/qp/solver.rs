@@ -13,7 +13,7 @@ pub const MAX_HORIZON: usize = 100;
 pub const MAX_SIZE: usize = 32;
 
 /// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a
-/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (six more from a
+/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (four more from a
 /// warm start), never panics, and a cold one depends on the problem alone: a solve of changed data equals, bit for
 /// bit, a solve by a new solver. A warm one depends on the last solution too. Processors with fused multiply-add round differently from those without.
 ///

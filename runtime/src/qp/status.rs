@@ -70,7 +70,7 @@ pub struct QpSettings {
     /// Cap on interior-point iterations of each start. A start that closes in on the solution goes on with those of
     /// later ones. Where a start leads nowhere, others follow, and the
     /// method of multipliers last, with as many again: a solve takes at most three times as many iterations
-    /// from a cold start, and six more from a warm one.
+    /// from a cold start, and four more from a warm one.
     pub max_iterations: usize,
 }
 
