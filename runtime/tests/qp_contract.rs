@@ -184,6 +184,54 @@ fn a_warm_start_reaches_the_same_optimum() {
     assert!(warm < cold);
 }
 
+/// From period to period the active set changes little: warm solves of shifted plans take half of the iterations.
+#[test]
+fn shifted_plans_keep_their_active_set() {
+    let (mut cold, mut warm) = (0, 0);
+    for seed in 0..50 {
+        let mut problem = problem(seed);
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        solver.solve(&problem);
+        for _ in 0..10 {
+            problem.initial_state = solver.state(1).map(|x| x + 1e-4);
+            problem.previous_input = solver.input(0);
+            problem.stages.rotate_left(1);
+            problem.stages[9] = problem.stages[8].clone();
+            let fresh = QpSolver::new(10, SETTINGS).unwrap().solve(&problem);
+            solver.shift();
+            let report = solver.solve_warm(&problem);
+            assert_eq!(report.status, fresh.status, "seed {seed}");
+            if fresh.status != QpStatus::Solved {
+                break;
+            }
+            let difference = (report.cost - fresh.cost).abs();
+            assert!(difference <= 2e-10 * fresh.cost.abs() + 1e-12, "seed {seed}: {report:?} {fresh:?}");
+            warm += report.iterations;
+            cold += fresh.iterations;
+        }
+    }
+    println!("iterations: {cold} cold, {warm} warm");
+    assert!(2 * warm < cold);
+}
+
+/// A warm start that leads nowhere leaves the cold one what a new solver has.
+#[test]
+fn a_start_that_fails_is_followed_by_that_of_a_new_solver() {
+    let mut failed = 0;
+    for seed in 0..50 {
+        let mut solver = QpSolver::new(10, SETTINGS).unwrap();
+        solver.solve(&problem(seed));
+        let other = problem(seed + 25);
+        let mut fresh = QpSolver::new(10, SETTINGS).unwrap();
+        let (a, b) = (solver.solve_warm(&other), fresh.solve(&other));
+        if a.iterations > b.iterations {
+            failed += 1;
+            assert_eq!(bits(&solver), bits(&fresh), "seed {seed}");
+        }
+    }
+    assert!(failed > 0);
+}
+
 #[test]
 fn without_active_bounds_one_factorization_is_enough() {
     let mut problem = problem(0);

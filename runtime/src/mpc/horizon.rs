@@ -11,7 +11,7 @@ use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
 use crate::dynamics::{Discretizable, Discretization};
 use crate::feed_forward::{FeedForward, FeedForwardError};
 use crate::lqr::Lqr;
-use crate::qp::{QpProblem, QpSolver, QpStage, QpStatus};
+use crate::qp::{QpProblem, QpReport, QpSolver, QpStage, QpStatus};
 use crate::trajectory::{Sample, Trajectory};
 use std::hint::black_box;
 
@@ -61,6 +61,8 @@ pub(super) struct Horizon<
     pub reference: Vec<Node<N, NY>>,
     pub inputs: Vec<[f64; M]>,
     pub plan: Plan<N, M, NY>,
+    /// When the problem of the last solution begins (s); NaN if the next one has nothing to start from.
+    solved: f64,
     /// The input that acts from now on, if it acts one period late.
     under_way: [f64; M],
     /// Time of the last step on the trajectory (s).
@@ -96,6 +98,7 @@ where
                 disturbance: [0.0; M],
                 start: f64::NAN,
             },
+            solved: f64::NAN,
             under_way: [0.0; M],
             time: 0.0,
             notes: Vec::new(),
@@ -220,7 +223,7 @@ where
     pub fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]) {
         self.observer.reset(positions, &[0.0; N]);
         self.under_way = *inputs;
-        self.plan.start = f64::NAN;
+        self.drop_plan();
     }
 
     /// Takes in the measurement. Returns when the horizon begins on the trajectory, and in which state.
@@ -293,12 +296,12 @@ where
     }
 
     /// Computes for the caches alone what [`observe`](Self::observe) and [`solve`](Self::solve) will: neither
-    /// estimate nor plan change, and each solve is a cold start that keeps no state of the QP.
+    /// estimate nor plan change, and the solution from which the next solve starts stays.
     pub fn rehearse(&mut self, next: &Cycle<N, M, NY>) {
         let span = self.span(next.time - self.options.period);
         let (y, v) = (self.observer.positions(), self.observer.velocities());
         let _ = black_box(integrate(self.model(), y, v, &next.last_inputs, span));
-        let _ = black_box(self.solver.solve(&self.problem));
+        self.solver.rehearse(&self.problem);
     }
 
     /// Desired states and feed-forward from `start` (s) on.
@@ -393,7 +396,7 @@ where
         let at = (coordinates, &self.inputs[..], &disturbance);
         row::set_sides(&mut self.problem, &self.options.rows, at);
         self.set_terminal(start);
-        let report = self.solver.solve(&self.problem);
+        let report = self.solve_problem(start);
         let iterations = report.iterations as u32;
         if report.status == QpStatus::Invalid {
             return Err(self.refuse(ControllerFault::NoSolution { iterations }));
@@ -407,8 +410,22 @@ where
         Ok(Command { inputs: self.input(0), iterations })
     }
 
+    /// Solves from the last solution, moved by the periods since then; from a cold start where nothing of it is left.
+    fn solve_problem(&mut self, start: f64) -> QpReport {
+        let periods = ((start - self.solved) / self.options.period).round();
+        self.solved = start;
+        // NaN too is not contained.
+        if !(0.0..self.options.horizon as f64).contains(&periods) {
+            return self.solver.solve(&self.problem);
+        }
+        for _ in 0..periods as usize {
+            self.solver.shift();
+        }
+        self.solver.solve_warm(&self.problem)
+    }
+
     pub fn drop_plan(&mut self) {
-        self.plan.start = f64::NAN;
+        (self.plan.start, self.solved) = (f64::NAN, f64::NAN);
     }
 
     /// Gives up the plan. `fault` is that of a problem whose data are finite.

@@ -91,6 +91,11 @@ impl Vector for Avx2 {
         Self(unsafe { _mm256_min_pd(self.0, other.0) })
     }
     #[inline(always)]
+    fn select_positive(of: Self, yes: Self, no: Self) -> Self {
+        // SAFETY: see the type.
+        Self(unsafe { _mm256_blendv_pd(no.0, yes.0, _mm256_cmp_pd::<_CMP_GT_OQ>(of.0, _mm256_setzero_pd())) })
+    }
+    #[inline(always)]
     fn reduce_add(self) -> f64 {
         // SAFETY: see the type.
         unsafe {

@@ -9,6 +9,8 @@ pub(super) struct Certificate {
     pub(super) residuals: KktResiduals,
     /// The part of the gap that is left of the gradient.
     pub(super) decrease: f64,
+    /// The gap that a solution may have.
+    pub(super) allowed: f64,
     /// Residuals divided by their tolerances: at most 1 where the problem is solved, infinite where a number is
     /// not finite.
     pub(super) merit: f64,

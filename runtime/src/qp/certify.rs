@@ -56,6 +56,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             cost: cost + penalty,
             residuals,
             decrease,
+            allowed,
             merit: if finite {
                 merit(&residuals, allowed, self.settings.feasibility, of_all - penalty)
             } else {

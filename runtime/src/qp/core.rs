@@ -23,8 +23,6 @@ const LEAST_WIDTH: f64 = 1e-10;
 pub(super) enum Start {
     /// The unconstrained optimum.
     Cold,
-    /// The solution in memory.
-    Warm,
     /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
     /// solution.
     Deep,
@@ -72,7 +70,9 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) kept_multipliers: [Multipliers<V>; 2],
     /// Certificate after the starts, if the problem is not solved.
     pub(super) unsolved: Option<Certificate>,
-    solved: bool,
+    pub(super) solved: bool,
+    /// Solution that a rehearsal keeps, with its multipliers, and whether it was one.
+    spare: (Trajectory<V>, [Multipliers<V>; 2], bool),
 }
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
@@ -107,8 +107,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             multipliers: multipliers.clone(),
             best: trajectory.clone(),
             best_multipliers: multipliers.clone(),
-            kept: trajectory,
-            kept_multipliers: multipliers,
+            kept: trajectory.clone(),
+            kept_multipliers: multipliers.clone(),
+            spare: (trajectory, multipliers, false),
             unsolved: None,
             solved: false,
         }
@@ -119,15 +120,17 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     #[inline(always)]
     pub(super) fn shift(&mut self) {
         let padded = Self::RX * WIDTH;
-        let u = flat_mut(&mut self.solution.u);
+        let (u, x) = (flat_mut(&mut self.solution.u), flat_mut(&mut self.solution.x));
         u.copy_within(NU..self.horizon * NU, 0);
         self.multipliers[0].shift(0, NU, self.horizon * NU);
         let states = self.horizon * padded;
+        x.copy_within(padded..states, 0);
         self.multipliers[1].shift(0, padded, states);
         if NR > 0 {
             // The rows of the end stay what they are.
-            let padded = lanes(NR) * WIDTH;
-            self.multipliers[1].shift(states, padded, self.horizon * padded);
+            let (padded, end) = (lanes(NR) * WIDTH, states + self.horizon * lanes(NR) * WIDTH);
+            x.copy_within(states + padded..end, states);
+            self.multipliers[1].shift(states, padded, end - states);
         }
     }
 
@@ -179,20 +182,24 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         })
     }
 
-    /// Solves from the start asked for; from a cold one if there is no solution in memory.
+    /// True if the data make a problem of this horizon.
     #[inline(always)]
-    pub(super) fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
-        let start = if self.solved { start } else { Start::Cold };
+    pub(super) fn accepts(&self, problem: &QpProblem<NX, NU, NR>) -> bool {
+        problem.stages.len() == self.horizon && problem.is_valid()
+    }
+
+    /// Solves from a cold start.
+    #[inline(always)]
+    pub(super) fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.unsolved = None;
-        let valid = problem.stages.len() == self.horizon && problem.is_valid();
-        if !valid {
+        if !self.accepts(problem) {
             return self.invalid(problem);
         }
         if !self.solved {
             self.forget();
         }
         let soft = self.load(problem);
-        let report = self.optimize(problem, soft, start);
+        let report = self.optimize(problem, soft);
         self.judge(problem, report)
     }
 
@@ -205,11 +212,32 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     ) -> QpReport {
         match report {
             Ok(report) if report.status != QpStatus::Invalid => {
-                self.solved = report.status != QpStatus::IterationLimit;
+                self.solved = report.status == QpStatus::Solved;
                 report
             }
             Ok(_) | Err(NotPositive) => self.invalid(problem),
         }
+    }
+
+    /// Sets the solution aside.
+    #[inline(always)]
+    pub(super) fn set_aside(&mut self) {
+        let (solution, multipliers, solved) = &mut self.spare;
+        solution.copy_from(&self.solution);
+        multipliers.iter_mut().zip(&self.multipliers).for_each(|(kept, last)| kept.copy_from(last));
+        *solved = self.solved;
+    }
+
+    /// Makes what was set aside the solution again.
+    #[inline(always)]
+    pub(super) fn take_back(&mut self) {
+        if !self.solved {
+            self.forget();
+        }
+        let (solution, multipliers, solved) = &self.spare;
+        self.solution.copy_from(solution);
+        self.multipliers.iter_mut().zip(multipliers).for_each(|(last, kept)| last.copy_from(kept));
+        self.solved = *solved;
     }
 
     /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay,

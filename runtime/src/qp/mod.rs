@@ -6,6 +6,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
+//! | `interior_point::follow` | warm starts: Newton's method from the active set of the last solution |
 //! | `interior_point::augmented` | the method of multipliers, for what the iteration has not solved |
 //! | `certify`, `certificate` | cost and residuals of the point returned, from which the status follows |
 //! | `barrier`, `multipliers` | bounds, hard and soft: slacks, multipliers, their Newton steps |

@@ -50,15 +50,20 @@ impl<V: Vector> Multipliers<V> {
         [flat(core::slice::from_ref(lower))[i % WIDTH], flat(core::slice::from_ref(upper))[i % WIDTH]]
     }
 
+    /// Sets the multipliers `[lower, upper]` of number `i` of the padded variables.
+    #[inline(always)]
+    pub(super) fn set(&mut self, i: usize, values: [f64; 2]) {
+        for (lane, value) in self.0[i / WIDTH].iter_mut().zip(values) {
+            flat_mut(core::slice::from_mut(lane))[i % WIDTH] = value;
+        }
+    }
+
     /// Moves stage `k + 1` to stage `k`, `stride` numbers each, of the `count` numbers from `start` on; the
     /// last stage stays.
     #[inline(always)]
     pub(super) fn shift(&mut self, start: usize, stride: usize, count: usize) {
         for i in start..(start + count).saturating_sub(stride) {
-            let next = self.get(i + stride);
-            for side in 0..2 {
-                flat_mut(core::slice::from_mut(&mut self.0[i / WIDTH][side]))[i % WIDTH] = next[side];
-            }
+            self.set(i, self.get(i + stride));
         }
     }
 }

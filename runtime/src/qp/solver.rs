@@ -2,7 +2,7 @@
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 use super::avx2::{self, Avx2};
-use super::core::{Core, Start};
+use super::core::Core;
 use super::lanes::Portable;
 use super::problem::QpProblem;
 use super::status::{QpError, QpReport, QpSettings};
@@ -13,9 +13,9 @@ pub const MAX_HORIZON: usize = 100;
 pub const MAX_SIZE: usize = 32;
 
 /// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a
-/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (four times from a
-/// warm start), never panics, and depends on the problem alone: a solve of changed data equals, bit for bit,
-/// a solve by a new solver. Processors with fused multiply-add round differently from those without.
+/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (four more from a
+/// warm start), never panics, and a cold one depends on the problem alone: a solve of changed data equals, bit for
+/// bit, a solve by a new solver. A warm one depends on the last solution too. Processors with fused multiply-add round differently from those without.
 ///
 /// ```
 /// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
@@ -87,28 +87,42 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
 
     /// Solves from a cold start: nothing of an earlier solve has any influence.
     pub fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        self.solve_from(problem, Start::Cold)
-    }
-
-    /// Solves from the solution of the last solve, which may have been moved by [`Self::shift`]; cold, if
-    /// there is none, if nothing is bounded, or if that start leads nowhere.
-    pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        self.solve_from(problem, Start::Warm)
-    }
-
-    fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         match &mut self.0 {
             Engine::Portable(core) => {
-                let report = core.solve_from(problem, start);
+                let report = core.solve(problem);
                 go_on(core, problem, report)
             }
             #[cfg(all(target_arch = "x86_64", feature = "std"))]
             // SAFETY: this variant exists only where the processor has the features.
             Engine::Avx2(core) => unsafe {
-                let report = solve_avx2(core, problem, start);
+                let report = solve_avx2(core, problem);
                 go_on_avx2(core, problem, report)
             },
         }
+    }
+
+    /// Solves from the active set of the last solution, which may have been moved by [`Self::shift`]: Newton's method
+    /// finds the optimum in few iterations if the active set changes little. From a cold start if it does not, or if the
+    /// last problem was not solved.
+    pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
+        let followed = match &mut self.0 {
+            Engine::Portable(core) => follow(core, problem),
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            // SAFETY: as in `solve`.
+            Engine::Avx2(core) => unsafe { follow_avx2(core, problem) },
+        };
+        followed.unwrap_or_else(|tried| {
+            let report = self.solve(problem);
+            QpReport { iterations: report.iterations + tried, ..report }
+        })
+    }
+
+    /// Computes for the caches alone what solves compute, cold and warm. The last solution stays.
+    pub(crate) fn rehearse(&mut self, problem: &QpProblem<NX, NU, NR>) {
+        core!(&mut self.0, core => core.set_aside());
+        core::hint::black_box(self.solve(problem));
+        core::hint::black_box(self.solve_warm(problem));
+        core!(&mut self.0, core => core.take_back());
     }
 
     /// Moves the last solution on by one stage, its last stage repeated, as the start of the next
@@ -167,13 +181,32 @@ fn go_on_avx2<const NX: usize, const NU: usize, const NR: usize>(
     core.go_on(problem, report)
 }
 
+/// The warm start in a function of its own, for the same reason.
+#[inline(never)]
+fn follow<const NX: usize, const NU: usize, const NR: usize>(
+    core: &mut Core<Portable, NX, NU, NR>,
+    problem: &QpProblem<NX, NU, NR>,
+) -> Result<QpReport, usize> {
+    core.follow(problem)
+}
+
+/// [`follow`] compiled for these features.
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+fn follow_avx2<const NX: usize, const NU: usize, const NR: usize>(
+    core: &mut Core<Avx2, NX, NU, NR>,
+    problem: &QpProblem<NX, NU, NR>,
+) -> Result<QpReport, usize> {
+    core.follow(problem)
+}
+
 /// The method in a function compiled for these features, into which everything below is inlined.
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 #[target_feature(enable = "avx2,fma")]
 fn solve_avx2<const NX: usize, const NU: usize, const NR: usize>(
     core: &mut Core<Avx2, NX, NU, NR>,
     problem: &QpProblem<NX, NU, NR>,
-    start: Start,
 ) -> QpReport {
-    core.solve_from(problem, start)
+    core.solve(problem)
 }

@@ -45,8 +45,8 @@ pub struct KktResiduals {
 pub struct QpReport {
     /// How it ended.
     pub status: QpStatus,
-    /// Iterations, each one factorization, of all starts and of the method of multipliers together; 0 if the
-    /// unconstrained optimum keeps all bounds.
+    /// Iterations, each one factorization, of all starts, warm ones included, and of the method of multipliers
+    /// together; 0 if no bound is active at the optimum and none was at the last one.
     pub iterations: usize,
     /// Cost of the iterate returned, penalties of soft bounds and rows included, the constant cost of x_0 not.
     pub cost: f64,
@@ -70,7 +70,7 @@ pub struct QpSettings {
     /// Cap on interior-point iterations of each start. A start that closes in on the solution goes on with those of
     /// later ones. Where a start leads nowhere, others follow, and the
     /// method of multipliers last, with as many again: a solve takes at most three times as many iterations
-    /// from a cold start, and four times as many from a warm one.
+    /// from a cold start, and four more from a warm one.
     pub max_iterations: usize,
 }
 

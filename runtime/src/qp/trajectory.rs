@@ -32,6 +32,12 @@ impl<V: Vector> Trajectory<V> {
         self.x.fill(V::zero());
     }
 
+    /// True if all numbers are those of another trajectory.
+    #[inline(always)]
+    pub(super) fn equals(&self, other: &Self) -> bool {
+        flat(&self.u) == flat(&other.u) && flat(&self.x) == flat(&other.x)
+    }
+
     /// `self += length · step`.
     #[inline(always)]
     pub(super) fn advance(&mut self, step: &Self, length: f64) {

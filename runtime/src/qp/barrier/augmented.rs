@@ -1,7 +1,8 @@
 //! Bounds inside the method of multipliers (`interior_point::augmented`): forces that need neither slacks nor
 //! an interior.
 
-use super::super::lanes::Vector;
+use super::super::lanes::{Vector, largest};
+use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::{Side, Softening};
 
@@ -14,13 +15,41 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// `weight` becomes the second derivative of the terms, `rhs` the gradient with their forces.
+    /// Takes the multipliers of another solution, whose variables were `z`, where they tell that a bound was active:
+    /// `λ > c d`. The others become 0.
     #[inline(always)]
-    pub(in crate::qp) fn augment(&self, w: f64, z: &[V], gradient: &[V], weight: &mut [V], rhs: &mut [V]) {
+    pub(in crate::qp) fn recall(&mut self, c: f64, z: &[V], last: &Multipliers<V>) {
+        let c = V::splat(c);
+        for ((sides, z), last) in self.sides.iter_mut().zip(z).zip(last.pairs()) {
+            let distances = [*z - sides[0].bound, sides[1].bound - *z];
+            for ((side, d), l) in sides.iter_mut().zip(distances).zip(*last) {
+                side.multiplier = side.active * V::select_positive(d.mul_neg_add(c, l), l, V::zero());
+            }
+        }
+    }
+
+    /// True if a multiplier is positive.
+    #[inline(always)]
+    pub(in crate::qp) fn is_active(&self) -> bool {
+        let most = self.sides.iter().flatten().fold(V::zero(), |max, side| max.fast_max(side.multiplier));
+        largest(most) > 0.0
+    }
+
+    /// `weight` becomes the second derivative of the terms, `rhs` the gradient with their forces. Which piece of its
+    /// term a bound is on follows from `z`, or if `known` from its multiplier.
+    #[inline(always)]
+    pub(in crate::qp) fn augment(
+        &self,
+        (w, known): (f64, bool),
+        z: &[V],
+        gradient: &[V],
+        weight: &mut [V],
+        rhs: &mut [V],
+    ) {
         let w = V::splat(w);
         for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
-            let [lower, of_lower] = sides[0].augmented(&soft[0], w, z[i] - sides[0].bound);
-            let [upper, of_upper] = sides[1].augmented(&soft[1], w, sides[1].bound - z[i]);
+            let [lower, of_lower] = sides[0].augmented(&soft[0], w, z[i] - sides[0].bound, known);
+            let [upper, of_upper] = sides[1].augmented(&soft[1], w, sides[1].bound - z[i], known);
             weight[i] = of_lower + of_upper;
             rhs[i] = gradient[i] - lower + upper;
         }
@@ -32,8 +61,8 @@ impl<V: Vector> Bounds<V> {
         let (w, length, mut sum) = (V::splat(w), V::splat(length), V::zero());
         for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
             let z = dz[i].mul_add(length, z[i]);
-            let [lower, _] = sides[0].augmented(&soft[0], w, z - sides[0].bound);
-            let [upper, _] = sides[1].augmented(&soft[1], w, sides[1].bound - z);
+            let [lower, _] = sides[0].augmented(&soft[0], w, z - sides[0].bound, false);
+            let [upper, _] = sides[1].augmented(&soft[1], w, sides[1].bound - z, false);
             sum += (upper - lower) * dz[i];
         }
         sum.reduce_add()
@@ -46,7 +75,7 @@ impl<V: Vector> Bounds<V> {
         for (i, (sides, soft)) in self.sides.iter_mut().zip(&self.soft).enumerate() {
             let distances = [z[i] - sides[0].bound, sides[1].bound - z[i]];
             for ((side, soft), d) in sides.iter_mut().zip(soft).zip(distances) {
-                side.multiplier = side.augmented(soft, w, d)[0];
+                side.multiplier = side.augmented(soft, w, d, false)[0];
             }
         }
     }
@@ -57,12 +86,14 @@ impl<V: Vector> Side<V> {
     /// `y = λ − W d` what is positive, and beyond w₁ the share that the violation v = (y − w₁)/(w₂ + W) of a
     /// soft bound leaves, `w₁ + w₂ v`.
     #[inline(always)]
-    fn augmented(&self, soft: &Softening<V>, w: V, d: V) -> [V; 2] {
+    fn augmented(&self, soft: &Softening<V>, w: V, d: V, known: bool) -> [V; 2] {
         let y = d.mul_neg_add(w, self.multiplier);
-        let beyond = soft.active * (y - soft.w1);
+        let piece = if known { self.multiplier } else { y };
+        let beyond = soft.active * (piece - soft.w1);
         let share = soft.w2 / (soft.w2 + w);
-        let force = V::select_positive(beyond, beyond.mul_add(share, soft.w1), y.fast_max(V::zero()));
-        let stiffness = V::select_positive(beyond, share * w, V::select_positive(y, w, V::zero()));
+        let kept = V::select_positive(piece, y, V::zero());
+        let force = V::select_positive(beyond, (y - soft.w1).mul_add(share, soft.w1), kept);
+        let stiffness = V::select_positive(beyond, share * w, V::select_positive(piece, w, V::zero()));
         [self.active * force, self.active * stiffness]
     }
 }

@@ -23,7 +23,6 @@ pub(super) use self::measure::ROUNDING;
 pub(super) use self::side::Tally;
 use self::side::{Side, Softening};
 use super::lanes::Vector;
-use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
@@ -120,16 +119,6 @@ impl<V: Vector> Bounds<V> {
             self.start_as::<true>(z, mu, share, far);
         } else {
             self.start_as::<false>(z, mu, share, far);
-        }
-    }
-
-    /// [`Self::remember_as`], likewise.
-    #[inline(always)]
-    pub(super) fn remember(&mut self, soft: bool, last: &Multipliers<V>, mu: f64) {
-        if soft {
-            self.remember_as::<true>(last, mu);
-        } else {
-            self.remember_as::<false>(last, mu);
         }
     }
 

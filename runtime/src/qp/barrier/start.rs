@@ -1,7 +1,6 @@
 //! Bounds of a problem, and where slacks and multipliers start or start again.
 
 use super::super::lanes::{Vector, WIDTH, flat_mut};
-use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::Softening;
 
@@ -120,25 +119,6 @@ impl<V: Vector> Bounds<V> {
             let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
             lower.start::<SOFT>(soft_lower, [below, least], mu, far);
             upper.start::<SOFT>(soft_upper, [above, least], mu, far);
-        }
-    }
-
-    /// Raises the multipliers of a start to what they were at the last solution.
-    #[inline(always)]
-    pub(super) fn remember_as<const SOFT: bool>(&mut self, last: &Multipliers<V>, mu: f64) {
-        let mu = V::splat(mu);
-        for i in 0..self.sides.len() {
-            let (sides, softs) = (&mut self.sides[i], &mut self.soft[i]);
-            for ((bound, soft), kept) in sides.iter_mut().zip(softs).zip(last.0[i]) {
-                let mut multiplier = bound.multiplier.fast_max(kept);
-                if SOFT {
-                    let hard = V::one() - soft.active;
-                    multiplier =
-                        soft.active * multiplier.fast_min(V::splat(0.9) * soft.w1) + hard * multiplier;
-                    soft.start(multiplier, mu);
-                }
-                bound.multiplier = bound.active * multiplier + (V::one() - bound.active);
-            }
         }
     }
 }

@@ -20,7 +20,6 @@
 use super::super::certificate::Certificate;
 use super::super::core::Core;
 use super::super::lanes::Vector;
-use super::super::ldl::NotPositive;
 use super::super::problem::QpProblem;
 use super::run::CAP_CUT;
 
@@ -52,17 +51,19 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.state_bounds.start_augmented();
         self.equalities.start(None);
         for iteration in 1..=self.settings.max_iterations {
-            if self.augmented_step(w).is_err() {
+            self.augment([w, w], false);
+            if self.riccati.factorize(&self.weight, None, &self.rows).is_err() {
                 w *= CAP_CUT;
                 continue;
             }
+            self.augmented_step();
             let length = self.augmented_length(w);
             self.iterate.advance(&self.step, length);
             self.rows.evaluate(&mut self.iterate);
             if length < 1.0 {
                 continue;
             }
-            let left = self.take_forces(w);
+            let left = self.take_forces([w, w]);
             let certificate = self.certify(problem);
             if certificate.holds() {
                 return (certificate, iteration);
@@ -76,23 +77,27 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         (kept, self.settings.max_iterations)
     }
 
-    /// The Newton step from the iterate; the gradient there stays in memory.
+    /// Gradient and diagonal terms at the iterate, for weights W of inputs and of states; `known` as in
+    /// [`Bounds::augment`](super::super::barrier::Bounds::augment). The cost's own gradient stays in memory.
     #[inline(always)]
-    fn augmented_step(&mut self, w: f64) -> Result<(), NotPositive> {
+    pub(super) fn augment(&mut self, [of_inputs, of_states]: [f64; 2], known: bool) {
         self.rows.evaluate(&mut self.iterate);
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         let (z, g, weight, h) = (&self.iterate, &self.gradient, &mut self.weight, &mut self.rhs);
-        self.input_bounds.augment(w, &z.u, &g.u, &mut weight.u, &mut h.u);
-        self.state_bounds.augment(w, &z.x, &g.x, &mut weight.x, &mut h.x);
+        self.input_bounds.augment((of_inputs, known), &z.u, &g.u, &mut weight.u, &mut h.u);
+        self.state_bounds.augment((of_states, known), &z.x, &g.x, &mut weight.x, &mut h.x);
         self.fixed.weigh(&mut weight.u);
-        self.equalities.cap_weights(w);
+        self.equalities.cap_weights(of_states);
         self.equalities.weigh(&mut weight.x);
         self.equalities.pull(&z.x, &mut h.x);
         self.rows.fold(h);
-        self.riccati.factorize(&self.weight, None, &self.rows)?;
+    }
+
+    /// The Newton step from the iterate.
+    #[inline(always)]
+    pub(super) fn augmented_step(&mut self) {
         self.solve_step();
         self.fixed.hold(&mut self.step.u);
-        Ok(())
     }
 
     /// Length of the step: 1, or less where the cost would rise again before.
@@ -127,10 +132,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// The forces at the iterate as multipliers of it and of the solution. Returns the largest violation of a
     /// hard bound or row.
     #[inline(always)]
-    fn take_forces(&mut self, w: f64) -> f64 {
+    pub(super) fn take_forces(&mut self, [of_inputs, of_states]: [f64; 2]) -> f64 {
         let z = &self.iterate;
-        self.input_bounds.take_forces(w, &z.u);
-        self.state_bounds.take_forces(w, &z.x);
+        self.input_bounds.take_forces(of_inputs, &z.u);
+        self.state_bounds.take_forces(of_states, &z.x);
         self.rhs.clear();
         self.equalities.corrector(&z.x, &self.rhs.x);
         self.equalities.advance(1.0);

@@ -1,7 +1,7 @@
 //! How far an iterate is from the solution, and whether the method still gets closer.
 
 use super::super::certificate::allowed_gap;
-use super::super::core::{Core, Start};
+use super::super::core::Core;
 use super::super::lanes::Vector;
 use super::run::{PATIENCE, Run, State};
 #[cfg(not(feature = "std"))]
@@ -43,7 +43,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         {
             return false;
         }
-        let far = run.iterations == 0 && run.start != Start::Warm && state.residual > FAR;
+        let far = run.iterations == 0 && state.residual > FAR;
         let expected = SLOW.powi(run.iterations as i32);
         far || run.crawl >= PATIENCE
             || run.iterations > 0 && run.iterations.is_multiple_of(3) && run.shrink > expected

@@ -10,6 +10,7 @@
 //! 99 (1998), for the structure of the problem.
 
 mod augmented;
+mod follow;
 mod judge;
 mod run;
 mod start;
@@ -49,23 +50,17 @@ enum Candidate {
 }
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Solves the problem in memory, `soft` if it has soft bounds or rows; from a cold start where a warm one leads
-    /// nowhere. Where its hard state bounds or rows prove out of reach, solves it again with exact penalties in their
+    /// Solves the problem in memory, `soft` if it has soft bounds or rows. Where its hard state bounds or rows prove out of reach, solves it again with exact penalties in their
     /// place.
     #[inline(always)]
     pub(super) fn optimize(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
         soft: bool,
-        start: Start,
     ) -> Result<QpReport, NotPositive> {
-        let (mut soft, mut start, mut iterations) = (soft, start, 0);
-        let starts = if start == Start::Warm { 3 } else { 2 };
-        let most = starts * self.settings.max_iterations;
+        let (mut soft, mut start, mut iterations) = (soft, Start::Cold, 0);
+        let most = 2 * self.settings.max_iterations;
         let mut kept: Option<Certificate> = None;
-        if !self.is_bounded() {
-            start = Start::Cold;
-        }
         loop {
             self.set_out(start)?;
             soft |= start == Start::Relaxed;
@@ -73,7 +68,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             iterations += outcome.iterations;
             let certificate = self.better_of(kept, outcome.certificate);
             start = match start {
-                Start::Warm if !certificate.holds() => Start::Cold,
                 Start::Cold if !outcome.feasible && iterations < most => Start::Relaxed,
                 Start::Cold | Start::Relaxed
                     if !certificate.holds() && certificate.is_finite() && iterations < most =>
@@ -125,14 +119,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Makes the first iterate.
     #[inline(always)]
     fn set_out(&mut self, start: Start) -> Result<(), NotPositive> {
-        if start == Start::Warm {
-            self.iterate.copy_from(&self.solution);
-            self.input_bounds.clip(&mut self.iterate.u);
-            self.fixed.place(&mut self.iterate.u);
-            self.riccati.roll_out(&mut self.iterate, &self.affine);
-            self.rows.evaluate(&mut self.iterate);
-            return Ok(());
-        }
         self.unconstrained()?;
         if start == Start::Relaxed {
             self.soften();
@@ -142,7 +128,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// The status of the solution in memory. No other place calls one solved.
     #[inline(always)]
-    fn status(&mut self, certificate: &Certificate) -> QpStatus {
+    pub(super) fn status(&mut self, certificate: &Certificate) -> QpStatus {
         if !certificate.is_finite() {
             QpStatus::Invalid
         } else if !certificate.holds() {
@@ -175,12 +161,12 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     fn run(&mut self, problem: &QpProblem<NX, NU, NR>, soft: bool, start: Start, budget: usize) -> Outcome {
         let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
         let mut candidate = None;
-        if start != Start::Warm && self.keeps_bounds() {
+        if self.keeps_bounds() {
             self.multipliers[0].clear();
             self.multipliers[1].clear();
             candidate = Some(Candidate::Free);
         } else {
-            self.begin(start, &mut run);
+            self.begin(&mut run);
             if start == Start::Deep && self.settings.max_iterations > 0 {
                 self.restart(&mut run);
             }
@@ -199,7 +185,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                     };
                 }
                 if kind == Candidate::Free {
-                    self.begin(start, &mut run);
+                    self.begin(&mut run);
                 }
                 least = certificate.merit;
                 if certificate.is_inexact() {
@@ -233,9 +219,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         let stalled = self.stalled(&state, run);
         let may_restart = !run.restarted && run.iterations < run.limit;
         if merit.is_finite() && may_restart && (stalled || self.is_slow(&state, run)) {
-            if run.start == Start::Warm {
-                return Some(Candidate::Last);
-            }
             self.restart(run);
             return None;
         }

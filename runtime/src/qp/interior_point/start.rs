@@ -1,6 +1,6 @@
 //! Points from which the method starts, and starts again.
 
-use super::super::core::{Core, Start};
+use super::super::core::Core;
 use super::super::lanes::{Vector, largest};
 use super::super::ldl::NotPositive;
 use super::run::Run;
@@ -8,10 +8,6 @@ use super::run::Run;
 /// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes
 /// fewer iterations than one near the boundary.
 const START_GAP: f64 = 100.0;
-/// The same for a warm start, relative to the cost, with slacks of at least [`WARM_SLACK`] of the distance
-/// between the bounds.
-const WARM_LEVEL: f64 = 1e-5;
-const WARM_SLACK: f64 = 1e-3;
 /// Slacks at the start are at least this share of the distance between the bounds.
 const START_SLACK: f64 = 0.1;
 /// Largest barrier term of the Newton system, relative to the largest weight of the cost.
@@ -39,32 +35,25 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Slacks and multipliers for the first iterate.
     #[inline(always)]
-    pub(super) fn begin(&mut self, start: Start, run: &mut Run) {
-        let warm = start == Start::Warm;
-        let level = if warm { WARM_LEVEL * self.cost().abs() } else { self.excess_energy() };
+    pub(super) fn begin(&mut self, run: &mut Run) {
+        let level = self.excess_energy();
         run.cap = WEIGHT_CAP * self.riccati.largest_weight();
         self.input_bounds.cap_weights(f64::INFINITY);
         self.cap_weights(run.cap);
-        self.equalities.start(warm.then_some(&self.multipliers[1]));
+        self.equalities.start(None);
         run.count = self.input_bounds.count() + self.state_bounds.count();
-        self.set_slacks(level, start, run);
-        if warm {
-            let mu = run.start_gap / run.count.max(1.0);
-            self.input_bounds.remember(false, &self.multipliers[0], mu);
-            self.state_bounds.remember(run.soft, &self.multipliers[1], mu);
-        }
+        self.set_slacks(level, run);
     }
 
     /// Slacks as the iterate has them, and multipliers, for a scale of the cost that keeping the bounds adds.
     #[inline(always)]
-    fn set_slacks(&mut self, level: f64, start: Start, run: &mut Run) {
+    fn set_slacks(&mut self, level: f64, run: &mut Run) {
         let mu = if level > 0.0 { START_GAP * level / run.count.max(1.0) } else { 1.0 };
         run.start_gap = mu * run.count;
         run.shrink = 1.0;
-        let slack = if start == Start::Warm { WARM_SLACK } else { START_SLACK };
         let far = run.restarted;
-        self.input_bounds.start(false, &self.iterate.u, mu, slack, far);
-        self.state_bounds.start(run.soft, &self.iterate.x, mu, slack, far);
+        self.input_bounds.start(false, &self.iterate.u, mu, START_SLACK, far);
+        self.state_bounds.start(run.soft, &self.iterate.x, mu, START_SLACK, far);
     }
 
     /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole
@@ -99,7 +88,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             size *= 1e-3;
         }
         self.equalities.start(None);
-        self.set_slacks(level, Start::Cold, run);
+        self.set_slacks(level, run);
         run.best = (f64::INFINITY, f64::INFINITY);
     }
 
