@@ -4,56 +4,31 @@ use super::row::{Key, Keys, Value, key};
 
 const WEIGHTED: Value = Value::List(&Value::Pair(&[Value::Number, Value::Formula]), None);
 
+#[rustfmt::skip]
 pub(super) static FRICTION: Keys = Keys {
     name: "friction",
     what: "a friction law",
     groups: &[
         LAWS,
-        &[key(
-            "load",
-            Value::Either(&[Value::Number, WEIGHTED]),
-            r#""0.15*tanh(20*v)""#,
-            "friction per unit of load, a formula in `v` and `y` or pairs as in `terms`",
-        )],
+        &[key("load", Value::Either(&[Value::Number, WEIGHTED]), r#""0.15*tanh(20*v)""#, "friction per unit of load, a formula in `v` and `y` or pairs as in `terms`")],
     ],
 };
 
 /// Friction of the shaft of a drive.
+#[rustfmt::skip]
 pub(super) static SHAFT_FRICTION: Keys =
     Keys { name: "shaft_friction", what: "a friction law of a shaft", groups: &[LAWS] };
 
+#[rustfmt::skip]
 static LAWS: &[Key] = &[
-    key("viscous", Value::Formula, "0.4", "viscous friction d v")
-        .unit("N m s/rad or N s/m")
-        .also(&["damping"]),
-    key(
-        "coulomb",
-        Value::Either(&[Value::Formula, Value::Table(&COULOMB)]),
-        "{ value = 0.2, slope = 50 }",
-        "dry friction T sign(v), exactly 0 at rest; smooth as a table with `slope`",
-    )
-    .unit("N m or N")
-    .also(&["static", "dry", "kinetic"]),
-    key(
-        "stribeck",
-        Value::Table(&STRIBECK),
-        "{ a1 = 0.4, a2 = 0.2, a3 = 50, a4 = 0.1, a5 = 20 }",
-        "a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v): more friction at low speeds",
-    ),
-    key(
-        "terms",
-        WEIGHTED,
-        r#"[["v", 0.4], ["tanh(5*v)", 3.9]]"#,
-        "weighted sum of functions of `v` and `y`, as identification writes it",
-    ),
-    key(
-        "law",
-        Value::Number,
-        r#""0.4*v + 0.2*tanh(20*v)""#,
-        "formula in `v` and `y`, split into coefficient · basis if it is linear",
-    ),
+    key("viscous", Value::Formula, "0.4", "viscous friction d v").unit("N m s/rad or N s/m").also(&["damping"]),
+    key("coulomb", Value::Either(&[Value::Formula, Value::Table(&COULOMB)]), "{ value = 0.2, slope = 50 }", "dry friction T sign(v), exactly 0 at rest; smooth as a table with `slope`").unit("N m or N").also(&["static", "dry", "kinetic"]),
+    key("stribeck", Value::Table(&STRIBECK), "{ a1 = 0.4, a2 = 0.2, a3 = 50, a4 = 0.1, a5 = 20 }", "a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v): more friction at low speeds"),
+    key("terms", WEIGHTED, r#"[["v", 0.4], ["tanh(5*v)", 3.9]]"#, "weighted sum of functions of `v` and `y`, as identification writes it"),
+    key("law", Value::Number, r#""0.4*v + 0.2*tanh(20*v)""#, "formula in `v` and `y`, split into coefficient · basis if it is linear"),
 ];
 
+#[rustfmt::skip]
 static COULOMB: Keys = Keys {
     name: "coulomb",
     what: "Coulomb friction",
@@ -61,12 +36,11 @@ static COULOMB: Keys = Keys {
         key("value", Value::Formula, "0.2", "T in both directions").unit("N m or N"),
         key("positive", Value::Formula, "0.4", "friction for v > 0").unit("N m or N"),
         key("negative", Value::Formula, "-0.3", "friction for v < 0").unit("N m or N"),
-        key("slope", Value::Positive, "50", "s of tanh(s v) in place of sign(v)")
-            .unit("s/rad or s/m")
-            .default("the exact sign"),
+        key("slope", Value::Positive, "50", "s of tanh(s v) in place of sign(v)").unit("s/rad or s/m").default("the exact sign"),
     ]],
 };
 
+#[rustfmt::skip]
 static STRIBECK: Keys = Keys {
     name: "stribeck",
     what: "a Stribeck law",
@@ -79,16 +53,13 @@ static STRIBECK: Keys = Keys {
     ]],
 };
 
+#[rustfmt::skip]
 pub(super) static SPRING: Keys = Keys {
     name: "spring",
     what: "a spring",
     groups: &[&[
-        key("stiffness", Value::Formula, "100", "c of −c (y − rest) − d v")
-            .unit("N m/rad or N/m")
-            .default("0"),
+        key("stiffness", Value::Formula, "100", "c of −c (y − rest) − d v").unit("N m/rad or N/m").default("0"),
         key("rest", Value::Formula, "0.2", "position without force").unit("rad or m").default("0"),
-        key("damping", Value::Formula, "2", "d of −c (y − rest) − d v, not negative")
-            .unit("N m s/rad or N s/m")
-            .default("0"),
+        key("damping", Value::Formula, "2", "d of −c (y − rest) − d v, not negative").unit("N m s/rad or N s/m").default("0"),
     ]],
 };

@@ -9,190 +9,59 @@ use super::values::{DESCRIPTION, UNIT, VECTOR};
 
 const NAMES: Value = Value::List(&Value::Name, None);
 
+#[rustfmt::skip]
 pub(crate) static ROBOT: Keys = Keys {
     name: "robot",
     what: "a robot",
     groups: &[&[
         key("name", Value::Name, r#""arm""#, "name of the module").default("the file's"),
-        key(
-            "description",
-            Value::Text,
-            r#""An arm with two joints""#,
-            "text for the documentation, may have several lines",
-        ),
-        key(
-            "urdf",
-            Value::Name,
-            r#""arm.urdf""#,
-            "the URDF that this file extends, a path relative to this file",
-        ),
-        key(
-            "extends",
-            Value::Name,
-            r#""arm.toml""#,
-            "the TOML, URDF or MJCF that this file extends, a path relative to this file",
-        ),
-        key("gravity", VECTOR, "[0, 0, -9.81]", "acceleration in the base frame")
-            .unit("m/s²")
-            .default("[0, 0, -9.81]"),
-        key(
-            "coordinates",
-            NAMES,
-            r#"["shoulder", "elbow"]"#,
-            "names of all moving joints that follow no other, in the wanted order",
-        )
-        .default("the order of the description"),
-        key(
-            "base",
-            Value::Either(&[Value::Name, Value::Table(&BASE)]),
-            r#"{ link = "trunk", type = "floating" }"#,
-            "name of the base link, or a table that lets the base move freely",
-        )
-        .default(r#"`"base"`, or the one link without a joint; fixed"#),
-        key(
-            "held",
-            Value::Names(&Value::Number),
-            r#"{ "finger_*" = 0, gripper = 0.02 }"#,
-            "joints that are held, by names or patterns with `*`; replaces `held` of a joint",
-        )
-        .unit("rad or m"),
-        key(
-            "body",
-            Value::Name,
-            r#""link0""#,
-            "the robot is the tree of this body, out of the scene of an MJCF that is extended",
-        )
-        .default("all bodies"),
-        key(
-            "snap_angles",
-            Value::Positive,
-            "1e-4",
-            "angles within this of a multiple of 90° become that multiple",
-        )
-        .unit("rad")
-        .default("off"),
-        key(
-            "ignore_mimic",
-            Value::Flag,
-            "true",
-            "mimic joints of the URDF or MJCF become coordinates of their own",
-        )
-        .default("false"),
-        key("no_friction", Value::Flag, "true", "leave out damping and friction of the URDF or MJCF")
-            .default("false"),
-        key(
-            "accept_unphysical",
-            Value::Flag,
-            "true",
-            "accept a robot whose mass matrix is not positive definite",
-        )
-        .default("false"),
-        key(
-            "generate",
-            Value::Table(&GENERATE),
-            r#"{ functions = ["inverse_dynamics"] }"#,
-            "the functions to write, and their form",
-        )
-        .default("all functions but those on request"),
-        key(
-            "parameters",
-            Value::Names(&Value::Either(&[Value::Number, Value::Table(&PARAMETER)])),
-            "{ m1 = 2.5 }",
-            "values that stay free in the generated code",
-        ),
-        key(
-            "bodies",
-            Value::List(&Value::Table(&BODY), None),
-            r#"[{ link = "forearm", mass = 2.5 }]"#,
-            "rigid bodies, fixed to links",
-        )
-        .also(&["links", "link", "masses"]),
-        key(
-            "joints",
-            Value::List(&Value::Table(&JOINT), None),
-            r#"[{ name = "elbow", axis = [0, 1, 0] }]"#,
-            "joints",
-        ),
-        key(
-            "drives",
-            Value::List(&Value::Table(&SHARED_DRIVE), None),
-            r#"[{ name = "left", on = { pitch = 1, roll = 1 } }]"#,
-            "drives that act on several joints",
-        )
-        .also(&["motors", "actuators"]),
-        key(
-            "forces",
-            Value::List(&Value::Table(&FORCE), None),
-            r#"[{ between = ["foot", "rod"], input = "cylinder" }]"#,
-            "forces between two frames: springs, cylinders",
-        ),
-        key(
-            "inputs",
-            Value::List(&Value::Table(&INPUT), None),
-            r#"[{ name = "fan", frame = "tip", wrench = [0, 1, 0, 0, 0, 0] }]"#,
-            "inputs that are wrenches at a frame: propellers",
-        ),
-        key(
-            "wrenches",
-            Value::List(&Value::Table(&WRENCH), None),
-            r#"[{ name = "contact", frame = "tip" }]"#,
-            "wrenches that are arguments of functions: contacts",
-        ),
-        key(
-            "frames",
-            Value::List(&Value::Table(&FRAME), None),
-            r#"[{ name = "tool", link = "forearm" }]"#,
-            "named frames, whose poses and Jacobians are generated",
-        ),
+        key("description", Value::Text, r#""An arm with two joints""#, "text for the documentation, may have several lines"),
+        key("urdf", Value::Name, r#""arm.urdf""#, "the URDF that this file extends, a path relative to this file"),
+        key("extends", Value::Name, r#""arm.toml""#, "the TOML, URDF or MJCF that this file extends, a path relative to this file"),
+        key("gravity", VECTOR, "[0, 0, -9.81]", "acceleration in the base frame").unit("m/s²").default("[0, 0, -9.81]"),
+        key("coordinates", NAMES, r#"["shoulder", "elbow"]"#, "names of all moving joints that follow no other, in the wanted order").default("the order of the description"),
+        key("base", Value::Either(&[Value::Name, Value::Table(&BASE)]), r#"{ link = "trunk", type = "floating" }"#, "name of the base link, or a table that lets the base move freely").default(r#"`"base"`, or the one link without a joint; fixed"#),
+        key("held", Value::Names(&Value::Number), r#"{ "finger_*" = 0, gripper = 0.02 }"#, "joints that are held, by names or patterns with `*`; replaces `held` of a joint").unit("rad or m"),
+        key("body", Value::Name, r#""link0""#, "the robot is the tree of this body, out of the scene of an MJCF that is extended").default("all bodies"),
+        key("snap_angles", Value::Positive, "1e-4", "angles within this of a multiple of 90° become that multiple").unit("rad").default("off"),
+        key("ignore_mimic", Value::Flag, "true", "mimic joints of the URDF or MJCF become coordinates of their own").default("false"),
+        key("no_friction", Value::Flag, "true", "leave out damping and friction of the URDF or MJCF").default("false"),
+        key("accept_unphysical", Value::Flag, "true", "accept a robot whose mass matrix is not positive definite").default("false"),
+        key("generate", Value::Table(&GENERATE), r#"{ functions = ["inverse_dynamics"] }"#, "the functions to write, and their form").default("all functions but those on request"),
+        key("parameters", Value::Names(&Value::Either(&[Value::Number, Value::Table(&PARAMETER)])), "{ m1 = 2.5 }", "values that stay free in the generated code"),
+        key("bodies", Value::List(&Value::Table(&BODY), None), r#"[{ link = "forearm", mass = 2.5 }]"#, "rigid bodies, fixed to links").also(&["links", "link", "masses"]),
+        key("joints", Value::List(&Value::Table(&JOINT), None), r#"[{ name = "elbow", axis = [0, 1, 0] }]"#, "joints"),
+        key("drives", Value::List(&Value::Table(&SHARED_DRIVE), None), r#"[{ name = "left", on = { pitch = 1, roll = 1 } }]"#, "drives that act on several joints").also(&["motors", "actuators"]),
+        key("forces", Value::List(&Value::Table(&FORCE), None), r#"[{ between = ["foot", "rod"], input = "cylinder" }]"#, "forces between two frames: springs, cylinders"),
+        key("inputs", Value::List(&Value::Table(&INPUT), None), r#"[{ name = "fan", frame = "tip", wrench = [0, 1, 0, 0, 0, 0] }]"#, "inputs that are wrenches at a frame: propellers"),
+        key("wrenches", Value::List(&Value::Table(&WRENCH), None), r#"[{ name = "contact", frame = "tip" }]"#, "wrenches that are arguments of functions: contacts"),
+        key("frames", Value::List(&Value::Table(&FRAME), None), r#"[{ name = "tool", link = "forearm" }]"#, "named frames, whose poses and Jacobians are generated"),
     ]],
 };
 
+#[rustfmt::skip]
 static BASE: Keys = Keys {
     name: "base",
     what: "the base",
     groups: &[&[
-        key("link", Value::Name, r#""trunk""#, "name of the base link")
-            .default(r#"`"base"`, or the one link without a joint"#),
-        key(
-            "type",
-            Value::Words(&["fixed", "floating"]),
-            r#""floating""#,
-            "the base does not move, or moves freely",
-        )
-        .default(r#"`"fixed"`"#),
+        key("link", Value::Name, r#""trunk""#, "name of the base link").default(r#"`"base"`, or the one link without a joint"#),
+        key("type", Value::Words(&["fixed", "floating"]), r#""floating""#, "the base does not move, or moves freely").default(r#"`"fixed"`"#),
     ]],
 };
 
+#[rustfmt::skip]
 static GENERATE: Keys = Keys {
     name: "generate",
     what: "the choice of functions",
     groups: &[&[
-        key("functions", NAMES, r#"["inverse_dynamics", "linearize"]"#, "functions to write; `frames` are those of all named frames")
-            .default("all but those on request"),
-        key(
-            "lanes",
-            NAMES,
-            r#"["inverse_dynamics"]"#,
-            "functions that are also written over eight states at once",
-        )
-        .default("none"),
-        key(
-            "smooth_sign",
-            Value::Positive,
-            "50",
-            "slope s: `sign(v)` becomes `tanh(s v)` in friction, springs and forces between frames, and `abs(sign(v))` its square",
-        )
-        .default("the exact sign"),
-        key(
-            "substeps",
-            Value::Positive,
-            "2",
-            "Runge–Kutta steps within one period of `step`, from 1 to 1000",
-        )
-        .default("1"),
+        key("functions", NAMES, r#"["inverse_dynamics", "linearize"]"#, "functions to write; `frames` are those of all named frames").default("all but those on request"),
+        key("lanes", NAMES, r#"["inverse_dynamics"]"#, "functions that are also written over eight states at once").default("none"),
+        key("smooth_sign", Value::Positive, "50", "slope s: `sign(v)` becomes `tanh(s v)` in friction, springs and forces between frames, and `abs(sign(v))` its square").default("the exact sign"),
+        key("substeps", Value::Positive, "2", "Runge–Kutta steps within one period of `step`, from 1 to 1000").default("1"),
     ]],
 };
 
+#[rustfmt::skip]
 static PARAMETER: Keys = Keys {
     name: "parameter",
     what: "a parameter",

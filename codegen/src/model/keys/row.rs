@@ -4,6 +4,7 @@
 #[derive(Debug)]
 pub(crate) struct Keys {
     /// Its name in the schema.
+    #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) name: &'static str,
     /// The thing that the table describes, with article: `a joint`.
     pub(crate) what: &'static str,
