@@ -43,7 +43,7 @@ fn generate(robot: &str, functions: &str, folder: &Path) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// What a compiler says; none, with a note, where it is missing.
+/// Messages of a compiler; none, with a note, where it is missing.
 fn compile(folder: &Path, line: &str) -> Option<String> {
     let mut words = line.split(' ');
     let name = words.next().unwrap();
