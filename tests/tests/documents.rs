@@ -193,7 +193,8 @@ fn commands_name_what_exists() {
         "--bench" => exists(format!("benches/{value}.rs")),
         "--test" => exists(format!("tests/{value}.rs")),
         "gelenk" => {
-            ["generate", "check", "export", "inspect", "identify", "report", "new", "--help"].contains(&value)
+            ["generate", "check", "export", "inspect", "identify", "report", "new", "schema", "--help"]
+                .contains(&value)
         }
         "sh" => exists(value.to_owned()),
         _ => true,

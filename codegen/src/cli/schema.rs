@@ -110,7 +110,7 @@ fn types_of(value: &Value) -> &'static [&'static str] {
     }
 }
 
-/// What holds for values of the types besides the keys of tables.
+/// Further keywords for the types of a value, without the keys of tables.
 fn keywords(value: &'static Value, definitions: &mut Map<String, Json>) -> Json {
     let mut of = |entry| self::value(entry, definitions);
     match value {
@@ -129,7 +129,7 @@ fn keywords(value: &'static Value, definitions: &mut Map<String, Json>) -> Json 
     }
 }
 
-/// The example as a list of one value; empty if it is no TOML, which a test excludes.
+/// The example as a list of one value; a test excludes an example that cannot be parsed.
 fn example(row: &Key) -> Json {
     let text = format!("example = {}", row.example);
     let (table, _) = DeTable::parse_recoverable(&text);

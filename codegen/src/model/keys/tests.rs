@@ -5,7 +5,7 @@ use crate::diagnostic::Diagnostic;
 use crate::model::{ReadOptions, from_toml};
 use std::collections::BTreeSet;
 
-/// A table with what stands around it.
+/// A table and the text around it.
 struct Place {
     keys: &'static Keys,
     before: String,
@@ -62,7 +62,7 @@ fn entries<'k>(rows: impl Iterator<Item = &'k Key>) -> Vec<String> {
     rows.map(|row| format!("{} = {}", row.name, row.example)).collect()
 }
 
-/// What the reader says about these entries at a place.
+/// Messages of the reader about these entries at a place.
 fn said(place: &Place, entries: &[String]) -> Vec<Diagnostic> {
     let separator = if place.keys.name == ROBOT.name { "\n" } else { ", " };
     let text = format!("{}{}{}", place.before, entries.join(separator), place.after);
