@@ -114,6 +114,7 @@ extern crate alloc;
 
 pub use gelenk_dynamics::{dynamics, include_model};
 
+pub mod adaptation;
 #[cfg(feature = "std")]
 mod clock;
 pub mod control_loop;

@@ -7,6 +7,8 @@ mod allocations;
 mod methods;
 mod support;
 
+#[path = "adaptation/main.rs"]
+mod adaptation;
 mod allocation;
 mod computed_torque;
 mod dependent_limits;

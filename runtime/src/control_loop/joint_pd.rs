@@ -75,6 +75,14 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         Ok(Self { feed_forward: FeedForward::new(model)?, gains })
     }
 
+    /// Goes on with another model; the gains stay. Allocates nothing if the input matrix is the same.
+    ///
+    /// # Errors
+    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
+        self.feed_forward.set_model(model)
+    }
+
     /// `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)`
     fn restoring_forces(
         &self,

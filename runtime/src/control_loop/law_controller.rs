@@ -52,6 +52,11 @@ where
             age: 0,
         })
     }
+
+    /// The law, to change its model while the robot moves.
+    pub fn law_mut(&mut self) -> &mut L {
+        &mut self.law
+    }
 }
 
 impl<L, R, const N: usize, const M: usize, const NY: usize> Controller<N, M, NY>

@@ -1,0 +1,36 @@
+//! Coverage of the intervals of friction that drifts, and faults: seeded robots with Coulomb friction and stiction.
+//!
+//! ```text
+//! cargo run --release --example warming -- 1000
+//! ```
+
+#[path = "support/faulty.rs"]
+mod faulty;
+#[path = "support/warming.rs"]
+mod warming;
+
+use gelenk_runtime::adaptation::AdaptationSettings;
+
+fn main() {
+    let count = std::env::args().nth(1).and_then(|count| count.parse().ok()).unwrap_or(100);
+    let found = warming::coverage(count, AdaptationSettings::new(warming::PERIOD));
+    let all = found.held.iter().sum::<f64>() / 10.0;
+    println!("{count} joints: 90 % intervals hold {:.1} %", 100.0 * all);
+    println!("  by instant: {:.1?} %", found.held.map(|held| 100.0 * held));
+    println!("  half width over friction {:.1} %", 100.0 * found.width);
+    let [learned, described] = found.errors.map(|error| 100.0 * error);
+    println!("  rms error over friction: learned {learned:.2} %, described {described:.2} %");
+    for (kind, name) in faulty::FAULTS.iter().enumerate() {
+        let outcomes = (kind as u64..count).step_by(faulty::FAULTS.len()).map(faulty::run);
+        let ratios: Vec<f64> = outcomes.map(|one| one.acting / one.described).collect();
+        let (worst, beyond) = (
+            ratios.iter().fold(0.0_f64, |a, b| a.max(*b)),
+            ratios.iter().filter(|ratio| **ratio > 1.05).count(),
+        );
+        println!(
+            "  {name}: error at most {worst:.3} of the described law's, above 1.05 in {beyond} of {} runs",
+            ratios.len()
+        );
+    }
+    println!("  the learned law acts at {:.1} % of the instants", 100.0 * found.learned);
+}

@@ -1,0 +1,192 @@
+//! Kalman filters of the terms for several rates of drift, averaged.
+
+use super::correlation::Correlation;
+use super::law::{TERMS, dot, product};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
+
+/// Weight of the first noise, in samples.
+const FIRST_WEIGHT: f64 = 5.0;
+/// Number of rates of drift.
+pub(super) const RATES: usize = 3;
+
+/// Mean and covariance of the terms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Gaussian {
+    pub mean: [f64; TERMS],
+    pub covariance: [[f64; TERMS]; TERMS],
+}
+
+impl Gaussian {
+    /// N(0, diag(variances)).
+    pub(super) fn prior(variances: &[f64; TERMS]) -> Self {
+        let row = |i: usize| core::array::from_fn(|j| if i == j { variances[i] } else { 0.0 });
+        Self { mean: [0.0; TERMS], covariance: core::array::from_fn(row) }
+    }
+
+    /// `δ ← δ + N(0, share · V)`. No variance exceeds that of the prior V: rows and columns are scaled, so the covariance stays
+    /// positive semidefinite.
+    fn widen(&mut self, share: f64, prior: &[f64; TERMS]) {
+        for i in 0..TERMS {
+            let wider = self.covariance[i][i] + share * prior[i];
+            self.covariance[i][i] = wider;
+            if wider > prior[i] {
+                let factor = (prior[i] / wider).sqrt();
+                for j in 0..TERMS {
+                    self.covariance[i][j] *= factor;
+                    self.covariance[j][i] *= factor;
+                }
+            }
+        }
+    }
+
+    /// Variance of `φᵀ δ`.
+    pub(super) fn variance(&self, phi: &[f64; TERMS]) -> f64 {
+        dot(&product(&self.covariance, phi), phi).max(0.0)
+    }
+
+    /// Takes `φᵀ δ + N(0, noise)`, measured with the error `error` of the prediction.
+    fn update(&mut self, phi: &[f64; TERMS], error: f64, noise: f64) {
+        let direction = product(&self.covariance, phi);
+        let total = dot(&direction, phi).max(0.0) + noise;
+        for i in 0..TERMS {
+            self.mean[i] += direction[i] * error / total;
+            for j in 0..=i {
+                let value = self.covariance[i][j] - direction[i] * direction[j] / total;
+                self.covariance[i][j] = value;
+                self.covariance[j][i] = value;
+            }
+        }
+    }
+}
+
+/// A sample of the filtered torque that the described law does not explain.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub phi: [f64; TERMS],
+    pub torque: f64,
+    /// Position, as a share of the range of the cells.
+    pub share: f64,
+    pub forwards: bool,
+}
+
+/// The filter of one rate of drift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Track {
+    pub state: Gaussian,
+    /// Logarithm of the weight; that of the likeliest filter is 0.
+    pub weight: f64,
+    pub correlation: Correlation,
+    /// Number of correlated samples that count as one.
+    pub correlated: f64,
+}
+
+/// One filter for each rate of drift.
+///
+/// The terms are a random walk, δ(t + dt) = δ(t) + N(0, V dt/T), with the prior's variances V. T, the time in which a change as
+/// large as the prior is expected, is not known. Each of several values has a filter, and their weights follow from their
+/// predictions (dynamic model averaging, Raftery, Kárný, Ettler, *Technometrics* 52, 2010):
+///
+/// ```text
+///     w_l ∝ w_l^α p_l(r)^(1/c)        p_l(r) = N(r; φᵀ δ_l, S_l)        S_l = φᵀ P_l φ + σ²
+/// ```
+///
+/// with 1 − α the interval between samples over the memory. All share the variance σ² of the noise, which follows from the errors e,
+/// `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian Forecasting and Dynamic Models*, 1997, section 10.8): with a
+/// variance of its own, the fastest filter would take noise for drift. Each filter learns from its residuals the number c_l of
+/// correlated samples that count as one, and takes c_l σ² for the variance of the noise. One that lags behind has correlated residuals
+/// and must not slow down the others; c is the least c_l. In directions that φ does not excite, the mean of a filter stays, and the
+/// covariance grows with the drift: nothing is forgotten without a replacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bank {
+    pub tracks: [Track; RATES],
+    /// Variance of the noise, and its weight in samples.
+    pub noise: f64,
+    pub taken: f64,
+}
+
+impl Bank {
+    /// - `noise`: first variance of the noise
+    pub(super) fn new(prior: &[f64; TERMS], noise: f64) -> Self {
+        let (state, correlation) = (Gaussian::prior(prior), Correlation::NEW);
+        let track = Track { state, weight: 0.0, correlation, correlated: 1.0 };
+        Self { tracks: [track; RATES], noise, taken: FIRST_WEIGHT }
+    }
+
+    /// Lets `dt` (s) go by.
+    ///
+    /// - `times`: T of each filter (s)
+    pub(super) fn drift(&mut self, dt: f64, times: &[f64; RATES], prior: &[f64; TERMS]) {
+        for (track, time) in self.tracks.iter_mut().zip(times) {
+            track.state.widen(dt / time, prior);
+        }
+    }
+
+    /// Widens all filters by a share of the prior.
+    pub(super) fn widen(&mut self, share: f64, prior: &[f64; TERMS]) {
+        self.tracks.iter_mut().for_each(|track| track.state.widen(share, prior));
+    }
+
+    /// The next sample is no neighbour of the last.
+    pub(super) fn pause(&mut self) {
+        self.tracks.iter_mut().for_each(|track| track.correlation.last = 0.0);
+    }
+
+    /// Takes a sample.
+    ///
+    /// - `forgetting`: α
+    /// - `least`: variance of the noise
+    pub(super) fn update(&mut self, sample: &Sample, forgetting: f64, least: f64) {
+        self.taken = forgetting * self.taken + 1.0;
+        let correlated = self.correlated();
+        let weights = self.weights();
+        let mut ratios = 0.0;
+        for (track, weight) in self.tracks.iter_mut().zip(weights) {
+            let error = sample.torque - dot(&sample.phi, &track.state.mean);
+            let variance = track.state.variance(&sample.phi) + self.noise;
+            let ratio = error * error / variance;
+            ratios += weight * ratio;
+            track.weight = forgetting * track.weight - 0.5 * (variance.ln() + ratio) / correlated;
+            track.state.update(&sample.phi, error, self.noise * track.correlated);
+            let residual = sample.torque - dot(&sample.phi, &track.state.mean);
+            track.correlated = track.correlation.take(residual, sample.share, sample.forwards, forgetting);
+        }
+        self.noise = (self.noise * (1.0 + (ratios - 1.0) / self.taken)).max(least);
+        let largest = self.tracks.iter().fold(f64::NEG_INFINITY, |largest, track| largest.max(track.weight));
+        self.tracks.iter_mut().for_each(|track| track.weight -= largest);
+    }
+
+    /// Least number of correlated samples that count as one.
+    pub(super) fn correlated(&self) -> f64 {
+        self.tracks.iter().fold(f64::INFINITY, |least, track| least.min(track.correlated))
+    }
+
+    /// Mean and covariance over the filters.
+    pub(super) fn average(&self) -> Gaussian {
+        average(&self.tracks.map(|track| track.state), &self.tracks.map(|track| track.weight))
+    }
+
+    fn weights(&self) -> [f64; RATES] {
+        let weights = self.tracks.map(|track| track.weight.exp());
+        let sum: f64 = weights.iter().sum();
+        weights.map(|weight| weight / sum)
+    }
+}
+
+/// Mean and covariance of a mixture.
+///
+/// - `logarithms`: of the weights, which need not sum to 1
+pub(super) fn average<const L: usize>(parts: &[Gaussian; L], logarithms: &[f64; L]) -> Gaussian {
+    let largest = logarithms.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+    let weights = logarithms.map(|w| (w - largest).exp());
+    let sum: f64 = weights.iter().sum();
+    let weights = weights.map(|w| w / sum);
+    let mean: [f64; TERMS] =
+        core::array::from_fn(|i| parts.iter().zip(&weights).map(|(part, w)| w * part.mean[i]).sum());
+    let covariance = |i: usize, j: usize| {
+        let of_part =
+            |part: &Gaussian| part.covariance[i][j] + (part.mean[i] - mean[i]) * (part.mean[j] - mean[j]);
+        parts.iter().zip(&weights).map(|(part, w)| w * of_part(part)).sum()
+    };
+    Gaussian { mean, covariance: core::array::from_fn(|i| core::array::from_fn(|j| covariance(i, j))) }
+}

@@ -1,0 +1,185 @@
+//! A controller whose model follows the learned friction.
+
+use super::estimator::{Adaptation, DescribedForces, Measured};
+use super::model::LearnedFriction;
+use super::settings::{AdaptationError, AdaptationSettings};
+use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate, FeedForwardPd};
+use crate::dynamics::Dynamics;
+use crate::feed_forward::FeedForwardError;
+#[cfg(feature = "std")]
+use crate::mpc::{LtvMpc, Nmpc};
+use crate::trajectory::Trajectory;
+
+/// A controller that goes on with another model without a new start.
+pub trait TakesModel<D> {
+    /// Goes on with `model` from the next step on; estimate and plan stay. Allocates nothing if the input matrix is the same.
+    ///
+    /// # Errors
+    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    fn take_model(&mut self, model: D) -> Result<(), FeedForwardError>;
+}
+
+macro_rules! takes_model {
+    ($($controller:ident),*) => {$(
+        #[cfg(feature = "std")]
+        impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize> TakesModel<D>
+            for $controller<D, T, N, M, NX, NR>
+        where
+            D: crate::dynamics::Discretizable<N, M>,
+            T: Trajectory<N>,
+        {
+            fn take_model(&mut self, model: D) -> Result<(), FeedForwardError> {
+                self.set_model(model)
+            }
+        }
+    )*};
+}
+takes_model!(LtvMpc, Nmpc);
+
+impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize> TakesModel<D>
+    for FeedForwardPd<D, R, N, M>
+{
+    fn take_model(&mut self, model: D) -> Result<(), FeedForwardError> {
+        self.law_mut().set_model(model)
+    }
+}
+
+/// Where the torques of a sample come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TorqueSource {
+    /// B u of the inputs that the loop wrote.
+    #[default]
+    Inputs,
+    /// Torques that the robot measures; periods without them are left out.
+    Measured,
+}
+
+/// A controller with a model whose friction is learned while the robot moves.
+///
+/// It is an option of the loop: whoever does not wrap a controller learns nothing. Before each step of the inner controller, the
+/// estimator takes the last measurement, and the model takes the laws that act. They change with the time constant
+/// [`AdaptationSettings::blending`], so the input has no jump.
+///
+/// ```
+/// use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive};
+/// use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
+/// use gelenk_runtime::trajectory::RestToRest;
+///
+/// gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
+///
+/// let motion = RestToRest::new([0.0, 0.0], [0.2, -0.1], 1.0)?;
+/// let adaptive = Adaptive::new(PowerCube, AdaptationSettings::new(0.02), |robot| {
+///     let options = MpcOptions::new(&robot, 0.02, 20);
+///     LtvMpc::new(robot, motion, options)
+/// })??;
+/// assert!(adaptive.adaptation().states()[0].is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Adaptive<C, D, const N: usize, const M: usize> {
+    inner: C,
+    robot: LearnedFriction<D, N, M>,
+    adaptation: Adaptation<N>,
+    source: TorqueSource,
+    matrix: [[f64; M]; N],
+    limits: [[f64; 2]; M],
+}
+
+impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D, N, M> {
+    /// The controller that `make` makes of the robot.
+    ///
+    /// # Errors
+    /// [`AdaptationError`]; the inner result is that of `make`.
+    pub fn new<E>(
+        robot: D,
+        settings: AdaptationSettings,
+        make: impl FnOnce(LearnedFriction<D, N, M>) -> Result<C, E>,
+    ) -> Result<Result<Self, E>, AdaptationError> {
+        let adaptation = Adaptation::for_robot(&robot, settings)?;
+        let (matrix, limits) = (robot.drive_matrix(), robot.input_limits().peak);
+        let robot = LearnedFriction::new(robot, &adaptation)?;
+        let source = TorqueSource::default();
+        Ok(make(robot.clone()).map(|inner| Self { inner, robot, adaptation, source, matrix, limits }))
+    }
+
+    /// Takes torques from this source.
+    #[must_use]
+    pub fn with_torques(self, source: TorqueSource) -> Self {
+        Self { source, ..self }
+    }
+
+    /// The estimator.
+    pub fn adaptation(&self) -> &Adaptation<N> {
+        &self.adaptation
+    }
+
+    /// The estimator, to restore what was learned before.
+    pub fn adaptation_mut(&mut self) -> &mut Adaptation<N> {
+        &mut self.adaptation
+    }
+
+    /// The controller.
+    pub fn inner(&self) -> &C {
+        &self.inner
+    }
+
+    /// The controller, which then steps without learning.
+    pub fn inner_mut(&mut self) -> &mut C {
+        &mut self.inner
+    }
+
+    /// The robot with the laws that act.
+    #[must_use]
+    pub fn robot(&self) -> LearnedFriction<D, N, M> {
+        self.robot.clone().with_laws(&self.adaptation)
+    }
+
+    fn learn(&mut self, cycle: &Cycle<N, M>) {
+        let of_inputs = |row: &[f64; M]| row.iter().zip(&cycle.last_inputs).map(|(b, u)| b * u).sum();
+        let torques = match self.source {
+            TorqueSource::Inputs => Some(self.matrix.each_ref().map(of_inputs)),
+            TorqueSource::Measured => cycle.torques,
+        };
+        let at_limit = |j: usize| {
+            let [low, high] = self.limits[j];
+            cycle.last_inputs[j] <= low || cycle.last_inputs[j] >= high
+        };
+        let measured = Measured {
+            positions: cycle.positions.filter(|_| torques.is_some()),
+            torques: torques.unwrap_or([0.0; N]),
+            saturated: core::array::from_fn(|i| (0..M).any(|j| self.matrix[i][j] != 0.0 && at_limit(j))),
+            periods: cycle.periods,
+        };
+        let robot = self.robot.robot();
+        self.adaptation.step(&measured, |y, v, a| DescribedForces::of(robot, y, v, a));
+    }
+}
+
+impl<C, D, const N: usize, const M: usize> Controller<N, M> for Adaptive<C, D, N, M>
+where
+    D: Dynamics<N, M> + Clone,
+    C: Controller<N, M> + TakesModel<LearnedFriction<D, N, M>>,
+{
+    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+        self.adaptation.restart();
+        self.inner.reset(positions, inputs);
+    }
+
+    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+        self.learn(cycle);
+        self.inner.take_model(self.robot()).map_err(|_| ControllerFault::NotFinite)?;
+        self.inner.step(cycle)
+    }
+
+    fn planned(&self, periods: u32) -> Option<[f64; M]> {
+        self.inner.planned(periods)
+    }
+
+    fn estimate(&self) -> Option<Estimate<N>> {
+        self.inner.estimate()
+    }
+
+    fn warm_up(&mut self, next: &Cycle<N, M>) {
+        self.inner.warm_up(next);
+    }
+}

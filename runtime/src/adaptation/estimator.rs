@@ -1,0 +1,323 @@
+//! Recursive estimation of all joints.
+
+use super::filter::Window;
+use super::joint::{Derived, Instant, Joint};
+use super::law::{JointScale, TERMS, root, terms};
+use super::settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
+use super::trust::Trust;
+use crate::dynamics::Dynamics;
+
+/// What a period brought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured<const N: usize> {
+    /// Positions [rad or m]; `None` if nothing believable arrived.
+    pub positions: Option<[f64; N]>,
+    /// Torques of the drives at the joints over the period before [N m or N].
+    pub torques: [f64; N],
+    /// Tells of each joint whether its torque was at a limit: what the drive made then is not known.
+    pub saturated: [bool; N],
+    /// Periods since the last call.
+    pub periods: u32,
+}
+
+/// Torques of the described robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DescribedForces<const N: usize> {
+    /// Inverse dynamics with friction [N m or N].
+    pub forces: [f64; N],
+    /// Friction in it.
+    pub friction: [f64; N],
+}
+
+impl<const N: usize> DescribedForces<N> {
+    /// Of a robot at positions y, velocities v and accelerations a.
+    pub fn of<const M: usize>(robot: &impl Dynamics<N, M>, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> Self {
+        Self { forces: robot.inverse_dynamics(y, v, a), friction: robot.friction_torques(y, v) }
+    }
+}
+
+/// The law of a joint at one time, for logs and figures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointState {
+    /// δ of the learned law, see [`terms`].
+    pub learned: [f64; TERMS],
+    /// Half of the 90 % interval of each term.
+    pub half_widths: [f64; TERMS],
+    /// Tells of each term whether the data have shown more than the prior. The others are frozen.
+    pub is_excited: [bool; TERMS],
+    /// δ of the law that acts.
+    pub acting: [f64; TERMS],
+    /// Which law acts.
+    pub trust: Trust,
+    /// Time since which it does (s).
+    pub since: f64,
+    /// Root mean square of the one-step prediction errors, described and learned [N m or N]; NaN before the first sample.
+    pub errors: [f64; 2],
+    /// Standard deviation of the noise of a sample [N m or N].
+    pub noise: f64,
+    /// Number of correlated samples that count as one.
+    pub correlated: f64,
+    /// False at rest, after a reversal and in saturation: nothing is learned then.
+    pub is_learning: bool,
+}
+
+/// Recursive estimator of the friction of a robot with N joints; see the [module](super).
+///
+/// A joint without an input of its own is not learned: its law stays the described one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adaptation<const N: usize> {
+    pub(super) settings: AdaptationSettings,
+    pub(super) scales: [Option<JointScale>; N],
+    pub(super) derived: [Option<Derived>; N],
+    pub(super) joints: [Option<Joint>; N],
+    window: Window<N>,
+    /// Torques of the last periods, the newest first.
+    torques: [[f64; N]; MOST_DELAY + 1],
+    saturated: [[bool; N]; MOST_DELAY + 1],
+    pub(super) periods: f64,
+    pub(super) fingerprint: u64,
+}
+
+impl<const N: usize> Adaptation<N> {
+    /// The estimator of a robot with described limits.
+    ///
+    /// # Errors
+    /// [`AdaptationError::Scale`] for a joint whose magnitudes are not described, [`AdaptationError::Setting`].
+    pub fn for_robot<const M: usize>(
+        robot: &impl Dynamics<N, M>,
+        settings: AdaptationSettings,
+    ) -> Result<Self, AdaptationError> {
+        let (limits, inputs) = (robot.limits(), robot.drive_matrix());
+        let names = robot.joint_names();
+        let mut scales = [None; N];
+        for i in 0..N {
+            if inputs[i].iter().any(|b| *b != 0.0) {
+                let friction = |v: &[f64; N]| robot.friction_torques(&robot.neutral(), v)[i];
+                let magnitudes = Magnitudes {
+                    speed: limits.velocity[i],
+                    effort: limits.effort[i],
+                    range: limits.position[i][1] - limits.position[i][0],
+                };
+                scales[i] =
+                    Some(magnitudes.scale(i, friction).ok_or(AdaptationError::Scale { name: names[i] })?);
+            }
+        }
+        Self::new(scales, settings, |y, v, a| DescribedForces::of(robot, y, v, a))
+    }
+
+    /// The estimator of joints with these magnitudes; `None` for joints that are not learned.
+    ///
+    /// - `described`: forces of the described robot, of which the saved state keeps a fingerprint
+    ///
+    /// # Errors
+    /// [`AdaptationError::Setting`].
+    pub fn new(
+        scales: [Option<JointScale>; N],
+        settings: AdaptationSettings,
+        described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
+    ) -> Result<Self, AdaptationError> {
+        settings.check()?;
+        let derived = scales.map(|scale| scale.map(|scale| Derived::new(&settings, &scale)));
+        let joint = |i: usize| derived[i].zip(scales[i]).map(|(derived, scale)| Joint::new(&derived, &scale));
+        let of = |unit: f64| core::array::from_fn(|i| unit / (i + 1) as f64);
+        Ok(Self {
+            settings,
+            scales,
+            derived,
+            joints: core::array::from_fn(joint),
+            window: Window::EMPTY,
+            torques: [[0.0; N]; MOST_DELAY + 1],
+            saturated: [[false; N]; MOST_DELAY + 1],
+            periods: 0.0,
+            fingerprint: fingerprint(&described(&of(0.7), &of(0.3), &of(0.5))),
+        })
+    }
+
+    /// Settings.
+    #[must_use]
+    pub fn settings(&self) -> &AdaptationSettings {
+        &self.settings
+    }
+
+    /// Magnitudes of the joints.
+    #[must_use]
+    pub fn scales(&self) -> &[Option<JointScale>; N] {
+        &self.scales
+    }
+
+    /// Forgets motion and torques of the last periods, but not what was learned.
+    pub fn restart(&mut self) {
+        self.window.clear();
+        self.periods = 0.0;
+        for (joint, derived) in self.joints.iter_mut().zip(&self.derived) {
+            if let (Some(joint), Some(derived)) = (joint, derived) {
+                joint.pause(derived);
+                joint.since = 0.0;
+            }
+        }
+    }
+
+    /// Goes on by a period. Allocates nothing.
+    ///
+    /// The sample is that of one period ago, since central differences need the positions on both sides.
+    ///
+    /// - `described`: forces of the described robot, called once at most
+    pub fn step(
+        &mut self,
+        measured: &Measured<N>,
+        described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
+    ) {
+        self.periods += f64::from(measured.periods);
+        self.torques.rotate_right(1);
+        self.saturated.rotate_right(1);
+        (self.torques[0], self.saturated[0]) = (measured.torques, measured.saturated);
+        match &measured.positions {
+            Some(positions) if measured.periods <= 1 => {
+                self.window.push(positions, &self.torques[self.settings.delay]);
+            }
+            Some(positions) => {
+                self.window.clear();
+                self.window.push(positions, &self.torques[self.settings.delay]);
+            }
+            None => self.window.clear(),
+        }
+        let instants = self.instants(described);
+        let time = self.periods * self.settings.period;
+        for i in 0..N {
+            if let (Some(joint), Some(derived), Some(scale)) =
+                (&mut self.joints[i], &self.derived[i], &self.scales[i])
+            {
+                joint.step((&self.settings, derived, scale), instants.as_ref().map(|all| &all[i]), time);
+            }
+        }
+    }
+
+    /// Motion and unexplained torque of all joints one period ago, if they are finite and possible.
+    fn instants(
+        &self,
+        described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
+    ) -> Option<[Instant; N]> {
+        let [y, v, a, torques] = self.window.middle(self.settings.period)?;
+        let possible = |i: usize| self.scales[i].is_none_or(|scale| v[i].abs() <= 2.0 * scale.speed);
+        if !(0..N).all(possible) {
+            return None;
+        }
+        let DescribedForces { forces, friction } = described(&y, &v, &a);
+        let delay = self.settings.delay;
+        let instant = |i: usize| Instant {
+            position: y[i],
+            velocity: v[i],
+            friction: friction[i],
+            applied: torques[i],
+            torque: torques[i] - forces[i],
+            is_exact: !(self.saturated[delay][i] || self.saturated[(delay + 1).min(MOST_DELAY)][i]),
+        };
+        let instants: [Instant; N] = core::array::from_fn(instant);
+        let finite = |instant: &Instant| instant.torque.is_finite() && instant.friction.is_finite();
+        instants.iter().all(finite).then_some(instants)
+    }
+
+    /// State of each joint; `None` for joints that are not learned.
+    #[must_use]
+    pub fn states(&self) -> [Option<JointState>; N] {
+        core::array::from_fn(|i| {
+            let (joint, derived) = (self.joints[i].as_ref()?, self.derived[i].as_ref()?);
+            Some(JointState {
+                learned: joint.law.mean,
+                half_widths: joint.term_half_widths(),
+                is_excited: core::array::from_fn(|k| joint.law.covariance[k][k] < 0.5 * derived.unknown[k]),
+                acting: joint.acting,
+                trust: joint.trust,
+                since: joint.since,
+                errors: joint.comparison.errors(),
+                noise: root(joint.bank.noise),
+                correlated: joint.bank.correlated(),
+                is_learning: joint.settling == 0,
+            })
+        })
+    }
+
+    /// δ of the law that acts, joint by joint; zero for joints that are not learned.
+    #[must_use]
+    pub fn acting(&self) -> [[f64; TERMS]; N] {
+        self.joints.map(|joint| joint.map_or([0.0; TERMS], |joint| joint.acting))
+    }
+
+    /// Learned friction of a joint at velocity `v`, with the offset, and half of its 90 % interval [N m or N]; `None` for joints that
+    /// are not learned.
+    ///
+    /// - `described`: its described friction there
+    #[must_use]
+    pub fn friction(&self, joint: usize, described: f64, v: f64) -> Option<[f64; 2]> {
+        let (state, scale) = (self.joints[joint].as_ref()?, self.scales[joint].as_ref()?);
+        let derived = self.derived[joint].as_ref()?;
+        let phi = terms(scale.shape(described, v, derived.rest), v);
+        let mean: f64 = phi.iter().zip(&state.law.mean).map(|(phi, delta)| phi * delta).sum();
+        Some([described + mean, state.half_width(&phi)])
+    }
+
+    /// Speed of rest of a joint [rad/s or m/s]; 0 for joints that are not learned.
+    #[must_use]
+    pub fn rest(&self, joint: usize) -> f64 {
+        self.derived[joint].map_or(0.0, |derived| derived.rest)
+    }
+}
+
+/// Magnitudes of a joint that limits or data give.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Magnitudes {
+    /// Largest speed [rad/s or m/s].
+    pub speed: f64,
+    /// Largest effort [N m or N]; infinite if unknown.
+    pub effort: f64,
+    /// Width of the range of positions [rad or m]; infinite if unlimited.
+    pub range: f64,
+}
+
+/// Friction at the largest speed, as a share of the effort, of joints without described friction.
+const USUAL: f64 = 0.1;
+
+impl Magnitudes {
+    /// The scale of joint `joint`; `None` if speed or torque is unknown.
+    ///
+    /// - `friction`: described friction of the joint at velocities of all joints
+    #[must_use]
+    pub fn scale<const N: usize>(
+        &self,
+        joint: usize,
+        friction: impl Fn(&[f64; N]) -> f64,
+    ) -> Option<JointScale> {
+        const STEPS: i32 = 64;
+        let at = |v: f64| {
+            let mut velocities = [0.0; N];
+            velocities[joint] = v;
+            friction(&velocities).abs()
+        };
+        let described = at(self.speed).max(at(-self.speed));
+        let torque = if described > 0.0 { described } else { USUAL * self.effort };
+        let possible = [self.speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
+        let slope = |k: i32| {
+            let v = 2.0 * self.speed * f64::from(k) / f64::from(STEPS);
+            at(v).min(at(-v)) / v
+        };
+        let least = (1..=STEPS).map(slope).fold(f64::INFINITY, f64::min);
+        possible.then_some(JointScale {
+            torque,
+            speed: self.speed,
+            least_slope: if described > 0.0 { least } else { 0.0 },
+            range: if self.range.is_finite() && self.range > 0.0 {
+                self.range
+            } else {
+                core::f64::consts::TAU
+            },
+            is_described: described > 0.0,
+        })
+    }
+}
+
+/// FNV-1a over the bits of forces.
+fn fingerprint<const N: usize>(forces: &DescribedForces<N>) -> u64 {
+    let numbers = forces.forces.iter().chain(&forces.friction);
+    let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}

@@ -1,0 +1,78 @@
+//! The causal filter of torques and regressors, and the motion of one instant.
+
+use super::law::TERMS;
+
+/// Number of filtered signals: the terms, the torque that the described law does not explain, and the applied torque.
+pub(super) const SIGNALS: usize = TERMS + 2;
+
+/// Two equal poles, 1/(τ s + 1)², in discrete time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LowPass {
+    pub states: [[f64; SIGNALS]; 2],
+}
+
+impl LowPass {
+    pub(super) const ZERO: Self = Self { states: [[0.0; SIGNALS]; 2] };
+
+    /// Filters one sample of all signals.
+    ///
+    /// - `weight`: of the new sample, T/(T + τ)
+    pub(super) fn take(&mut self, signals: &[f64; SIGNALS], weight: f64) -> [f64; SIGNALS] {
+        let [first, second] = &mut self.states;
+        for i in 0..SIGNALS {
+            first[i] += weight * (signals[i] - first[i]);
+            second[i] += weight * (first[i] - second[i]);
+        }
+        *second
+    }
+}
+
+/// The last three measurements of all joints.
+///
+/// At the middle one, the velocity is the central difference and the acceleration the second difference of the positions. The
+/// filtered torque of the inertia, `L[M (v⁺ − v⁻)/T]` with the mean velocities v⁻ and v⁺ of two periods, is the momentum form of
+/// Slotine and Li (*Int. J. Robotics Research* 6, 1987) in discrete time: by the product rule of differences,
+///
+/// ```text
+///     M_k (v⁺ − v⁻) = (M⁺ v⁺ − M⁻ v⁻) − (M⁺ − M⁻) v        M⁺, M⁻ half a period later and earlier, up to O(T³)
+/// ```
+///
+/// so L takes differences of the momentum, of which only as much passes as the band of L has, and Ṁ is not needed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Window<const N: usize> {
+    positions: [[f64; N]; 3],
+    torques: [[f64; N]; 2],
+    /// Consecutive measurements.
+    length: usize,
+}
+
+impl<const N: usize> Window<N> {
+    pub(super) const EMPTY: Self = Self { positions: [[0.0; N]; 3], torques: [[0.0; N]; 2], length: 0 };
+
+    pub(super) fn clear(&mut self) {
+        self.length = 0;
+    }
+
+    /// Takes a measurement and the torques of the period before it.
+    pub(super) fn push(&mut self, positions: &[f64; N], torques: &[f64; N]) {
+        self.positions = [self.positions[1], self.positions[2], *positions];
+        self.torques = [self.torques[1], *torques];
+        self.length = (self.length + 1).min(3);
+    }
+
+    /// Positions, velocities, accelerations and torques one period ago; `None` after fewer than three measurements.
+    pub(super) fn middle(&self, period: f64) -> Option<[[f64; N]; 4]> {
+        let [before, middle, after] = &self.positions;
+        let [first, second] = &self.torques;
+        (self.length == 3).then(|| {
+            [
+                *middle,
+                core::array::from_fn(|i| (after[i] - before[i]) / (2.0 * period)),
+                core::array::from_fn(|i| {
+                    ((after[i] - middle[i]) - (middle[i] - before[i])) / (period * period)
+                }),
+                core::array::from_fn(|i| 0.5 * (first[i] + second[i])),
+            ]
+        })
+    }
+}

@@ -1,0 +1,234 @@
+//! Recursive estimation of one joint.
+
+use super::bank::{Bank, Gaussian, Sample};
+use super::filter::LowPass;
+use super::law::{JointScale, TERMS, dot, root, terms};
+use super::nested::averaged;
+use super::settings::AdaptationSettings;
+use super::trust::{Comparison, Trust};
+
+/// Standard deviations beyond which a residual is not explained by the law and its noise.
+const GATE: f64 = 4.0;
+/// Standard deviation of the noise before the first sample, as a share of the friction at the largest speed.
+const FIRST_NOISE: f64 = 0.1;
+/// Least variance of the noise, as a share of the square of the same friction: that of numbers with seven digits.
+const LEAST_NOISE: f64 = 1e-14;
+/// Time constants of the filter after which it has forgotten: 1 − (1 + x) e⁻ˣ = 0.96 of a step has arrived.
+const SETTLED: f64 = 5.0;
+/// Equal torques in a row, bit for bit, from which on a sensor is stuck or at the end of its range.
+const REPEATED: u32 = 5;
+/// Time constants of the filter between samples.
+const STRIDE: f64 = 3.0;
+/// Two-sided 90 % quantile of the normal distribution.
+const QUANTILE: f64 = 1.645;
+
+/// Numbers of the settings for one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Derived {
+    pub bounds: [f64; TERMS],
+    pub prior: [f64; TERMS],
+    /// Variances of the terms before the first sample, over the nested laws.
+    pub unknown: [f64; TERMS],
+    /// Weight of a new sample in the filter.
+    pub weight: f64,
+    /// Weight of the learned law in the acting one, each period.
+    pub blend: f64,
+    /// Periods between samples, and until the filter has forgotten.
+    pub stride: u32,
+    pub settle: u32,
+    /// Time between samples (s).
+    pub interval: f64,
+    /// What remains of a sum from one sample to the next.
+    pub keep: f64,
+    /// Speed of rest [rad/s or m/s].
+    pub rest: f64,
+}
+
+impl Derived {
+    pub(super) fn new(settings: &AdaptationSettings, scale: &JointScale) -> Self {
+        let bounds = scale.bounds(settings.largest_change);
+        let periods =
+            |constants: f64| (constants * settings.time_constant / settings.period + 0.5) as u32 + 1;
+        let stride = periods(STRIDE);
+        let interval = f64::from(stride) * settings.period;
+        let prior = bounds.map(|bound| 0.25 * bound * bound);
+        let unknown = averaged(&Gaussian::prior(&prior), &prior).covariance;
+        Self {
+            bounds,
+            prior,
+            unknown: core::array::from_fn(|k| unknown[k][k]),
+            weight: settings.period / (settings.period + settings.time_constant),
+            blend: settings.period / (settings.period + settings.blending),
+            stride,
+            settle: periods(SETTLED),
+            interval,
+            keep: 1.0 - interval / (settings.memory + interval),
+            rest: settings.rest * scale.speed,
+        }
+    }
+}
+
+/// The motion of a joint at one instant, and its torques.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Instant {
+    pub position: f64,
+    pub velocity: f64,
+    /// Described friction [N m or N].
+    pub friction: f64,
+    /// Torque of the drive, and what of it the described robot does not explain, friction included [N m or N].
+    pub applied: f64,
+    pub torque: f64,
+    /// False in saturation.
+    pub is_exact: bool,
+}
+
+/// State of one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Joint {
+    pub filter: LowPass,
+    pub bank: Bank,
+    pub comparison: Comparison,
+    /// Average of the nested laws.
+    pub law: Gaussian,
+    /// δ of the law that acts.
+    pub acting: [f64; TERMS],
+    pub trust: Trust,
+    /// Time of the last change of trust (s).
+    pub since: f64,
+    /// Sign of the last velocity beyond rest.
+    pub direction: f64,
+    /// The last torque, and how often it came in a row.
+    pub torque: f64,
+    pub repeated: u32,
+    /// Periods until the filter has forgotten, and until the next sample.
+    pub settling: u32,
+    pub waiting: u32,
+}
+
+impl Joint {
+    pub(super) fn new(derived: &Derived, scale: &JointScale) -> Self {
+        let noise = FIRST_NOISE * scale.torque;
+        let bank = Bank::new(&derived.prior, noise * noise);
+        Self {
+            filter: LowPass::ZERO,
+            bank,
+            comparison: Comparison::NEW,
+            law: averaged(&bank.average(), &derived.prior),
+            acting: [0.0; TERMS],
+            trust: Trust::Unknown,
+            since: 0.0,
+            direction: 0.0,
+            torque: 0.0,
+            repeated: 0,
+            settling: derived.settle,
+            waiting: derived.stride,
+        }
+    }
+
+    /// The measurement is missing: the filter begins anew.
+    pub(super) fn pause(&mut self, derived: &Derived) {
+        self.settling = derived.settle;
+        self.bank.pause();
+    }
+
+    /// Goes on by a period.
+    ///
+    /// - `time`: of the period (s)
+    pub(super) fn step(
+        &mut self,
+        (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
+        now: Option<&Instant>,
+        time: f64,
+    ) {
+        match now {
+            Some(now) => self.take(settings, derived, scale, now),
+            None => self.pause(derived),
+        }
+        let trust = self.comparison.trust();
+        if trust != self.trust {
+            (self.trust, self.since) = (trust, time);
+        }
+        let target = match trust {
+            Trust::Learned => scale.admissible(self.law.mean, &derived.bounds),
+            _ => [0.0; TERMS],
+        };
+        for (acting, target) in self.acting.iter_mut().zip(target) {
+            *acting += derived.blend * (target - *acting);
+        }
+    }
+
+    fn take(&mut self, settings: &AdaptationSettings, derived: &Derived, scale: &JointScale, now: &Instant) {
+        let v = now.velocity;
+        let direction = if v > derived.rest {
+            1.0
+        } else if v < -derived.rest {
+            -1.0
+        } else {
+            0.0
+        };
+        let [scale_term, viscous, offset, asymmetry] = terms(scale.shape(now.friction, v, derived.rest), v);
+        let signals = [scale_term, viscous, offset, asymmetry, now.torque, now.applied];
+        let filtered = self.filter.take(&signals, derived.weight);
+        self.repeated = if now.applied == self.torque { self.repeated.saturating_add(1) } else { 0 };
+        self.torque = now.applied;
+        let is_exact = now.is_exact && self.repeated < REPEATED;
+        if direction == 0.0 || direction != self.direction || !is_exact {
+            self.pause(derived);
+        }
+        self.direction = direction;
+        self.waiting = self.waiting.saturating_sub(1);
+        let is_settled = self.settling == 0;
+        self.settling = self.settling.saturating_sub(1);
+        if self.waiting > 0 {
+            return;
+        }
+        self.waiting = derived.stride;
+        self.bank.drift(derived.interval, &settings.drift_times, &derived.prior);
+        if is_settled {
+            let phi = core::array::from_fn(|i| filtered[i]);
+            let share = now.position / scale.range;
+            let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
+            let error = torque - dot(&phi, &scale.admissible(self.law.mean, &derived.bounds));
+            self.comparison.whole([error, applied], derived.keep);
+            self.learn((settings, derived, scale), &phi, [torque, error], share);
+        }
+        self.average(derived);
+    }
+
+    /// Averages rates of drift and laws anew.
+    pub(super) fn average(&mut self, derived: &Derived) {
+        self.law = averaged(&self.bank.average(), &derived.prior);
+    }
+
+    /// Takes a sample, with the error of the learned law.
+    fn learn(
+        &mut self,
+        (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
+        phi: &[f64; TERMS],
+        [torque, error]: [f64; 2],
+        share: f64,
+    ) {
+        let variance = self.law.variance(phi) + self.bank.noise;
+        if error * error > GATE * GATE * variance {
+            self.comparison.exclude();
+            self.bank.widen(derived.interval / settings.patience, &derived.prior);
+            self.bank.pause();
+            return;
+        }
+        self.comparison.take([torque, error]);
+        let sample = Sample { phi: *phi, torque, share, forwards: self.direction > 0.0 };
+        self.bank.update(&sample, derived.keep, LEAST_NOISE * scale.torque * scale.torque);
+    }
+
+    /// Half of the 90 % interval of the law's friction at a velocity [N m or N].
+    ///
+    /// - `phi`: [`terms`] there
+    pub(super) fn half_width(&self, phi: &[f64; TERMS]) -> f64 {
+        QUANTILE * root(self.law.variance(phi))
+    }
+
+    /// Half of the 90 % interval of each term.
+    pub(super) fn term_half_widths(&self) -> [f64; TERMS] {
+        core::array::from_fn(|i| QUANTILE * root(self.law.covariance[i][i].max(0.0)))
+    }
+}

@@ -1,0 +1,98 @@
+//! The learned law of a joint: what it adds to the described one.
+
+/// Number of terms.
+pub const TERMS: usize = 4;
+
+/// Names of the terms, in the order in which laws are nested.
+pub const TERM_NAMES: [&str; TERMS] = ["scale", "viscous", "offset", "asymmetry"];
+
+/// Values of the four terms at velocity `v`, for the described friction `shape` at this velocity.
+///
+/// ```text
+///     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|
+/// ```
+///
+/// s is the described friction τ_d, so the first term scales it and the last one lets it differ by direction. If a joint has no
+/// described friction, s is a smooth Coulomb friction ([`JointScale::shape`]).
+#[inline]
+#[must_use]
+pub fn terms(shape: f64, v: f64) -> [f64; TERMS] {
+    [shape, v, 1.0, shape.abs()]
+}
+
+/// Magnitudes of a joint, from the description.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointScale {
+    /// Friction at the largest speed [N m or N].
+    pub torque: f64,
+    /// Largest speed [rad/s or m/s].
+    pub speed: f64,
+    /// Least ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
+    pub least_slope: f64,
+    /// Width of the range of positions, in which cells of the position lie [rad or m].
+    pub range: f64,
+    /// Tells whether the description has friction at this joint.
+    pub is_described: bool,
+}
+
+impl JointScale {
+    /// s(v) of [`terms`]: the described friction, or `torque · x/√(1 + x²)` with `x = v/rest`.
+    #[inline]
+    #[must_use]
+    pub fn shape(&self, described: f64, v: f64, rest: f64) -> f64 {
+        if self.is_described { described } else { self.torque * smooth_sign(v / rest) }
+    }
+
+    /// Largest magnitude of each δ, if friction may change by the share `change` of the described one.
+    #[must_use]
+    pub fn bounds(&self, change: f64) -> [f64; TERMS] {
+        [change, change * self.torque / self.speed, change * self.torque, 0.5 * change]
+    }
+
+    /// The closest δ, term by term, within ±`bounds` whose friction dissipates at every velocity.
+    ///
+    /// With β = 1 if friction is described and 0 otherwise, friction without the offset has the power
+    ///
+    /// ```text
+    ///     v τ(v) = |v| (|s| (β + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (β + δ₁ − |δ₄|) + δ₂)       b = min |s|/|v|
+    /// ```
+    ///
+    /// since v s ≥ 0. So `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient. They are necessary too if b is
+    /// attained. The bounds are applied one after another, and each is a continuous function of δ.
+    #[must_use]
+    pub fn admissible(&self, mut delta: [f64; TERMS], bounds: &[f64; TERMS]) -> [f64; TERMS] {
+        for (delta, bound) in delta.iter_mut().zip(bounds) {
+            *delta = delta.clamp(-bound, *bound);
+        }
+        let base = if self.is_described { 1.0 } else { 0.0 };
+        delta[0] = delta[0].max(-base);
+        let factor = base + delta[0];
+        delta[3] = delta[3].clamp(-factor, factor);
+        delta[1] = delta[1].max(-self.least_slope * (factor - delta[3].abs()));
+        delta
+    }
+}
+
+/// `x/√(1 + x²)`: odd, increasing, with limits ±1. Without functions of a platform's library.
+#[inline]
+pub(super) fn smooth_sign(x: f64) -> f64 {
+    x / root(1.0 + x * x)
+}
+
+#[inline]
+pub(super) fn root(x: f64) -> f64 {
+    #[cfg(not(feature = "std"))]
+    use num_traits::Float as _;
+    x.sqrt()
+}
+
+#[inline]
+pub(super) fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `C x`.
+#[inline]
+pub(super) fn product(c: &[[f64; TERMS]; TERMS], x: &[f64; TERMS]) -> [f64; TERMS] {
+    core::array::from_fn(|i| dot(&c[i], x))
+}

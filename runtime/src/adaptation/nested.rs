@@ -1,0 +1,51 @@
+//! The average over nested laws.
+
+use super::bank::{Gaussian, average};
+use super::law::TERMS;
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
+
+/// Number of nested laws: law j has the first j terms, law 0 is the described one.
+const LAWS: usize = TERMS + 1;
+
+/// Average of the nested laws, with weights by their marginal likelihoods.
+///
+/// Law j is the full law under `δ_{j+1} = … = 0`. The ratio of the marginal likelihoods of two nested laws is that of the posterior
+/// and the prior density at the restriction (Savage–Dickey: Dickey, *Ann. Math. Stat.* 42, 1971; Verdinelli, Wasserman, *JASA* 90,
+/// 1995), so all follow from one elimination of the covariance from the last term to the first:
+///
+/// ```text
+///     ln p(law k − 1) − ln p(law k) = ½ ln(V_k/P_kk) − ½ δ_k²/P_kk        P and δ under δ_{k+1} = … = 0
+/// ```
+///
+/// All laws have the same weight a priori.
+pub(super) fn averaged(full: &Gaussian, prior: &[f64; TERMS]) -> Gaussian {
+    let mut laws = [*full; LAWS];
+    let mut logarithms = [0.0; LAWS];
+    for k in (0..TERMS).rev() {
+        let above = laws[k + 1];
+        let variance = above.covariance[k][k].max(f64::EPSILON * prior[k]);
+        logarithms[k] = logarithms[k + 1] + 0.5 * (prior[k] / variance).ln()
+            - 0.5 * above.mean[k] * above.mean[k] / variance;
+        laws[k] = without(&above, k, variance);
+    }
+    average(&laws, &logarithms)
+}
+
+/// The law under `δ_k = 0`.
+fn without(law: &Gaussian, k: usize, variance: f64) -> Gaussian {
+    let column: [f64; TERMS] = core::array::from_fn(|i| law.covariance[i][k]);
+    let mut rest = *law;
+    for i in 0..TERMS {
+        rest.mean[i] -= column[i] / variance * law.mean[k];
+        for j in 0..TERMS {
+            rest.covariance[i][j] -= column[i] * column[j] / variance;
+        }
+    }
+    rest.mean[k] = 0.0;
+    for i in 0..TERMS {
+        rest.covariance[i][k] = 0.0;
+        rest.covariance[k][i] = 0.0;
+    }
+    rest
+}

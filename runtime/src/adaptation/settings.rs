@@ -1,0 +1,123 @@
+//! Settings, and what is wrong with them.
+
+use crate::dynamics::Named;
+use thiserror::Error;
+
+/// Largest delay of an input, in periods.
+pub const MOST_DELAY: usize = 8;
+
+/// Settings of the recursive estimation.
+///
+/// The defaults are those of [`AdaptationSettings::new`]. Tests vary those that have no source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AdaptationSettings {
+    /// Period of the measurements (s).
+    pub period: f64,
+    /// Time constant of each of the two poles of the filter of torques and regressors (s).
+    pub time_constant: f64,
+    /// Periods from the time of an input until it acts, at most [`MOST_DELAY`].
+    pub delay: usize,
+    /// Largest change of friction, as a share of the described one at the largest speed: a parameter at the edge of this box stops
+    /// there. The prior's standard deviation is half of it.
+    pub largest_change: f64,
+    /// Times in which a random walk of the terms reaches the prior's standard deviation (s), from slow to fast.
+    pub drift_times: [f64; 3],
+    /// Memory of noise, correlation, weights of the rates, and prediction errors (s of motion).
+    pub memory: f64,
+    /// Time of motion after which residuals beyond the interval count as a change of the joint, and no longer as contact (s).
+    pub patience: f64,
+    /// Time constant with which the acting law follows the learned one (s).
+    pub blending: f64,
+    /// Speeds below this share of the largest one are rest.
+    pub rest: f64,
+}
+
+impl AdaptationSettings {
+    /// Settings for a period (s): poles of 0.04 s or three periods, no delay, changes of at most 90 %, drift within 40000, 4000 or
+    /// 400 s, a memory of 20 s, 20 s of patience, 0.5 s of blending, rest below 1 % of the largest speed.
+    #[must_use]
+    pub fn new(period: f64) -> Self {
+        Self {
+            period,
+            time_constant: (3.0 * period).max(0.04),
+            delay: 0,
+            largest_change: 0.9,
+            drift_times: [40000.0, 4000.0, 400.0],
+            memory: 20.0,
+            patience: 20.0,
+            blending: 0.5,
+            rest: 0.01,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), AdaptationError> {
+        let positive = |name, value: f64| require(name, value, "positive (s)", value > 0.0);
+        positive("period", self.period)?;
+        require(
+            "time_constant",
+            self.time_constant,
+            "at least the period (s)",
+            self.time_constant >= self.period,
+        )?;
+        self.drift_times.iter().try_for_each(|time| positive("drift_times", *time))?;
+        let memory = self.memory;
+        require("memory", memory, "at least 100 time constants (s)", memory >= 100.0 * self.time_constant)?;
+        positive("patience", self.patience)?;
+        require("blending", self.blending, "at least the period (s)", self.blending >= self.period)?;
+        let change = self.largest_change;
+        require("largest_change", change, "above 0 and below 1", change > 0.0 && change < 1.0)?;
+        require("rest", self.rest, "above 0 and below 1", self.rest > 0.0 && self.rest < 1.0)?;
+        require("delay", self.delay as f64, "at most 8 periods", self.delay <= MOST_DELAY)
+    }
+}
+
+fn require(name: &'static str, value: f64, needed: &'static str, holds: bool) -> Result<(), AdaptationError> {
+    if holds && value.is_finite() { Ok(()) } else { Err(AdaptationError::Setting { name, value, needed }) }
+}
+
+/// Why friction cannot be learned.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum AdaptationError {
+    /// A setting is out of range.
+    #[error("setting {name} of the adaptation is {value}; it must be {needed}")]
+    Setting {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed values.
+        needed: &'static str,
+    },
+    /// The description lacks the magnitudes of a joint.
+    #[error(
+        "joint {} has no finite limit of the speed, or neither friction nor a finite effort: nothing says how large its friction may \
+         be; describe its limits",
+        Named(.name)
+    )]
+    Scale {
+        /// Its name.
+        name: &'static str,
+    },
+    /// The learned friction cannot be compensated.
+    #[error(
+        "learned friction needs drives that load each joint without the others: no inputs at frames, no driven joints, and as many \
+         drives as learned joints"
+    )]
+    Inputs,
+    /// The saved state has another length.
+    #[error("the saved state has {found} numbers; this robot's has {needed}")]
+    Length {
+        /// Numbers that were given.
+        found: usize,
+        /// Numbers that are needed.
+        needed: usize,
+    },
+    /// The saved state has another origin.
+    #[error(
+        "the saved state belongs to another {0}: start without it, or learn with the same description, period, filter and delay"
+    )]
+    Origin(&'static str),
+    /// A saved number is not possible.
+    #[error("number {0} of the saved state is not possible")]
+    Number(usize),
+}

@@ -1,0 +1,99 @@
+//! Which law acts: the prequential comparison.
+
+/// Samples before which the described law acts.
+const FEWEST: f64 = 20.0;
+
+/// Share of samples beyond the interval from which on the described law acts.
+const CONTRADICTED: f64 = 0.5;
+
+/// Share of the torque's variance that may remain unexplained by the learned law, or the described one acts: with a swapped sign, no
+/// law within the box explains much of it.
+const UNEXPLAINED: f64 = 0.5;
+
+/// Why a joint follows which law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trust {
+    /// Too few samples yet: the described law acts.
+    Unknown,
+    /// The learned law predicts better and acts.
+    Learned,
+    /// The described law predicts better and acts.
+    Described,
+    /// Most residuals are beyond the interval, or the learned law explains less than half of the torque's variance, as in contact
+    /// or with a wrong sensor: the described law acts.
+    Contradicted,
+}
+
+impl Trust {
+    /// Its name in logs.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown",
+            Self::Learned => "learned",
+            Self::Described => "described",
+            Self::Contradicted => "contradicted",
+        }
+    }
+}
+
+/// Leaky means of the squared errors of one-step predictions.
+///
+/// Each error is that of the law before it took the sample (Dawid, *J. R. Stat. Soc. A* 147, 1984), so a law with more terms has no
+/// advantage that it did not earn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Comparison {
+    /// Sums of squares: described, learned.
+    pub squares: [f64; 2],
+    pub taken: f64,
+    pub excluded: f64,
+    /// Sums over the samples that were excluded too: squares of the errors of the learned law, squares of torques, torques, samples.
+    pub all: [f64; 4],
+}
+
+impl Comparison {
+    pub(super) const NEW: Self = Self { squares: [0.0; 2], taken: 0.0, excluded: 0.0, all: [0.0; 4] };
+
+    /// Takes any sample: the error of the learned law, and the torque.
+    pub(super) fn whole(&mut self, [error, torque]: [f64; 2], keep: f64) {
+        let sums = self.squares.iter_mut().chain([&mut self.taken, &mut self.excluded]).chain(&mut self.all);
+        sums.for_each(|sum| *sum *= keep);
+        for (sum, value) in self.all.iter_mut().zip([error * error, torque * torque, torque, 1.0]) {
+            *sum += value;
+        }
+    }
+
+    /// Takes the errors of both laws.
+    pub(super) fn take(&mut self, errors: [f64; 2]) {
+        for (square, error) in self.squares.iter_mut().zip(errors) {
+            *square += error * error;
+        }
+        self.taken += 1.0;
+    }
+
+    /// Counts a sample beyond the interval.
+    pub(super) fn exclude(&mut self) {
+        self.excluded += 1.0;
+    }
+
+    pub(super) fn trust(&self) -> Trust {
+        let ([described, learned], [unexplained, squares, sum, count]) = (self.squares, self.all);
+        let variance = squares - sum * sum / count.max(1.0);
+        if self.taken + self.excluded < FEWEST {
+            Trust::Unknown
+        } else if unexplained > UNEXPLAINED * variance
+            || self.excluded > CONTRADICTED * (self.taken + self.excluded)
+        {
+            Trust::Contradicted
+        } else if learned < described {
+            Trust::Learned
+        } else {
+            Trust::Described
+        }
+    }
+
+    /// Root mean squares of the errors: described, learned [N m or N]; NaN before the first sample.
+    pub(super) fn errors(&self) -> [f64; 2] {
+        self.squares.map(|square| super::law::root(square / self.taken))
+    }
+}

@@ -1,0 +1,11 @@
+//! Friction that is learned while the robot moves.
+
+#![allow(clippy::unwrap_used, reason = "test code: what cannot be set up ends the test")]
+
+mod control;
+mod faults;
+#[path = "../../examples/support/faulty.rs"]
+mod faulty;
+mod properties;
+#[path = "../../examples/support/warming.rs"]
+mod warming;

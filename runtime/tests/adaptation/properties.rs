@@ -1,0 +1,224 @@
+//! What the estimator may and may not learn, on simulated joints.
+
+use super::warming::{Drift, PERIOD, Simulated, coverage};
+use gelenk_runtime::adaptation::{
+    Adaptation, AdaptationError, AdaptationSettings, JointState, Measured, TERMS, Trust,
+};
+
+fn settings() -> AdaptationSettings {
+    AdaptationSettings::new(PERIOD)
+}
+
+fn state(adaptation: &Adaptation<1>) -> JointState {
+    adaptation.states()[0].unwrap()
+}
+
+/// A joint and its estimator after some seconds.
+fn after(seconds: u32, mut joint: Simulated) -> (Simulated, Adaptation<1>) {
+    let mut adaptation = joint.estimator(settings());
+    for _ in 0..100 * seconds {
+        joint.step(&mut adaptation);
+    }
+    (joint, adaptation)
+}
+
+#[test]
+fn intervals_hold_during_drift() {
+    let found = coverage(60, settings());
+    let all = found.held.iter().sum::<f64>() / 10.0;
+    println!("90 % intervals hold {:.1} %, {:?}", 100.0 * all, found.held);
+    assert!((0.87..=0.93).contains(&all), "{all}");
+    assert!(found.errors[0] < 0.1 * found.errors[1], "{:?}", found.errors);
+    assert!(found.learned > 0.99, "{}", found.learned);
+}
+
+#[test]
+fn a_joint_at_rest_learns_nothing_and_its_intervals_do_not_shrink() {
+    let mut joint = Simulated::new(3);
+    joint.motion = [[0.0; 3]; 3];
+    let mut adaptation = joint.estimator(settings());
+    let prior = state(&adaptation);
+    for _ in 0..60_000 {
+        joint.step(&mut adaptation);
+        let now = state(&adaptation);
+        assert_eq!((now.learned, now.is_learning), ([0.0; TERMS], false));
+        assert!((0..TERMS).all(|k| now.half_widths[k] >= prior.half_widths[k] * (1.0 - 1e-12)));
+    }
+    let now = state(&adaptation);
+    assert_eq!((now.trust, now.is_excited), (Trust::Unknown, [false; TERMS]));
+}
+
+#[test]
+fn rest_after_motion_widens_the_intervals_and_keeps_the_law() {
+    let (mut joint, mut adaptation) = after(100, Simulated::new(3));
+    joint.motion = [[0.0; 3]; 3];
+    for _ in 0..500 {
+        joint.step(&mut adaptation);
+    }
+    let mut last = state(&adaptation);
+    let width = last.half_widths;
+    for _ in 0..60_000 {
+        joint.step(&mut adaptation);
+        let now = state(&adaptation);
+        assert!((0..TERMS).all(|k| now.half_widths[k] >= last.half_widths[k] * (1.0 - 1e-9)), "{now:?}");
+        last = now;
+    }
+    assert!(last.half_widths[0] > 1.5 * width[0], "{:?} {width:?}", last.half_widths);
+    assert_eq!(last.trust, Trust::Learned);
+}
+
+/// A gear whose torque ripples with the position, and one motion over and over.
+#[test]
+fn a_repeated_motion_does_not_shrink_the_interval_below_the_error() {
+    let mut held = 0;
+    for seed in 0..20 {
+        let mut joint = Simulated::new(100 + seed);
+        joint.drift = Drift::NONE;
+        joint.motion[1] = [0.0; 3];
+        joint.motion[2] = [0.0; 3];
+        let ripple = 0.2 * joint.friction.coulomb;
+        let mut adaptation = joint.estimator(settings());
+        let mut step = |joint: &mut Simulated| {
+            let period = joint.period();
+            // The torque that the ripple of the gear needs.
+            let torques = [period.torque + ripple * (9.0 * period.position + seed as f64).sin()];
+            let measured =
+                Measured { positions: Some([period.position]), torques, saturated: [false], periods: 1 };
+            adaptation.step(&measured, |y, v, a| joint.forces(y[0], v[0], a[0]));
+        };
+        (0..60_000).for_each(|_| step(&mut joint));
+        let v = 0.8 * joint.motion[0][0] * joint.motion[0][1];
+        let [law, half] = adaptation.friction(0, joint.described(v), v).unwrap();
+        held += u32::from((law - joint.true_friction(v)).abs() <= half);
+    }
+    println!("{held} of 20 intervals hold");
+    assert!(held >= 15, "{held} of 20");
+}
+
+#[test]
+fn a_jump_of_friction_is_followed() {
+    let mut joint = Simulated::new(5);
+    joint.drift = Drift::NONE;
+    let (mut joint, mut adaptation) = after(60, joint);
+    joint.drift = Drift { viscous: 0.5, dry: 0.4, time: 1e-3 };
+    let mut followed = None;
+    for k in 0..12_000 {
+        joint.step(&mut adaptation);
+        let [law, _] = adaptation.friction(0, joint.described(0.8), 0.8).unwrap();
+        let (truth, change) = (joint.true_friction(0.8), joint.described(0.8) - joint.true_friction(0.8));
+        followed = if (law - truth).abs() < 0.1 * change { followed.or(Some(k)) } else { None };
+    }
+    println!("90 % of a jump are followed after {followed:?} periods");
+    assert!(followed.is_some_and(|periods| f64::from(periods) * PERIOD < 60.0), "{followed:?}");
+    assert_eq!(state(&adaptation).trust, Trust::Learned);
+}
+
+/// The acting law differs from the described one by less than 5 % of the friction at the largest speed in each period, and in the end
+/// not at all.
+#[test]
+fn a_swapped_sign_of_the_torque_is_not_learned() {
+    let mut most = 0.0_f64;
+    for seed in 0..10 {
+        let mut joint = Simulated::new(200 + seed);
+        joint.drift = Drift::NONE;
+        let mut adaptation = joint.estimator(settings());
+        let scale = adaptation.scales()[0].unwrap();
+        let bounds = scale.bounds(1.0);
+        for _ in 0..30_000 {
+            let period = joint.period();
+            let (positions, torques) = (Some([period.position]), [-period.torque]);
+            let measured = Measured { positions, torques, saturated: [false], periods: 1 };
+            adaptation.step(&measured, |y, v, a| joint.forces(y[0], v[0], a[0]));
+            let shares =
+                state(&adaptation).acting.into_iter().zip(bounds).map(|(delta, bound)| delta.abs() / bound);
+            most = shares.fold(most, f64::max);
+        }
+        assert_eq!(state(&adaptation).trust, Trust::Contradicted);
+    }
+    println!("a term changes by at most {:.1} % of its box", 100.0 * most);
+    assert!(most < 0.05, "{most}");
+}
+
+#[test]
+fn a_stuck_encoder_and_saturation_teach_nothing() {
+    for is_stuck in [true, false] {
+        let mut joint = Simulated::new(9);
+        let mut adaptation = joint.estimator(settings());
+        let before = state(&adaptation).half_widths;
+        for _ in 0..20_000 {
+            let period = joint.period();
+            let measured = Measured {
+                positions: Some([if is_stuck { 0.1 } else { period.position }]),
+                torques: [period.torque],
+                saturated: [!is_stuck],
+                periods: 1,
+            };
+            adaptation.step(&measured, |y, v, a| joint.forces(y[0], v[0], a[0]));
+        }
+        let now = state(&adaptation);
+        assert_eq!((now.learned, now.acting), ([0.0; TERMS], [0.0; TERMS]));
+        assert!((0..TERMS).all(|k| now.half_widths[k] >= before[k] * (1.0 - 1e-12)));
+    }
+}
+
+/// Acting laws dissipate, whatever was learned.
+#[test]
+fn laws_dissipate_at_all_speeds() {
+    let joint = Simulated::new(11);
+    let adaptation = joint.estimator(settings());
+    let scale = adaptation.scales()[0].unwrap();
+    let bounds = scale.bounds(0.9);
+    let mut random = joint.random.clone();
+    for _ in 0..2000 {
+        let delta = core::array::from_fn(|k| 3.0 * bounds[k] * random.normal());
+        let delta = scale.admissible(delta, &bounds);
+        assert!((0..TERMS).all(|k| delta[k].abs() <= bounds[k]));
+        for step in -200..=200 {
+            let v = 2.0 * scale.speed * f64::from(step) / 200.0;
+            let shape = joint.described(v);
+            let friction = shape + delta[0] * shape + delta[1] * v + delta[3] * shape.abs();
+            assert!(v * friction >= -1e-9 * scale.torque, "{v}: {friction} by {delta:?}");
+        }
+    }
+}
+
+#[test]
+fn what_was_learned_is_saved_and_restored() {
+    let (mut joint, adaptation) = after(60, Simulated::new(13));
+    let mut saved = vec![0.0; Adaptation::<1>::SAVED];
+    adaptation.save(&mut saved).unwrap();
+    let mut again = joint.estimator(settings());
+    again.restore(&saved).unwrap();
+    let mut twice = vec![0.0; saved.len()];
+    again.save(&mut twice).unwrap();
+    assert_eq!(saved, twice);
+    assert_eq!(state(&again).learned, state(&adaptation).learned);
+    joint.step(&mut again);
+    assert_eq!(state(&again).trust, Trust::Learned);
+
+    let wrong = |change: fn(&mut Vec<f64>)| {
+        let mut numbers = saved.clone();
+        change(&mut numbers);
+        let mut estimator = joint.estimator(settings());
+        let before = estimator.clone();
+        let error = estimator.restore(&numbers).unwrap_err();
+        assert_eq!(estimator, before);
+        error
+    };
+    assert_eq!(wrong(|numbers| numbers[0] += 1.0), AdaptationError::Origin("description"));
+    assert_eq!(wrong(|numbers| numbers[4] *= 2.0), AdaptationError::Origin("time constant"));
+    assert_eq!(wrong(|numbers| numbers[9] = f64::NAN), AdaptationError::Number(6));
+    assert!(matches!(wrong(|numbers| numbers.truncate(5)), AdaptationError::Length { found: 5, .. }));
+}
+
+#[test]
+fn settings_are_checked() {
+    let joint = Simulated::new(1);
+    let wrong = AdaptationSettings { memory: 1.0, ..settings() };
+    let scale = joint.estimator(settings()).scales()[0];
+    let error = Adaptation::new([scale], wrong, |y, v, a| joint.forces(y[0], v[0], a[0])).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "setting memory of the adaptation is 1; it must be at least 100 time constants (s)"
+    );
+}
