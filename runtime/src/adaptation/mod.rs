@@ -28,6 +28,9 @@
 //! - Friction under load is not learned: it stays as described.
 //! - A constant contact that lasts longer than [`AdaptationSettings::patience`] is learned as an offset.
 //! - Intervals do not include errors of inertia and gravity of the description.
+//! - In 1000 simulated faults of a joint (a stuck or swapped sensor, rests, gaps, saturation; `runtime/tests/adaptation/faults.rs`) the
+//!   error of the prediction exceeded 1.05 times that of the described law four times, by at most 1.55 times, always with a torque
+//!   sensor that saturates.
 
 mod bank;
 mod controller;
