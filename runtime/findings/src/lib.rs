@@ -273,12 +273,12 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Findings without those about a part of the robot that a later one of the same rule and subject replaces.
+/// Findings, equal ones once, without those about a part of the robot that a later one of the same rule and subject replaces.
 pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
     let mut kept: Vec<Finding> = Vec::new();
     for finding in findings {
         let is_part = finding.about.subject != Subject::Whole;
-        match kept.iter_mut().find(|known| is_part && known.is_like(&finding)) {
+        match kept.iter_mut().find(|known| **known == finding || (is_part && known.is_like(&finding))) {
             Some(known) => *known = finding,
             None => kept.push(finding),
         }
