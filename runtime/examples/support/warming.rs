@@ -74,7 +74,7 @@ pub struct Simulated {
     pub limit: f64,
 }
 
-/// What the joint did in a period.
+/// Motion and torque of the joint in a period.
 pub struct Period {
     pub position: f64,
     /// Torque of the period before, as commanded.

@@ -127,7 +127,7 @@ impl Bank {
         self.tracks.iter_mut().for_each(|track| track.state.widen(share, prior));
     }
 
-    /// The next sample is no neighbour of the last.
+    /// Separates the next sample from the last one.
     pub(super) fn pause(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.correlation.last = 0.0);
     }

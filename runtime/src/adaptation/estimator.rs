@@ -7,7 +7,7 @@ use super::settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
 use super::trust::Trust;
 use crate::dynamics::Dynamics;
 
-/// What a period brought.
+/// Measurements of a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured<const N: usize> {
     /// Positions [rad or m]; `None` if nothing believable arrived.
@@ -30,7 +30,7 @@ pub struct DescribedForces<const N: usize> {
 }
 
 impl<const N: usize> DescribedForces<N> {
-    /// Of a robot at positions y, velocities v and accelerations a.
+    /// Magnitudes of a robot at positions y, velocities v and accelerations a.
     pub fn of<const M: usize>(robot: &impl Dynamics<N, M>, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> Self {
         Self { forces: robot.inverse_dynamics(y, v, a), friction: robot.friction_torques(y, v) }
     }

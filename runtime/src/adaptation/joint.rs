@@ -38,7 +38,7 @@ pub(super) struct Derived {
     pub settle: u32,
     /// Time between samples (s).
     pub interval: f64,
-    /// What remains of a sum from one sample to the next.
+    /// Share of a sum that remains from one sample to the next.
     pub keep: f64,
     /// Speed of rest [rad/s or m/s].
     pub rest: f64,

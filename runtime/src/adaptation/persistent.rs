@@ -1,4 +1,4 @@
-//! What was learned, as numbers that outlast a restart.
+//! The learned state, as numbers that are kept over a restart.
 
 use super::correlation::CELLS;
 use super::estimator::Adaptation;

@@ -1,4 +1,4 @@
-//! What the estimator may and may not learn, on simulated joints.
+//! Limits of learning, on simulated joints.
 
 use super::warming::{Drift, PERIOD, Simulated, coverage};
 use gelenk_runtime::adaptation::{

@@ -50,7 +50,7 @@ pub(crate) enum Value {
     Law,
     /// One of these texts.
     Words(&'static [&'static str]),
-    /// A list of so many values, or of any number of them.
+    /// A list of this number of values, or of any number of them.
     List(&'static Self, Option<usize>),
     /// Two values of different kinds.
     Pair(&'static [Self; 2]),

@@ -73,7 +73,7 @@ fn said(place: &Place, entries: &[String]) -> Vec<Diagnostic> {
     said
 }
 
-/// A date is no value of any key, so a key of which the reader says nothing is not read.
+/// No key takes a date, so the reader does not read a key about which it reports nothing.
 #[test]
 fn every_key_is_read() {
     let mut count = 0;
