@@ -30,7 +30,7 @@ pub struct DescribedForces<const N: usize> {
 }
 
 impl<const N: usize> DescribedForces<N> {
-    /// Magnitudes of a robot at positions y, velocities v and accelerations a.
+    /// Forces of a robot at positions y, velocities v and accelerations a.
     pub fn of<const M: usize>(robot: &impl Dynamics<N, M>, y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> Self {
         Self { forces: robot.inverse_dynamics(y, v, a), friction: robot.friction_torques(y, v) }
     }
