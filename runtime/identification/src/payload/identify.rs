@@ -31,7 +31,7 @@ pub struct CarriedLoad {
 /// # Errors
 /// Logs that cannot be read or matched with the robot's joints, signals that are too short, values far beyond the described
 /// limits, efforts by which the described bodies would be more than ten times heavier or lighter (both taken where poor
-/// results are accepted), and what [`estimate`] refuses.
+/// results are accepted), no runs of one kind, currents without described motor constants, settings out of range, or no minimum.
 pub fn identify_load(
     robot: &dyn Robot,
     without: &[PathBuf],

@@ -19,7 +19,7 @@ mod result;
 mod settings;
 
 pub use identify::{CarriedLoad, identify_load};
-pub use result::{Estimate, NAMES, Payload};
+pub use result::{Estimate, Payload};
 pub use settings::PayloadSettings;
 
 use crate::error::{Result, require_setting};
@@ -49,7 +49,7 @@ const BALL: f64 = 0.1;
 /// # Errors
 /// No runs of one kind, shapes that disagree with the robot, joints that something else moves, efforts of different kinds, currents
 /// whose motor constants are not described, settings out of range, too few samples, or no minimum.
-pub fn estimate(
+pub(crate) fn estimate(
     robot: &dyn Robot,
     without: &[PreparedRun],
     with: &[PreparedRun],

@@ -4,7 +4,8 @@ use crate::inertial::PER_BODY;
 use gelenk_findings::Finding;
 
 /// Names of a load's ten parameters, in the frame of the body that carries it.
-pub const NAMES: [&str; PER_BODY] = ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+pub(crate) const NAMES: [&str; PER_BODY] =
+    ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
 /// A load, in the frame of the body that carries it.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +18,7 @@ pub struct Payload {
     pub centre_of_mass: [Estimate; 3],
     /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, axes parallel to the body's frame [kg m²].
     pub moments: [Estimate; 6],
-    /// The ten parameters as [`NAMES`] has them, about the frame's origin: what is added to the body's.
+    /// m, m c and the moments Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, which are added to the body's.
     pub parameters: [Estimate; PER_BODY],
     /// Whether the motion shows each parameter: its interval is smaller than what bodies of this mass differ
     /// by. The others are those of a ball of 1500 kg/m³ at the centre of mass, if the mass is seen.
