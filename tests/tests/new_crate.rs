@@ -57,7 +57,7 @@ fn a_new_crate_builds_and_simulates() {
         text(&output.stderr)
     };
     let faulty = build_with("mass = 2.0", "mass = -2.0");
-    assert!(faulty.contains("robot.toml:31"), "{faulty}");
+    assert!(faulty.contains("robot.toml:32"), "{faulty}");
 
     // A robot that was renamed is not simulated under its old name.
     let renamed = build_with("name = \"robot\"", "name = \"walker\"");
