@@ -412,7 +412,7 @@ pub(super) enum EffortName {
 
 /// The methods that choose terms.
 fn methods() -> PossibleValuesParser {
-    METHODS.map(|(word, sentence)| PossibleValue::new(word).help(sentence)).into()
+    METHODS.map(|(word, sentence, _)| PossibleValue::new(word).help(sentence)).into()
 }
 
 /// How positions are differentiated.

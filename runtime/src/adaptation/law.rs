@@ -1,5 +1,7 @@
 //! The learned law of a joint: what it adds to the described one.
 
+pub(super) use crate::pseudo_inverse::dot;
+
 /// Number of terms.
 pub const TERMS: usize = 4;
 
@@ -84,11 +86,6 @@ pub(super) fn root(x: f64) -> f64 {
     #[cfg(not(feature = "std"))]
     use num_traits::Float as _;
     x.sqrt()
-}
-
-#[inline]
-pub(super) fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `C x`.

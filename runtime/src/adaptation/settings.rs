@@ -8,7 +8,8 @@ pub const MOST_DELAY: usize = 8;
 
 /// Settings of the recursive estimation.
 ///
-/// The defaults are those of [`AdaptationSettings::new`]. Tests vary those that have no source.
+/// The defaults are those of [`AdaptationSettings::new`]. They were chosen on simulated joints
+/// (`runtime/examples/support/warming.rs`); no test varies them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptationSettings {
     /// Period of the measurements (s).

@@ -237,7 +237,10 @@ pub(super) fn command(arguments: &Identify) -> String {
         word("--friction", arguments.friction.clone()),
         word("--method", arguments.method.clone()),
         word("--threshold", arguments.threshold.map(|threshold| format!("{threshold:?}"))),
-        word("--derivative", (arguments.derivative != DerivativeName::Filter).then(|| "tvdiff".to_owned())),
+        word(
+            "--derivative",
+            Some(arguments.derivative).filter(|name| *name != DerivativeName::Filter).and_then(name_of),
+        ),
         word("--payload-on", arguments.payload_on.clone()),
         on_joints(arguments),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),

@@ -20,31 +20,27 @@ const WORDS: [(&str, &[&str]); 4] = [
 /// The law with five parameters, which is not a sum of terms.
 const STRIBECK: &str = "stribeck";
 
-/// Words of the methods that choose terms, and a sentence about each.
-pub const METHODS: [(&str, &str); 4] = [
-    ("subset", "Best subset: the fewest terms within one standard error of the least error on left-out data"),
-    ("stls", "SINDy: sequentially thresholded least squares, with --threshold"),
-    ("lasso", "LASSO, cross-validated with one standard error, then least squares on its terms"),
-    ("all", "Least squares on all terms"),
-];
+/// A method for a threshold, which only that of STLS takes.
+type Make = fn(Option<f64>) -> FrictionMethod;
 
-/// The method of a word; `None` if there is no such word.
-fn method(word: &str, threshold: Option<f64>) -> Option<FrictionMethod> {
-    let standard = Thresholding::default();
-    Some(match word {
-        "subset" => FrictionMethod::BestSubset,
-        "stls" => {
-            let threshold = threshold.unwrap_or(standard.threshold);
-            FrictionMethod::Thresholding(Thresholding { threshold, ..standard })
-        }
-        "lasso" => FrictionMethod::Lasso(
-            Lasso { standardize: true, ..Lasso::default() },
-            LambdaChoice::OneStandardError,
-        ),
-        "all" => FrictionMethod::LeastSquares,
-        _ => return None,
-    })
-}
+/// Methods that choose terms: the word, a sentence, and the method itself.
+pub const METHODS: [(&str, &str, Make); 4] = [
+    (
+        "subset",
+        "Best subset: the fewest terms within one standard error of the least error on left-out data",
+        |_| FrictionMethod::BestSubset,
+    ),
+    ("stls", "SINDy: sequentially thresholded least squares, with --threshold", |threshold| {
+        let standard = Thresholding::default();
+        let threshold = threshold.unwrap_or(standard.threshold);
+        FrictionMethod::Thresholding(Thresholding { threshold, ..standard })
+    }),
+    ("lasso", "LASSO, cross-validated with one standard error, then least squares on its terms", |_| {
+        let lasso = Lasso { standardize: true, ..Lasso::default() };
+        FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError)
+    }),
+    ("all", "Least squares on all terms", |_| FrictionMethod::LeastSquares),
+];
 
 impl FrictionIdentification {
     /// The same search by another method.
@@ -55,18 +51,24 @@ impl FrictionIdentification {
     /// # Errors
     /// Another word, a threshold of another method, or a method for the Stribeck law, which has no terms to choose from.
     pub fn by_method(&self, word: &str, threshold: Option<f64>) -> Result<Self> {
-        let refused = |message: &str| {
-            Err(IdentificationError::Expression { text: word.to_owned(), message: message.to_owned() })
+        let refused = |text: &str, message: &str| {
+            Err(IdentificationError::Expression { text: text.to_owned(), message: message.to_owned() })
         };
         if matches!(self.method, FrictionMethod::Stribeck(_)) {
-            return refused("the law of Stribeck has no terms to choose from: leave --method out");
+            return refused(STRIBECK, "the law of Stribeck has no terms to choose from: leave --method out");
         }
-        match method(word, threshold) {
-            Some(method) if threshold.is_none() || matches!(method, FrictionMethod::Thresholding(_)) => {
+        let Some((.., make)) = METHODS.iter().find(|(known, ..)| *known == word) else {
+            return refused(word, "no method has this name");
+        };
+        match (make(threshold), threshold) {
+            (method @ FrictionMethod::Thresholding(_), _) | (method, None) => {
                 Ok(Self { method, ..self.clone() })
             }
-            Some(_) => refused("--threshold is that of --method stls"),
-            None => refused("no method has this name"),
+            (_, Some(value)) => Err(IdentificationError::Setting {
+                name: "threshold".to_owned(),
+                value,
+                requirement: "--threshold is that of --method stls".to_owned(),
+            }),
         }
     }
 

@@ -85,14 +85,19 @@ impl Selection {
 
 /// A solution with the terms that its terms need.
 fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
-    let mut active = solution.active.clone();
+    let active = with_needed(solution.active.clone(), reduced);
+    if active == solution.active { Ok(solution) } else { reduced.fit(0, &active) }
+}
+
+/// A set of terms with those that its terms need.
+fn with_needed(mut active: Vec<usize>, reduced: &Reduced) -> Vec<usize> {
     for requirement in requirements(reduced.moments().names()) {
         if active.contains(&requirement.term) && !active.contains(&requirement.needs) {
             active.push(requirement.needs);
         }
     }
     active.sort_unstable();
-    if active == solution.active { Ok(solution) } else { reduced.fit(0, &active) }
+    active
 }
 
 /// Chooses terms by a method; `folds` are made where it needs them.
@@ -134,16 +139,16 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> R
     })
 }
 
-/// The sets of terms of rising thresholds, each the least one that removes a term of the set before.
+/// The sets of terms of rising thresholds, each above the smallest coefficient of the set before; at most one for each term.
 fn by_threshold(settings: &Thresholding, reduced: &Reduced) -> Vec<Vec<usize>> {
-    let (mut sets, mut threshold) = (Vec::new(), 0.0);
-    while let Ok(solution) = (Thresholding { threshold, ..*settings }).fit(reduced, 0) {
-        let smallest = solution.active.iter().map(|&i| solution.coefficients[i].abs());
-        threshold = smallest.fold(f64::INFINITY, f64::min) * (1.0 + 1e-9);
-        sets.extend(completed(solution, reduced).map(|solution| solution.active));
-    }
-    sets.reverse();
-    sets
+    let mut threshold = 0.0_f64;
+    let mut next = |_| {
+        let solution = Thresholding { threshold, ..*settings }.fit(reduced, 0).ok()?;
+        let sizes = solution.active.iter().map(|&i| solution.coefficients[i].abs());
+        threshold = sizes.fold(f64::INFINITY, f64::min).next_up();
+        Some(with_needed(solution.active, reduced))
+    };
+    (0..reduced.moments().terms()).map_while(&mut next).collect()
 }
 
 /// The Pareto table of sets of terms.
@@ -183,8 +188,8 @@ fn by_lasso(
     );
     let solution = completed(refit(reduced, 0, &validation.path, index)?, reduced)?;
     let selection = Selection::Lasso(lasso.clone(), lambda);
-    let sets = (0..grid.len()).filter_map(|k| refit(reduced, 0, &validation.path, k).ok());
-    let sets = sets.filter_map(|solution| Some(completed(solution, reduced).ok()?.active)).collect();
+    let sets = validation.path.coefficients.column_iter().map(|column| active_terms(&column.into_owned()));
+    let sets = sets.map(|active| with_needed(active, reduced)).filter(|set| !set.is_empty()).collect();
     let subsets = along(sets, folds, conditions, &solution);
     Ok(Chosen { selection, solution, validation: Some(validation), subsets, note })
 }

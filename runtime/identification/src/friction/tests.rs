@@ -59,6 +59,23 @@ fn every_method_finds_the_curve() {
     }
 }
 
+/// Without noise most coefficients are rounding, some of them exactly zero; with a ridge the coefficients that decide are others than
+/// those that are returned. The path ends all the same, and has the chosen terms.
+#[test]
+fn the_path_of_thresholds_ends() {
+    for (noise, ridge) in [(0.0, 0.0), (0.2, 0.0), (0.2, 10.0)] {
+        let (v, torque) = samples(|v| 20.0 * v, noise);
+        let threshold = Thresholding { threshold: 1.0, ridge, ..Thresholding::default() };
+        let method = FrictionMethod::Thresholding(threshold);
+        let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
+        let report = identify(&settings, &v, &torque).unwrap();
+        let path = report.subsets.unwrap();
+        let sizes: Vec<usize> = path.best.iter().map(|subset| subset.active.len()).collect();
+        assert!(sizes.windows(2).all(|pair| pair[0] < pair[1]), "{noise} {ridge} {sizes:?}");
+        assert!(path.best[path.chosen].active.contains(&0), "{noise} {ridge} {:?}", path.best);
+    }
+}
+
 #[test]
 fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
     let (v, torque) = samples(|v| 20.0 * v + 3.0 * (10.0 * v).tanh(), 0.2);

@@ -364,6 +364,7 @@ impl<'a> Columns<'a> {
         let bodies = PER_BODY * self.robot.bodies();
         require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
         let (metric, held) = distance(&described, self.robot.bodies());
+        // The sums of squares have a half in front of the distance.
         let mut own = metric * (2.0 * weight);
         // Bodies without mass and rotors without inertia stay so.
         (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));

@@ -116,6 +116,7 @@ impl Found {
         settings: &PayloadSettings,
     ) -> Result<Self> {
         let weight = BALL * settings.weight;
+        // The program's objective has a half in front of the distance.
         let held = distance(&reference, 1).0 * (2.0 * weight);
         let load = solve(&ConsistentProblem {
             hessian: &reduced.hessian + &held,

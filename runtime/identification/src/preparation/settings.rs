@@ -10,8 +10,7 @@ pub struct PreparationSettings {
     /// Longest pause between samples that is interpolated \[s\]; a longer one splits the run. By itself a
     /// fifth of the bandwidth's period, at least three steps of the log.
     pub largest_gap: Option<f64>,
-    /// Positions pass total-variation regularization (TVDiff; Chartrand 2011) at their noise before the filter, except those of joints
-    /// with a quaternion. A linear filter commutes with derivatives: velocities are those of TVDiff behind the filter of the efforts.
+    /// Positions pass total-variation regularization (TVDiff; Chartrand 2011) at their noise before the filter. A linear filter commutes with derivatives: velocities are those of TVDiff behind the filter of the efforts.
     pub total_variation: bool,
     /// How much later efforts are than positions \[s\]; 0 leaves them as they are.
     pub delay: Option<f64>,

@@ -59,9 +59,9 @@ impl Signals {
         }
     }
 
-    /// Positions by total-variation regularization at their noise.
+    /// Positions, and paths of joints with a quaternion, by total-variation regularization at their noise.
     pub(crate) fn regularize(&mut self) -> Result<()> {
-        for (channel, _) in self.positions.iter_mut().zip(&self.plain).filter(|(_, entry)| entry.is_some()) {
+        for channel in &mut self.positions {
             let noise = channel.noise();
             if noise > 0.0 {
                 let method = TotalVariation::from_noise(noise);
