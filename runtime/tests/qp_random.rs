@@ -4,8 +4,11 @@
 //!
 //! Short by default. All ten thousand:
 //! `QP_PROBLEMS=10000 cargo test --release -p gelenk-runtime --test all qp_random:: -- --nocapture`; others from
-//! the seed `QP_FIRST` on. Clarabel confirms 39 964 of these 40 000 solves; of the other 36 problems it solved none
-//! itself. Not every problem passes: of 80 000 solves from the seed 1 000 000 on 4 end at the iteration limit and say so
+//! the seed `QP_FIRST` on. Of the first 700 seeds Clarabel confirms all 2800 solves, with rows 2793; it did not
+//! solve the other 7 itself.
+//!
+//! The following counts are those of warm starts of the interior-point method, which the active sets have replaced: 39 964 of
+//! 40 000 solves were confirmed. Not every problem passed: of 80 000 solves from the seed 1 000 000 on 4 end at the iteration limit and say so
 //! (seeds 1 006 867, 1 010 370, 1 015 480), and 5 as relaxed: four of the seed 1 003 274, with costs of 1e14, that
 //! Clarabel almost solves, and one of 1 013 124, which it solves.
 //!

@@ -288,3 +288,11 @@ def test_functions_are_pickled_and_their_library_is_one_of_casadi(arm: Any) -> N
     dynamics = ca.external("arm_casadi_dynamics", robot.library)
     p = list(robot.parameters.values())
     assert np.array_equal(dynamics(1, 0.5, p).full(), again.dynamics(1, 0.5, p).full())
+
+
+def test_rows_and_their_limits_belong_together() -> None:
+    for given in ({"rows": lambda x, u, p: x}, {"row_limits": [[0.0], [1.0]]}):
+        with pytest.raises(ValueError, match="belong together"):
+            gelenk.gauss_newton(
+                lambda x, u, p: x, lambda x, u, p: x, lambda x, p: x, states=1, inputs=1, intervals=2, **given
+            )

@@ -86,6 +86,8 @@ def gauss_newton(
     - `rows`, `row_limits`: further expressions, limited by [2, rows] in every interval
     - `options`: of CasADi's `sqpmethod`; by default QPs are solved by HPIPM
     """
+    if (rows is None) != (row_limits is None):
+        raise ValueError("`rows` and `row_limits` belong together")
     ca = importlib.import_module("casadi")
     n, size = intervals, states + inputs
     x, u, p = (ca.MX.sym(name, count) for name, count in [("x", states), ("u", inputs), ("p", parameters)])
