@@ -3,13 +3,11 @@
 use super::joints::SPEED;
 use super::writer::{Tendon, Writer};
 use crate::export::losses::LINE;
-use crate::export::names::{distinct, unlike_others};
+use crate::export::names::distinct;
 use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, numbers};
-use crate::model::{Attachment, Drive, ForceEffect, Input, Model, RotorCoupling};
+use crate::model::{Attachment, Drive, ForceEffect, Input};
 
-const ROTOR: &str =
-    "has rotors as `armature` alone; what those on moving bodies do to these bodies was left out at";
 const TORQUES: &str = "has one range of an input; the nominal torque was left out beside the peak at";
 const POINT_FORCE: &str = "has linear springs and dampers between sites, and no other laws; left out";
 const SHAFT: &str =
@@ -20,7 +18,6 @@ impl Writer<'_> {
     pub(super) fn actuators(&mut self) {
         let model = self.model;
         for drive in &model.drives {
-            self.note_rotor(drive);
             if drive.line.is_some() {
                 self.losses.add(LINE, &drive.name);
             }
@@ -47,14 +44,6 @@ impl Writer<'_> {
             let mut attributes = vec![("name", input.name.clone()), (key, target), ("gear", gear)];
             attributes.extend(input.limits.map(|range| ("ctrlrange", numbers(&range))));
             self.actuators.push(attributes);
-        }
-    }
-
-    fn note_rotor(&mut self, drive: &Drive) {
-        let is_body = drive.coupling == RotorCoupling::Body && !drive.acts_on.is_empty();
-        let spins = self.values.number(&drive.rotor_inertia) != 0.0;
-        if is_body && spins && is_moving(self.model, drive.carrier) {
-            self.losses.of_robot(ROTOR, &drive.name);
         }
     }
 
@@ -93,13 +82,8 @@ impl Writer<'_> {
         if friction.has_others {
             self.losses.add(SHAFT, &drive.name);
         }
-        let rotor = ratio * ratio * self.values.number(&drive.rotor_inertia);
-        let is_chain = is_chain(self.model, drive);
-        if rotor != 0.0 && !is_chain {
-            self.rotor(drive, rotor);
-        }
         let further = [
-            ("armature", if is_chain { rotor } else { 0.0 }),
+            ("armature", self.armature(drive)),
             ("damping", ratio * ratio * friction.viscous),
             ("frictionloss", ratio.abs() * friction.dry),
         ];
@@ -110,17 +94,6 @@ impl Writer<'_> {
         let name = self.tendon_name(&drive.name);
         self.tendons.push(Tendon::fixed(name.clone(), joints, further));
         name
-    }
-
-    /// A body that turns with the sum that a drive acts on.
-    fn rotor(&mut self, drive: &Drive, inertia: f64) {
-        let name = unlike_others(self.model, &format!("{}_rotor", drive.name));
-        self.follow_several(&name, &drive.acts_on, 0.0);
-        if let Some((_, attributes)) = self.equalities.last_mut() {
-            // The stiffest that MuJoCo takes: with its default an acceleration was 9 % off, so it is 1e-4.
-            attributes.push(("solimp", numbers(&[0.9999, 0.9999, 0.001])));
-        }
-        self.rotors.push((name, inertia));
     }
 
     fn torque_range(&mut self, drive: &Drive) -> Option<(&'static str, String)> {
@@ -179,29 +152,4 @@ fn spring(values: &Values, law: &gelenk_formula::Formula) -> Option<Attributes> 
     }
     attributes.extend((law.velocity > 0.0).then(|| ("damping", numbers(&[law.velocity]))));
     Some(attributes)
-}
-
-/// Tells whether of any two joints that a drive acts on one carries the other: MuJoCo's M has no entries for others, and the
-/// armature of a tendon would lose them.
-fn is_chain(model: &Model, drive: &Drive) -> bool {
-    let carries = |link: usize, mut other: usize| loop {
-        match &model.links[other].joint {
-            _ if other == link => return true,
-            Some(joint) => other = joint.parent,
-            None => return false,
-        }
-    };
-    let links: Vec<usize> = drive.acts_on.iter().map(|term| model.coordinates[term.coordinate]).collect();
-    links.iter().all(|&a| links.iter().all(|&b| carries(a, b) || carries(b, a)))
-}
-
-/// Tells whether a link moves.
-fn is_moving(model: &Model, mut link: usize) -> bool {
-    while let Some(joint) = &model.links[link].joint {
-        if matches!(joint.motion, crate::model::Motion::Coordinate(_) | crate::model::Motion::Follower(_)) {
-            return true;
-        }
-        link = joint.parent;
-    }
-    false
 }

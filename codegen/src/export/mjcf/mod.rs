@@ -5,6 +5,7 @@
 
 mod actuators;
 mod joints;
+mod rotors;
 mod writer;
 
 use super::format::Format;
@@ -43,6 +44,7 @@ pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
         rotors: Vec::new(),
     };
     writer.frames();
+    writer.find_rotors();
     writer.actuators();
     writer.point_forces();
     writer.followers();
@@ -86,7 +88,6 @@ impl Writer<'_> {
         self.xml.open("worldbody", vec![]);
         self.base(&model.links[0]);
         self.bodies();
-        self.rotors();
         self.xml.close();
         self.sections();
     }
@@ -94,6 +95,7 @@ impl Writer<'_> {
     /// The base link. The world has no mass in MuJoCo.
     fn base(&mut self, base: &Link) {
         self.link_sites(0);
+        self.rotors_on(0);
         if !base.bodies.is_empty() {
             let taken = |name: &str| name == "world" || self.model.links[1..].iter().any(|l| l.name == name);
             self.xml.open("body", vec![("name", distinct(&base.name, taken))]);
@@ -139,11 +141,12 @@ impl Writer<'_> {
             Some(chain) => self.quaternion_joint(chain),
             None => self.joint(first),
         };
-        let lump = self.values.lump(&model.links[last].bodies);
+        let lump = self.lump(last);
         if moves || lump != Lump::default() {
             self.inertial(lump, &model.links[last].name, moves);
         }
         self.link_sites(last);
+        self.rotors_on(last);
         last
     }
 
@@ -152,17 +155,6 @@ impl Writer<'_> {
             let mut attributes = vec![("name", site.name.clone())];
             attributes.extend(place(&site.placed));
             self.xml.element("site", attributes);
-        }
-    }
-
-    /// The bodies of rotors that no armature replaces.
-    fn rotors(&mut self) {
-        for (name, inertia) in std::mem::take(&mut self.rotors) {
-            self.xml.open("body", vec![("name", name.clone())]);
-            self.xml.element("joint", vec![("name", name)]);
-            let lump = Lump { mass: LEAST, ..Lump::default() };
-            self.xml.element("inertial", inertial(&lump, [inertia; 3], &Placed::IDENTITY.rotation));
-            self.xml.close();
         }
     }
 

@@ -5,6 +5,8 @@ use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, Xml, numbers};
 use crate::model::Model;
 
+use super::rotors::Rotor;
+
 /// A site and the link that carries it.
 pub(super) struct Site {
     pub(super) link: usize,
@@ -22,8 +24,8 @@ pub(super) struct Writer<'m> {
     pub(super) tendons: Vec<Tendon>,
     pub(super) equalities: Vec<(&'static str, Attributes)>,
     pub(super) actuators: Vec<Attributes>,
-    /// Rotors with bodies of their own: the name of the joint, and its inertia.
-    pub(super) rotors: Vec<(String, f64)>,
+    /// Rotors with bodies of their own, by drive.
+    pub(super) rotors: Vec<Option<Rotor>>,
 }
 
 /// A length: a weighted sum of positions, or the distance of two sites.
