@@ -6,6 +6,7 @@ use super::equality::{Equalities, Fixed};
 use super::lanes::{Vector, WIDTH, flat_mut, lanes, zeros};
 use super::ldl::NotPositive;
 use super::multipliers::Multipliers;
+use super::pause::Pause;
 use super::problem::{QpProblem, QpStage};
 use super::riccati::Riccati;
 use super::rows::{Limits, Rows};
@@ -71,8 +72,10 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     /// Certificate after the starts, if the problem is not solved.
     pub(super) unsolved: Option<Certificate>,
     pub(super) solved: bool,
-    /// Solution that a rehearsal keeps, with its multipliers, and whether it was one.
-    spare: (Trajectory<V>, [Multipliers<V>; 2], bool),
+    /// Problems that are not tried from the active set of the last solution.
+    pub(super) pause: Pause,
+    /// Solution that a rehearsal keeps, with its multipliers, whether it was one, and the pause.
+    spare: (Trajectory<V>, [Multipliers<V>; 2], bool, Pause),
 }
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
@@ -109,9 +112,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             best_multipliers: multipliers.clone(),
             kept: trajectory.clone(),
             kept_multipliers: multipliers.clone(),
-            spare: (trajectory, multipliers, false),
+            spare: (trajectory, multipliers, false, Pause::default()),
             unsolved: None,
             solved: false,
+            pause: Pause::default(),
         }
     }
 
@@ -219,13 +223,14 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Sets the solution aside.
+    /// Sets the solution aside. What follows is tried warm.
     #[inline(always)]
     pub(super) fn set_aside(&mut self) {
-        let (solution, multipliers, solved) = &mut self.spare;
+        let (solution, multipliers, solved, pause) = &mut self.spare;
         solution.copy_from(&self.solution);
         multipliers.iter_mut().zip(&self.multipliers).for_each(|(kept, last)| kept.copy_from(last));
         *solved = self.solved;
+        *pause = ::core::mem::take(&mut self.pause);
     }
 
     /// Makes what was set aside the solution again.
@@ -234,10 +239,11 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         if !self.solved {
             self.forget();
         }
-        let (solution, multipliers, solved) = &self.spare;
+        let (solution, multipliers, solved, pause) = &self.spare;
         self.solution.copy_from(solution);
         self.multipliers.iter_mut().zip(multipliers).for_each(|(last, kept)| last.copy_from(kept));
         self.solved = *solved;
+        self.pause = *pause;
     }
 
     /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay,

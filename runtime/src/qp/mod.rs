@@ -8,6 +8,7 @@
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
 //! | `interior_point::follow` | warm starts: Newton's method from the active set of the last solution |
 //! | `interior_point::augmented` | the method of multipliers, for what the iteration has not solved |
+//! | `pause` | which problems are not tried warm after failures |
 //! | `certify`, `certificate` | cost and residuals of the point returned, from which the status follows |
 //! | `barrier`, `multipliers` | bounds, hard and soft: slacks, multipliers, their Newton steps |
 //! | `equality` | bounds that are equal: fixed inputs, states that must pass through a point |
@@ -33,6 +34,7 @@ mod kernels;
 pub(crate) mod lanes;
 mod ldl;
 mod multipliers;
+mod pause;
 mod problem;
 pub(crate) mod riccati;
 mod rows;

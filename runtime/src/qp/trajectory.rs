@@ -32,10 +32,11 @@ impl<V: Vector> Trajectory<V> {
         self.x.fill(V::zero());
     }
 
-    /// True if all numbers are those of another trajectory.
+    /// The number of entries in which it differs from another trajectory.
     #[inline(always)]
-    pub(super) fn equals(&self, other: &Self) -> bool {
-        flat(&self.u) == flat(&other.u) && flat(&self.x) == flat(&other.x)
+    pub(super) fn changes(&self, other: &Self) -> usize {
+        let count = |a: &[V], b: &[V]| flat(a).iter().zip(flat(b)).filter(|(a, b)| a != b).count();
+        count(&self.u, &other.u) + count(&self.x, &other.x)
     }
 
     /// `self += length · step`.

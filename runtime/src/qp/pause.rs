@@ -1,0 +1,46 @@
+//! When warm starts are tried: exponential backoff.
+
+/// Most problems without a try. The bench `control_step` has the same iterations within 1 % for 3.
+const LONGEST: u32 = 31;
+
+/// Problems without a try: 1 after a failure, 2n + 1 after one that followed n of them, none after a success.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Pause {
+    length: u32,
+    left: u32,
+}
+
+impl Pause {
+    /// Tells whether to try; counts the problem if not.
+    pub(super) fn is_over(&mut self) -> bool {
+        let is_over = self.left == 0;
+        self.left = self.left.saturating_sub(1);
+        is_over
+    }
+
+    pub(super) fn after(self, success: bool) -> Self {
+        let length = if success { 0 } else { (2 * self.length + 1).min(LONGEST) };
+        Self { length, left: length }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pause;
+
+    #[test]
+    fn failures_lengthen_the_pause_and_a_success_ends_it() {
+        let mut pause = Pause::default();
+        let mut tried = Vec::new();
+        for problem in 0..70 {
+            if pause.is_over() {
+                tried.push(problem);
+                pause = pause.after(false);
+            }
+        }
+        // Pauses of 1, 3, 7, 15, 31.
+        assert_eq!(tried, [0, 2, 6, 14, 30, 62]);
+        pause = pause.after(true);
+        assert!(pause.is_over() && pause.is_over());
+    }
+}
