@@ -5,7 +5,7 @@
 //! body on its carrier whose joint follows those of its drive. MuJoCo takes no body without inertia across the axis: the
 //! rotor has some, and its carrier has that much less.
 
-use super::writer::Writer;
+use super::writer::{Rotor, Writer};
 use super::{LEAST, inertial};
 use crate::export::names::unlike_others;
 use crate::export::numbers::Lump;
@@ -18,14 +18,6 @@ const ROTOR: &str = "has no rotors in carriers with less inertia than they, and 
 
 /// Inertia across the axis, in units of the axial one: a disc has half, the least of a rigid body.
 const ACROSS: f64 = 0.5 + 1e-6;
-
-/// A rotor with a body.
-pub(super) struct Rotor {
-    name: String,
-    carrier: usize,
-    axis: [f64; 3],
-    inertia: f64,
-}
 
 impl Writer<'_> {
     /// Decides which rotors have bodies on moving links: none of a link if it has too little inertia.

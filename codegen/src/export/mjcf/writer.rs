@@ -5,13 +5,19 @@ use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, Xml, numbers};
 use crate::model::Model;
 
-use super::rotors::Rotor;
-
 /// A site and the link that carries it.
 pub(super) struct Site {
     pub(super) link: usize,
     pub(super) name: String,
     pub(super) placed: Placed,
+}
+
+/// A rotor with a body of its own.
+pub(super) struct Rotor {
+    pub(super) name: String,
+    pub(super) carrier: usize,
+    pub(super) axis: [f64; 3],
+    pub(super) inertia: f64,
 }
 
 /// The model, and what of its file exists.
