@@ -122,7 +122,8 @@ class Robot:
                     del open_rows[one]
         return g, bias
 
-    def values(self, state):
+    def at(self, state):
+        """Puts MuJoCo to a state: G, Ġ ẏ and MuJoCo's mass matrix."""
         mujoco, model, data = self.mujoco, self.model, self.data
         y, v = np.array(state["y"]), np.array(state["v"])
         q = self.positions(y)
@@ -131,7 +132,12 @@ class Robot:
         mujoco.mj_forward(model, data)
         mass = np.zeros((model.nv, model.nv))
         mujoco.mj_fullM(model, mass, data.qM) if hasattr(data, "qM") else mujoco.mj_fullM(model, data, mass)
-        found = {None: (g, rate), "mass_matrix": g.T @ mass @ g, "bias_forces": g.T @ (data.qfrc_bias + mass @ rate)}
+        return g, rate, mass
+
+    def values(self, state):
+        mujoco, model, data = self.mujoco, self.model, self.data
+        g, rate, mass = self.at(state)
+        found = {"mass_matrix": g.T @ mass @ g, "bias_forces": g.T @ (data.qfrc_bias + mass @ rate)}
         if "passive" in state:
             found["passive"] = g.T @ data.qfrc_passive
         if "input_matrix" in state:
@@ -146,11 +152,9 @@ class Robot:
 
         Limits and dry friction, which are constraints as well, are left out.
         """
-        mujoco, model, data = self.mujoco, self.model, self.data
+        model, data = self.model, self.data
         model.dof_frictionloss[:], model.tendon_frictionloss[:], model.jnt_limited[:] = 0, 0, 0
-        g, rate = self.values(state)[None]
-        mass = np.zeros((model.nv, model.nv))
-        mujoco.mj_fullM(model, mass, data.qM) if hasattr(data, "qM") else mujoco.mj_fullM(model, data, mass)
+        g, rate, mass = self.at(state)
         force = g.T @ (data.qfrc_passive - data.qfrc_bias - mass @ rate)
         exact = g @ np.linalg.solve(g.T @ mass @ g, force) + rate
         size = max(np.abs(exact).max(), np.abs(data.qacc_smooth).max(), 1e-12)
@@ -162,15 +166,14 @@ def mujoco_errors(mujoco, told):
     robot = Robot(mujoco, told)
     worst = {}
     for state in told["states"]:
-        values = robot.values(state)
-        del values[None]
-        for name, array in values.items():
+        for name, array in robot.values(state).items():
             wanted = array.ravel()
             error = relative(np.array(state[name]), wanted)
             worst[name] = error if not error <= worst.get(name, 0.0) else worst.get(name, 0.0)
-    # Rows of equalities that the file has by itself may be softer.
+    # Files of others may have softer equalities. Those of random robots may have bodies of almost no inertia, which MuJoCo
+    # holds by no equality: of 600 robots 586 are within 0.003, and 5 have errors above 0.5.
     if told["by_name"] and "input_matrix" in told["states"][0]:
-        worst["acceleration"] = max(robot.acceleration_error(state) for state in told["states"])
+        worst["acceleration"] = np.max([robot.acceleration_error(state) for state in told["states"]])
     return worst
 
 

@@ -69,8 +69,16 @@ impl Values {
         Placed { origin: std::array::from_fn(|k| origin[k] + slid[k]), rotation: product(&rotation, &turned) }
     }
 
-    /// The bodies of a link as one.
-    pub(super) fn lump(&self, bodies: &[Body]) -> Lump {
+    /// The bodies of a link and the rotors of held joints on it as one.
+    pub(super) fn lump(&self, model: &Model, link: usize) -> Lump {
+        let mut lump = self.bodies(&model.links[link].bodies);
+        for drive in model.held_rotors().filter(|drive| drive.carrier == link) {
+            lump.add_about_axis(drive.axis, self.number(&drive.rotor_inertia), 0.0);
+        }
+        lump
+    }
+
+    fn bodies(&self, bodies: &[Body]) -> Lump {
         let masses = bodies.iter().map(|body| self.number(&body.mass));
         let mass: f64 = masses.clone().sum();
         let centers: Vec<[f64; 3]> = bodies.iter().map(|body| self.numbers(&body.center_of_mass)).collect();
@@ -145,6 +153,16 @@ impl Values {
             Formula::Call(Function::Sign, inner) => Some([0.0, Function::Sign.evaluate(rate(inner)?)]),
             basis => Some([rate(basis)?, 0.0]),
         }
+    }
+}
+
+impl Lump {
+    /// Adds moments along and across an axis.
+    pub(super) fn add_about_axis(&mut self, [x, y, z]: [f64; 3], along: f64, across: f64) {
+        let own = [x * x, x * y, x * z, y * y, y * z, z * z];
+        let unit = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
+        self.inertia =
+            std::array::from_fn(|k| self.inertia[k] + across * unit[k] + (along - across) * own[k]);
     }
 }
 

@@ -7,7 +7,7 @@ use super::losses::{LINE, Losses};
 use super::names::{distinct, slide_name};
 use super::numbers::{Placed, Values};
 use super::xml::{Attributes, Xml, numbers};
-use crate::model::{Frame, Joint, JointKind, Limits, Link, Model, Motion, MovingJoint, QuaternionKind};
+use crate::model::{Frame, Joint, JointKind, Limits, Model, Motion, MovingJoint, QuaternionKind};
 
 /// Value that readers of URDFs treat as unlimited: ROS requires both numbers, and 0 would forbid all motion.
 const UNLIMITED: f64 = 1e31;
@@ -38,7 +38,7 @@ pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
     let losses = Losses::new(Format::Urdf);
     let mut writer = Writer { model, values: Values::of(model), xml: Xml::new(source), losses, links };
     writer.xml.open("robot", vec![("name", model.name.clone())]);
-    for link in &model.links {
+    for link in 0..model.links.len() {
         writer.link(link);
     }
     let moving = model.moving_joints();
@@ -53,7 +53,8 @@ pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
 }
 
 impl Writer<'_> {
-    fn link(&mut self, link: &Link) {
+    fn link(&mut self, index: usize) {
+        let link = &self.model.links[index];
         if self.is_within_chain(&link.name) {
             return;
         }
@@ -61,7 +62,7 @@ impl Writer<'_> {
         if link.bodies.is_empty() {
             return self.xml.element("link", name);
         }
-        let lump = self.values.lump(&link.bodies);
+        let lump = self.values.lump(self.model, index);
         let keys = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
         let inertia = keys.iter().zip(lump.inertia).map(|(&key, entry)| (key, numbers(&[entry])));
         self.xml.open("link", name);

@@ -5,7 +5,7 @@ use super::inertia::moments_of_body;
 use super::joint::JointAxis;
 use super::lower::{lower, lower_pose};
 use crate::graph::{Graph, Scalar};
-use crate::model::{Joint, Model, Motion, RotorCoupling};
+use crate::model::{Joint, Model, Motion};
 use crate::spatial::{MassMoments, Pose, Vector3, rotate, rotation_about};
 
 /// The tree of moving bodies as described.
@@ -63,9 +63,7 @@ pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments
     for body in tree.bodies.iter().filter(|body| !body.is_screw_slide) {
         moments[body.joint] = body.moments;
     }
-    let held =
-        model.drives.iter().filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body);
-    for drive in held {
+    for drive in model.held_rotors() {
         let (Some(index), pose) = tree.links[drive.carrier] else {
             continue;
         };

@@ -251,6 +251,12 @@ impl Model {
         self.drives.iter().filter(|drive| !drive.acts_on.is_empty())
     }
 
+    /// The drives of held joints whose rotors are parts of their carriers.
+    pub(crate) fn held_rotors(&self) -> impl Iterator<Item = &Drive> {
+        let drives = self.drives.iter();
+        drives.filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body)
+    }
+
     /// The drives whose shafts have friction of their own.
     pub fn rubbing_drives(&self) -> impl Iterator<Item = &Drive> {
         self.drives.iter().filter(|drive| !drive.friction.is_empty())

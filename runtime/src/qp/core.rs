@@ -72,7 +72,7 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     /// Certificate after the starts, if the problem is not solved.
     pub(super) unsolved: Option<Certificate>,
     pub(super) solved: bool,
-    /// Problems that are not tried from the active set of the last solution.
+    /// The pause after warm starts that failed.
     pub(super) pause: Pause,
     /// Solution that a rehearsal keeps, with its multipliers, whether it was one, and the pause.
     spare: (Trajectory<V>, [Multipliers<V>; 2], bool, Pause),
@@ -223,7 +223,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Sets the solution aside. What follows is tried warm.
+    /// Sets the solution aside. The next problem is tried warm.
     #[inline(always)]
     pub(super) fn set_aside(&mut self) {
         let (solution, multipliers, solved, pause) = &mut self.spare;

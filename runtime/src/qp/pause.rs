@@ -1,9 +1,9 @@
-//! When warm starts are tried: exponential backoff.
+//! Pauses between warm starts: after failures some problems are solved cold at once (exponential backoff).
 
-/// Most problems without a try. The bench `control_step` has the same iterations within 1 % for 3.
+/// Longest pause, in problems. The bench `control_step` has the same iterations within 1 % for 3.
 const LONGEST: u32 = 31;
 
-/// Problems without a try: 1 after a failure, 2n + 1 after one that followed n of them, none after a success.
+/// A pause of n problems. A failure makes it 2n + 1, up to [`LONGEST`]; a success makes it 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Pause {
     length: u32,
@@ -11,7 +11,7 @@ pub(super) struct Pause {
 }
 
 impl Pause {
-    /// Tells whether to try; counts the problem if not.
+    /// Tells whether to try the next problem warm; counts that problem if not.
     pub(super) fn is_over(&mut self) -> bool {
         let is_over = self.left == 0;
         self.left = self.left.saturating_sub(1);

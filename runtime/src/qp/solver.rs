@@ -102,8 +102,9 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     }
 
     /// Solves from the active set of the last solution, which may have been moved by [`Self::shift`]: Newton's method
-    /// finds the optimum in few iterations if the active set changes little. From a cold start if it does not, or if the
-    /// last problem was not solved.
+    /// finds the optimum in few iterations if the active set changes little. From a cold start if it does not, if the last
+    /// problem was not solved, and for up to 31 problems after warm starts that have failed. The result depends on all
+    /// solves since the solver was made.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         let followed = match &mut self.0 {
             Engine::Portable(core) => follow(core, problem),

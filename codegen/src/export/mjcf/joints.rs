@@ -31,9 +31,7 @@ impl Writer<'_> {
             let slide = slide_name(self.model, &joint.name);
             let attributes = vec![("name", slide.clone()), ("type", "slide".into()), ("axis", axis.clone())];
             self.xml.element("joint", attributes);
-            // MuJoCo takes the softness of an equality of joints from their inertias without the factor: accelerations of
-            // models/scara.toml were 5 % off.
-            self.sum_equals(&slide, vec![(joint.name.clone(), -pitch)], 0.0);
+            self.equal(&slide, vec![(joint.name.clone(), pitch)], 0.0);
         }
         let mut attributes = vec![("name", joint.name.clone())];
         attributes.extend(joint.slides().then(|| ("type", "slide".into())));
@@ -154,48 +152,41 @@ impl Writer<'_> {
         let model = self.model;
         for follower in &model.followers {
             let Some(joint) = &model.links[follower.link].joint else { continue };
-            self.follow_all(&joint.name, &follower.follows, follower.offset);
+            let leaders = self.leaders(&follower.follows, 1.0);
+            self.equal(&joint.name, leaders, follower.offset);
         }
     }
 
-    /// `joint = offset + Σ ratio · leader`
-    pub(super) fn follow_all(&mut self, joint: &str, follows: &[FollowedCoordinate], offset: f64) {
-        match follows {
-            [only] => {
-                let leader = self.joint_name(only);
-                let ratio = self.values.number(&only.ratio);
-                self.equal(joint.to_owned(), &leader, offset, ratio);
-            }
-            several => self.follow_several(joint, several, offset),
-        }
-    }
-
-    /// `joint = offset + ratio · leader`
-    fn equal(&mut self, joint: String, leader: &str, offset: f64, ratio: f64) {
-        let polynomial = numbers(&[offset, ratio, 0.0, 0.0, 0.0]);
-        let attributes = vec![("joint1", joint), ("joint2", leader.to_owned()), ("polycoef", polynomial)];
-        self.equality("joint", attributes);
-    }
-
-    /// An equality has two joints: a tendon stands for `joint − Σ ratio · leader`, whose length is the offset.
-    fn follow_several(&mut self, joint: &str, follows: &[FollowedCoordinate], offset: f64) {
+    /// Names of the joints that are followed, with ratios.
+    pub(super) fn leaders(&self, follows: &[FollowedCoordinate], factor: f64) -> Vec<(String, f64)> {
         let terms = follows.iter();
-        let terms = terms.map(|term| (self.joint_name(term), -self.values.number(&term.ratio)));
-        self.sum_equals(joint, terms.collect(), offset);
+        terms.map(|term| (self.joint_name(term), factor * self.values.number(&term.ratio))).collect()
     }
 
-    /// `joint + Σ factor · other = value`
-    fn sum_equals(&mut self, joint: &str, others: Vec<(String, f64)>, value: f64) {
-        let joints = [(joint.to_owned(), 1.0)].into_iter().chain(others).collect();
+    /// `joint = offset + Σ ratio · leader`: an equality of joints, or a tendon `joint − Σ ratio · leader` whose length is the
+    /// offset.
+    ///
+    /// MuJoCo derives the softness of an equality of joints from their inertias without the ratio, and that of a tendon with it. A
+    /// ratio below 1 makes the former the softer one: accelerations of a rack with 0.01 m/rad were 115 % off, with a tendon
+    /// 0.03 %.
+    pub(super) fn equal(&mut self, joint: &str, leaders: Vec<(String, f64)>, offset: f64) {
+        if let [(leader, ratio)] = &leaders[..]
+            && ratio.abs() >= 1.0
+        {
+            let joints = vec![("joint1", joint.to_owned()), ("joint2", leader.clone())];
+            return self.equality("joint", joints, [offset, *ratio, 0.0, 0.0, 0.0]);
+        }
+        let leaders = leaders.into_iter().map(|(leader, ratio)| (leader, -ratio));
+        let joints = [(joint.to_owned(), 1.0)].into_iter().chain(leaders).collect();
         let name = self.tendon_name(joint);
         self.tendons.push(Tendon::fixed(name.clone(), joints, vec![]));
-        let polynomial = numbers(&[value, 0.0, 0.0, 0.0, 0.0]);
-        self.equality("tendon", vec![("tendon1", name), ("polycoef", polynomial)]);
+        self.equality("tendon", vec![("tendon1", name)], [offset, 0.0, 0.0, 0.0, 0.0]);
     }
 
-    /// An equality of the highest stiffness that MuJoCo takes. Accelerations of models/palletizer.toml are 36 % off with its
-    /// default, and 0.06 % with this one (`tests/mujoco/compare.py`).
-    fn equality(&mut self, tag: &'static str, mut attributes: Attributes) {
+    /// An equality of the highest stiffness that MuJoCo takes. With its default accelerations of models/palletizer.toml are
+    /// 36 % off, with this one 0.06 % (`tests/mujoco/compare.py`).
+    fn equality(&mut self, tag: &'static str, mut attributes: Attributes, polynomial: [f64; 5]) {
+        attributes.push(("polycoef", numbers(&polynomial)));
         attributes.push(("solimp", numbers(&[0.9999, 0.9999, 0.001])));
         self.equalities.push((tag, attributes));
     }

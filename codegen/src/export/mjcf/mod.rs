@@ -99,7 +99,7 @@ impl Writer<'_> {
         if !base.bodies.is_empty() {
             let taken = |name: &str| name == "world" || self.model.links[1..].iter().any(|l| l.name == name);
             self.xml.open("body", vec![("name", distinct(&base.name, taken))]);
-            let lump = self.values.lump(&base.bodies);
+            let lump = self.values.lump(self.model, 0);
             if lump != Lump::default() {
                 self.inertial(lump, &base.name, false);
             }

@@ -10,8 +10,7 @@ use super::{LEAST, inertial};
 use crate::export::names::unlike_others;
 use crate::export::numbers::Lump;
 use crate::export::xml::numbers;
-use crate::model::{Drive, FollowedCoordinate, Model, Motion, RotorCoupling, principal_axes};
-use gelenk_formula::Formula;
+use crate::model::{Drive, Model, Motion, RotorCoupling, principal_axes};
 
 const ROTOR: &str = "has no rotors in carriers with less inertia than they, and none that follow joints with quaternions; their \
                      effect on moving carriers was left out at";
@@ -19,49 +18,48 @@ const ROTOR: &str = "has no rotors in carriers with less inertia than they, and 
 /// Inertia across the axis, in units of the axial one: a disc has half, the least of a rigid body.
 const ACROSS: f64 = 0.5 + 1e-6;
 
-impl Writer<'_> {
-    /// Decides which rotors have bodies on moving links: none of a link if it has too little inertia.
+impl<'m> Writer<'m> {
+    /// Finds the rotors with bodies. If a link has too little inertia for its rotors, these are on the base.
     pub(super) fn find_rotors(&mut self) {
         let model = self.model;
-        let carrier = |drive: &Drive| if self.moves_its_carrier(drive) { drive.carrier } else { 0 };
-        self.rotors = model.drives.iter().map(|drive| self.rotor(drive, carrier(drive))).collect();
+        for drive in model.moving_drives() {
+            let carrier = if self.moves_its_carrier(drive) { drive.carrier } else { 0 };
+            self.rotors.extend(self.rotor(drive, carrier));
+        }
         for link in 1..model.links.len() {
-            let carried = |rotor: &Option<Rotor>| rotor.as_ref().is_some_and(|rotor| rotor.carrier == link);
-            if self.rotors.iter().any(carried) && !self.is_body(link) {
-                for (place, drive) in model.drives.iter().enumerate() {
-                    if carried(&self.rotors[place]) {
-                        self.rotors[place] = self.rotor(drive, 0);
-                    }
-                }
+            if self.rotors.iter().any(|rotor| rotor.carrier == link) && !self.is_body(link) {
+                let rotors = std::mem::take(&mut self.rotors).into_iter();
+                self.rotors = rotors.filter_map(|rotor| self.not_on(link, rotor)).collect();
             }
         }
-        for (drive, rotor) in model.drives.iter().zip(&self.rotors) {
-            let is_on_its_carrier = rotor.as_ref().is_some_and(|rotor| rotor.carrier == drive.carrier);
-            let is_lost =
-                self.follows_quaternion(drive) || self.moves_its_carrier(drive) && !is_on_its_carrier;
-            if is_lost && self.values.number(&drive.rotor_inertia) != 0.0 {
+        for drive in model.moving_drives().filter(|drive| self.values.number(&drive.rotor_inertia) != 0.0) {
+            let carrier = self.rotor_of(drive).map(|rotor| rotor.carrier);
+            let is_on_base = self.moves_its_carrier(drive) && carrier != Some(drive.carrier);
+            if is_on_base || self.follows_quaternion(drive) {
                 self.losses.of_robot(ROTOR, &drive.name);
             }
         }
     }
 
-    /// The body of a rotor on a link, 0 for one at rest; `None` if an armature is the same.
-    fn rotor(&self, drive: &Drive, carrier: usize) -> Option<Rotor> {
-        let model = self.model;
+    /// The body of a rotor on a link; `None` if an armature is the same, or if it cannot have one.
+    fn rotor(&self, drive: &'m Drive, carrier: usize) -> Option<Rotor<'m>> {
         let inertia = self.values.number(&drive.rotor_inertia);
-        let is_armature = carrier == 0 && is_chain(model, drive);
-        (ACROSS * inertia > LEAST && !is_armature && !self.follows_quaternion(drive)).then(|| Rotor {
-            name: unlike_others(model, &format!("{}_rotor", drive.name)),
-            carrier,
-            axis: drive.axis,
-            inertia,
-        })
+        let is_armature = carrier == 0 && is_chain(self.model, drive);
+        let is_body = ACROSS * inertia > LEAST && !is_armature && !self.follows_quaternion(drive);
+        is_body.then_some(Rotor { drive, inertia, carrier })
+    }
+
+    /// The rotor, on the base if it is on this link.
+    fn not_on(&self, link: usize, rotor: Rotor<'m>) -> Option<Rotor<'m>> {
+        if rotor.carrier == link { self.rotor(rotor.drive, 0) } else { Some(rotor) }
+    }
+
+    fn rotor_of(&self, drive: &Drive) -> Option<&Rotor<'m>> {
+        self.rotors.iter().find(|rotor| std::ptr::eq(rotor.drive, drive))
     }
 
     fn moves_its_carrier(&self, drive: &Drive) -> bool {
-        drive.coupling == RotorCoupling::Body
-            && !drive.acts_on.is_empty()
-            && is_moving(self.model, drive.carrier)
+        drive.coupling == RotorCoupling::Body && is_moving(self.model, drive.carrier)
     }
 
     fn follows_quaternion(&self, drive: &Drive) -> bool {
@@ -75,24 +73,18 @@ impl Writer<'_> {
         moments.iter().all(|moment| *moment > LEAST) && 2.0 * largest <= moments.iter().sum::<f64>()
     }
 
-    /// The bodies of a link as one: with the rotors of held joints, and without the inertia of other rotors across their axes.
+    /// The bodies of a link as one, without the inertia of its rotors across their axes.
     pub(super) fn lump(&self, link: usize) -> Lump {
-        let mut lump = self.values.lump(&self.model.links[link].bodies);
-        let mut add =
-            |moments: [f64; 6]| lump.inertia = std::array::from_fn(|k| lump.inertia[k] + moments[k]);
-        for rotor in self.rotors.iter().flatten().filter(|rotor| rotor.carrier == link) {
-            add(moments(rotor.axis, 0.0, -ACROSS * rotor.inertia));
-        }
-        for drive in self.model.drives.iter().filter(|drive| drive.carrier == link && is_held(drive)) {
-            add(moments(drive.axis, self.values.number(&drive.rotor_inertia), 0.0));
+        let mut lump = self.values.lump(self.model, link);
+        for rotor in self.rotors.iter().filter(|rotor| rotor.carrier == link) {
+            lump.add_about_axis(rotor.drive.axis, 0.0, -ACROSS * rotor.inertia);
         }
         lump
     }
 
     /// `i² J_R` of a drive without a body for its rotor.
     pub(super) fn armature(&self, drive: &Drive) -> f64 {
-        let place = self.model.drives.iter().position(|other| std::ptr::eq(other, drive));
-        if place.is_some_and(|place| self.rotors[place].is_some()) {
+        if self.rotor_of(drive).is_some() {
             return 0.0;
         }
         let ratio = self.values.number(&drive.gear_ratio);
@@ -107,66 +99,39 @@ impl Writer<'_> {
 
     /// Bodies of the rotors that a link carries. Each joint follows those of its drive.
     pub(super) fn rotors_on(&mut self, link: usize) {
-        let model = self.model;
-        for (place, drive) in model.drives.iter().enumerate() {
-            let Some(rotor) = self.rotors[place].as_ref().filter(|rotor| rotor.carrier == link) else {
-                continue;
-            };
-            let (name, axis) = (rotor.name.clone(), numbers(&rotor.axis));
-            let (moments, axes) = principal_axes(moments(rotor.axis, rotor.inertia, ACROSS * rotor.inertia));
-            let lump = Lump { mass: LEAST, ..Lump::default() };
-            self.xml.open("body", vec![("name", name.clone())]);
-            self.xml.element("joint", vec![("name", name.clone()), ("axis", axis)]);
-            self.xml.element("inertial", inertial(&lump, moments, &axes));
-            self.xml.close();
-            self.follow(&name, drive);
-        }
+        let rotors = std::mem::take(&mut self.rotors);
+        rotors.iter().filter(|rotor| rotor.carrier == link).for_each(|rotor| self.rotor_body(rotor));
+        self.rotors = rotors;
     }
 
-    fn follow(&mut self, name: &str, drive: &Drive) {
-        let gear = self.values.number(&drive.gear_ratio);
-        let scaled = |term: &FollowedCoordinate| FollowedCoordinate {
-            ratio: Formula::Number(gear * self.values.number(&term.ratio)),
-            ..term.clone()
-        };
-        let follows: Vec<FollowedCoordinate> = drive.acts_on.iter().map(scaled).collect();
-        self.follow_all(name, &follows, 0.0);
+    fn rotor_body(&mut self, &Rotor { drive, inertia, .. }: &Rotor<'m>) {
+        let name = unlike_others(self.model, &format!("{}_rotor", drive.name));
+        let mut lump = Lump { mass: LEAST, ..Lump::default() };
+        lump.add_about_axis(drive.axis, inertia, ACROSS * inertia);
+        let (moments, axes) = principal_axes(lump.inertia);
+        self.xml.open("body", vec![("name", name.clone())]);
+        self.xml.element("joint", vec![("name", name.clone()), ("axis", numbers(&drive.axis))]);
+        self.xml.element("inertial", inertial(&lump, moments, &axes));
+        self.xml.close();
+        let leaders = self.leaders(&drive.acts_on, self.values.number(&drive.gear_ratio));
+        self.equal(&name, leaders, 0.0);
     }
-}
-
-/// The inertia with these moments along and across an axis: xx, xy, xz, yy, yz, zz.
-fn moments([x, y, z]: [f64; 3], along: f64, across: f64) -> [f64; 6] {
-    let own = [x * x, x * y, x * z, y * y, y * z, z * z];
-    let unit = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
-    std::array::from_fn(|k| across * unit[k] + (along - across) * own[k])
-}
-
-/// Tells whether a rotor is a part of its carrier, since its joint is held.
-fn is_held(drive: &Drive) -> bool {
-    drive.coupling == RotorCoupling::Body && drive.acts_on.is_empty()
 }
 
 /// Tells whether of any two joints that a drive acts on one carries the other: MuJoCo's M has no entries for others, and the
 /// armature of a tendon would lose them.
 fn is_chain(model: &Model, drive: &Drive) -> bool {
-    let carries = |link: usize, mut other: usize| loop {
-        match &model.links[other].joint {
-            _ if other == link => return true,
-            Some(joint) => other = joint.parent,
-            None => return false,
-        }
-    };
     let links: Vec<usize> = drive.acts_on.iter().map(|term| model.coordinates[term.coordinate]).collect();
+    let carries = |a: usize, b: usize| to_base(model, b).any(|link| link == a);
     links.iter().all(|&a| links.iter().all(|&b| carries(a, b) || carries(b, a)))
 }
 
-/// Tells whether a link moves.
-fn is_moving(model: &Model, mut link: usize) -> bool {
-    while let Some(joint) = &model.links[link].joint {
-        if matches!(joint.motion, Motion::Coordinate(_) | Motion::Follower(_)) {
-            return true;
-        }
-        link = joint.parent;
-    }
-    false
+fn is_moving(model: &Model, link: usize) -> bool {
+    let mut joints = to_base(model, link).filter_map(|link| model.links[link].joint.as_ref());
+    joints.any(|joint| matches!(joint.motion, Motion::Coordinate(_) | Motion::Follower(_)))
+}
+
+/// The link and those that carry it.
+fn to_base(model: &Model, link: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(link), |&link| Some(model.links[link].joint.as_ref()?.parent))
 }

@@ -3,7 +3,7 @@
 use crate::export::losses::Losses;
 use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, Xml, numbers};
-use crate::model::Model;
+use crate::model::{Drive, Model};
 
 /// A site and the link that carries it.
 pub(super) struct Site {
@@ -13,11 +13,11 @@ pub(super) struct Site {
 }
 
 /// A rotor with a body of its own.
-pub(super) struct Rotor {
-    pub(super) name: String,
-    pub(super) carrier: usize,
-    pub(super) axis: [f64; 3],
+pub(super) struct Rotor<'m> {
+    pub(super) drive: &'m Drive,
     pub(super) inertia: f64,
+    /// Link of the body.
+    pub(super) carrier: usize,
 }
 
 /// The model, and what of its file exists.
@@ -30,8 +30,7 @@ pub(super) struct Writer<'m> {
     pub(super) tendons: Vec<Tendon>,
     pub(super) equalities: Vec<(&'static str, Attributes)>,
     pub(super) actuators: Vec<Attributes>,
-    /// Rotors with bodies of their own, by drive.
-    pub(super) rotors: Vec<Option<Rotor>>,
+    pub(super) rotors: Vec<Rotor<'m>>,
 }
 
 /// A length: a weighted sum of positions, or the distance of two sites.

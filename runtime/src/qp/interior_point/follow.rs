@@ -5,9 +5,9 @@
 //! that were assumed, the forces become multipliers and the point is certified, with what its gradient may gain at most
 //! without the weights; what is left of it by the finite weight
 //! W goes in further steps with the same factorization. Otherwise the pieces there are assumed next. The first step
-//! assumes those of the last solution. A set in which a step changes more pieces than the step before is not pursued: the
-//! interior-point method solves such a problem in fewer iterations. If one problem is of this kind, the next ones often are,
-//! since it depends on the noise and the motion: after each failure more problems are solved without a try ([`Pause`]).
+//! assumes those of the last solution. If a step changes more pieces than the step before, the method ends: the
+//! interior-point method solves such a problem in fewer iterations. Noise and motion decide whether that happens, so that it often
+//! happens in a row: after each failure more problems are solved cold at once ([`super::super::pause`]).
 //!
 //! Source: Hintermüller, Ito, Kunisch, *The primal-dual active set strategy as a semismooth Newton method*, SIAM J.
 //! Optim. 13 (2002), section 3.
@@ -15,8 +15,6 @@
 use super::super::core::Core;
 use super::super::lanes::Vector;
 use super::super::ldl::{factor_ldl, solve_ldl};
-#[cfg(doc)]
-use super::super::pause::Pause;
 use super::super::problem::QpProblem;
 use super::super::status::{KktResiduals, QpReport, QpStatus};
 
