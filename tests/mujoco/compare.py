@@ -172,7 +172,7 @@ def mujoco_errors(mujoco, told):
             worst[name] = error if not error <= worst.get(name, 0.0) else worst.get(name, 0.0)
     # Files of others may have softer equalities. Those of random robots may have bodies of almost no inertia, which MuJoCo
     # holds by no equality: of 600 robots 586 are within 0.003, and 5 have errors above 0.5.
-    if told["by_name"] and "input_matrix" in told["states"][0]:
+    if told["by_name"] and "passive" in told["states"][0]:
         worst["acceleration"] = np.max([robot.acceleration_error(state) for state in told["states"]])
     return worst
 
