@@ -215,22 +215,24 @@ fn shifted_plans_keep_their_active_set() {
     assert!(3 * warm < 2 * cold);
 }
 
-/// A warm start that leads nowhere leaves the cold one what a new solver has.
+/// A warm start that leads nowhere, here since the bounds are out of reach, leaves the cold one what a new solver has.
 #[test]
 fn a_start_that_fails_is_followed_by_that_of_a_new_solver() {
     let mut failed = 0;
     for seed in 0..50 {
         let mut solver = QpSolver::new(10, SETTINGS).unwrap();
         solver.solve(&problem(seed));
-        let other = problem(seed + 25);
+        let mut other = problem(seed + 25);
+        for stage in &mut other.stages[4..6] {
+            (stage.state_lower, stage.state_upper) = ([30.0; 4], [31.0; 4]);
+        }
         let mut fresh = QpSolver::new(10, SETTINGS).unwrap();
         let (a, b) = (solver.solve_warm(&other), fresh.solve(&other));
-        if a.iterations > b.iterations {
-            failed += 1;
-            assert_eq!(bits(&solver), bits(&fresh), "seed {seed}");
-        }
+        assert_eq!((a.status, b.status), (QpStatus::Relaxed, QpStatus::Relaxed), "seed {seed}");
+        assert_eq!(bits(&solver), bits(&fresh), "seed {seed}");
+        failed += u32::from(a.iterations > b.iterations);
     }
-    assert!(failed > 0);
+    assert!(failed > 40, "{failed} warm starts");
 }
 
 #[test]

@@ -19,9 +19,9 @@
 //! line `|u + c ẏ| ≤ U`, a joint that follows others. [`MpcOptions::with_rows`] adds them; without rows nothing
 //! is computed for them.
 //!
-//! The QP of a period starts from the active set of the last one, moved by the periods since then
-//! ([`QpSolver::solve_warm`](crate::qp::QpSolver::solve_warm)): most need one to three factorizations. The first one,
-//! and one whose active set changes much, starts cold.
+//! The QP of a period starts from the solution of the last one, moved by the periods since then
+//! ([`QpSolver::solve_warm`](crate::qp::QpSolver::solve_warm)): most need one to five factorizations. The first one
+//! starts cold.
 //!
 //! A computed input that acts one period late is compensated ([`MpcOptions::delay`]): the horizon then begins
 //! where the input under way will have led.

@@ -24,6 +24,8 @@ const LEAST_WIDTH: f64 = 1e-10;
 pub(super) enum Start {
     /// The unconstrained optimum.
     Cold,
+    /// The last solution.
+    Near,
     /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
     /// solution.
     Deep,

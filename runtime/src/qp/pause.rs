@@ -1,4 +1,4 @@
-//! Pauses between warm starts: after failures some problems are solved cold at once (exponential backoff).
+//! Pauses of Newton's method in warm starts: after failures some problems are solved without it (exponential backoff).
 
 /// Longest pause, in problems. The bench `control_step` has the same iterations within 1 % for 3.
 const LONGEST: u32 = 31;
@@ -11,7 +11,7 @@ pub(super) struct Pause {
 }
 
 impl Pause {
-    /// Tells whether to try the next problem warm; counts that problem if not.
+    /// Tells whether to try the next problem; counts that problem if not.
     pub(super) fn is_over(&mut self) -> bool {
         let is_over = self.left == 0;
         self.left = self.left.saturating_sub(1);

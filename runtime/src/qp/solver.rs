@@ -13,7 +13,7 @@ pub const MAX_HORIZON: usize = 100;
 pub const MAX_SIZE: usize = 32;
 
 /// Interior-point solver for optimal-control QPs of one size. All memory is allocated at construction; a
-/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (four more from a
+/// solve allocates nothing, takes at most three times [`QpSettings::max_iterations`] iterations (24 more from a
 /// warm start), never panics, and a cold one depends on the problem alone: a solve of changed data equals, bit for
 /// bit, a solve by a new solver. A warm one depends on the last solution too. Processors with fused multiply-add round differently from those without.
 ///
@@ -101,18 +101,18 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         }
     }
 
-    /// Solves from the active set of the last solution, which may have been moved by [`Self::shift`]: Newton's method
-    /// finds the optimum in few iterations if the active set changes little. From a cold start if it does not, if the last
-    /// problem was not solved, and for up to 31 problems after warm starts that have failed. The result depends on all
-    /// solves since the solver was made.
+    /// Solves from the last solution, which may have been moved by [`Self::shift`]: by Newton's method from its active set, which
+    /// takes few iterations if the set changes little, and otherwise by the interior-point method from a point near it. From a
+    /// cold start if neither succeeds, if the last problem was not solved, and if no bound was active. After failures Newton's
+    /// method is left out for up to 31 problems. The result depends on all solves since the solver was made.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        let followed = match &mut self.0 {
-            Engine::Portable(core) => follow(core, problem),
+        let warm = match &mut self.0 {
+            Engine::Portable(core) => solve_warm(core, problem),
             #[cfg(all(target_arch = "x86_64", feature = "std"))]
             // SAFETY: as in `solve`.
-            Engine::Avx2(core) => unsafe { follow_avx2(core, problem) },
+            Engine::Avx2(core) => unsafe { solve_warm_avx2(core, problem) },
         };
-        followed.unwrap_or_else(|tried| {
+        warm.unwrap_or_else(|tried| {
             let report = self.solve(problem);
             QpReport { iterations: report.iterations + tried, ..report }
         })
@@ -184,22 +184,22 @@ fn go_on_avx2<const NX: usize, const NU: usize, const NR: usize>(
 
 /// The warm start in a function of its own, for the same reason.
 #[inline(never)]
-fn follow<const NX: usize, const NU: usize, const NR: usize>(
+fn solve_warm<const NX: usize, const NU: usize, const NR: usize>(
     core: &mut Core<Portable, NX, NU, NR>,
     problem: &QpProblem<NX, NU, NR>,
 ) -> Result<QpReport, usize> {
-    core.follow(problem)
+    core.solve_warm(problem)
 }
 
-/// [`follow`] compiled for these features.
+/// [`solve_warm`] compiled for these features.
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 #[target_feature(enable = "avx2,fma")]
 #[inline(never)]
-fn follow_avx2<const NX: usize, const NU: usize, const NR: usize>(
+fn solve_warm_avx2<const NX: usize, const NU: usize, const NR: usize>(
     core: &mut Core<Avx2, NX, NU, NR>,
     problem: &QpProblem<NX, NU, NR>,
 ) -> Result<QpReport, usize> {
-    core.follow(problem)
+    core.solve_warm(problem)
 }
 
 /// The method in a function compiled for these features, into which everything below is inlined.

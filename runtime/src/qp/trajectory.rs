@@ -32,11 +32,10 @@ impl<V: Vector> Trajectory<V> {
         self.x.fill(V::zero());
     }
 
-    /// The number of entries in which it differs from another trajectory.
+    /// True if an entry differs from that of another trajectory.
     #[inline(always)]
-    pub(super) fn changes(&self, other: &Self) -> usize {
-        let count = |a: &[V], b: &[V]| flat(a).iter().zip(flat(b)).filter(|(a, b)| a != b).count();
-        count(&self.u, &other.u) + count(&self.x, &other.x)
+    pub(super) fn differs_from(&self, other: &Self) -> bool {
+        flat(&self.u) != flat(&other.u) || flat(&self.x) != flat(&other.x)
     }
 
     /// `self += length · step`.

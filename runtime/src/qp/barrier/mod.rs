@@ -23,6 +23,7 @@ pub(super) use self::measure::ROUNDING;
 pub(super) use self::side::Tally;
 use self::side::{Side, Softening};
 use super::lanes::Vector;
+use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
@@ -114,11 +115,19 @@ impl<V: Vector> Bounds<V> {
 
     /// [`Self::start_as`], likewise.
     #[inline(always)]
-    pub(super) fn start(&mut self, soft: bool, z: &[V], mu: f64, share: f64, far: bool) {
+    pub(super) fn start(
+        &mut self,
+        soft: bool,
+        z: &[V],
+        mu: f64,
+        share: f64,
+        far: bool,
+        last: Option<&Multipliers<V>>,
+    ) {
         if soft {
-            self.start_as::<true>(z, mu, share, far);
+            self.start_as::<true>(z, mu, share, far, last);
         } else {
-            self.start_as::<false>(z, mu, share, far);
+            self.start_as::<false>(z, mu, share, far, last);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Bounds of a problem, and where slacks and multipliers start or start again.
 
 use super::super::lanes::{Vector, WIDTH, flat_mut};
+use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::Softening;
 
@@ -104,9 +105,17 @@ impl<V: Vector> Bounds<V> {
     }
 
     /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance
-    /// between the bounds (of 1 + |z| for a one-sided bound), multipliers `μ/s`.
+    /// between the bounds (of 1 + |z| for a one-sided bound), or μ/λ for a multiplier λ of the last solution if that is less;
+    /// multipliers `μ/s`.
     #[inline(always)]
-    pub(super) fn start_as<const SOFT: bool>(&mut self, z: &[V], mu: f64, share: f64, far: bool) {
+    pub(super) fn start_as<const SOFT: bool>(
+        &mut self,
+        z: &[V],
+        mu: f64,
+        share: f64,
+        far: bool,
+        last: Option<&Multipliers<V>>,
+    ) {
         let mu = V::splat(mu);
         for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
@@ -117,8 +126,10 @@ impl<V: Vector> Bounds<V> {
             // Between bounds that are close to each other relative to their violation, slacks by their distance
             // alone would be far too small.
             let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
-            lower.start::<SOFT>(soft_lower, [below, least], mu, far);
-            upper.start::<SOFT>(soft_upper, [above, least], mu, far);
+            let [of_lower, of_upper] = last.map_or([V::zero(); 2], |last| last.0[i]);
+            let at_most = |l: V| least.fast_min(mu / l.fast_max(V::splat(f64::MIN_POSITIVE)));
+            lower.start::<SOFT>(soft_lower, [below, at_most(of_lower)], mu, far);
+            upper.start::<SOFT>(soft_upper, [above, at_most(of_upper)], mu, far);
         }
     }
 }

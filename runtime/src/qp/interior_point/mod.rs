@@ -15,6 +15,7 @@ mod judge;
 mod run;
 mod start;
 mod step;
+mod warm;
 
 use self::judge::{LATE, NEAR};
 use self::run::{CAP_CUT, PATIENCE, Run};
@@ -161,7 +162,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     fn run(&mut self, problem: &QpProblem<NX, NU, NR>, soft: bool, start: Start, budget: usize) -> Outcome {
         let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
         let mut candidate = None;
-        if self.keeps_bounds() {
+        // A plan that keeps the bounds need not be the optimum.
+        if start != Start::Near && self.keeps_bounds() {
             self.multipliers[0].clear();
             self.multipliers[1].clear();
             candidate = Some(Candidate::Free);
@@ -217,7 +219,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             return Some(Candidate::Iterate);
         }
         let stalled = self.stalled(&state, run);
-        let may_restart = !run.restarted && run.iterations < run.limit;
+        // A start near the last solution is given up in favour of a cold one.
+        let may_restart = !run.restarted && run.start != Start::Near && run.iterations < run.limit;
         if merit.is_finite() && may_restart && (stalled || self.is_slow(&state, run)) {
             self.restart(run);
             return None;
@@ -226,7 +229,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         if run.pace.1 >= PATIENCE && state.residual <= NEAR * self.settings.feasibility {
             run.cap *= CAP_RAISE;
         }
-        let stops = stalled || !merit.is_finite() || self.is_over(merit, &state, run);
+        let stops = stalled
+            || run.start == Start::Near && run.progress.1 >= PATIENCE
+            || !merit.is_finite()
+            || self.is_over(merit, &state, run);
         if stops || run.iterations >= LATE || run.iterations == 0 {
             self.keep_best(merit, &state, run);
         }

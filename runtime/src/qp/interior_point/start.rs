@@ -1,6 +1,6 @@
 //! Points from which the method starts, and starts again.
 
-use super::super::core::Core;
+use super::super::core::{Core, Start};
 use super::super::lanes::{Vector, largest};
 use super::super::ldl::NotPositive;
 use super::run::Run;
@@ -8,6 +8,9 @@ use super::run::Run;
 /// Gap at the start, relative to the cost that keeping the bounds may add. Large: a start far inside takes
 /// fewer iterations than one near the boundary.
 const START_GAP: f64 = 100.0;
+/// Gap at a start near the last solution, relative to the cost. The bench `control_step` has at most 23 % more iterations
+/// with 1 and 8 % more with 0.01.
+const NEAR_GAP: f64 = 0.1;
 /// Slacks at the start are at least this share of the distance between the bounds.
 const START_SLACK: f64 = 0.1;
 /// Largest barrier term of the Newton system, relative to the largest weight of the cost.
@@ -36,24 +39,28 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Slacks and multipliers for the first iterate.
     #[inline(always)]
     pub(super) fn begin(&mut self, run: &mut Run) {
-        let level = self.excess_energy();
+        let gap = match run.start {
+            Start::Near => NEAR_GAP * self.cost().abs(),
+            _ => START_GAP * self.excess_energy(),
+        };
         run.cap = WEIGHT_CAP * self.riccati.largest_weight();
         self.input_bounds.cap_weights(f64::INFINITY);
         self.cap_weights(run.cap);
-        self.equalities.start(None);
+        self.equalities.start((run.start == Start::Near).then_some(&self.multipliers[1]));
         run.count = self.input_bounds.count() + self.state_bounds.count();
-        self.set_slacks(level, run);
+        self.set_slacks(gap, run);
     }
 
-    /// Slacks as the iterate has them, and multipliers, for a scale of the cost that keeping the bounds adds.
+    /// Slacks as the iterate has them, and multipliers, for a gap `Σ sλ`.
     #[inline(always)]
-    fn set_slacks(&mut self, level: f64, run: &mut Run) {
-        let mu = if level > 0.0 { START_GAP * level / run.count.max(1.0) } else { 1.0 };
+    fn set_slacks(&mut self, gap: f64, run: &mut Run) {
+        let mu = if gap > 0.0 { gap / run.count.max(1.0) } else { 1.0 };
         run.start_gap = mu * run.count;
         run.shrink = 1.0;
         let far = run.restarted;
-        self.input_bounds.start(false, &self.iterate.u, mu, START_SLACK, far);
-        self.state_bounds.start(run.soft, &self.iterate.x, mu, START_SLACK, far);
+        let last = |side: usize| (run.start == Start::Near).then_some(&self.multipliers[side]);
+        self.input_bounds.start(false, &self.iterate.u, mu, START_SLACK, far, last(0));
+        self.state_bounds.start(run.soft, &self.iterate.x, mu, START_SLACK, far, last(1));
     }
 
     /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole
@@ -88,7 +95,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             size *= 1e-3;
         }
         self.equalities.start(None);
-        self.set_slacks(level, run);
+        self.set_slacks(START_GAP * level, run);
         run.best = (f64::INFINITY, f64::INFINITY);
     }
 
