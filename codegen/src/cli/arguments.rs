@@ -86,6 +86,7 @@ Examples:
   gelenk new my_arm --mjcf arm.xml               the robot of an MJCF, and what it includes
   gelenk new my_arm --git https://example.org/gelenk.git
   gelenk new my_arm --c                          a project in C; --python: in Python
+  gelenk new my_arm --ros2 --urdf arm.urdf       a ROS 2 package with controllers
 
 Exit codes: 0 success, 1 the folder exists or cannot be made, or the file is at fault, 2 wrong command line.";
 
@@ -223,8 +224,11 @@ pub(super) struct New {
     #[arg(value_name = "NAME")]
     pub(super) folder: PathBuf,
     /// Make a project in C instead: a Makefile and a simulation
-    #[arg(long, conflicts_with_all = ["python", "checkout", "git", "version"])]
+    #[arg(long, conflicts_with_all = ["python", "ros2", "checkout", "git", "version"])]
     pub(super) c: bool,
+    /// Make a package for ROS 2 instead: controllers for ros2_control, gravity compensation and computed torque
+    #[arg(long, conflicts_with_all = ["python", "base", "checkout", "git", "version"])]
+    pub(super) ros2: bool,
     /// Make a project in Python instead: a simulation over NumPy arrays
     #[arg(long)]
     pub(super) python: bool,
@@ -244,7 +248,7 @@ pub(super) struct New {
     pub(super) body: Option<String>,
     /// The links that are the robot's feet, one for each leg: it stands on them [default: the ends of three or
     /// more branches of the base with equally many joints, three or more; without such it falls]
-    #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python"])]
+    #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python", "ros2"])]
     pub(super) feet: Vec<String>,
     /// Depend on the crates of this checkout [default: the one this program was built from, or the registry
     /// that it came from]
