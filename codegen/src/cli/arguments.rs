@@ -109,6 +109,7 @@ Examples:
   gelenk identify --plan arm.toml                         a motion to record, plan.csv
   gelenk identify arm.toml log.csv                        writes arm_identified.toml
   gelenk identify ur10.urdf monday.csv tuesday.csv --report page
+  gelenk identify ur10.urdf bag/*.mcap                    bags of ROS 2
   gelenk identify arm.toml log.csv --columns 'time=t,position=pos_{},torque=i_{} [N m]'
   gelenk identify drone.toml flight.csv --columns 'place=2..4,wxyz=5..8,input=9..12'
   gelenk identify arm.toml log.csv --columns '?'                       the columns as a line to edit and give back
@@ -280,7 +281,7 @@ pub(super) struct Report {
 pub(super) struct Identify {
     /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
-    /// Recorded motions, CSV with time, positions and efforts; with --merge, files of moments
+    /// Recorded motions: CSV with time, positions and efforts, or bags of ROS 2 (*.db3, *.mcap); with --merge, files of moments
     #[arg(required_unless_present = "plan", value_name = "LOG.csv")]
     pub(super) logs: Vec<PathBuf>,
     /// Where the description with the results goes [default: <NAME>_identified.toml], the plan
