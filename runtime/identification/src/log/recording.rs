@@ -184,6 +184,13 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
             message: format!("{size} bytes are more than a log may have ({LARGEST}): split it"),
         });
     }
+    let mut unwritten = path.as_os_str().to_owned();
+    unwritten.push("-wal");
+    if std::fs::metadata(&unwritten).is_ok_and(|file| file.len() > 0) {
+        let message =
+            "the file with `-wal` behind its name has more rows: write them back (`sqlite3 FILE vacuum`)";
+        return Err(IdentificationError::File { place, message: message.to_owned() });
+    }
     std::fs::read(path).map_err(fault)
 }
 

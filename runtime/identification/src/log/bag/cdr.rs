@@ -13,7 +13,7 @@ pub(super) struct JointState {
 }
 
 impl JointState {
-    /// Decodes a message; `None` if the bytes are no such message.
+    /// Decodes a message; `None` for other bytes.
     pub(super) fn decode(bytes: &[u8]) -> Option<Self> {
         let mut rest = Bytes(bytes);
         let is_little = match rest.array::<4>()? {

@@ -1,8 +1,8 @@
 //! Records of an MCAP file ([its specification](https://mcap.dev/spec)).
 
 use super::super::packed::unpacked;
-use super::Bag;
 use super::bytes::Bytes;
+use super::topics::Bag;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 

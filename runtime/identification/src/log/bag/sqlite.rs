@@ -1,7 +1,7 @@
 //! Tables of a bag in SQLite ([its file format](https://sqlite.org/fileformat2.html)).
 
-use super::Bag;
 use super::bytes::Bytes;
+use super::topics::Bag;
 
 /// First bytes of a file.
 pub(super) const MAGIC: &[u8] = b"SQLite format 3\0";

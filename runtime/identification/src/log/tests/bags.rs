@@ -1,6 +1,6 @@
 //! Bags of ROS 2 that the package `rosbags` wrote, from `bags/make.py`.
 
-use super::super::{ColumnOptions, runs_of};
+use super::super::{ColumnOptions, runs, runs_of};
 use super::testing::Fake;
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -82,6 +82,18 @@ fn files_that_are_no_bags_of_joint_states_are_refused() {
         let said = said(&bytes, "");
         assert!(said.contains(message), "{said}");
     }
+}
+
+/// Rows that SQLite has not written back yet are in a file of their own.
+#[test]
+fn a_bag_that_is_not_closed_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bag.db3");
+    std::fs::write(&path, BAGS[0].1).unwrap();
+    let read = || runs(&[path.clone()], &Fake::numbered(2), &ColumnOptions::default());
+    assert!(read().is_ok());
+    std::fs::write(folder.path().join("bag.db3-wal"), "rows").unwrap();
+    assert!(read().unwrap_err().to_string().contains("write them back"));
 }
 
 /// Damaged bags are read or refused; nothing panics.
