@@ -67,19 +67,19 @@ impl<'a> Reader<'_, 'a> {
 
     fn read_part(&mut self, asset: Element<'a>) -> Option<Part> {
         let file = asset.attribute("file")?;
-        if self.depth >= DEEPEST {
-            let message = format!("`{}` is attached after {DEEPEST} other models", file.text);
+        let path = self.folder.join(plain_path(file.text));
+        if self.chain.contains(&path) || self.chain.len() > DEEPEST {
+            let message = format!("`{}` is attached to itself, or after {DEEPEST} other models", file.text);
             self.report.error(file.span, "included-twice", message);
             self.report.help("a model does not attach itself");
             return None;
         }
-        let path = self.folder.join(plain_path(file.text));
         match self.meshes.load.text(&path.to_string_lossy()) {
             Ok((name, text)) => {
                 let source = self.report.add_source(&name, &text);
                 let options = ReadOptions { body: None, ..self.options.clone() };
                 let (report, load) = (&mut *self.report, &mut *self.meshes.load);
-                read((report, self.angles), (&text, source), &path, &options, (load, self.depth + 1))
+                read((report, self.angles), (&text, source), &path, &options, (load, &self.chain))
             }
             Err(wrong) => {
                 for entry in wrong.into_entries() {

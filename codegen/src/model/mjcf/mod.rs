@@ -69,8 +69,8 @@ pub(super) struct Reader<'r, 'a> {
     /// Models of `<asset>`, and the folder that their paths begin from.
     models: Vec<Element<'a>>,
     folder: PathBuf,
-    /// Number of models that this one is attached to.
-    depth: usize,
+    /// The files of the models that this one is attached to, and its own.
+    chain: Vec<PathBuf>,
     link_names: Distinct,
     joint_names: Distinct,
     drive_names: Distinct,
@@ -112,16 +112,16 @@ pub(super) fn description(
     options: &ReadOptions,
     load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
-    read(report, text, path, options, (load, 0)).map(|part| part.robot)
+    read(report, text, path, options, (load, &[])).map(|part| part.robot)
 }
 
-/// - `depth`: number of models that this one is attached to; armatures of attached ones wait for actuators
+/// - `before`: files of the models that this one is attached to; armatures of attached ones wait for actuators
 fn read(
     (report, angles): (&mut Report, &mut Angles),
     text: (&str, usize),
     path: &Path,
     options: &ReadOptions,
-    (load, depth): (&mut dyn Fetch, usize),
+    (load, before): (&mut dyn Fetch, &[PathBuf]),
 ) -> Option<Part> {
     let texts = files::gather(text, path, &mut *load, report)?;
     let files = Files::parse(&texts);
@@ -160,13 +160,13 @@ fn read(
         bodies: BTreeMap::new(),
         models: Vec::new(),
         folder: path.parent().map(Path::to_owned).unwrap_or_default(),
-        depth,
+        chain: before.iter().cloned().chain([path.to_owned()]).collect(),
         link_names: Distinct::from_iter([WORLD.to_owned()]),
         joint_names: Distinct::default(),
         drive_names: Distinct::default(),
     };
     reader.model(root, &sections);
-    if depth == 0 {
+    if before.is_empty() {
         reader.armatures();
     }
     reader.notes.report(|_| true, reader.report);
