@@ -38,6 +38,8 @@ mod models;
 mod motion_limits;
 mod one_direction;
 mod reference;
+#[path = "ros2/main.rs"]
+mod ros2;
 mod scenes;
 mod self_test;
 mod shown_forces;

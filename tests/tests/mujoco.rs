@@ -173,7 +173,7 @@ fn mujoco_computes_the_same_of_random_exports() {
 fn mujoco_computes_the_same_of_what_it_is_read_from() {
     let folder = workspace().join("tests/mujoco/robots");
     let mut compared = Vec::new();
-    for name in ["arm", "cart", "meshes", "walker"] {
+    for name in ["arm", "attached", "cart", "meshes", "walker"] {
         let file = folder.join(format!("{name}.xml"));
         let loaded = read(&file, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
         let what = Compared { by_name: false, passive: true, inputs: true, couples: true };

@@ -86,6 +86,7 @@ Examples:
   gelenk new my_arm --mjcf arm.xml               the robot of an MJCF, and what it includes
   gelenk new my_arm --git https://example.org/gelenk.git
   gelenk new my_arm --c                          a project in C; --python: in Python
+  gelenk new my_arm --ros2 --urdf arm.urdf       a ROS 2 package with controllers
 
 Exit codes: 0 success, 1 the folder exists or cannot be made, or the file is at fault, 2 wrong command line.";
 
@@ -108,6 +109,7 @@ Examples:
   gelenk identify --plan arm.toml                         a motion to record, plan.csv
   gelenk identify arm.toml log.csv                        writes arm_identified.toml
   gelenk identify ur10.urdf monday.csv tuesday.csv --report page
+  gelenk identify ur10.urdf bag/*.mcap                    bags of ROS 2
   gelenk identify arm.toml log.csv --columns 'time=t,position=pos_{},torque=i_{} [N m]'
   gelenk identify drone.toml flight.csv --columns 'place=2..4,wxyz=5..8,input=9..12'
   gelenk identify arm.toml log.csv --columns '?'                       the columns as a line to edit and give back
@@ -223,8 +225,11 @@ pub(super) struct New {
     #[arg(value_name = "NAME")]
     pub(super) folder: PathBuf,
     /// Make a project in C instead: a Makefile and a simulation
-    #[arg(long, conflicts_with_all = ["python", "checkout", "git", "version"])]
+    #[arg(long, conflicts_with_all = ["python", "ros2", "checkout", "git", "version"])]
     pub(super) c: bool,
+    /// Make a package for ROS 2 instead: controllers for ros2_control, gravity compensation and computed torque
+    #[arg(long, conflicts_with_all = ["python", "base", "checkout", "git", "version"])]
+    pub(super) ros2: bool,
     /// Make a project in Python instead: a simulation over NumPy arrays
     #[arg(long)]
     pub(super) python: bool,
@@ -244,7 +249,7 @@ pub(super) struct New {
     pub(super) body: Option<String>,
     /// The links that are the robot's feet, one for each leg: it stands on them [default: the ends of three or
     /// more branches of the base with equally many joints, three or more; without such it falls]
-    #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python"])]
+    #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python", "ros2"])]
     pub(super) feet: Vec<String>,
     /// Depend on the crates of this checkout [default: the one this program was built from, or the registry
     /// that it came from]
@@ -276,7 +281,7 @@ pub(super) struct Report {
 pub(super) struct Identify {
     /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
-    /// Recorded motions, CSV with time, positions and efforts; with --merge, files of moments
+    /// Recorded motions: CSV with time, positions and efforts, or bags of ROS 2 (*.db3, *.mcap); with --merge, files of moments
     #[arg(required_unless_present = "plan", value_name = "LOG.csv")]
     pub(super) logs: Vec<PathBuf>,
     /// Where the description with the results goes [default: <NAME>_identified.toml], the plan

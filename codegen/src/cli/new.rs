@@ -1,4 +1,4 @@
-//! `gelenk new`: a small project with a robot and a simulation, in Rust, C or Python.
+//! `gelenk new`: a small project with a robot and a simulation, in Rust, C or Python, or with controllers for ROS 2.
 
 use std::fs;
 use std::io;
@@ -35,7 +35,8 @@ const TAKEN: [&str; 13] = [
 /// Makes the project.
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
-    let feet = if arguments.c || arguments.python { Feet::None } else { Feet::Of(&arguments.feet) };
+    let is_crate = !(arguments.c || arguments.python || arguments.ros2);
+    let feet = if is_crate { Feet::Of(&arguments.feet) } else { Feet::None };
     let robot = robot(
         arguments.urdf.as_deref(),
         arguments.base == Some(BaseName::Floating),
@@ -105,6 +106,11 @@ fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), 
     if arguments.c {
         return Ok((Project::c(robot.floats), None));
     }
+    if arguments.ros2 {
+        robot.require_efforts()?;
+        let name = ros_name(name(&arguments.folder)?)?;
+        return Ok((Project::ros2(&name, &robot.joints), Some(name)));
+    }
     let source = source(arguments)?;
     if arguments.python {
         return Ok((Project::python(&source.requirement()?, robot.floats), None));
@@ -156,6 +162,17 @@ fn name(folder: &Path) -> Result<String, Failure> {
             "`{name}` cannot name a crate: {fault}\n  = help: the last part of the folder names the crate, e.g. `gelenk new my_arm`"
         ))),
     }
+}
+
+/// The name, where ROS takes it for a package (REP 144).
+fn ros_name(name: String) -> Result<String, Failure> {
+    let is_letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    if name.chars().all(is_letter) {
+        return Ok(name);
+    }
+    Err(Failure::Usage(format!(
+        "`{name}` cannot name a package of ROS\n  = help: small letters, digits and `_`, e.g. `gelenk new my_arm --ros2`"
+    )))
 }
 
 fn fault(name: &str) -> Option<&'static str> {

@@ -61,6 +61,36 @@ impl Project {
         }
     }
 
+    /// A package for ros2_control.
+    ///
+    /// - `name`: of the package
+    pub(super) fn ros2(name: &str, joints: &[String]) -> Self {
+        let list = |text: &dyn Fn(&str) -> String| {
+            joints.iter().map(|joint| text(joint)).collect::<Vec<_>>().join(", ")
+        };
+        let yaml = include_str!("template/ros2/controllers.yaml")
+            .replace("JOINTS", &list(&yaml_text))
+            .replace("REFERENCES", &list(&|joint| yaml_text(&format!("computed_torque/{joint}"))))
+            .replace("POSITION_GAINS", &list(&|_| "100.0".to_owned()))
+            .replace("VELOCITY_GAINS", &list(&|_| "20.0".to_owned()));
+        let texts = [
+            ("CMakeLists.txt", include_str!("template/ros2/CMakeLists.txt")),
+            ("package.xml", include_str!("template/ros2/package.xml")),
+            ("controllers.xml", include_str!("template/ros2/controllers.xml")),
+            ("config/controllers.yaml", &yaml),
+            ("src/joints.hpp", include_str!("template/ros2/joints.hpp")),
+            ("src/gravity_compensation.cpp", include_str!("template/ros2/gravity_compensation.cpp")),
+            ("src/computed_torque.cpp", include_str!("template/ros2/computed_torque.cpp")),
+            (".gitignore", "/build\n/install\n/log\n/report\n"),
+        ];
+        let named = |text: &str| text.replace("my_package", name).replace("MY_PACKAGE", &name.to_uppercase());
+        Self {
+            files: texts.into_iter().map(|(file, text)| (file, named(text))).collect(),
+            made: "CMakeLists.txt generates its equations, src/ has controllers for ros2_control, config/ their parameters",
+            next: "colcon build",
+        }
+    }
+
     /// A program in Python.
     ///
     /// - `requirement`: the package `gelenk` as pip takes it
@@ -82,4 +112,9 @@ impl Project {
             next: "python3 -m venv .venv && .venv/bin/pip install -r requirements.txt && .venv/bin/python main.py",
         }
     }
+}
+
+/// A string of YAML, which is one of JSON.
+fn yaml_text(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
 }

@@ -8,7 +8,7 @@ use super::new_feet::{self, Foot};
 use super::new_propellers;
 use crate::diagnostic::Diagnostics;
 use crate::model::{DescriptionFiles, Joint, Model, QuaternionKind, ReadOptions};
-use crate::wording::toml_text;
+use crate::wording::{quoted, toml_text};
 use gelenk_formula::Hold;
 
 const BUILD: &str = include_str!("template/build.rs");
@@ -27,10 +27,31 @@ pub(super) struct Robot {
     pub(super) copies: Vec<(String, Vec<u8>)>,
     /// Its base moves freely.
     pub(super) floats: bool,
+    /// Names of its joints, without those that follow others.
+    pub(super) joints: Vec<String>,
+    /// Joints that no motor moves.
+    pub(super) passive: Vec<String>,
     /// Feet, if the robot has any.
     pub(super) feet: Vec<Foot>,
     /// That it has legs and stands still, where it seems so.
     pub(super) notes: Diagnostics,
+}
+
+impl Robot {
+    /// Fails where an effort cannot be commanded for each coordinate, as the controllers for ros2_control do.
+    pub(super) fn require_efforts(&self) -> Result<(), Failure> {
+        let (fault, remedy) = match (self.floats, self.joints.is_empty(), self.passive.first()) {
+            (true, ..) => ("its base moves freely".to_owned(), "take a robot on a fixed base"),
+            (_, true, _) => ("it has no joint".to_owned(), "take a robot with joints"),
+            (.., Some(joint)) => {
+                (format!("no motor moves {}", quoted(joint)), "add a motor, or `--hold` the joint")
+            }
+            _ => return Ok(()),
+        };
+        Err(Failure::Usage(format!(
+            "the controllers for ros2_control command an effort for each joint, but {fault}\n  = help: {remedy}"
+        )))
+    }
 }
 
 /// Which feet a robot is to have.
@@ -61,7 +82,10 @@ pub(super) fn robot(
     match xml {
         None => {
             let (copies, feet, notes) = (vec![], vec![], Diagnostics::default());
-            Ok(Robot { description: example.to_owned(), build: BUILD, copies, floats, feet, notes })
+            // Those of the arm; the quadrotor has none.
+            let joints = if floats { vec![] } else { ["shoulder", "elbow"].map(str::to_owned).to_vec() };
+            let (description, passive) = (example.to_owned(), vec![]);
+            Ok(Robot { description, build: BUILD, copies, floats, joints, passive, feet, notes })
         }
         Some(path) => from_xml(path, floats, parts, feet),
     }
@@ -101,6 +125,8 @@ fn from_xml(path: &Path, floats: bool, parts: Parts<'_>, feet: Feet<'_>) -> Resu
         description: description((path, kind), &loaded.model, (floats, parts), &feet),
         copies,
         floats: !loaded.model.quaternion_joints.is_empty(),
+        joints: described_joints(&loaded.model).map(|(joint, _)| joint.name.clone()).collect(),
+        passive: without_motor(&loaded.model).map(str::to_owned).collect(),
         feet,
         notes: Diagnostics::new(notes.cloned().collect()),
     })
@@ -139,15 +165,7 @@ impl Kind {
     /// Every joint of a URDF is an input. Those of an MJCF are none without an actuator: a robot that nothing moves, or one on
     /// legs that cannot hold themselves, is none that the programs of new crates control.
     fn require_motors(self, path: &Path, model: &Model) -> Result<(), Failure> {
-        let driven = |coordinate: usize| {
-            model.drives.iter().any(|drive| drive.acts_on.iter().any(|of| of.coordinate == coordinate))
-        };
-        let without: Vec<&str> = described_joints(model)
-            .filter(|(_, link)| {
-                model.coordinates.iter().position(|of| of == link).is_some_and(|c| !driven(c))
-            })
-            .map(|(joint, _)| joint.name.as_str())
-            .collect();
+        let without: Vec<&str> = without_motor(model).collect();
         let floats = !model.quaternion_joints.is_empty();
         let enough =
             if floats { without.is_empty() } else { without.len() < described_joints(model).count() };
@@ -273,6 +291,16 @@ fn described_joints(model: &Model) -> impl Iterator<Item = (&Joint, usize)> {
     let moves = model.coordinates.iter().enumerate();
     let plain = moves.filter(|(coordinate, _)| model.position_of(*coordinate).is_some());
     plain.filter_map(|(_, &link)| Some((model.links.get(link)?.joint.as_ref()?, link)))
+}
+
+/// Joints that no drive moves.
+fn without_motor(model: &Model) -> impl Iterator<Item = &str> {
+    let driven = |coordinate: usize| {
+        model.drives.iter().any(|drive| drive.acts_on.iter().any(|of| of.coordinate == coordinate))
+    };
+    let still =
+        move |link: &usize| model.coordinates.iter().position(|of| of == link).is_some_and(|c| !driven(c));
+    described_joints(model).filter(move |(_, link)| still(link)).map(|(joint, _)| joint.name.as_str())
 }
 
 /// A joint's entry, as a comment.

@@ -20,19 +20,29 @@ pub(super) fn keep(
         report.help(nearest(wanted, others).unwrap_or_else(|| "there are no bodies".to_owned()));
         return;
     }
-    let ends = |joint: &super::description::JointDescription| {
-        Some((joint.parent.as_ref()?.value.clone(), joint.child.as_ref()?.value.clone()))
-    };
-    let edges: Vec<(String, String)> = robot.joints.iter().filter_map(ends).collect();
+    let edges = edges(robot);
     let mut root = wanted.to_owned();
     while let Some((parent, _)) = edges.iter().find(|(parent, child)| *child == root && parent != base) {
         root.clone_from(parent);
     }
+    cut(robot, base, root);
+}
+
+/// Parents and children of joints.
+fn edges(robot: &RobotDescription) -> Vec<(String, String)> {
+    let ends = |joint: &super::description::JointDescription| {
+        Some((joint.parent.as_ref()?.value.clone(), joint.child.as_ref()?.value.clone()))
+    };
+    robot.joints.iter().filter_map(ends).collect()
+}
+
+/// Leaves a link with all that it carries, and the frames of the base.
+pub(super) fn cut(robot: &mut RobotDescription, base: &str, root: String) {
     // Parents are described before their children.
     let mut kept = BTreeSet::from([root]);
-    for (parent, child) in &edges {
-        if kept.contains(parent) {
-            kept.insert(child.clone());
+    for (parent, child) in edges(robot) {
+        if kept.contains(&parent) {
+            kept.insert(child);
         }
     }
     let is_kept = |link: &Name| kept.contains(&link.value);

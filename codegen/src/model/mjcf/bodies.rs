@@ -10,7 +10,10 @@ use crate::diagnostic::At;
 use gelenk_formula::Formula;
 
 /// Elements that make several bodies of one.
-const GENERATORS: [&str; 3] = ["composite", "flexcomp", "attach"];
+const GENERATORS: [&str; 2] = ["composite", "flexcomp"];
+
+/// Elements with bodies.
+const BODIES: [&str; 2] = ["body", "attach"];
 
 /// More elements in one body are hardly meant; their count is a number in the file.
 const MOST_ELEMENTS: usize = 10_000;
@@ -32,17 +35,21 @@ impl<'a> Reader<'_, 'a> {
             for placed in &contents {
                 match placed.element.tag() {
                     "site" => self.site(placed, &name),
-                    "geom" | "body" | "light" | "camera" => {}
+                    "geom" | "body" | "attach" | "light" | "camera" => {}
                     _ => self.unread(placed),
                 }
             }
-            let bodies = contents.into_iter().filter(|placed| placed.element.tag() == "body");
+            let bodies = contents.into_iter().filter(|placed| BODIES.contains(&placed.element.tag()));
             waiting.extend(bodies.map(|body| Waiting { body, parent: name.clone() }));
         }
         waiting.reverse();
         while let Some(Waiting { body, parent }) = waiting.pop() {
+            if body.element.tag() == "attach" {
+                self.attach(&body, &parent);
+                continue;
+            }
             let (name, contents) = self.body(body, parent);
-            let inner = contents.into_iter().rev().filter(|placed| placed.element.tag() == "body");
+            let inner = contents.into_iter().rev().filter(|placed| BODIES.contains(&placed.element.tag()));
             waiting.extend(inner.map(|body| Waiting { body, parent: name.clone() }));
         }
         self.scale_masses();
@@ -68,6 +75,7 @@ impl<'a> Reader<'_, 'a> {
         if let Some(given) = element.attribute("gravcomp").filter(|given| given.text.trim() != "0") {
             self.notes.remark(Remark::GravityCompensation, given.span, name.quoted());
         }
+        self.bodies.insert(name.value.clone(), self.robot.joints.len());
         match joints.is_empty() {
             true => self.fix(&name, parent, pose),
             false => self.joints(&name, parent, pose, &joints),
@@ -76,7 +84,7 @@ impl<'a> Reader<'_, 'a> {
         for placed in &contents {
             match placed.element.tag() {
                 "site" => self.site(placed, &name),
-                "geom" | "body" | "light" | "camera" | "joint" | "freejoint" | "inertial" => {}
+                "geom" | "body" | "attach" | "light" | "camera" | "joint" | "freejoint" | "inertial" => {}
                 _ => self.unread(placed),
             }
         }

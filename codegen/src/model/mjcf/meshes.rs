@@ -17,9 +17,11 @@ const FILLINGS: [(&str, Filling); 4] = [
 const CONVEX: &str = "convex";
 
 impl<'a> Reader<'_, 'a> {
-    /// Takes the meshes of one `<asset>`; without a name a mesh has that of its file.
+    /// Takes the models and meshes of one `<asset>`; without a name a mesh has that of its file.
     pub(super) fn assets(&mut self, section: Element<'a>) {
-        for mesh in self.files.children(section).into_iter().filter(|asset| asset.tag() == "mesh") {
+        let assets = self.files.children(section);
+        self.models.extend(assets.iter().filter(|asset| asset.tag() == "model"));
+        for mesh in assets.into_iter().filter(|asset| asset.tag() == "mesh") {
             let file = mesh.node.attribute("file").map(plain_path).unwrap_or_default();
             let stem = std::path::Path::new(&file).file_stem().and_then(|stem| stem.to_str());
             if let Some(name) = mesh.node.attribute("name").or(stem) {

@@ -3,6 +3,7 @@
 //! What enters M, k and q is read as MuJoCo's compiler reads it; what does not is skipped with a note.
 
 mod actuators;
+mod attach;
 mod bodies;
 mod classes;
 mod compiler;
@@ -17,7 +18,7 @@ mod schema;
 mod vocabulary;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::angles::Angles;
 use super::description::{DriveChoice, Name, RobotDescription};
@@ -63,6 +64,13 @@ pub(super) struct Reader<'r, 'a> {
     /// Joints by their names in the file.
     joints: BTreeMap<String, KnownJoint>,
     sites: BTreeSet<String>,
+    /// The first joint of each body, by its index.
+    bodies: BTreeMap<String, usize>,
+    /// Models of `<asset>`, and the folder that their paths begin from.
+    models: Vec<Element<'a>>,
+    folder: PathBuf,
+    /// The files of the models that this one is attached to, and its own.
+    chain: Vec<PathBuf>,
     link_names: Distinct,
     joint_names: Distinct,
     drive_names: Distinct,
@@ -85,17 +93,36 @@ impl<'a> Placed<'a> {
     }
 }
 
+/// A model that another one may attach.
+struct Part {
+    robot: RobotDescription,
+    joints: BTreeMap<String, KnownJoint>,
+    sites: BTreeSet<String>,
+    bodies: BTreeMap<String, usize>,
+}
+
 /// Reads an MJCF; `None` if it is not XML or has no model in it.
 ///
 /// - `text`: the text and its index
 /// - `path`: its path, from which those of included files begin
 pub(super) fn description(
-    (report, angles): (&mut Report, &mut Angles),
+    report: (&mut Report, &mut Angles),
     text: (&str, usize),
     path: &Path,
     options: &ReadOptions,
     load: &mut dyn Fetch,
 ) -> Option<RobotDescription> {
+    read(report, text, path, options, (load, &[])).map(|part| part.robot)
+}
+
+/// - `before`: files of the models that this one is attached to; armatures of attached ones wait for actuators
+fn read(
+    (report, angles): (&mut Report, &mut Angles),
+    text: (&str, usize),
+    path: &Path,
+    options: &ReadOptions,
+    (load, before): (&mut dyn Fetch, &[PathBuf]),
+) -> Option<Part> {
     let texts = files::gather(text, path, &mut *load, report)?;
     let files = Files::parse(&texts);
     let root = files.root()?;
@@ -130,16 +157,24 @@ pub(super) fn description(
         },
         joints: BTreeMap::new(),
         sites: BTreeSet::new(),
+        bodies: BTreeMap::new(),
+        models: Vec::new(),
+        folder: path.parent().map(Path::to_owned).unwrap_or_default(),
+        chain: before.iter().cloned().chain([path.to_owned()]).collect(),
         link_names: Distinct::from_iter([WORLD.to_owned()]),
         joint_names: Distinct::default(),
         drive_names: Distinct::default(),
     };
     reader.model(root, &sections);
+    if before.is_empty() {
+        reader.armatures();
+    }
     reader.notes.report(|_| true, reader.report);
     if let Some(body) = &options.body {
         one_tree::keep(&mut reader.robot, WORLD, (body, root.span()), reader.report);
     }
-    Some(reader.robot)
+    let Reader { robot, joints, sites, bodies, .. } = reader;
+    Some(Part { robot, joints, sites, bodies })
 }
 
 impl<'a> Reader<'_, 'a> {
@@ -158,7 +193,6 @@ impl<'a> Reader<'_, 'a> {
         with("tendon").for_each(|section| self.tendons(section, &mut sums));
         with("equality").for_each(|section| self.equalities(section, &sums));
         with("actuator").for_each(|section| self.actuators(section, &sums));
-        self.armatures();
         for elastic in with("deformable").flat_map(|section| self.files.children(section)) {
             let name = elastic.node.attribute("name").unwrap_or(elastic.tag());
             self.notes.remark(Remark::Elastic, elastic.span(), format!("`{name}`"));

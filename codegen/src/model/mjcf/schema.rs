@@ -93,7 +93,7 @@ const BODY: [Entry; 14] = [
     ("replicate", &["count sep offset euler"]),
     ("composite", &[]),
     ("flexcomp", &[]),
-    ("attach", &[]),
+    ("attach", &["model body prefix"]),
 ];
 
 /// Settings of elements besides those that stand in bodies and those of actuators.

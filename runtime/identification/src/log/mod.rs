@@ -2,14 +2,16 @@
 //!
 //! Nothing is repaired silently: what is suspicious or left out is a finding of the recording.
 //! Modules are listed from the lowest floor to the highest, one paragraph for each: a file imports from floors below its own.
-//! The order of work is `sheet` (separators, header, rows), `columns` (which column is which quantity, in which unit), `runs` (samples, cut
-//! into runs), `bursts` (times of arrival), `unroll` (poses with quaternions), `joint_forces` (inputs at frames), `health` (checks of the
-//! runs).
+//! The order of work is `packed` and `bag` (files that are not text), `sheet` (separators, header, rows), `columns` (which column is which
+//! quantity, in which unit), `runs` (samples, cut into runs), `bursts` (times of arrival), `unroll` (poses with quaternions), `joint_forces`
+//! (inputs at frames), `health` (checks of the runs).
 
 mod finding;
 mod number;
+mod packed;
 mod units;
 
+mod bag;
 mod bursts;
 mod health;
 mod joint_forces;

@@ -3,17 +3,17 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::super::run::{Effort, FEWEST_SAMPLES, Run};
+use super::bag::table;
 use super::columns::{ColumnGuess, ColumnOptions, Labels, Mapping, RobotColumns, guess, resolve};
 use super::finding::{COLUMNS, LEFT_OUT};
 use super::health;
+use super::packed::{LARGEST, unpacked};
 use super::runs::{Samples, split};
 use super::saturation::cut_off;
 use super::sheet::Sheet;
-use flate2::read::MultiGzDecoder;
 use gelenk_findings::Finding;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::slice;
 
@@ -40,8 +40,6 @@ pub struct Recording {
 
 /// Most headers of unused columns in a line.
 const MOST_UNUSED: usize = 12;
-/// Largest log that is read, in bytes: it stands in memory as a whole.
-const LARGEST: u64 = 8 << 30;
 
 /// Reads logs as runs of a robot.
 ///
@@ -170,7 +168,7 @@ pub(super) fn guess_columns_of(
     robot: &dyn Robot,
     columns: &ColumnOptions,
 ) -> Result<ColumnGuess> {
-    let text = unpacked(bytes, source)?;
+    let text = text_of(bytes, source)?;
     let sheet = Sheet::new(&text, columns.separator, source)?;
     guess(&sheet, &RobotColumns::new(robot, columns)?, columns, source)
 }
@@ -186,6 +184,13 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
             message: format!("{size} bytes are more than a log may have ({LARGEST}): split it"),
         });
     }
+    let mut unwritten = path.as_os_str().to_owned();
+    unwritten.push("-wal");
+    if std::fs::metadata(&unwritten).is_ok_and(|file| file.len() > 0) {
+        let message =
+            "the file with `-wal` behind its name has more rows: write them back (`sqlite3 FILE vacuum`)";
+        return Err(IdentificationError::File { place, message: message.to_owned() });
+    }
     std::fs::read(path).map_err(fault)
 }
 
@@ -196,7 +201,7 @@ fn read_bytes(
     (robot, options): (&dyn Robot, &ColumnOptions),
     findings: &mut Vec<Finding>,
 ) -> Result<Recording> {
-    let text = unpacked(bytes, source)?;
+    let text = text_of(bytes, source)?;
     let sheet = Sheet::new(&text, options.separator, source)?;
     let names = RobotColumns::new(robot, options)?;
     let mapping = resolve(&sheet, &names, options, source)?;
@@ -218,21 +223,14 @@ fn read_bytes(
     })
 }
 
-/// The text of a file that may be packed by gzip.
-fn unpacked<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
-    if !bytes.starts_with(b"\x1f\x8b") {
-        return Ok(Cow::Borrowed(bytes));
-    }
+/// The text of a file: packed ones are unpacked, bags of ROS 2 become tables.
+fn text_of<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
     let fault = |message: String| IdentificationError::File { place: source.into(), message };
-    let mut text = Vec::new();
-    let read = MultiGzDecoder::new(bytes).take(LARGEST + 1).read_to_end(&mut text);
-    read.map_err(|error| {
-        fault(format!("it begins as a gzip file and cannot be unpacked ({error}): pack it again"))
-    })?;
-    if text.len() as u64 > LARGEST {
-        return Err(fault(format!("it holds more than a log may have ({LARGEST} bytes): split it")));
+    let content = unpacked(bytes).map_err(fault)?;
+    match table(&content) {
+        None => Ok(content),
+        Some(text) => text.map(Cow::Owned).map_err(fault),
     }
-    Ok(Cow::Owned(text))
 }
 
 fn sha256(bytes: &[u8]) -> String {

@@ -180,8 +180,7 @@ pub(super) fn shortened(names: &[String]) -> String {
 }
 
 /// Formats that people have logs in, by their first bytes, and what to do.
-const BINARY: [(&[u8], &str); 9] = [
-    (b"\x28\xb5\x2f\xfd", "a zstd file: unpack it (`zstd -d FILE`)"),
+const BINARY: [(&[u8], &str); 6] = [
     (b"PK\x03\x04", "a zip archive or an Excel or NumPy file: export its table as CSV"),
     (
         b"\x93NUMPY",
@@ -191,8 +190,6 @@ const BINARY: [(&[u8], &str); 9] = [
         b"#ROSBAG V2",
         "a ROS 1 bag: export its JointState topic as CSV (PlotJuggler, or `rostopic echo -b FILE -p /joint_states`)",
     ),
-    (b"SQLite format 3", "a ROS 2 bag: export its JointState topic as CSV (e.g. with PlotJuggler)"),
-    (b"\x89MCAP", "an MCAP file: export its JointState topic as CSV (e.g. with PlotJuggler)"),
     (b"MATLAB 5.0", "a MATLAB file: write its table as CSV (`writetable`)"),
     (b"\x89HDF", "an HDF5 or MATLAB 7.3 file: write its table as CSV"),
     (b"PAR1", "a Parquet file: write its table as CSV"),

@@ -1,5 +1,6 @@
 //! Logs as other programs write them.
 
+mod bags;
 mod printed;
 mod refusals;
 mod styles;

@@ -1,0 +1,6 @@
+#pragma once
+
+namespace rclcpp_lifecycle
+{
+class State {};
+}  // namespace rclcpp_lifecycle

@@ -1,0 +1,66 @@
+//! `sensor_msgs/msg/JointState` in CDR (OMG, *DDS-RTPS*, section 10, encodings `CDR_BE` and `CDR_LE`).
+
+use super::bytes::Bytes;
+
+/// A message `sensor_msgs/msg/JointState`. Lists of values are empty or have one for each name.
+#[derive(Debug, PartialEq)]
+pub(super) struct JointState {
+    /// Seconds and nanoseconds.
+    pub(super) stamp: (i32, u32),
+    pub(super) names: Vec<String>,
+    /// Positions, velocities and efforts.
+    pub(super) values: [Vec<f64>; 3],
+}
+
+impl JointState {
+    /// Decodes a message; `None` for other bytes.
+    pub(super) fn decode(bytes: &[u8]) -> Option<Self> {
+        let mut rest = Bytes(bytes);
+        let is_little = match rest.array::<4>()? {
+            [0, 0, ..] => false,
+            [0, 1, ..] => true,
+            _ => return None,
+        };
+        let mut cdr = Cdr { length: rest.0.len(), rest, is_little };
+        let stamp = (cdr.number()?.cast_signed(), cdr.number()?);
+        cdr.text()?;
+        let names = (0..cdr.number()?).map(|_| cdr.text()).collect::<Option<Vec<_>>>()?;
+        let values = [cdr.doubles()?, cdr.doubles()?, cdr.doubles()?];
+        let is_whole = values.iter().all(|list| list.is_empty() || list.len() == names.len());
+        is_whole.then_some(Self { stamp, names, values })
+    }
+}
+
+/// Items at multiples of their size, counted from the first one.
+struct Cdr<'a> {
+    rest: Bytes<'a>,
+    length: usize,
+    is_little: bool,
+}
+
+impl Cdr<'_> {
+    fn item<const SIZE: usize>(&mut self) -> Option<[u8; SIZE]> {
+        let at = self.length - self.rest.0.len();
+        self.rest.take(at.next_multiple_of(SIZE) - at)?;
+        let mut item: [u8; SIZE] = self.rest.array()?;
+        if !self.is_little {
+            item.reverse();
+        }
+        Some(item)
+    }
+
+    fn number(&mut self) -> Option<u32> {
+        self.item().map(u32::from_le_bytes)
+    }
+
+    /// A string with its zero byte.
+    fn text(&mut self) -> Option<String> {
+        let count = usize::try_from(self.number()?).ok()?;
+        let (_, text) = self.rest.take(count)?.split_last()?;
+        String::from_utf8(text.to_vec()).ok()
+    }
+
+    fn doubles(&mut self) -> Option<Vec<f64>> {
+        (0..self.number()?).map(|_| self.item().map(f64::from_le_bytes)).collect()
+    }
+}

@@ -1,0 +1,90 @@
+//! Records of an MCAP file ([its specification](https://mcap.dev/spec)).
+
+use super::super::packed::unpacked;
+use super::bytes::Bytes;
+use super::topics::Bag;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+const SCHEMA: u8 = 3;
+const CHANNEL: u8 = 4;
+const MESSAGE: u8 = 5;
+const CHUNK: u8 = 6;
+const END_OF_DATA: u8 = 15;
+
+/// First bytes of a file.
+pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+
+/// Reads all messages.
+pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
+    let mut schemas = BTreeMap::new();
+    let records = bytes.get(MAGIC.len()..).unwrap_or_default();
+    read_records(records, &mut schemas, bag, false)
+}
+
+fn read_records(
+    bytes: &[u8],
+    schemas: &mut BTreeMap<u16, String>,
+    bag: &mut Bag,
+    is_chunk: bool,
+) -> Result<(), String> {
+    let cut = || "the MCAP file ends within a record: repair it (`mcap recover`)".to_owned();
+    let mut rest = Bytes(bytes);
+    while !rest.0.is_empty() {
+        let (kind, record) = record(&mut rest).ok_or_else(cut)?;
+        match kind {
+            SCHEMA => {
+                let (id, name) = schema(record).ok_or_else(cut)?;
+                schemas.insert(id, name);
+            }
+            CHANNEL => channel(record, schemas, bag).ok_or_else(cut)?,
+            MESSAGE => {
+                let (id, time, data) = message(record).ok_or_else(cut)?;
+                bag.message(id.into(), time, data)?;
+            }
+            CHUNK if !is_chunk => {
+                let (packing, records) = chunk(record).ok_or_else(cut)?;
+                let records = if packing.is_empty() { Cow::Borrowed(records) } else { unpacked(records)? };
+                if !packing.is_empty() && matches!(records, Cow::Borrowed(_)) {
+                    return Err(format!("its chunks are packed by `{packing}`: known are zstd and lz4"));
+                }
+                read_records(&records, schemas, bag, true)?;
+            }
+            END_OF_DATA => return Ok(()),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn record<'a>(rest: &mut Bytes<'a>) -> Option<(u8, Bytes<'a>)> {
+    let [kind] = rest.array()?;
+    let length = u64::from_le_bytes(rest.array()?);
+    Some((kind, Bytes(rest.take(usize::try_from(length).ok()?)?)))
+}
+
+fn schema(mut record: Bytes<'_>) -> Option<(u16, String)> {
+    Some((u16::from_le_bytes(record.array()?), record.text()?.into_owned()))
+}
+
+fn channel(mut record: Bytes<'_>, schemas: &BTreeMap<u16, String>, bag: &mut Bag) -> Option<()> {
+    let [id, schema] = [record.array()?, record.array()?].map(u16::from_le_bytes);
+    let (topic, encoding) = (record.text()?, record.text()?);
+    bag.topic(id.into(), &topic, schemas.get(&schema).map_or("", String::as_str), &encoding);
+    Some(())
+}
+
+fn message<'a>(mut record: Bytes<'a>) -> Option<(u16, i64, &'a [u8])> {
+    let id = u16::from_le_bytes(record.array()?);
+    record.take(4)?;
+    let time = i64::from_le_bytes(record.array()?);
+    record.take(8)?;
+    Some((id, time, record.0))
+}
+
+fn chunk<'a>(mut record: Bytes<'a>) -> Option<(Cow<'a, str>, &'a [u8])> {
+    record.take(8 + 8 + 8 + 4)?;
+    let packing = record.text()?;
+    let length = u64::from_le_bytes(record.array()?);
+    Some((packing, record.take(usize::try_from(length).ok()?)?))
+}

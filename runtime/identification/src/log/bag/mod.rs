@@ -1,0 +1,23 @@
+//! Bags of ROS 2 as tables: the messages `sensor_msgs/msg/JointState`, with headers as PlotJuggler exports them.
+
+mod bytes;
+mod cdr;
+mod topics;
+
+mod mcap;
+mod sqlite;
+
+use topics::Bag;
+
+/// Text of the table of a bag; `None` for other bytes.
+pub(super) fn table(bytes: &[u8]) -> Option<Result<Vec<u8>, String>> {
+    let mut bag = Bag::default();
+    let read = if bytes.starts_with(sqlite::MAGIC) {
+        sqlite::read(bytes, &mut bag)
+    } else if bytes.starts_with(mcap::MAGIC) {
+        mcap::read(bytes, &mut bag)
+    } else {
+        return None;
+    };
+    Some(read.and_then(|()| bag.text()))
+}
