@@ -123,15 +123,17 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Derives functions of a description; all if the options choose none.
+    /// Derives the functions that the options choose, or else the description.
     pub fn derive(description: &Path, options: &GenerateOptions) -> Self {
-        let mut options = options.clone();
-        if options.functions.is_empty() {
-            options.functions = all_functions(description);
-        }
-        let robot = generate(description, &options);
+        let robot = generate(description, options);
         let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
         Self { model: robot.model, functions: robot.module.functions }
+    }
+
+    /// Derives all functions of a description.
+    pub fn whole(description: &Path) -> Self {
+        let functions = all_functions(description);
+        Self::derive(description, &GenerateOptions { functions, ..GenerateOptions::default() })
     }
 
     /// Derives selected functions of a model.
