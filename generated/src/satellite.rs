@@ -249,7 +249,7 @@ pub const FRICTION_JUMPS: [[usize; 2]; 0] = [];
 pub const GRAVITY: [f64; 3] = [0.0, 0.0, 0.0];
 
 /// Names of the functions.
-pub const FUNCTIONS: [&str; 14] = [
+pub const FUNCTIONS: [&str; 17] = [
     "mass_matrix",
     "coriolis_forces",
     "gravity_forces",
@@ -260,6 +260,9 @@ pub const FUNCTIONS: [&str; 14] = [
     "forward_dynamics",
     "inverse_dynamics_derivatives",
     "linearize",
+    "discretize",
+    "step",
+    "step_derivatives",
     "integrate",
     "difference",
     "integrate_derivatives",
@@ -8870,6 +8873,110 @@ fn linearize_part_3(
     ]
 }
 
+/// Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.
+pub const SUBSTEPS: usize = 1;
+
+/// Exact zero-order hold of the linearization, over one period.
+///
+/// `x⁺ = A_d x + B_d u + c_d with x = (δ, v), solves δ̇ = D δ + v, v̇ = A_y δ + A_v v + B_x u + c with u held`
+///
+/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
+/// - `period`: sample time in s, over which u is held
+/// - returns `A_d: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
+/// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
+/// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
+///
+/// Cost: one call of `linearize`, and its own operations.
+///
+/// δ is the displacement from y, 0 before the period. Since D v̄ = 0, δ − v̄ t is the deviation from the motion
+/// with the velocities v̄, the argument `v`; it follows δ̇ = D δ + v − v̄. Derivatives of δ⁺ are taken along ⊕
+/// where the robot arrives.
+///
+/// With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3)
+/// with the limits that the robots without quaternions have: +∞ where the robot is too fast for the period.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn discretize(
+    y: &[f64; NY],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> ([[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]) {
+    discrete_time::zero_order_hold_on_manifold(&linearize(y, v, u), period)
+}
+
+/// State after one period, by Runge–Kutta steps of order 4 of the nonlinear robot.
+///
+/// `(y⁺, ẏ⁺) ≈ the motion with ÿ = forward_dynamics(y, ẏ, u) after the period, u held`
+///
+/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
+/// - `period`: sample time in s, over which u is held
+/// - returns `y⁺: [NY]`: coordinates after the period
+/// - returns `ẏ⁺: [N]`: velocities after the period
+///
+/// Cost: 4 calls of `forward_dynamics`, and its own operations.
+///
+/// `SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ,
+/// so that quaternions keep their unit length. The error falls with the fourth power of the steps' length.
+#[must_use]
+pub fn step(
+    y: &[f64; NY],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> ([f64; NY], [f64; N]) {
+    discrete_time::runge_kutta_on_manifold(
+        &JOINT_POSITIONS,
+        y,
+        v,
+        period,
+        SUBSTEPS,
+        |y, v| forward_dynamics(y, v, u),
+    )
+}
+
+/// `step` with the exact derivatives of its result, in one pass.
+///
+/// `(y⁺ ⊕ δy⁺, ẏ⁺ + δẏ⁺) = step(y ⊕ δy, ẏ + δẏ, u + δu) to first order`
+///
+/// - `y: [NY]`, `v: [N]`, `u: [M]`: coordinates, velocities and inputs, as elsewhere in this module
+/// - `period`: sample time in s, over which u is held
+/// - returns `y⁺: [NY]`: coordinates after the period
+/// - returns `ẏ⁺: [N]`: velocities after the period
+/// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
+/// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
+///
+/// Cost: 4 calls of `linearize`, and its own operations.
+///
+/// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
+#[must_use]
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub fn step_derivatives(
+    y: &[f64; NY],
+    v: &[f64; N],
+    u: &[f64; M],
+    period: f64,
+) -> ([f64; NY], [f64; N], [[[[f64; N]; N]; 2]; 2], [[[f64; M]; N]; 2]) {
+    discrete_time::runge_kutta_on_manifold_derivatives(
+        &JOINT_POSITIONS,
+        y,
+        v,
+        u,
+        period,
+        SUBSTEPS,
+        |y, v| {
+            let (by_y, by_v, by_u, remainder, _) = linearize(y, v, u);
+            (by_y, by_v, by_u, remainder)
+        },
+    )
+}
+
 /// The positions `y ⊕ d` that the velocities d reach within one second.
 ///
 /// `y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
@@ -9665,5 +9772,781 @@ mod manifold {
                 write(row, first, values);
             }
         }
+    }
+}
+
+/// Discrete time: functions over N coordinates and M inputs.
+#[allow(
+    dead_code,
+    clippy::needless_range_loop,
+    reason = "only some of it is called, and index notation reads like the formulas"
+)]
+mod discrete_time {
+    use super::manifold::{cross, integrate, places, pose_bracket, pose_tangents, read, rotation_tangents, write};
+
+    /// Adds `factor · a`.
+    #[inline]
+    fn add_scaled(sum: &mut [f64], factor: f64, a: &[f64]) {
+        for (entry, a) in sum.iter_mut().zip(a) {
+            *entry += factor * a;
+        }
+    }
+
+    /// A square matrix, rows first.
+    pub type Matrix<const N: usize> = [[f64; N]; N];
+
+    /// The upper or lower half of a matrix over the state (y, ẏ): row by row its left and its right block.
+    pub type Half<const N: usize> = [[[f64; N]; 2]; N];
+
+    /// The blocks `∂ÿ/∂y`, `∂ÿ/∂ẏ`, `∂ÿ/∂u` and the affine remainder of `ÿ`.
+    pub type Linear<const N: usize, const M: usize> = (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N]);
+
+    /// Adds `a B` to a row, where B is half a matrix over the state.
+    ///
+    /// A loop over rows would be vectorized across them, which gathers numbers one by one: from five columns on, rows are
+    /// calls.
+    #[inline]
+    fn add_row<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
+        if N < 5 {
+            add_row_inline(sum, a, b)
+        } else {
+            add_row_called(sum, a, b)
+        }
+    }
+
+    #[inline(never)]
+    fn add_row_called<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
+        add_row_inline(sum, a, b);
+    }
+
+    #[inline(always)]
+    fn add_row_inline<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
+        let mut row = *sum;
+        for k in 0..N {
+            for block in 0..2 {
+                for j in 0..N {
+                    row[block][j] += a[k] * b[k][block][j];
+                }
+            }
+        }
+        *sum = row;
+    }
+
+    /// Adds `Σ a_k b_k` to a row.
+    #[inline]
+    fn add_combination<const N: usize, const M: usize>(
+        sum: &mut [f64; M],
+        a: &[f64; N],
+        b: &[[f64; M]; N],
+    ) {
+        for k in 0..N {
+            add_scaled(sum, a[k], &b[k]);
+        }
+    }
+
+    /// Adds `factor · a`.
+    #[inline]
+    fn add_scaled_half<const N: usize>(sum: &mut Half<N>, factor: f64, a: &Half<N>) {
+        let (sum, a) = (sum.as_flattened_mut(), a.as_flattened());
+        add_scaled(sum.as_flattened_mut(), factor, a.as_flattened());
+    }
+
+    #[inline]
+    fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..N {
+            sum += a[i] * b[i];
+        }
+        sum
+    }
+
+    /// The blocks of `A_d`, `B_d` and `c_d` in `x⁺ = A_d x + B_d u + c_d` with `x = (y, ẏ)`.
+    pub type Discrete<const N: usize, const M: usize> =
+        ([[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
+
+    /// The halves of `A_d − 1`, `B_d` and `c_d`.
+    type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
+
+    /// The short time is the period halved so often, and Φ over the short time is doubled as often.
+    const DOUBLINGS: u32 = 6;
+
+    /// A period that is too long for that is halved at most so often before, and the step is then taken twice as often.
+    const MOST_REPETITIONS: u32 = 18;
+
+    /// Terms in each of the three parts of the Taylor polynomial.
+    const TERMS: usize = 6;
+
+    /// `1/(k + 1)!`
+    const COEFFICIENTS: [[f64; TERMS]; 3] = {
+        let mut coefficients = [[1.0; TERMS]; 3];
+        let (mut k, mut last) = (0, 1.0);
+        while k < 3 * TERMS {
+            last /= (k + 1) as f64;
+            coefficients[k / TERMS][k % TERMS] = last;
+            k += 1;
+        }
+        coefficients
+    };
+
+    /// Exact solution of `ẋ = A x + B_x u + c` over a period in which the inputs are held.
+    ///
+    /// Over a part of the period that suits the fastest rate the solution is `held`. Two such steps make one of twice the
+    /// time, `A_d ← A_d A_d`, `B_d ← (A_d + 1) B_d`, `c_d ← (A_d + 1) c_d`, until the period is reached. Every entry is +∞ where
+    /// `MOST_REPETITIONS` do not suffice.
+    pub fn zero_order_hold<const N: usize, const M: usize>(
+        linear: &Linear<N, M>,
+        period: f64,
+    ) -> Discrete<N, M> {
+        let Some(repetitions) = repetitions(&linear.0, &linear.1, period) else {
+            let infinite = f64::INFINITY;
+            return (
+                [[[[infinite; N]; N]; 2]; 2],
+                [[[infinite; M]; N]; 2],
+                [[infinite; N]; 2],
+            );
+        };
+        let (mut change, mut input, mut affine) = held(linear, period / (1_u32 << repetitions) as f64);
+        for _ in 0..repetitions {
+            (input, affine) = (twice_by(&change, &input), twice_affine(&change, &affine));
+            change = twice(&change);
+        }
+        let mut state = [[[[0.0; N]; N]; 2]; 2];
+        for half in 0..2 {
+            for i in 0..N {
+                for block in 0..2 {
+                    state[half][block][i] = change[half][i][block];
+                }
+                state[half][half][i][i] += 1.0;
+            }
+        }
+        (state, input, affine)
+    }
+
+    /// How often the period is to be halved before `ν · period ≤ 80`; `None` beyond `MOST_REPETITIONS`.
+    ///
+    /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
+    /// where `(a t + b) t ≤ 1`; t is a part of the period divided by 80.
+    fn repetitions<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
+        let (a, b) = (norm(by_y), norm(by_v));
+        let mut t = period / 80.0;
+        let mut repetitions = 0;
+        while (a * t + b) * t > 1.0 {
+            if repetitions == MOST_REPETITIONS {
+                return None;
+            }
+            t *= 0.5;
+            repetitions += 1;
+        }
+        Some(repetitions)
+    }
+
+    /// The largest sum of magnitudes in a row.
+    fn norm<const N: usize>(matrix: &Matrix<N>) -> f64 {
+        let mut largest = 0.0;
+        for i in 0..N {
+            let mut sum = 0.0;
+            for j in 0..N {
+                sum += matrix[i][j].abs();
+            }
+            if sum > largest {
+                largest = sum;
+            }
+        }
+        largest
+    }
+
+    /// `A_d − 1` over twice the time, `2 (A_d − 1) + (A_d − 1)²`, by halves.
+    fn twice<const N: usize>(change: &[Half<N>; 2]) -> [Half<N>; 2] {
+        let mut next = [[[[0.0; N]; 2]; N]; 2];
+        for half in 0..2 {
+            add_scaled_half(&mut next[half], 2.0, &change[half]);
+            for i in 0..N {
+                for block in 0..2 {
+                    add_row(&mut next[half][i], &change[half][i][block], &change[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// `B_d` over twice the time, `2 B_d + (A_d − 1) B_d`.
+    fn twice_by<const N: usize, const M: usize>(
+        change: &[Half<N>; 2],
+        input: &[[[f64; M]; N]; 2],
+    ) -> [[[f64; M]; N]; 2] {
+        let mut next = [[[0.0; M]; N]; 2];
+        for half in 0..2 {
+            for i in 0..N {
+                add_scaled(&mut next[half][i], 2.0, &input[half][i]);
+                for block in 0..2 {
+                    add_combination(&mut next[half][i], &change[half][i][block], &input[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// `c_d` over twice the time, `2 c_d + (A_d − 1) c_d`.
+    fn twice_affine<const N: usize>(change: &[Half<N>; 2], affine: &[[f64; N]; 2]) -> [[f64; N]; 2] {
+        let mut next = [[0.0; N]; 2];
+        for half in 0..2 {
+            add_scaled(&mut next[half], 2.0, &affine[half]);
+            for i in 0..N {
+                for block in 0..2 {
+                    next[half][i] += dot(&change[half][i][block], &affine[block]);
+                }
+            }
+        }
+        next
+    }
+
+    /// The halves of `A_d − 1`, `B_d` and `c_d` over a time that suits the fastest rate.
+    ///
+    /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
+    /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
+    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3). Its
+    /// doubling is cheaper than that of the whole, but while ν t grows it magnifies rounding by the ratio of the rates: it
+    /// serves up to `ν t = 80`.
+    fn held<const N: usize, const M: usize>(
+        (by_y, by_v, by_u, remainder): &Linear<N, M>,
+        time: f64,
+    ) -> Held<N, M> {
+        // In units of the short time h, ẏ counts as h ẏ.
+        let h = time / (1_u32 << DOUBLINGS) as f64;
+        let lower = lower_half(by_y, h * h, by_v, h);
+        let mut integral = taylor(&lower);
+        for _ in 0..DOUBLINGS {
+            integral = doubled(&lower, &integral);
+        }
+        let mut upper_change = times_system(&integral, &lower);
+        let lower_change = times_system(&upper_change, &lower_half(by_y, h, by_v, h));
+        let (mut input, mut affine) = ([[[0.0; M]; N]; 2], [[0.0; N]; 2]);
+        for i in 0..N {
+            upper_change[i][1] = scaled(&upper_change[i][1], h);
+            let by_acceleration = [scaled(&integral[i][1], h * h), upper_change[i][1]];
+            for half in 0..2 {
+                add_combination(&mut input[half][i], &by_acceleration[half], by_u);
+                affine[half][i] = dot(&by_acceleration[half], remainder);
+            }
+        }
+        ([upper_change, lower_change], input, affine)
+    }
+
+    /// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶
+    /// (Paterson and Stockmeyer 1973).
+    fn taylor<const N: usize>(lower: &Half<N>) -> Half<N> {
+        // Upper halves of Aᵏ; that of A⁷ is the lower one of A⁶.
+        let mut powers = [[[[0.0; N]; 2]; N]; TERMS + 2];
+        for i in 0..N {
+            powers[0][i][0][i] = 1.0;
+            powers[1][i][1][i] = 1.0;
+        }
+        powers[2] = *lower;
+        for k in 2..=TERMS {
+            powers[k + 1] = times_system(&powers[k], lower);
+        }
+        let mut sum = combination(&COEFFICIENTS[2], &powers);
+        for part in [1, 0] {
+            let mut next = combination(&COEFFICIENTS[part], &powers);
+            for i in 0..N {
+                add_row(&mut next[i], &sum[i][0], &powers[TERMS]);
+                add_row(&mut next[i], &sum[i][1], &powers[TERMS + 1]);
+            }
+            sum = next;
+        }
+        sum
+    }
+
+    /// `Σ c_k Aᵏ` over the terms of one part.
+    fn combination<const N: usize>(
+        coefficients: &[f64; TERMS],
+        powers: &[Half<N>; TERMS + 2],
+    ) -> Half<N> {
+        let mut sum = [[[0.0; N]; 2]; N];
+        for k in 0..TERMS {
+            add_scaled_half(&mut sum, coefficients[k], &powers[k]);
+        }
+        sum
+    }
+
+    /// The upper half of Φ over twice the time: `Φ + exp(A t) Φ = 2 Φ + (Φ A) Φ`.
+    fn doubled<const N: usize>(lower: &Half<N>, integral: &Half<N>) -> Half<N> {
+        let change = times_system(integral, lower);
+        let mut next = [[[0.0; N]; 2]; N];
+        add_scaled_half(&mut next, 2.0, integral);
+        for i in 0..N {
+            // The left block of the lower half of Φ is that of the change, since exp(A t) = I + A Φ as well; so is the right.
+            add_row(&mut next[i], &change[i][0], integral);
+            add_row(&mut next[i], &change[i][1], &change);
+        }
+        next
+    }
+
+    /// `[L R] A = [0 L] + R [A_y A_v]`.
+    fn times_system<const N: usize>(half: &Half<N>, lower: &Half<N>) -> Half<N> {
+        let mut result = [[[0.0; N]; 2]; N];
+        for i in 0..N {
+            result[i][1] = half[i][0];
+            add_row(&mut result[i], &half[i][1], lower);
+        }
+        result
+    }
+
+    /// `[A_y A_v]`, the blocks scaled.
+    fn lower_half<const N: usize>(
+        by_y: &Matrix<N>,
+        unit_y: f64,
+        by_v: &Matrix<N>,
+        unit_v: f64,
+    ) -> Half<N> {
+        let mut lower = [[[0.0; N]; 2]; N];
+        for i in 0..N {
+            lower[i] = [scaled(&by_y[i], unit_y), scaled(&by_v[i], unit_v)];
+        }
+        lower
+    }
+
+    #[inline]
+    fn scaled<const N: usize>(a: &[f64; N], factor: f64) -> [f64; N] {
+        let mut result = *a;
+        for entry in &mut result {
+            *entry *= factor;
+        }
+        result
+    }
+
+    /// What a Runge–Kutta step advances: coordinates or velocities, with or without their sensitivities.
+    pub trait Advance: Copy {
+        /// `self + factor · rate`
+        fn advanced(&self, factor: f64, rate: &Self) -> Self;
+    }
+
+    impl<const N: usize> Advance for [f64; N] {
+        #[inline]
+        fn advanced(&self, factor: f64, rate: &Self) -> Self {
+            let mut sum = *self;
+            add_scaled(&mut sum, factor, rate);
+            sum
+        }
+    }
+
+    /// Steps of the classical Runge–Kutta method of order 4 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
+    /// Equations I, 1993, table II.1.2).
+    pub fn runge_kutta<V: Advance>(
+        mut y: V,
+        mut v: V,
+        period: f64,
+        substeps: usize,
+        acceleration: impl Fn(&V, &V) -> V,
+    ) -> (V, V) {
+        let h = period / substeps as f64;
+        for _ in 0..substeps {
+            let a1 = acceleration(&y, &v);
+            let (y2, v2) = (y.advanced(h / 2.0, &v), v.advanced(h / 2.0, &a1));
+            let a2 = acceleration(&y2, &v2);
+            let (y3, v3) = (y.advanced(h / 2.0, &v2), v.advanced(h / 2.0, &a2));
+            let a3 = acceleration(&y3, &v3);
+            let (y4, v4) = (y.advanced(h, &v3), v.advanced(h, &a3));
+            let a4 = acceleration(&y4, &v4);
+            y = y
+                .advanced(h / 6.0, &v)
+                .advanced(h / 3.0, &v2)
+                .advanced(h / 3.0, &v3)
+                .advanced(h / 6.0, &v4);
+            v = v
+                .advanced(h / 6.0, &a1)
+                .advanced(h / 3.0, &a2)
+                .advanced(h / 3.0, &a3)
+                .advanced(h / 6.0, &a4);
+        }
+        (y, v)
+    }
+
+    /// Coordinates and velocities after the steps, the blocks of their derivatives by the state and by the inputs.
+    pub type Stepped<const N: usize, const M: usize> =
+        ([f64; N], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
+
+    /// Coordinates, velocities or accelerations with their derivatives by the initial state and by the inputs.
+    #[derive(Clone, Copy)]
+    pub struct Motion<const N: usize, const M: usize> {
+        /// The quantity itself.
+        pub value: [f64; N],
+        /// By the initial coordinates and velocities.
+        pub by_state: Half<N>,
+        /// By the inputs.
+        pub by_inputs: [[f64; M]; N],
+    }
+
+    impl<const N: usize, const M: usize> Advance for Motion<N, M> {
+        fn advanced(&self, factor: f64, rate: &Self) -> Self {
+            let mut sum = *self;
+            add_scaled(&mut sum.value, factor, &rate.value);
+            add_scaled_half(&mut sum.by_state, factor, &rate.by_state);
+            add_scaled(
+                sum.by_inputs.as_flattened_mut(),
+                factor,
+                rate.by_inputs.as_flattened(),
+            );
+            sum
+        }
+    }
+
+    impl<const N: usize, const M: usize> Motion<N, M> {
+        /// A coordinate (block 0) or velocity (block 1) of the initial state.
+        fn initial(value: &[f64; N], block: usize) -> Self {
+            let mut by_state = [[[0.0; N]; 2]; N];
+            for i in 0..N {
+                by_state[i][block % 2][i] = 1.0;
+            }
+            let by_inputs = [[0.0; M]; N];
+            Self {
+                value: *value,
+                by_state,
+                by_inputs,
+            }
+        }
+
+        /// The acceleration, by the chain rule.
+        fn acceleration(linear: &Linear<N, M>, y: &Self, v: &Self, u: &[f64; M]) -> Self {
+            let (by_y, by_v, by_u, remainder) = linear;
+            let mut a = Self {
+                value: *remainder,
+                by_state: [[[0.0; N]; 2]; N],
+                by_inputs: *by_u,
+            };
+            for i in 0..N {
+                a.value[i] += dot(&by_y[i], &y.value) + dot(&by_v[i], &v.value) + dot(&by_u[i], u);
+                add_row(&mut a.by_state[i], &by_y[i], &y.by_state);
+                add_row(&mut a.by_state[i], &by_v[i], &v.by_state);
+                add_combination(&mut a.by_inputs[i], &by_y[i], &y.by_inputs);
+                add_combination(&mut a.by_inputs[i], &by_v[i], &v.by_inputs);
+            }
+            a
+        }
+    }
+
+    /// Such steps with their exact derivatives.
+    pub fn runge_kutta_derivatives<const N: usize, const M: usize>(
+        y: &[f64; N],
+        v: &[f64; N],
+        u: &[f64; M],
+        period: f64,
+        substeps: usize,
+        linearize: impl Fn(&[f64; N], &[f64; N]) -> Linear<N, M>,
+    ) -> Stepped<N, M> {
+        let (y, v) = (Motion::initial(y, 0), Motion::initial(v, 1));
+        let acceleration = |y: &Motion<N, M>, v: &Motion<N, M>| {
+            Motion::acceleration(&linearize(&y.value, &v.value), y, v, u)
+        };
+        let (y, v) = runge_kutta(y, v, period, substeps, acceleration);
+        let mut state = [[[[0.0; N]; N]; 2]; 2];
+        for i in 0..N {
+            for block in 0..2 {
+                state[0][block][i] = y.by_state[i][block];
+                state[1][block][i] = v.by_state[i][block];
+            }
+        }
+        (y.value, v.value, state, [y.by_inputs, v.by_inputs])
+    }
+
+    /// Steps of order 4 for positions on a manifold (Munthe-Kaas, High order Runge–Kutta methods on manifolds, 1999): the
+    /// classical Runge–Kutta method for δ in `y ⊕ δ`, with `δ̇ = v + ½ [δ, v] + 1/12 [δ, [δ, v]]`. The terms left out are of
+    /// order 5 in a step.
+    pub fn runge_kutta_on_manifold<const J: usize, const N: usize, const NY: usize>(
+        widths: &[usize; J],
+        y: &[f64; NY],
+        v: &[f64; N],
+        period: f64,
+        substeps: usize,
+        acceleration: impl Fn(&[f64; NY], &[f64; N]) -> [f64; N],
+    ) -> ([f64; NY], [f64; N]) {
+        let h = period / substeps as f64;
+        let (mut y, mut v) = (*y, *v);
+        for _ in 0..substeps {
+            let first = acceleration(&y, &v);
+            let rates = |d: &[f64; N], v: &[f64; N]| {
+                (
+                    displacement_rate(widths, d, v),
+                    acceleration(&integrate(widths, &y, d), v),
+                )
+            };
+            let (d, next) = step_in_chart([0.0; N], v, first, h, rates);
+            (y, v) = (integrate(widths, &y, &d), next);
+        }
+        (y, v)
+    }
+
+    /// A classical Runge–Kutta step of displacement and velocity from the displacement 0, where its rate is the velocity.
+    fn step_in_chart<V: Advance>(
+        zero: V,
+        v: V,
+        a1: V,
+        h: f64,
+        rates: impl Fn(&V, &V) -> (V, V),
+    ) -> (V, V) {
+        let (d2, v2) = (zero.advanced(h / 2.0, &v), v.advanced(h / 2.0, &a1));
+        let (r2, a2) = rates(&d2, &v2);
+        let (d3, v3) = (zero.advanced(h / 2.0, &r2), v.advanced(h / 2.0, &a2));
+        let (r3, a3) = rates(&d3, &v3);
+        let (d4, v4) = (zero.advanced(h, &r3), v.advanced(h, &a3));
+        let (r4, a4) = rates(&d4, &v4);
+        let d = zero
+            .advanced(h / 6.0, &v)
+            .advanced(h / 3.0, &r2)
+            .advanced(h / 3.0, &r3)
+            .advanced(h / 6.0, &r4);
+        let v = v
+            .advanced(h / 6.0, &a1)
+            .advanced(h / 3.0, &a2)
+            .advanced(h / 3.0, &a3)
+            .advanced(h / 6.0, &a4);
+        (d, v)
+    }
+
+    /// The rate of the displacement δ from a fixed position.
+    fn displacement_rate<const J: usize, const N: usize>(
+        widths: &[usize; J],
+        d: &[f64; N],
+        v: &[f64; N],
+    ) -> [f64; N] {
+        let mut rate = [f64::NAN; N];
+        for (width, _, first) in places(widths) {
+            match width {
+                1 => write::<1>(&mut rate, first, &read(v, first)),
+                4 => {
+                    let value = chart_rate(cross, &read(d, first), &read(v, first));
+                    write(&mut rate, first, &value);
+                }
+                7 => {
+                    let value = chart_rate(pose_bracket, &read(d, first), &read(v, first));
+                    write(&mut rate, first, &value);
+                }
+                _ => {}
+            }
+        }
+        rate
+    }
+
+    /// `v + ½ [δ, v] + 1/12 [δ, [δ, v]]`
+    #[inline]
+    fn chart_rate<const K: usize>(
+        bracket: impl Fn(&[f64; K], &[f64; K]) -> [f64; K],
+        d: &[f64; K],
+        v: &[f64; K],
+    ) -> [f64; K] {
+        let once = bracket(d, v);
+        let twice = bracket(d, &once);
+        core::array::from_fn(|i| v[i] + (once[i] / 2.0 + twice[i] / 12.0))
+    }
+
+    /// Positions and velocities after the steps, the blocks of their derivatives by the state and by the inputs; those of
+    /// positions, and by positions, are taken along ⊕.
+    pub type SteppedOnManifold<const N: usize, const M: usize, const NY: usize> =
+        ([f64; NY], [f64; N], [[Matrix<N>; 2]; 2], [[[f64; M]; N]; 2]);
+
+    /// Such steps with their exact derivatives: of the method's result, by the chain rule over its stages.
+    ///
+    /// `linearize` gives `∂v̇/∂y` along ⊕, `∂v̇/∂v`, `∂v̇/∂u` and the affine remainder `v̇ − ∂v̇/∂v v − ∂v̇/∂u u`.
+    pub fn runge_kutta_on_manifold_derivatives<
+        const J: usize,
+        const N: usize,
+        const M: usize,
+        const NY: usize,
+    >(
+        widths: &[usize; J],
+        y: &[f64; NY],
+        v: &[f64; N],
+        u: &[f64; M],
+        period: f64,
+        substeps: usize,
+        linearize: impl Fn(&[f64; NY], &[f64; N]) -> Linear<N, M>,
+    ) -> SteppedOnManifold<N, M, NY> {
+        let h = period / substeps as f64;
+        // Of the position only the derivatives count, its value stands in y: the affine remainder knows of none.
+        let (mut y, mut moved, mut v) = (*y, Motion::initial(&[0.0; N], 0), Motion::initial(v, 1));
+        let zero = Motion {
+            value: [0.0; N],
+            by_state: [[[0.0; N]; 2]; N],
+            by_inputs: [[0.0; M]; N],
+        };
+        for _ in 0..substeps {
+            let first = Motion::acceleration(&linearize(&y, &v.value), &moved, &v, u);
+            let rates = |d: &Motion<N, M>, v: &Motion<N, M>| {
+                let linear = linearize(&integrate(widths, &y, &d.value), &v.value);
+                let position = moved_on(widths, &moved, d);
+                (
+                    displacement_rates(widths, d, v),
+                    Motion::acceleration(&linear, &position, v, u),
+                )
+            };
+            let (d, next) = step_in_chart(zero, v, first, h, rates);
+            moved = moved_on(widths, &moved, &d);
+            (y, v) = (integrate(widths, &y, &d.value), next);
+        }
+        let mut state = [[[[0.0; N]; N]; 2]; 2];
+        for i in 0..N {
+            for block in 0..2 {
+                state[0][block][i] = moved.by_state[i][block];
+                state[1][block][i] = v.by_state[i][block];
+            }
+        }
+        (y, v.value, state, [moved.by_inputs, v.by_inputs])
+    }
+
+    /// The derivatives of `y ⊕ d` from those of y and of d.
+    fn moved_on<const J: usize, const N: usize, const M: usize>(
+        widths: &[usize; J],
+        y: &Motion<N, M>,
+        d: &Motion<N, M>,
+    ) -> Motion<N, M> {
+        let mut sum = Motion {
+            value: [0.0; N],
+            by_state: [[[0.0; N]; 2]; N],
+            by_inputs: [[0.0; M]; N],
+        };
+        for (width, _, first) in places(widths) {
+            match width {
+                1 => add_blocks(&mut sum, &[[[1.0]], [[1.0]]], [y, d], first),
+                4 => {
+                    let blocks = rotation_tangents(&read(&d.value, first));
+                    add_blocks(&mut sum, &blocks, [y, d], first);
+                }
+                7 => add_blocks(
+                    &mut sum,
+                    &pose_tangents(&read(&d.value, first)),
+                    [y, d],
+                    first,
+                ),
+                _ => {}
+            }
+        }
+        sum
+    }
+
+    /// The rate of the displacement with its derivatives.
+    fn displacement_rates<const J: usize, const N: usize, const M: usize>(
+        widths: &[usize; J],
+        d: &Motion<N, M>,
+        v: &Motion<N, M>,
+    ) -> Motion<N, M> {
+        let value = displacement_rate(widths, &d.value, &v.value);
+        let mut rate = Motion {
+            value,
+            by_state: [[[0.0; N]; 2]; N],
+            by_inputs: [[0.0; M]; N],
+        };
+        for (width, _, first) in places(widths) {
+            match width {
+                1 => add_blocks(&mut rate, &[[[0.0]], [[1.0]]], [d, v], first),
+                4 => {
+                    let (d_value, v_value) = (read(&d.value, first), read(&v.value, first));
+                    add_blocks(
+                        &mut rate,
+                        &chart_rates(cross, &d_value, &v_value),
+                        [d, v],
+                        first,
+                    );
+                }
+                7 => {
+                    let (d_value, v_value) = (read(&d.value, first), read(&v.value, first));
+                    add_blocks(
+                        &mut rate,
+                        &chart_rates(pose_bracket, &d_value, &v_value),
+                        [d, v],
+                        first,
+                    );
+                }
+                _ => {}
+            }
+        }
+        rate
+    }
+
+    /// The derivatives of `v + ½ [δ, v] + 1/12 [δ, [δ, v]]` by δ and by v.
+    fn chart_rates<const K: usize>(
+        bracket: impl Fn(&[f64; K], &[f64; K]) -> [f64; K],
+        d: &[f64; K],
+        v: &[f64; K],
+    ) -> [[[f64; K]; K]; 2] {
+        let once = bracket(d, v);
+        let (mut by_d, mut by_v) = ([[0.0; K]; K], [[0.0; K]; K]);
+        for j in 0..K {
+            let mut unit = [0.0; K];
+            unit[j] = 1.0;
+            let changed = bracket(&unit, v);
+            let (outer, deeper) = (bracket(&unit, &once), bracket(d, &changed));
+            let column = chart_rate(&bracket, d, &unit);
+            for i in 0..K {
+                by_d[i][j] = changed[i] / 2.0 + (outer[i] + deeper[i]) / 12.0;
+                by_v[i][j] = column[i];
+            }
+        }
+        [by_d, by_v]
+    }
+
+    /// Adds the products of a joint's blocks and the derivatives of two motions.
+    #[inline]
+    fn add_blocks<const K: usize, const N: usize, const M: usize>(
+        sum: &mut Motion<N, M>,
+        blocks: &[[[f64; K]; K]; 2],
+        motions: [&Motion<N, M>; 2],
+        first: usize,
+    ) {
+        for (block, motion) in blocks.iter().zip(motions) {
+            let rows = sum.by_state.iter_mut().skip(first).zip(block);
+            for (row, factors) in rows {
+                for (factor, other) in factors.iter().zip(motion.by_state.iter().skip(first)) {
+                    add_scaled(row.as_flattened_mut(), *factor, other.as_flattened());
+                }
+            }
+            let rows = sum.by_inputs.iter_mut().skip(first).zip(block);
+            for (row, factors) in rows {
+                for (factor, other) in factors.iter().zip(motion.by_inputs.iter().skip(first)) {
+                    add_scaled(row, *factor, other);
+                }
+            }
+        }
+    }
+
+    /// The blocks of [`Linear`], and D in `δ̇ = D δ + v`.
+    pub type LinearOnManifold<const N: usize, const M: usize> =
+        (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N], Matrix<N>);
+
+    /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period in which the inputs are held, with
+    /// `x = (δ, v)`.
+    ///
+    /// With `w = D δ + v` this is `δ̇ = w`, `ẇ = (A_y − A_v D) δ + (A_v + D) w + B_x u + c`, what [`zero_order_hold`] solves.
+    pub fn zero_order_hold_on_manifold<const N: usize, const M: usize>(
+        (by_y, by_v, by_u, remainder, drift): &LinearOnManifold<N, M>,
+        period: f64,
+    ) -> Discrete<N, M> {
+        let (mut by_d, mut by_w) = (*by_y, *by_v);
+        for i in 0..N {
+            add_combination(&mut by_d[i], &negative(&by_v[i]), drift);
+            add_scaled(&mut by_w[i], 1.0, &drift[i]);
+        }
+        let (mut state, mut input, mut affine) =
+            zero_order_hold(&(by_d, by_w, *by_u, *remainder), period);
+        // The rate w counts as velocity v and D δ: first in the state before, then in the one after.
+        for [by_d, by_w] in &mut state {
+            for (by_d, by_w) in by_d.iter_mut().zip(by_w) {
+                add_combination(by_d, by_w, drift);
+            }
+        }
+        let ([upper, lower], [input_upper, input_lower]) = (&mut state, &mut input);
+        for i in 0..N {
+            let row = negative(&drift[i]);
+            for block in 0..2 {
+                add_combination(&mut lower[block][i], &row, &upper[block]);
+            }
+            add_combination(&mut input_lower[i], &row, input_upper);
+            affine[1][i] += dot(&row, &affine[0]);
+        }
+        (state, input, affine)
+    }
+
+    #[inline]
+    fn negative<const N: usize>(row: &[f64; N]) -> [f64; N] {
+        row.map(|entry| -entry)
     }
 }
