@@ -1,4 +1,4 @@
-//! Lists the functions of `generated/` for the tests that call all of them, and tells them by `cfg(robots_of_others)` whether
+//! Lists the functions of all robots for the tests that call all of them, and tells them by `cfg(robots_of_others)` whether
 //! `tests/reference/robots.py` has fetched the URDFs of others.
 
 #![allow(clippy::expect_used, reason = "a build script of tests: what is missing ends it")]
@@ -13,6 +13,8 @@ mod table;
 fn main() {
     robots_of_others();
     let folder = Path::new("../generated/src");
+    // The build script of gelenk-test-robots writes the modules that have all functions.
+    let whole = env::var_os("DEP_GELENK_TEST_ROBOTS_FOLDER").expect("the folder of gelenk-test-robots");
     println!("cargo::rerun-if-changed=../generated/src");
     println!("cargo::rerun-if-changed=src/table.rs");
     let entries = fs::read_dir(folder).expect("generated/src");
@@ -24,11 +26,13 @@ fn main() {
         })
         .collect();
     names.sort();
-    let mut text = String::from("/// Every function of every generated robot.\n");
+    let mut text = String::from("/// Every function of every robot.\n");
     text.push_str("pub const ROBOTS: &[Robot] = &[\n");
     for name in &names {
-        let source = fs::read_to_string(folder.join(format!("{name}.rs"))).expect("a module");
-        text.push_str(&table::entry(name, &format!("gelenk_generated::{name}"), &source));
+        let file = format!("{name}.rs");
+        let source = fs::read_to_string(Path::new(&whole).join(&file));
+        let source = source.or_else(|_| fs::read_to_string(folder.join(file))).expect("a module");
+        text.push_str(&table::entry(name, &format!("gelenk_test_robots::{name}"), &source));
     }
     text.push_str("];\n");
     let out = env::var_os("OUT_DIR").expect("Cargo sets OUT_DIR");

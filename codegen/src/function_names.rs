@@ -57,6 +57,18 @@ names! {
 /// All functions of named frames.
 pub const FRAMES: &str = "frames";
 
+/// All functions but those on request.
+pub const ALL: &str = "all";
+
+/// Names that stand for several functions.
+pub const GROUPS: [&str; 2] = [FRAMES, ALL];
+
+/// Tells whether a selection has all functions but those on request: it is empty or contains [`ALL`].
+#[must_use]
+pub fn select_all(selection: &[String]) -> bool {
+    selection.is_empty() || selection.iter().any(|name| name == ALL)
+}
+
 /// Quantity of a named frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
@@ -97,12 +109,12 @@ impl FrameKind {
     }
 }
 
-/// The names that descriptions and the program may list: the functions of every robot, and [`FRAMES`].
+/// The names that descriptions and the program may list: the functions of every robot, and [`GROUPS`].
 pub fn listed() -> impl Iterator<Item = &'static str> {
-    OF_ROBOTS.iter().copied().chain([FRAMES])
+    OF_ROBOTS.iter().copied().chain(GROUPS)
 }
 
-/// Tells whether some robot has a function of this name, or whether it is [`FRAMES`].
+/// Tells whether some robot has a function of this name, or whether it is one of [`GROUPS`].
 #[must_use]
 pub fn is_known(name: &str) -> bool {
     listed().any(|known| known == name) || FrameKind::ALL.iter().any(|kind| kind.is_of(name))

@@ -35,11 +35,10 @@ impl Lanes {
         &self.0
     }
 
-    /// A function that is asked for over lanes is generated too. An empty selection means all but those on
-    /// request.
+    /// A function that is asked for over lanes is generated too.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
-        if !selection.is_empty() {
+        if !function_names::select_all(selection) {
             let others = self.0.iter().filter(|name| !selection.contains(name));
             all.extend(others.cloned());
         }
@@ -65,7 +64,7 @@ impl Lanes {
         (possible, notes)
     }
 
-    /// The names, `frames` spelled out.
+    /// The names, groups spelled out.
     fn resolved(&self, functions: &[Function]) -> Vec<String> {
         let frames = || {
             let of_frames = functions.iter().filter(|function| function.frame.is_some());
@@ -73,6 +72,7 @@ impl Lanes {
         };
         let names = self.0.iter().flat_map(|name| match name.as_str() {
             function_names::FRAMES => frames().collect(),
+            function_names::ALL => functions.iter().map(|function| function.name.clone()).collect(),
             _ => vec![name.clone()],
         });
         names.collect()

@@ -140,7 +140,7 @@ fn files_for_tools_compile_without_a_word() {
     let few = ["forward_dynamics", "forward_dynamics,step", "frames"];
     let few = few.map(|functions| ("floating", format!(" --functions {functions}")));
     let whole = ["powercube_parameters", "gripper", "pendulum", "cart_pole", "floating"];
-    for (robot, words) in whole.map(|robot| (robot, String::new())).into_iter().chain(few) {
+    for (robot, words) in whole.map(|robot| (robot, " --functions all".to_owned())).into_iter().chain(few) {
         let line = format!("generate {robot}.toml --language c --output c --for casadi,python{words}");
         let (code, text) = gelenk(folder, &line);
         assert_eq!(code, 0, "{text}");

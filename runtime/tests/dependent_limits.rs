@@ -22,7 +22,7 @@ const PERIOD: f64 = 0.01;
 
 /// The gripper, whose fingers have limits: the left one goes the other way and stops before the drive does.
 mod limited_gripper {
-    pub use gelenk_generated::gripper::*;
+    pub use gelenk_test_robots::gripper::*;
     pub const DEPENDENT_POSITION_LIMITS: [[f64; 2]; 5] =
         [[-0.5, 1.0], super::FREE, super::FREE, super::FREE, super::FREE];
     pub const DEPENDENT_VELOCITY_LIMITS: [f64; 5] = [f64::INFINITY, 1.5, f64::INFINITY, f64::INFINITY, 1.2];
@@ -48,7 +48,7 @@ mod limited_rail_arm {
 /// The wrist like a TX40's, the differential wrist and the SCARA, with a highest speed of a motor that moves two joints, and the
 /// excavator with a joint that follows boom and stick, as the generator writes their constants.
 mod limited_tx40 {
-    pub use gelenk_generated::tx40_like::*;
+    pub use gelenk_test_robots::tx40_like::*;
     pub const DEPENDENT_JOINT_NAMES: [&str; 1] = ["motor_6"];
     pub const DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[0.0, 0.0, 0.0, 0.0, 32.0, 32.0]];
     pub const DEPENDENT_JOINT_OFFSETS: [f64; 1] = [0.0];

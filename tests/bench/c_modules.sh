@@ -15,10 +15,10 @@ gelenk=${GELENK:-${CARGO_TARGET_DIR:-$root/target}/release/gelenk}
 for robot in ${*:-powercube ur5 panda}; do
   module=$work/$robot
   # shellcheck disable=SC2086
-  "$gelenk" generate "$root/models/$robot.toml" ${GELENK_OPTIONS:-} --output "$module.rs" >"$module.txt" 2>&1
+  "$gelenk" generate "$root/models/$robot.toml" --functions all ${GELENK_OPTIONS:-} --output "$module.rs" >"$module.txt" 2>&1
   # The functions are called `c_…`.
   # shellcheck disable=SC2086
-  "$gelenk" generate "$root/models/$robot.toml" ${GELENK_OPTIONS:-} --language c --output "$work/c.c" >>"$module.txt" 2>&1
+  "$gelenk" generate "$root/models/$robot.toml" --functions all ${GELENK_OPTIONS:-} --language c --output "$work/c.c" >>"$module.txt" 2>&1
   has=
   if grep -q '^pub fn linearize_into(' "$module.rs"; then has="--cfg has_linearize_into"; fi
   echo "${GELENK_CC:-gcc -O2;gcc -O3}" | tr ';' '\n' | while read -r compiler; do

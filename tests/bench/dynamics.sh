@@ -36,7 +36,7 @@ build() {
   module=$work/$2_$1
   # The others know no friction.
   # shellcheck disable=SC2086
-  "$gelenk" generate "$(description "$2")" --no-friction ${GELENK_OPTIONS:-} $3 --output "$module.rs" >"$module.txt" 2>&1
+  "$gelenk" generate "$(description "$2")" --no-friction --functions all ${GELENK_OPTIONS:-} $3 --output "$module.rs" >"$module.txt" 2>&1
   has=
   for function in mass_matrix_and_bias_forces inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives; do
     if grep -q "^pub fn $function(" "$module.rs"; then has="$has --cfg has_$function"; fi

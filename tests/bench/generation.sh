@@ -63,7 +63,7 @@ for robot in ${BENCH_ROBOTS:-ur5 panda chain30}; do
       ;;
   esac
   module=$folder/$robot.rs
-  numbers=$(measured "$target/release/gelenk" generate "$description" "$@" --output "$module")
+  numbers=$(measured "$target/release/gelenk" generate "$description" --functions all "$@" --output "$module")
   printf '%-8s gelenk       %s\n' "$robot" "$numbers"
   numbers=$(measured rustc --edition 2024 --crate-type lib -O -o "$folder/lib$robot.rlib" "$module")
   printf '%-8s rustc -O     %s\n' "$robot" "$numbers"

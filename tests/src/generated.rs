@@ -1,4 +1,4 @@
-//! The robots of `generated/`, as compiled.
+//! The robots of `models/` with all their functions, as compiled.
 
 use crate::flat::{Robot, array, flat, number};
 

@@ -27,6 +27,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use gelenk_codegen::emit::{EmitOptions, Scalar};
+use gelenk_codegen::function_names::ALL;
 use gelenk_codegen::functions::form::Form;
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::functions::selection;
@@ -84,10 +85,26 @@ pub fn descriptions() -> Vec<PathBuf> {
     paths
 }
 
-/// A robot of models/ with all its functions and its module, as `gelenk generate` without arguments makes it.
-pub fn generate_model(description: &Path, scalar: Scalar) -> Generated {
+/// A robot of models/ with the functions of its description and its module, as `gelenk generate` without arguments makes it.
+pub fn generate_model(description: &Path) -> Generated {
+    generate_functions(description, Vec::new(), Scalar::F64)
+}
+
+/// A robot of models/ with all its functions and its module.
+pub fn generate_whole_model(description: &Path, scalar: Scalar) -> Generated {
+    generate_functions(description, all_functions(description), scalar)
+}
+
+/// The choice of all functions, except of the Go2, whose module would have 134 000 lines.
+pub fn all_functions(description: &Path) -> Vec<String> {
+    let is_too_large = description.file_stem().is_some_and(|name| name == "go2");
+    if is_too_large { Vec::new() } else { vec![ALL.to_owned()] }
+}
+
+fn generate_functions(description: &Path, functions: Vec<String>, scalar: Scalar) -> Generated {
     let file = description.file_name().unwrap_or_default();
     let options = GenerateOptions {
+        functions,
         emit: EmitOptions {
             scalar,
             command: format!("gelenk generate models/{}", file.to_string_lossy()),
@@ -106,11 +123,17 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Derives all functions of a description.
+    /// Derives the functions that the options choose, or else the description.
     pub fn derive(description: &Path, options: &GenerateOptions) -> Self {
         let robot = generate(description, options);
         let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
         Self { model: robot.model, functions: robot.module.functions }
+    }
+
+    /// Derives all functions of a description.
+    pub fn whole(description: &Path) -> Self {
+        let functions = all_functions(description);
+        Self::derive(description, &GenerateOptions { functions, ..GenerateOptions::default() })
     }
 
     /// Derives selected functions of a model.

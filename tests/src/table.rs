@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// The table's entry of one module: a [`Robot`](crate::flat::Robot), with names of `flat` in scope.
 ///
 /// - `name`: of the module
-/// - `path`: path to it, e.g. `gelenk_generated::ur5`
+/// - `path`: path to it, e.g. `gelenk_test_robots::ur5`
 /// - `text`: its source
 ///
 /// # Panics

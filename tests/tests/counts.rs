@@ -14,7 +14,7 @@ use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::program::cost::count;
 use gelenk_codegen::program::{Instruction, Operation, fuse_multiply_adds};
 use gelenk_tests::literature::{GENERAL, PLANAR, PUMA, RX90, chain, right_angles};
-use gelenk_tests::{Robot, descriptions, generate_model, relative_error, robot_of_others, workspace};
+use gelenk_tests::{Robot, descriptions, generate_whole_model, relative_error, robot_of_others, workspace};
 
 const DOWN: [f64; 3] = [0.0, 0.0, -9.81];
 
@@ -317,7 +317,7 @@ fn powercube() {
 fn all_robots() {
     let mut table = String::new();
     for path in descriptions() {
-        let robot = generate_model(&path, Scalar::F64);
+        let robot = generate_whole_model(&path, Scalar::F64);
         let _ = writeln!(table, "# {}", robot.source.name);
         for function in &robot.module.functions {
             let _ = writeln!(table, "{}: {}", function.name, count(&function.program));

@@ -8,7 +8,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 use gelenk_codegen::emit::Scalar;
-use gelenk_tests::{descriptions, generate_model, workspace};
+use gelenk_tests::{descriptions, generate_whole_model, workspace};
 
 /// Where a child process of this test writes its modules.
 const OUTPUT: &str = "GELENK_TEST_OUTPUT";
@@ -18,7 +18,7 @@ fn modules(descriptions: &[PathBuf]) -> Vec<(String, String)> {
     descriptions
         .iter()
         .map(|path| {
-            let source = generate_model(path, Scalar::F64).source;
+            let source = generate_whole_model(path, Scalar::F64).source;
             (source.name, source.text)
         })
         .collect()

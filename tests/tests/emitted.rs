@@ -21,7 +21,7 @@ use gelenk_tests::flat::Call;
 use gelenk_tests::generated::ROBOTS;
 use gelenk_tests::positions::normalize;
 use gelenk_tests::single::{self, Bounded};
-use gelenk_tests::{FUNCTIONS, descriptions, generate_model, table};
+use gelenk_tests::{FUNCTIONS, descriptions, generate_whole_model, table};
 
 /// Random states per function.
 const SAMPLES: usize = 20;
@@ -73,7 +73,8 @@ fn derived_function<'r>(robot: &'r Generated, name: &str) -> &'r Function {
 /// The models of this repository, each generated once.
 fn robots(scalar: Scalar) -> &'static [Generated] {
     static ROBOTS: [OnceLock<Vec<Generated>>; 2] = [const { OnceLock::new() }; 2];
-    let generated = || descriptions().iter().map(|description| generate_model(description, scalar)).collect();
+    let generated =
+        || descriptions().iter().map(|description| generate_whole_model(description, scalar)).collect();
     ROBOTS[usize::from(scalar == Scalar::F32)].get_or_init(generated)
 }
 

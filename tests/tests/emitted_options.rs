@@ -10,6 +10,7 @@ use fastrand::Rng;
 use gelenk_codegen::emit::{EmitOptions, Scalar};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_tests::compiler::clippy;
+use gelenk_tests::workspace;
 
 /// A joint with a drive with a rotor, friction and a spring; `#` numbers it.
 const JOINT: &str = r#"
@@ -125,6 +126,26 @@ fn functions(description: &Path) -> Vec<String> {
     let robot = generate(description, &GenerateOptions::default());
     let robot = robot.unwrap_or_else(|problems| panic!("{problems}"));
     robot.module.costs().into_iter().map(|(name, _)| name).collect()
+}
+
+/// `all` has the functions of a description that chooses none, and takes those on request with it.
+#[test]
+fn all_functions_are_a_choice() {
+    let names = |robot: &str, functions: &[&str]| {
+        let functions: Vec<String> = functions.iter().map(|&name| name.to_owned()).collect();
+        let description = workspace().join(format!("models/{robot}.toml"));
+        let robot = generate(&description, &options(&functions, &[], Scalar::F64));
+        let costs = robot.unwrap_or_else(|problems| panic!("{problems}")).module.costs();
+        costs.into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+    };
+    let all = names("cart_pole", &[]);
+    assert_eq!(names("cart_pole", &["all"]), all);
+    let more = names("cart_pole", &["joint_wrenches", "all"]);
+    let (wrenches, others): (Vec<_>, Vec<_>) = more.into_iter().partition(|name| name == "joint_wrenches");
+    assert_eq!((wrenches.len(), others), (1, all));
+    // The description chooses eight, `all` chooses the others too.
+    let (chosen, all) = (names("two_arm", &[]), names("two_arm", &["all"]));
+    assert!(chosen.len() == 8 && all.len() > 25 && chosen.iter().all(|name| all.contains(name)), "{all:?}");
 }
 
 /// Functions that are asked for by name alone.

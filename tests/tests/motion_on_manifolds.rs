@@ -1,7 +1,7 @@
 //! Robots with quaternions in motion: what their generated functions promise, against differences along ⊕, finer steps,
 //! conserved quantities and the matrix exponential.
 
-use gelenk_generated::{quadrotor, satellite};
+use gelenk_test_robots::{quadrotor, satellite};
 use gelenk_tests::relative_error;
 use nalgebra::DMatrix;
 

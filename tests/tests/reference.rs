@@ -169,7 +169,7 @@ fn powercube_agrees_with_its_published_model() {
 }
 
 fn model(name: &str) -> Robot {
-    Robot::derive(&workspace().join("models").join(format!("{name}.toml")), &GenerateOptions::default())
+    Robot::whole(&workspace().join("models").join(format!("{name}.toml")))
 }
 
 /// Puma 560 at qn (robotics-toolbox-python, tests/test_DHRobot.py, four decimals).
@@ -272,7 +272,7 @@ fn joints_agree_with_pinocchio(name: &str) {
     let folder = workspace().join("tests/reference");
     let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).expect("committed values");
     let reference: Value = serde_json::from_str(&text).expect("JSON");
-    let robot = Robot::derive(&folder.join(format!("{name}.toml")), &GenerateOptions::default());
+    let robot = Robot::whole(&folder.join(format!("{name}.toml")));
     let wrenches = Robot::of_model(robot.model.clone(), &["joint_wrenches"]);
     let looped = Robot::in_form(robot.model.clone(), &LOOPS, Form::Arrays);
     for name in LOOPS {
@@ -345,7 +345,7 @@ fn coupled_screws_agree_with_pinocchio() {
 fn committed(name: &str) -> (Robot, Value) {
     let folder = workspace().join("tests/reference");
     let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).expect("committed values");
-    let robot = Robot::derive(&folder.join(format!("{name}.toml")), &GenerateOptions::default());
+    let robot = Robot::whole(&folder.join(format!("{name}.toml")));
     (robot, serde_json::from_str(&text).expect("JSON"))
 }
 

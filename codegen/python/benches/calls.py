@@ -25,7 +25,7 @@ def shortest(call: Callable[[], Any], count: int) -> float:
 def main() -> None:
     rng = np.random.default_rng(0)
     for name in ("powercube", "ur5", "panda"):
-        robot = gelenk.load(MODELS / f"{name}.toml")
+        robot = gelenk.load(MODELS / f"{name}.toml", functions=["all"])
         values = {letter: rng.uniform(-1, 1, (STATES, robot.N)) for letter in "yva"}
         values["u"] = rng.uniform(-1, 1, (STATES, robot.M))
         for function, letters in [(robot.inverse_dynamics, "yva"), (robot.mass_matrix, "y"), (robot.linearize, "yvu")]:

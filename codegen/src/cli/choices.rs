@@ -156,8 +156,8 @@ impl Modules {
 /// Choices that change what is generated; the header of the file names them.
 #[derive(Debug, Args)]
 pub(super) struct Choices {
-    /// Functions to generate, separated by commas [default: those of the description, else all
-    /// but those on request, as models/README.md lists them]
+    /// Functions to generate, separated by commas; `all` are all but those on request, as models/README.md
+    /// lists them [default: those of the description, else all]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) functions: Vec<String>,
     /// Number type of the module

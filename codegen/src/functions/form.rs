@@ -12,6 +12,7 @@ use crate::dynamics::load_friction;
 use crate::dynamics::per_joint;
 use crate::dynamics::search::routes::Formulations;
 use crate::dynamics::tangent;
+use crate::function_names;
 use crate::graph::{Graph, Node};
 use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
@@ -217,7 +218,8 @@ impl<'m> Forms<'m> {
     }
 
     fn is_straight(&self, quantity: &Quantity) -> bool {
-        self.form == Form::Straight || self.straight.iter().any(|other| other == quantity.name)
+        let is_named = |name: &String| [quantity.name, function_names::ALL].contains(&name.as_str());
+        self.form == Form::Straight || self.straight.iter().any(is_named)
     }
 
     fn may_loop(&self, quantity: &Quantity) -> bool {

@@ -23,7 +23,7 @@ const MOST_FRAMES: usize = 500;
 /// A request for functions of a model.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// Names of functions, `frames` for those of all named frames; none means all but those on request.
+    /// Names of functions, `frames` for those of all named frames, `all` for all but those on request, as none.
     pub names: &'a [String],
     /// Operations of the largest function that is wanted, see [`size::MOST_OPERATIONS`].
     pub most: usize,
@@ -84,8 +84,8 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
     Ok(Selection { notes: left_out.notes(model, request.most), functions, compositions })
 }
 
-/// Derives the selected functions of a model, and those that selected ones call; an empty selection means all
-/// but those on request and those that cannot be generated, `frames` all functions of named frames.
+/// Derives the selected functions of a model, and those that selected ones call; an empty selection and `all`
+/// mean all but those on request and those that cannot be generated, `frames` all functions of named frames.
 ///
 /// - `most`: operations of the largest function that is wanted, see
 ///   [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS)
@@ -172,13 +172,19 @@ impl<'a> Wanted<'a> {
         self.request.names.iter().any(|other| other == name)
     }
 
+    fn selects_all(&self) -> bool {
+        function_names::select_all(self.request.names)
+    }
+
+    fn names_row(&self, row: &Row<'_>) -> bool {
+        let is_frame = matches!(row, Row::Frame(..)) && self.is_named(function_names::FRAMES);
+        is_frame || self.is_named(&row.name())
+    }
+
     fn includes(&self, row: &Row<'_>) -> bool {
         let name = row.name();
-        if catalogue::is_on_request(&name) {
-            return self.is_named(&name);
-        }
-        let is_frame = matches!(row, Row::Frame(..)) && self.is_named(function_names::FRAMES);
-        self.request.names.is_empty() || is_frame || self.is_named(&name) || self.called.contains(&&*name)
+        let is_included = self.selects_all() && !catalogue::is_on_request(&name);
+        is_included || self.names_row(row) || self.called.contains(&&*name)
     }
 
     /// The function's name, and what asks for it where it is not asked for itself.
@@ -196,7 +202,7 @@ impl<'a> Wanted<'a> {
     /// Whether it is asked for by name, itself or by something that calls it.
     fn is_asked_for(&self, name: &str) -> bool {
         let is_straight = self.request.straight.iter().any(|other| other == name);
-        let is_called = !self.request.names.is_empty() && self.called.contains(&name);
+        let is_called = !self.selects_all() && self.called.contains(&name);
         self.is_named(name) || is_straight || is_called
     }
 }
@@ -223,9 +229,12 @@ impl LeftOut {
         wanted: &Wanted<'_>,
         rows: impl Iterator<Item = Row<'m>>,
     ) -> Vec<Row<'m>> {
-        let are_too_many = wanted.request.names.is_empty() && model.frames.len() > MOST_FRAMES;
+        let are_too_many = model.frames.len() > MOST_FRAMES;
         let is_kept = |row: &Row<'_>| {
-            let is_left_out = are_too_many && matches!(row, Row::Frame(..));
+            let is_left_out = are_too_many
+                && wanted.selects_all()
+                && matches!(row, Row::Frame(..))
+                && !wanted.names_row(row);
             self.of_frames += usize::from(is_left_out);
             !is_left_out && wanted.includes(row)
         };

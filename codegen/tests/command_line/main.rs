@@ -156,7 +156,7 @@ fn mechanism_of_the_satellite() {
 #[test]
 fn counts_of_the_satellite_say_what_is_not_counted() {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
-    let text = shown(&gelenk(&models, &["inspect", "counts", "satellite.toml"]));
+    let text = shown(&gelenk(&models, &["inspect", "counts", "satellite.toml", "--functions", "all"]));
     let (_, uncounted) = text.split_once("\nNot counted").unwrap_or_else(|| panic!("{text}"));
     for name in ["discretize", "step", "step_derivatives"] {
         assert!(uncounted.contains(&format!("\n  {name}: ")), "{text}");

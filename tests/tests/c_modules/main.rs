@@ -29,7 +29,7 @@ use gelenk_codegen::module::Module;
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
 use gelenk_tests::compiler::rustc;
 use gelenk_tests::enumerated::{Chain, Role};
-use gelenk_tests::{descriptions, workspace};
+use gelenk_tests::{all_functions, descriptions, workspace};
 
 /// Ordinary states of each function.
 const SAMPLES: usize = 4;
@@ -42,7 +42,10 @@ const SPECIAL: [f64; 10] =
 ///
 /// - `functions`: all where there are none
 fn derive(description: &Path, functions: &[&str], form: Form, fused: bool) -> Module {
-    let functions = functions.iter().map(|name| (*name).to_owned()).collect();
+    let functions = match functions {
+        [] => all_functions(description),
+        _ => functions.iter().map(|name| (*name).to_owned()).collect(),
+    };
     let emit =
         EmitOptions { language: Language::C, companions: vec![Companion::Python], ..EmitOptions::default() };
     let options =

@@ -16,26 +16,26 @@ use gelenk_tests::workspace;
 
 /// One type per robot.
 mod robots {
-    gelenk_runtime::dynamics!(pub struct BalancedArm = gelenk_generated::balanced_arm);
-    gelenk_runtime::dynamics!(pub struct CartPole = gelenk_generated::cart_pole);
-    gelenk_runtime::dynamics!(pub struct DifferentialWrist = gelenk_generated::differential_wrist);
-    gelenk_runtime::dynamics!(pub struct Excavator = gelenk_generated::excavator);
-    gelenk_runtime::dynamics!(pub struct DoublePendulum { parameters } = gelenk_generated::double_pendulum);
-    gelenk_runtime::dynamics!(pub struct GearedArm = gelenk_generated::geared_arm);
-    gelenk_runtime::dynamics!(pub struct Gripper = gelenk_generated::gripper);
-    gelenk_runtime::dynamics!(pub struct Palletizer = gelenk_generated::palletizer);
-    gelenk_runtime::dynamics!(pub struct Panda = gelenk_generated::panda);
-    gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_generated::powercube);
-    gelenk_runtime::dynamics!(pub struct PowerCubeAlpha = gelenk_generated::powercube_alpha);
-    gelenk_runtime::dynamics!(pub struct FreePowerCubeAlpha { parameters } = gelenk_generated::powercube_alpha_parameters);
-    gelenk_runtime::dynamics!(pub struct FreePowerCube { parameters } = gelenk_generated::powercube_parameters);
-    gelenk_runtime::dynamics!(pub struct PowerCubeSixAxis = gelenk_generated::powercube_six_axis);
-    gelenk_runtime::dynamics!(pub struct Puma560 = gelenk_generated::puma560);
-    gelenk_runtime::dynamics!(pub struct Scara = gelenk_generated::scara);
-    gelenk_runtime::dynamics!(pub struct SchunkLwa4p = gelenk_generated::schunk_lwa4p);
-    gelenk_runtime::dynamics!(pub struct TwoArm = gelenk_generated::two_arm);
-    gelenk_runtime::dynamics!(pub struct Tx40Like = gelenk_generated::tx40_like);
-    gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_generated::ur5);
+    gelenk_runtime::dynamics!(pub struct BalancedArm = gelenk_test_robots::balanced_arm);
+    gelenk_runtime::dynamics!(pub struct CartPole = gelenk_test_robots::cart_pole);
+    gelenk_runtime::dynamics!(pub struct DifferentialWrist = gelenk_test_robots::differential_wrist);
+    gelenk_runtime::dynamics!(pub struct Excavator = gelenk_test_robots::excavator);
+    gelenk_runtime::dynamics!(pub struct DoublePendulum { parameters } = gelenk_test_robots::double_pendulum);
+    gelenk_runtime::dynamics!(pub struct GearedArm = gelenk_test_robots::geared_arm);
+    gelenk_runtime::dynamics!(pub struct Gripper = gelenk_test_robots::gripper);
+    gelenk_runtime::dynamics!(pub struct Palletizer = gelenk_test_robots::palletizer);
+    gelenk_runtime::dynamics!(pub struct Panda = gelenk_test_robots::panda);
+    gelenk_runtime::dynamics!(pub struct PowerCube = gelenk_test_robots::powercube);
+    gelenk_runtime::dynamics!(pub struct PowerCubeAlpha = gelenk_test_robots::powercube_alpha);
+    gelenk_runtime::dynamics!(pub struct FreePowerCubeAlpha { parameters } = gelenk_test_robots::powercube_alpha_parameters);
+    gelenk_runtime::dynamics!(pub struct FreePowerCube { parameters } = gelenk_test_robots::powercube_parameters);
+    gelenk_runtime::dynamics!(pub struct PowerCubeSixAxis = gelenk_test_robots::powercube_six_axis);
+    gelenk_runtime::dynamics!(pub struct Puma560 = gelenk_test_robots::puma560);
+    gelenk_runtime::dynamics!(pub struct Scara = gelenk_test_robots::scara);
+    gelenk_runtime::dynamics!(pub struct SchunkLwa4p = gelenk_test_robots::schunk_lwa4p);
+    gelenk_runtime::dynamics!(pub struct TwoArm = gelenk_test_robots::two_arm);
+    gelenk_runtime::dynamics!(pub struct Tx40Like = gelenk_test_robots::tx40_like);
+    gelenk_runtime::dynamics!(pub struct Ur5 = gelenk_test_robots::ur5);
 }
 
 /// Calls a generic function for each robot, with its name.
@@ -117,7 +117,7 @@ fn no_robot_is_forgotten() {
     for file in std::fs::read_dir(workspace().join("generated/src")).expect("generated/src") {
         let path = file.expect("a file").path();
         let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
-        let listed = text.contains(&format!("gelenk_generated::{name})"));
+        let listed = text.contains(&format!("gelenk_test_robots::{name})"));
         let checked = text.contains(&format!("$check(\"{name}\""));
         // Positions that are not vectors: tests/motion_on_manifolds.rs. A driven joint: tests/driven_motion.rs.
         let is_elsewhere = ["go2", "quadrotor", "satellite", "rail_arm"].contains(&name);

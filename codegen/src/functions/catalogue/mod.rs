@@ -25,7 +25,7 @@ pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityRe
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::forces;
 use crate::dynamics::load_friction::is_there as has_load_friction;
-use crate::function_names;
+use crate::function_names::{GROUPS, select_all};
 use crate::functions::composition::Composition;
 use crate::functions::function::FrameFunction;
 use crate::model::Model;
@@ -110,22 +110,22 @@ pub fn names(model: &Model) -> Vec<String> {
     quantities.chain(frames).chain(compositions).collect()
 }
 
-/// The selected functions that call others; an empty selection means all.
+/// The selected functions that call others.
 pub fn compositions(selection: &[String]) -> Vec<Composition> {
     let is_selected =
-        |each: &Composition| selection.is_empty() || selection.iter().any(|name| name == each.name());
+        |each: &Composition| select_all(selection) || selection.iter().any(|name| name == each.name());
     Composition::ALL.into_iter().filter(is_selected).collect()
 }
 
 /// # Errors
-/// `unknown-function` for each name that the model does not have; `frames` stands for all of named frames.
+/// `unknown-function` for each name that the model does not have, other than [`GROUPS`].
 pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     let known = names(model);
-    let unknown = selection.iter().filter(|name| *name != function_names::FRAMES && !known.contains(name));
+    let unknown = selection.iter().filter(|name| !GROUPS.contains(&name.as_str()) && !known.contains(name));
     let problems: Vec<_> = unknown
         .map(|name| {
             Diagnostic::error("unknown-function", format!("there is no function `{name}`"))
-                .help(format!("choose from: {}, frames", known.join(", ")))
+                .help(format!("choose from: {}, frames, all", known.join(", ")))
         })
         .collect();
     if problems.is_empty() { Ok(()) } else { Err(Diagnostics::new(problems)) }
@@ -139,8 +139,8 @@ mod tests {
     fn descriptions_may_ask_for_every_function() {
         let names = all().map(|quantity| quantity.name);
         let composed = Composition::ALL.map(Composition::name);
-        let mut names: Vec<&str> = names.chain(composed).chain([function_names::FRAMES]).collect();
-        let mut known: Vec<&str> = function_names::listed().collect();
+        let mut names: Vec<&str> = names.chain(composed).chain(GROUPS).collect();
+        let mut known: Vec<&str> = crate::function_names::listed().collect();
         names.sort_unstable();
         known.sort_unstable();
         assert_eq!(names, known);

@@ -54,7 +54,7 @@ static GENERATE: Keys = Keys {
     name: "generate",
     what: "the choice of functions",
     groups: &[&[
-        key("functions", NAMES, r#"["inverse_dynamics", "linearize"]"#, "functions to write; `frames` are those of all named frames").default("all but those on request"),
+        key("functions", NAMES, r#"["inverse_dynamics", "linearize"]"#, "functions to write; `frames` are those of all named frames, `all` are all but those on request").default("all but those on request"),
         key("lanes", NAMES, r#"["inverse_dynamics"]"#, "functions that are also written over eight states at once").default("none"),
         key("smooth_sign", Value::Positive, "50", "slope s: `sign(v)` becomes `tanh(s v)` in friction, springs and forces between frames, and `abs(sign(v))` its square").default("the exact sign"),
         key("substeps", Value::Positive, "2", "Runge–Kutta steps within one period of `step`, from 1 to 1000").default("1"),
