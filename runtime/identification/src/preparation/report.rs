@@ -45,7 +45,7 @@ const WHOLE_TURNS: Rule = Rule::note("turns-taken-out");
 /// Sees: an acceleration of which a tenth or more is noise.
 /// Matters: inertia comes out too small.
 /// Example: a coarse encoder and a slow motion.
-/// Fixture: `preparation/study/simulated.rs`.
+/// Fixture: `preparation/tests/simulated.rs`.
 const NOISY: Rule = Rule::note("noisy-acceleration");
 
 /// Sees: a position or an effort that is new in a part of the rows only.
@@ -57,7 +57,7 @@ const HELD: Rule = Rule::note("held-signal");
 /// Sees: measured velocities that differ from the derivative of the positions.
 /// Matters: a unit, a joint or a sign may be wrong. The velocities themselves are not used.
 /// Example: a factor of 1.2 between them.
-/// Fixture: `preparation/study/contract.rs`.
+/// Fixture: `preparation/tests/contract.rs`.
 const VELOCITY_DIFFERS: Rule = Rule::note("velocity-differs");
 
 /// Sees: efforts that come later or earlier than the positions.
