@@ -34,7 +34,7 @@ const RESTS: Rule = Rule::note("rests");
 /// Sees: single positions that no motion explains.
 /// Matters: they are left out.
 /// Example: a bit that flips in an encoder.
-/// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
+/// Fixture: `spikes_are_taken_out` in `preparation/channel.rs`.
 const SPIKES: Rule = Rule::note("position-spikes");
 
 /// Sees: an acceleration of which a tenth or more is noise.
