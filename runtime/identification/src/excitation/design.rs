@@ -6,6 +6,7 @@ use super::chart::Chart;
 use super::columns::independent_columns;
 use super::inputs::FrameInputs;
 use super::motors::{Motors, no_load_speeds};
+use super::refusals::Refusals;
 use super::settings::PlanSettings;
 use super::{ExcitationLimits, FourierMotion, Instant};
 use nalgebra::DMatrix;
@@ -51,6 +52,8 @@ pub(super) struct Design<'a> {
     velocity_share: f64,
     chart: &'a Chart,
     limits: &'a [ExcitationLimits],
+    /// Reasons for which motions were rejected early.
+    pub(super) refusals: Refusals,
     /// Rows whose friction and offset are estimated: not those of joints with a quaternion.
     rubbing: Vec<usize>,
 }
@@ -92,6 +95,7 @@ impl<'a> Design<'a> {
             velocity_share: settings.velocity_share,
             chart,
             limits,
+            refusals: Refusals::default(),
             rubbing: chart
                 .turns()
                 .iter()
@@ -159,16 +163,19 @@ impl<'a> Design<'a> {
     /// - `coordinates`: of the chart
     pub(super) fn score(&self, coordinates: &[Instant]) -> f64 {
         if coordinates.iter().any(|instant| self.leaves_limits(instant)) {
-            return f64::INFINITY;
+            return self.refusals.refuse("the limits of joints that follow others");
         }
         let instants = self.chart.instants(coordinates);
-        let is_too_fast = self.chart.largest_excess(&instants, self.limits) > 1.0 + ROUNDING;
-        if is_too_fast || self.beyond(&instants).next().is_some() {
-            return f64::INFINITY;
+        if self.chart.largest_excess(&instants, self.limits) > 1.0 + ROUNDING {
+            return self.refusals.refuse("the speeds of bodies that turn");
         }
-        let factor = self.information(&instants).cholesky();
-        factor
-            .map_or(f64::INFINITY, |factor| -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>())
+        if let Some(name) = self.beyond(&instants).next() {
+            return self.refusals.refuse(&name);
+        }
+        match self.information(&instants).cholesky() {
+            Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
+            None => self.refusals.refuse("parameters that the motion does not show"),
+        }
     }
 
     /// `Σ Wᵀ Σ_τ⁻¹ W` over the instants.

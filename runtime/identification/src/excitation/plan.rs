@@ -9,7 +9,6 @@ use super::chart::Chart;
 use super::columns::random_states;
 use super::design::{Design, PlannedShaft, largest};
 use super::inputs::{PlannedInput, keep_sides, require_driven};
-use super::refusals::refused;
 use super::search::condition_of_scaled;
 use super::settings::{PlanSettings, check};
 use super::usable::{assumptions, usable};
@@ -114,7 +113,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let best = best.ok_or_else(|| IdentificationError::NotConverged {
         what: "the search for a motion".into(),
         iterations: settings.excitation.starts * settings.excitation.iterations,
-        detail: refused(&design.beyond_at_rest()),
+        detail: design.refusals.detail(&design.beyond_at_rest()),
     })?;
     findings.extend(smaller(best.size));
     let instants = chart.instants(&best.motion.instants(settings.excitation.samples));

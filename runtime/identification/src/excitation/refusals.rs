@@ -1,18 +1,41 @@
-//! Reasons for which a search finds no motion.
+//! Reasons for rejected motions, counted for the message of a search that finds none.
 
-/// Why no motion was found, and what helps.
-///
-/// - `at_rest`: what already stands in the way of standing still
-pub(super) fn refused(at_rest: &[String]) -> String {
-    if at_rest.is_empty() {
-        return "no motion tried, down to a tenth of the size that the limits allow, shows all parameters within the efforts of joints and \
-                inputs, and within the limits of joints that follow others: raise the efforts, lower the speed, lengthen the period, or \
-                narrow the limits of the joints that are followed"
-            .into();
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+/// How many motions were refused for what.
+#[derive(Default)]
+pub(super) struct Refusals {
+    counts: RefCell<BTreeMap<String, usize>>,
+}
+
+impl Refusals {
+    /// Counts a refused motion; its score.
+    pub(super) fn refuse(&self, what: &str) -> f64 {
+        *self.counts.borrow_mut().entry(what.to_owned()).or_default() += 1;
+        f64::INFINITY
     }
-    format!(
-        "standing still in the middle of the positions already needs more than the share that a plan may use of {}: raise the \
-         efforts or the share, or narrow the limits to positions that need less",
-        at_rest.join(", ")
-    )
+
+    /// Why no motion was found, and what helps.
+    ///
+    /// - `at_rest`: what already stands in the way of standing still
+    pub(super) fn detail(&self, at_rest: &[String]) -> String {
+        let counts = self.counts.borrow();
+        let most = counts.iter().max_by_key(|(_, count)| **count);
+        let most = most.map_or_else(String::new, |(what, count)| {
+            format!(" (what stood in the way most often, in {count} motions: {what})")
+        });
+        if !at_rest.is_empty() {
+            return format!(
+                "standing still in the middle of the positions already needs more than the share that a plan may use of {}: raise the \
+                 efforts or the share, or narrow the limits to positions that need less",
+                at_rest.join(", ")
+            );
+        }
+        format!(
+            "no motion tried, down to a tenth of the size that the limits allow, shows all parameters within the efforts of joints and inputs, and within the limits of joints that \
+             follow others{most}: raise the efforts, lower the speed, lengthen the period, or narrow the limits of the joints that \
+             are followed"
+        )
+    }
 }
