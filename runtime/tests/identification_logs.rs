@@ -49,8 +49,6 @@ fn the_schunk_runs_are_runs_of_a_robot() {
     );
     let guessed = runs(&[path], &robot, &ColumnOptions::default()).unwrap();
     assert_eq!(guessed.effort, Effort::Input);
-    let doubts = guessed.findings.iter().filter(|f| f.code == "gear-doubtful").count();
-    assert_eq!(doubts, 1, "{:?}", sentences(&guessed));
 }
 
 /// The UR10's JointState, by the names of its URDF.
@@ -69,5 +67,5 @@ fn the_ur10_log_is_read_by_the_names_of_its_joints() {
     assert_eq!((run.times[1], run.positions[0][0], run.efforts[5][0]), (0.008, 0.6197783, -0.7875644));
     assert!(run.velocities.iter().all(Option::is_some));
     assert_eq!(sentences(&recording), [""; 0]);
-    assert_eq!(recording.mapping.len(), 20, "{:?}", recording.mapping);
+    assert_eq!(recording.columns.len(), 4, "{:?}", recording.columns);
 }

@@ -8,7 +8,7 @@ use crate::methods::kalman::KalmanSmoother;
 use crate::methods::torque::{Motion, friction_torques};
 use gelenk_generated::powercube;
 use gelenk_identification::Result;
-use gelenk_identification::excitation::{Excitation, ExcitationLimits};
+use gelenk_identification::excitation::FourierMotion;
 use gelenk_identification::methods::differentiation::quantization_noise;
 use gelenk_identification::methods::least_squares::Reduced;
 use gelenk_identification::methods::library::Library;
@@ -140,23 +140,14 @@ fn terms_are_exact_without_noise() {
     }
 }
 
-/// The generated base regressor, rows by joint.
-fn base_regressor(y: &[f64; 2], v: &[f64; 2], a: &[f64; 2], out: &mut [f64]) {
-    out.copy_from_slice(powercube::base_regressor(y, v, a).as_flattened());
-}
-
 /// Excitation, log, regression: the published base parameters come back from encoders and noisy torques.
 #[test]
 fn base_parameters_are_recovered_along_an_excitation() {
-    let limits = [ExcitationLimits { position: [-1.2, 1.2], velocity: 2.0, acceleration: 6.0 }; 2];
-    let settings = Excitation { iterations: 200, starts: 2, ..Default::default() };
-    let excitation = settings.search(&limits, [2, BASE], |y, v, a, out| {
-        let [y, v, a] = [y, v, a].map(|all| <[f64; 2]>::try_from(all).unwrap());
-        base_regressor(&y, &v, &a, out);
-    });
-    let excitation = excitation.unwrap();
-    println!("condition {:.2} from {:.2}", excitation.condition, excitation.start);
-    let instants: Vec<[[f64; 2]; 3]> = (0..SAMPLES).map(|i| excitation.motion.at(STEP * i as f64)).collect();
+    let first = [[0.5, 0.1], [-0.2, 0.15], [0.1, -0.08], [0.05, 0.06], [-0.04, 0.03]];
+    let second = [[-0.3, 0.25], [0.25, -0.1], [0.12, 0.1], [-0.08, 0.05], [0.05, -0.06]];
+    let coefficients = vec![first.to_vec(), second.to_vec()];
+    let motion = FourierMotion { period: 10.0, center: vec![0.1, -0.2], coefficients };
+    let instants: Vec<[[f64; 2]; 3]> = (0..SAMPLES).map(|i| motion.at(STEP * i as f64)).collect();
     let column = |k: usize, j: usize| -> Vec<f64> { instants.iter().map(|x| x[k][j]).collect() };
     let measured = [0, 1].map(|j| measure(&column(0, j), 1e-4).unwrap());
     let mut random = SplitMix64::new(5);

@@ -291,7 +291,6 @@ fn data(found: &Identification) -> Section {
     let recording = &found.recording;
     let hashes = recording.hashes.iter().map(|(path, hash)| plain(format!("{path}: sha256 {hash}")));
     let columns = recording.columns.iter().cloned().map(plain);
-    let mapping = recording.mapping.iter().cloned().map(plain);
     let unused = (!recording.unused.is_empty())
         .then(|| plain(format!("Columns that nothing uses: {}.", recording.unused.join(", "))));
     let findings = texts(&recording.findings, Severity::Note).into_iter().map(plain);
@@ -299,7 +298,6 @@ fn data(found: &Identification) -> Section {
     Section::new("data", "Data")
         .blocks(hashes)
         .blocks(columns)
-        .blocks(mapping)
         .blocks(unused)
         .blocks(findings)
         .blocks(notes)

@@ -294,7 +294,7 @@ fn friction_under_load_is_identified_where_it_is_asked_for() {
         serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
     };
     let plain = run(&["log.csv", "--output", "plain.toml", "--format", "json"]);
-    assert!(plain["warnings"].to_string().contains("say --load-friction"), "{plain:#}");
+    assert!(plain["warnings"].to_string().contains("[friction-under-load]"), "{plain:#}");
     assert!(plain["joints"][1]["load_friction"].is_null());
     let found = run(&["log.csv", "--load-friction", "--output", "load.toml", "--format", "json"]);
     let share = &found["joints"][1]["load_friction"]["coefficient"];

@@ -400,5 +400,5 @@ fn efforts_that_come_early_are_moved() {
     );
     // If it is stated wrong, the remedy is named.
     let said = arm.identify(&["log.csv", "--delay", "0", "--output", "found.toml"]);
-    assert!(said["warnings"].to_string().contains("give the whole delay with --delay SECONDS"), "{said:#}");
+    assert!(said["warnings"].to_string().contains("[other-delay]"), "{said:#}");
 }

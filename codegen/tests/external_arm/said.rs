@@ -72,7 +72,7 @@ fn motor_constants_that_no_motor_has_are_doubted() {
     fs::write(arm.at("arm.toml"), text.replace(", motor_constant = 0.05", "")).unwrap();
     let doubts = |found: &serde_json::Value| -> Vec<String> {
         let warnings = found["warnings"].as_array().unwrap().iter().filter_map(serde_json::Value::as_str);
-        warnings.filter(|said| said.contains("its motor constant of")).map(str::to_owned).collect()
+        warnings.filter(|said| said.contains("[motor-constant-doubtful]")).map(str::to_owned).collect()
     };
     for (factor, count) in [(1.0, 0), (1e3, 3)] {
         let how = Recorded { constants: Some([0.06, 0.05, 0.04]), factors: [1.0, 1.0, factor], ..RIGHT };

@@ -206,7 +206,15 @@ fn rows_that_lie_are_named() {
             (row.1, row.2) = ([0.0; 3], [0.0; 3]);
         }
     };
-    let dropped: Vec<Row> = (0..STEPS).filter(|i| i % 90 < 80 && i % 300 != 1).map(|i| good[i]).collect();
+    let spiked = |i: usize, row: &mut Row| {
+        if i == 400 {
+            (row.1[0], row.2[1]) = (row.1[0] + 0.5, 999_999.0);
+        }
+    };
+    // Between two gaps a piece of 0.07 s is left.
+    let is_lost = |i: &usize| (395..405).contains(i) || (412..422).contains(i);
+    let dropped: Vec<Row> =
+        (0..STEPS).filter(|i| i % 90 < 80 && i % 300 != 1 && !is_lost(i)).map(|i| good[i]).collect();
     let logs = [
         ("good", log(&good)),
         ("held", log(&changed(&good, |i, row| row.2 = good[i / 10 * 10].2))),
@@ -218,6 +226,7 @@ fn rows_that_lie_are_named() {
         ("dead", log(&changed(&good, |_, row| row.2[0] = 0.0))),
         ("still", log(&changed(&good, |_, row| row.1[0] = 0.3))),
         ("degrees", log(&changed(&good, |_, row| row.1 = row.1.map(f64::to_degrees)))),
+        ("spikes", log(&changed(&good, spiked))),
         ("short", log(&good[..20])),
         ("two_joints", written(&header, &good).lines().map(without_elbow).collect()),
     ];
@@ -254,6 +263,7 @@ fn efforts_that_the_robot_does_not_explain_are_named() {
         ("tilted", log(&record(folder.path(), "tilted.toml", 0.0, true))),
         ("light", log(&record(folder.path(), "light.toml", 0.0, true))),
         ("spring", log(&changed(&good, |_, row| row.2[1] += 30.0 * row.1[1]))),
+        ("cable", log(&changed(&good, |_, row| row.2[0] += 25.0 * row.1[0]))),
         ("warming_up", log(&changed(&good, |i, row| row.2[0] += 8.0 * i as f64 / STEPS as f64))),
     ];
     assert_logs("efforts", folder.path(), &logs);

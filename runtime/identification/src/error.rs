@@ -113,27 +113,6 @@ pub enum IdentificationError {
         /// Bound below which at least one term stays.
         largest: f64,
     },
-    /// A joint that no input moves.
-    #[error(
-        "joint {joint} has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it (`drive`, \
-         `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs"
-    )]
-    NotDriven {
-        /// Name of the joint.
-        joint: String,
-    },
-    /// Times that do not increase.
-    #[error(
-        "time does not increase at row {row} (counted from 0): {before} s is followed by {after} s; sort the rows or split the log into segments"
-    )]
-    Time {
-        /// Row of the later sample.
-        row: usize,
-        /// Time before.
-        before: f64,
-        /// Time at the row.
-        after: f64,
-    },
     /// Text that is not a valid expression.
     #[error("expression `{text}`: {message}")]
     Expression {

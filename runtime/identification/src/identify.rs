@@ -6,7 +6,7 @@ use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, repeated_motions};
 use super::friction::joint_samples::JointSamples;
 use super::friction::{CommonTerms, FrictionIdentification, FrictionMethod, FrictionReport};
-use super::log::{ColumnOptions, GEAR_DOUBTFUL, Recording, runs_noting};
+use super::log::{ColumnOptions, Recording, runs_noting};
 use super::methods::stribeck::StribeckRegression;
 use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
@@ -276,7 +276,6 @@ pub(crate) fn read_and_prepare(
     let recording = recording?;
     noted.extend(recording.columns_found());
     noted.extend(recording.findings.iter().cloned());
-    require_sides(&recording, &settings.columns)?;
     progress("smoothing");
     let preparation = PreparationSettings {
         gravity_compensated: settings.estimation.gravity_compensated,
@@ -303,17 +302,6 @@ pub(crate) fn beyond_range(
         return Ok(beyond.into_iter().map(Finding::accepted).collect());
     }
     Err(IdentificationError::Found { findings: beyond })
-}
-
-/// Efforts on the other side of the gears than their names say would make every result wrong by the gear's ratio:
-/// somebody has to say what they are.
-fn require_sides(recording: &Recording, columns: &ColumnOptions) -> Result<()> {
-    let is_said = columns.effort.is_some() || columns.names_columns();
-    let doubt = recording.findings.iter().find(|finding| finding.code == GEAR_DOUBTFUL.code);
-    let Some(doubt) = doubt.filter(|_| !is_said) else { return Ok(()) };
-    let doubt = Finding { severity: Severity::Error, ..doubt.clone() };
-    let remedy = "say what they are: --effort joint, --effort input or --effort current";
-    Err(IdentificationError::Found { findings: vec![doubt.help(remedy)] })
 }
 
 /// A joint whose efforts cannot be used keeps what is described; where no joint has others, nothing is left to do.

@@ -39,6 +39,16 @@ pub enum Effort {
     Current,
 }
 
+impl Effort {
+    pub(crate) fn plural(self) -> &'static str {
+        match self {
+            Self::Joint => "forces at the joints",
+            Self::Input => "inputs",
+            Self::Current => "currents",
+        }
+    }
+}
+
 /// A run with smoothed positions, their derivatives, and efforts passed through the same filter, delay removed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedRun {
@@ -69,6 +79,18 @@ impl PreparedRun {
     /// The entries of y, which are the joints' positions where there is no quaternion.
     pub(crate) fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
+    }
+
+    /// Measured force at a joint, for gains of one.
+    ///
+    /// - `input_matrix`: B, rows first
+    pub(crate) fn force(&self, input_matrix: &[f64], joint: usize, sample: usize) -> f64 {
+        if self.effort == Effort::Joint {
+            return self.efforts[joint][sample];
+        }
+        let row = input_matrix.chunks_exact(self.efforts.len().max(1)).nth(joint).unwrap_or_default();
+        let driven = row.iter().zip(&self.efforts).filter(|(b, _)| **b != 0.0);
+        driven.map(|(b, u)| b * u[sample]).sum()
     }
 
     /// Whether a joint rests at a sample.

@@ -7,7 +7,7 @@ use super::estimation::Gravity;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
 use super::numeric::digits::plain;
-use super::preparation::{Filter, PreparationSettings, prepare_as};
+use super::preparation::{Filter, prepare_as};
 use super::result::FrictionResult;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
@@ -70,13 +70,7 @@ pub fn validate(
             .found("it is one of the fitted logs: R² there says nothing of other data")
             .log(path, None));
     }
-    let joint = found.preparation.joints.first();
-    let preparation = PreparationSettings {
-        bandwidth: joint.map(|joint| joint.bandwidth),
-        rate: joint.map(|joint| joint.sample_rate),
-        delay: joint.map(|joint| joint.delay),
-        ..settings.preparation.clone()
-    };
+    let preparation = found.preparation.settings_alike(&settings.preparation);
     let (prepared, report) = prepare_as(&recording.runs, robot, &preparation, &found.preparation.filter)?;
     far_beyond(robot, &recording, &prepared).into_iter().for_each(|found| say(&found.accepted()));
     let rows = found.rows(robot);
@@ -253,16 +247,7 @@ impl<'a> Prediction<'a> {
     }
 
     fn measured(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {
-        if run.effort == Effort::Joint {
-            return run.efforts[joint][sample];
-        }
-        let row = self.input_matrix.chunks_exact(run.efforts.len().max(1)).nth(joint).unwrap_or_default();
-        let force: f64 = row
-            .iter()
-            .zip(&run.efforts)
-            .filter(|(b, _)| **b != 0.0)
-            .map(|(b, effort)| b * effort[sample])
-            .sum();
-        force * self.found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value)
+        let gain = self.found.estimate.joints[joint].gain.filter(|_| run.effort != Effort::Joint);
+        run.force(&self.input_matrix, joint, sample) * gain.map_or(1.0, |gain| gain.value)
     }
 }

@@ -72,7 +72,7 @@ pub(super) fn as_json(
             "name": joint.name, "r_squared": joint.r_squared, "r_squared_with_rest": joint.r_squared_with_rest,
             "residual": joint.residual, "offset": joint.offset, "r_squared_with_offset": joint.r_squared_with_offset,
         })).collect::<Value>(),
-        "mapping": found.recording.mapping,
+        "mapping": found.recording.columns,
         "unused_columns": found.recording.unused,
         "findings": print::findings(findings),
         "choices": texts(&found.estimate.findings, Severity::Note),

@@ -138,14 +138,22 @@ pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, F
     Ok(settings)
 }
 
+/// A finding about things of the description, if there are some.
+fn about<'a>(
+    rule: Rule,
+    names: impl Iterator<Item = &'a str>,
+    said: impl Fn(String) -> String,
+) -> Option<Finding> {
+    let names: Vec<&str> = names.collect();
+    (!names.is_empty()).then(|| rule.found(said(list(names.into_iter()))))
+}
+
 /// Wrenches would act if a log had them.
 fn without_wrenches(model: &Model) -> Option<Finding> {
-    let names: Vec<&str> = model.wrenches.iter().map(|wrench| wrench.name.as_str()).collect();
-    (!names.is_empty()).then(|| {
-        WRENCHES.found(format!(
-            "the wrenches {} are taken as zero; describe those that act as inputs (`[[inputs]]`), and log them",
-            list(names.into_iter())
-        ))
+    about(WRENCHES, model.wrenches.iter().map(|wrench| wrench.name.as_str()), |names| {
+        format!(
+            "the wrenches {names} are taken as zero; describe those that act as inputs (`[[inputs]]`), and log them"
+        )
     })
 }
 
@@ -153,45 +161,30 @@ fn without_wrenches(model: &Model) -> Option<Finding> {
 fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -> Option<Finding> {
     let kept = robot.shafts_as_described();
     let names = model.rubbing_drives().map(|drive| drive.name.as_str()).filter(|name| kept.contains(name));
-    let names: Vec<&str> = names.collect();
     let reason = match arguments.friction_on {
         FrictionPlace::Joints => "as --friction-on joints asks for",
         FrictionPlace::Shafts => "other drives move the same joints",
     };
-    (!names.is_empty()).then(|| {
-        KEPT.found(format!(
-            "friction on the shafts of {} stays as described: {reason}",
-            list(names.into_iter())
-        ))
-    })
+    about(KEPT, names, |names| format!("friction on the shafts of {names} stays as described: {reason}"))
 }
 
 /// Which described friction of followers counts as known.
 fn friction_of_followers(model: &Model) -> Option<Finding> {
     let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();
-    let names: Vec<&str> = joints.filter(follows).map(|joint| joint.name.as_str()).collect();
-    (!names.is_empty()).then(|| {
-        KEPT.found(format!(
-            "friction of joints that follow others ({}) stays as described",
-            list(names.into_iter())
-        ))
+    about(KEPT, joints.filter(follows).map(|joint| joint.name.as_str()), |names| {
+        format!("friction of joints that follow others ({names}) stays as described")
     })
 }
 
 /// Rotors that no key of a description holds: MJCF's `armature` of joints without an actuator.
 fn rotors_without_input(model: &Model) -> Option<Finding> {
-    let names: Vec<&str> = model
-        .moving_drives()
-        .filter(|drive| drive.input == Input::None)
-        .map(|drive| drive.name.as_str())
-        .collect();
-    (!names.is_empty()).then(|| {
-        ROTORS.found(format!(
-            "rotors without an input ({}) stay in the file as described: their identified inertia is in the table of \
-             parameters alone",
-            list(names.into_iter())
-        ))
+    let drives = model.moving_drives().filter(|drive| drive.input == Input::None);
+    about(ROTORS, drives.map(|drive| drive.name.as_str()), |names| {
+        format!(
+            "rotors without an input ({names}) stay in the file as described: their identified inertia is in the table of \
+             parameters alone"
+        )
     })
 }
 
@@ -199,14 +192,11 @@ fn rotors_without_input(model: &Model) -> Option<Finding> {
 fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     let replaced = |name: &str| laws(found).any(|law| law.result.joint == name && law.result.load.is_empty());
     let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
-    let joints: Vec<&str> =
-        described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)).collect();
-    (!joints.is_empty()).then(|| {
-        LOAD_LOST.found(format!(
-            "friction under load of {} is described and was not identified: laws of the velocity alone replace it \
-             (--load-friction asks for it)",
-            list(joints.into_iter())
-        ))
+    about(LOAD_LOST, described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)), |names| {
+        format!(
+            "friction under load of {names} is described and was not identified: laws of the velocity alone replace it \
+             (--load-friction asks for it)"
+        )
     })
 }
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gelenk_findings::{Severity, texts};
+use gelenk_identification::estimation::Uncertain;
 use gelenk_identification::numeric::digits::{plain, rounded};
-use gelenk_identification::payload::{CarriedLoad, identify_load};
-use gelenk_identification::payload::{Estimate, Payload, PayloadSettings};
+use gelenk_identification::payload::{CarriedLoad, Payload, PayloadSettings, identify_load};
 use gelenk_identification::result::description::{Identified, write_identified};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
@@ -112,7 +112,7 @@ fn free_name(model: &Model) -> String {
 }
 
 /// Values of the load with what they are called and measured in.
-fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Estimate)> {
+fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
     const CENTRE: [&str; 3] = ["centre of mass x", "centre of mass y", "centre of mass z"];
     const MOMENTS: [&str; 6] = ["Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
     let centre = CENTRE.into_iter().zip(payload.centre_of_mass).map(|(name, value)| (name, "m", value));
@@ -148,7 +148,7 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
 
 fn as_json(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> Value {
     let payload = &found.payload;
-    let value = |of: &Estimate| json!({"value": of.value, "interval": of.interval});
+    let value = |of: &Uncertain| json!({"value": of.value, "interval": of.interval});
     let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);
     json!({
         "description": output.display().to_string(),

@@ -6,7 +6,7 @@ use super::law::{Method, curve_error, standardized};
 use crate::arm::Friction;
 use crate::study::{Outcome, Part, Study};
 use gelenk_identification::friction::FrictionReport;
-use gelenk_identification::methods::cross_validation::{CrossValidation, pareto_front};
+use gelenk_identification::methods::cross_validation::CrossValidation;
 use gelenk_identification::methods::least_squares::Reduced;
 use gelenk_identification::methods::library::Library;
 use gelenk_identification::methods::moments::{Moments, Samples as Columns};
@@ -86,10 +86,13 @@ fn fronts(samples: &Samples) -> Outcome<[Front; 2]> {
     let lasso = standardized();
     let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-4)?;
     let validation = CrossValidation::new(&lasso, &folds, 0, &grid)?;
-    let by_lambda = pareto_front(&reduced, 0, &validation)?
-        .into_iter()
-        .filter(|point| !point.active.is_empty())
-        .map(|point| (point.active.len(), point.refit_error * samples.len() as f64));
+    let mut by_lambda = Vec::new();
+    for coefficients in validation.path.coefficients.column_iter() {
+        let active: Vec<usize> = (0..coefficients.len()).filter(|term| coefficients[*term] != 0.0).collect();
+        if !active.is_empty() {
+            by_lambda.push((active.len(), reduced.fit(0, &active)?.residual));
+        }
+    }
     let front = |models: Vec<(usize, f64)>| -> Front {
         (1..=library.terms().len())
             .filter_map(|size| {
@@ -100,7 +103,7 @@ fn fronts(samples: &Samples) -> Outcome<[Front; 2]> {
             })
             .collect()
     };
-    Ok([front(by_threshold), front(by_lambda.collect())])
+    Ok([front(by_threshold), front(by_lambda)])
 }
 
 /// Fronts of joints A, B and C.

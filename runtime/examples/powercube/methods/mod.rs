@@ -4,3 +4,11 @@
 pub mod kalman;
 pub mod recursive;
 pub mod torque;
+
+/// Central differences, one-sided at the ends: the reference that smoothing must beat.
+pub fn central_differences(times: &[f64], signal: &[f64]) -> Vec<f64> {
+    let last = signal.len() - 1;
+    let ends = |i: usize| (i.saturating_sub(1), (i + 1).min(last));
+    let slope = |(a, b): (usize, usize)| (signal[b] - signal[a]) / (times[b] - times[a]);
+    (0..signal.len()).map(|i| slope(ends(i))).collect()
+}

@@ -42,8 +42,6 @@ struct Worst {
     limit: f64,
     /// How many joints go too far.
     joints: usize,
-    /// Numbers of the runs in which this one does, where it does not in others.
-    runs: Vec<usize>,
 }
 
 struct Runs<'a> {
@@ -74,30 +72,15 @@ impl Runs<'_> {
         let judged = (0..exact.len()).filter(|joint| !exact[*joint]);
         let judged = judged.filter(|joint| limit(*joint).is_finite() && limit(*joint) > 0.0);
         let far = judged.filter_map(|joint| {
-            let all = self.prepared.iter().map(|run| values(run, joint));
-            let runs = self.far_runs(most * limit(joint), all.clone());
-            let largest = largest(all.flatten().collect())?;
-            (largest > most * limit(joint)).then(|| Worst {
-                joint,
-                largest,
-                limit: limit(joint),
-                joints: 1,
-                runs,
-            })
+            let all = self.prepared.iter().flat_map(|run| values(run, joint));
+            let (largest, limit) = (largest(all.collect())?, limit(joint));
+            (largest > most * limit).then_some(Worst { joint, largest, limit, joints: 1 })
         });
         far.reduce(|a, b| {
             let joints = a.joints + b.joints;
             let farther = if b.largest / b.limit > a.largest / a.limit { b } else { a };
             Worst { joints, ..farther }
         })
-    }
-
-    /// Numbers of the runs whose values are beyond a bound, where others' are not.
-    fn far_runs(&self, most: f64, values: impl Iterator<Item = Vec<f64>>) -> Vec<usize> {
-        let largest: Vec<Option<f64>> = values.map(largest).collect();
-        let is_far = |run: &usize| largest[*run].is_some_and(|largest| largest > most);
-        let (far, others): (Vec<usize>, Vec<usize>) = (0..largest.len()).partition(is_far);
-        if others.is_empty() { Vec::new() } else { far }
     }
 
     fn positions(&self) -> Option<Finding> {
@@ -144,17 +127,11 @@ impl Runs<'_> {
     fn efforts(&self) -> Option<Finding> {
         let limits = self.limits();
         let matrix = self.robot.input_matrix();
-        let inputs = self.robot.input_names().len();
+        let at_frames = self.robot.has_inputs_at_frames();
         let values = |run: &PreparedRun, joint: usize| match run.effort {
-            Effort::Joint => run.efforts.get(joint).cloned().unwrap_or_default(),
-            Effort::Input if !self.robot.has_inputs_at_frames() => {
-                let row = &matrix[joint * inputs..(joint + 1) * inputs];
-                let force = |i: usize| {
-                    row.iter().zip(&run.efforts).filter(|(b, _)| **b != 0.0).map(move |(b, u)| b * u[i])
-                };
-                (0..run.times.len()).map(|i| force(i).sum()).collect()
-            }
-            _ => Vec::new(),
+            Effort::Current => Vec::new(),
+            Effort::Input if at_frames => Vec::new(),
+            _ => (0..run.times.len()).map(|sample| run.force(&matrix, joint, sample)).collect(),
         };
         let worst = self.worst(FAR_BEYOND, |j| limits(j).effort, values)?;
         let is_input = self.recording.effort == Effort::Input;
@@ -187,7 +164,7 @@ impl Runs<'_> {
         (what, unit): (&str, &str),
         (of, column): (&str, Option<&String>),
     ) -> String {
-        let Worst { largest, limit, joints, ref runs, .. } = *worst;
+        let Worst { largest, limit, joints, .. } = *worst;
         let times = largest / limit;
         let [largest, limit] = [largest, limit].map(|x| plain(x, 4));
         let column = column.map_or_else(String::new, |column| format!(" ({of} {column})"));
@@ -196,18 +173,8 @@ impl Runs<'_> {
             1 => ", and one more joint goes too far".to_owned(),
             others => format!(", and {others} more joints go too far"),
         };
-        let names: Vec<&str> = runs.iter().map(|run| self.prepared[*run].name.as_str()).take(3).collect();
-        let alone = match (names.join(", "), runs.len() - names.len()) {
-            (names, _) if names.is_empty() => String::new(),
-            (names, 0) => {
-                format!(", in {names} alone: --columns holds for all logs, bring these to the others' units")
-            }
-            (names, more) => format!(
-                ", in {names} and {more} more runs and not in the others: --columns holds for all logs, bring these to the others' units"
-            ),
-        };
         format!(
-            "its {what}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}{alone}"
+            "its {what}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}"
         )
     }
 }

@@ -1,7 +1,6 @@
 //! Checks of the residual efforts against effects that the model lacks.
 
 use super::super::methods::offset::mean;
-use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
@@ -20,30 +19,6 @@ const NO_EFFORT: Rule = Rule::warning("no-effort");
 /// Example: a joint that was held.
 /// Fixture: `still` in `codegen/tests/findings/arm.rs`.
 const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
-
-/// Sees: a residual that follows the acceleration.
-/// Matters: the inertia of the rigid body is wrong.
-/// Example: a rotor that the description does not have.
-/// Fixture: `friction/tests.rs`.
-pub(crate) const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
-
-/// Sees: a residual that follows the joint's position.
-/// Matters: a force by position is not described.
-/// Example: a spring that balances an arm.
-/// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
-pub(crate) const POSITION: Rule = Rule::warning("residual-follows-position");
-
-/// Sees: an offset that changes from the beginning to the end of the logs.
-/// Matters: a constant no longer describes the offset of the sensor.
-/// Example: a torque sensor that warms up.
-/// Fixture: `warming_up` in `codegen/tests/findings/arm.rs`.
-pub(crate) const OFFSET_DRIFTS: Rule = Rule::warning("offset-drifts");
-
-/// Sees: friction that changes from the beginning to the end of the logs.
-/// Matters: the law is an average that holds at no time.
-/// Example: grease that warms up.
-/// Fixture: `friction/tests.rs`.
-pub(crate) const FRICTION_DRIFTS: Rule = Rule::warning("friction-drifts");
 
 /// Sees: friction that grows with the load of a gear.
 /// Matters: a law of the velocity alone is wrong under other loads.
@@ -90,18 +65,7 @@ impl Checked<'_> {
 
     /// Doubts about one joint.
     pub(super) fn joint(&self, joint: usize) -> Vec<Finding> {
-        let of_sensor = || {
-            [
-                self.acceleration(joint),
-                self.position(joint),
-                self.drift(joint),
-                self.friction_drift(joint),
-                self.load(joint),
-            ]
-        };
-        // A joint with a quaternion has no sensor, gear or friction to be doubted.
-        let others = (!self.layout.exact[joint]).then(of_sensor).into_iter().flatten();
-        let doubts = std::iter::once(unit_doubt(self.sizes(joint))).chain(others).flatten();
+        let doubts = unit_doubt(self.sizes(joint)).into_iter().chain(self.load(joint));
         doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
     }
 
@@ -144,56 +108,10 @@ impl Checked<'_> {
         move |i| measured[i] - residual[i]
     }
 
-    fn acceleration(&self, joint: usize) -> Option<Finding> {
-        let (factor, share) = self.explained(joint, &|run, i| self.runs[run].accelerations[joint][i])?;
-        self.is_suspicious(share).then(|| acceleration_doubt(factor, share))
-    }
-
-    fn position(&self, joint: usize) -> Option<Finding> {
-        let y = |run: usize, i: usize| self.runs[run].positions[joint][i];
-        let shapes: [&dyn Fn(usize, usize) -> f64; 3] = [&y, &|r, i| y(r, i).sin(), &|r, i| y(r, i).cos()];
-        let shares = shapes.iter().filter_map(|shape| self.explained(joint, *shape)).map(|(_, share)| share);
-        let share = shares.fold(0.0, f64::max);
-        self.is_suspicious(share).then(|| {
-            let message = format!("{:.0} % of the residual's variance follows the joint's position", 100.0 * share);
-            let remedy = "check how the robot is mounted (`gravity` of the description) and its load, or describe a spring or the \
-                          pull of cables";
-            POSITION.found(message).help(remedy)
-        })
-    }
-
-    fn drift(&self, joint: usize) -> Option<Finding> {
-        let (factor, share) = self.explained(joint, &|run, i| self.progress(run, i))?;
-        self.is_suspicious(share).then(|| {
-            let message = format!(
-                "its offset drifts by {} from the first to the last sample ({:.0} % of the residual's variance)",
-                plain(factor, 3),
-                100.0 * share
-            );
-            let remedy = "warm the robot up before the log, or give several shorter logs, whose offsets may differ";
-            OFFSET_DRIFTS.found(message).help(remedy)
-        })
-    }
-
-    fn friction_drift(&self, joint: usize) -> Option<Finding> {
-        let steepness = self.layout.steepness[joint][0];
-        let direction = |run: usize, i: usize| (steepness * self.runs[run].velocities[joint][i]).tanh();
-        let column = |run: usize, i: usize| (self.progress(run, i) - 0.5) * direction(run, i);
-        let (factor, share) = self.explained(joint, &column)?;
-        // Friction that changes within a log matters earlier: the law is an average that holds at no time.
-        (share > 0.5 * SUSPICIOUS && self.is_beyond_chance(share)).then(|| {
-            let message = format!(
-                "its friction changes by {} from the first to the last sample ({:.0} % of the residual's variance)",
-                plain(factor, 3),
-                100.0 * share
-            );
-            FRICTION_DRIFTS.found(message).help("warm the robot up before the log, and identify it as warm as it works")
-        })
-    }
-
     /// Friction that grows with the load leaves `(|τ_l| − mean) sign(v)`; Coulomb friction has taken the mean.
     fn load(&self, joint: usize) -> Option<Finding> {
-        if self.loads_are_known || !self.robot.own_inputs()[joint] {
+        // A joint with a quaternion has no gear.
+        if self.loads_are_known || self.layout.exact[joint] || !self.robot.own_inputs()[joint] {
             return None;
         }
         let rigid = |run: usize, i: usize| self.forces.rigid[run][joint][i].abs();
@@ -212,20 +130,9 @@ impl Checked<'_> {
         })
     }
 
-    /// Place of a sample in all data, 0 to 1. Runs count one after another, whatever their clocks say.
-    fn progress(&self, run: usize, sample: usize) -> f64 {
-        let total: usize = self.runs.iter().map(|r| r.times.len()).sum();
-        let before: usize = self.runs[..run].iter().map(|r| r.times.len()).sum();
-        (before + sample) as f64 / total.max(2) as f64
-    }
-
     fn is_suspicious(&self, share: f64) -> bool {
-        share > SUSPICIOUS && self.is_beyond_chance(share)
-    }
-
-    fn is_beyond_chance(&self, share: f64) -> bool {
         let total: usize = self.runs.iter().map(|r| r.times.len()).sum();
-        is_beyond_chance(share, self.correlation_time, total)
+        share > SUSPICIOUS && share > BY_CHANCE * self.correlation_time / total as f64
     }
 
     /// Factor of a quantity in a joint's residual, and the share of the variance that it explains.
@@ -249,30 +156,4 @@ pub(super) fn no_effort(robot: &dyn Robot, joint: usize) -> Finding {
     let message = "it has no measured effort, or a current while it rests: its friction, drive and offset stay as described, and \
                    its body is known from the efforts of other joints alone";
     NO_EFFORT.found(message).of(robot.subject(joint))
-}
-
-fn is_beyond_chance(share: f64, correlation_time: f64, samples: usize) -> bool {
-    share > BY_CHANCE * correlation_time / samples as f64
-}
-
-fn acceleration_doubt(factor: f64, share: f64) -> Finding {
-    let message = format!(
-        "{:.0} % of the residual's variance follows the acceleration ({} per unit): the rigid body is wrong",
-        100.0 * share,
-        plain(factor, 3)
-    );
-    ACCELERATION
-        .found(message)
-        .help("describe the rotor's inertia, or look for a delay (--delay) or an elastic gear")
-}
-
-/// The same doubt from sums of products: Σ a², Σ a r and Σ r², each without its mean.
-pub(super) fn acceleration_doubt_of(
-    [aa, ar, rr]: [f64; 3],
-    correlation_time: f64,
-    samples: usize,
-) -> Option<Finding> {
-    let share = ar * ar / (aa * rr);
-    let doubtful = share > SUSPICIOUS && is_beyond_chance(share, correlation_time, samples);
-    doubtful.then(|| acceleration_doubt(ar / aa, share))
 }

@@ -236,13 +236,22 @@ impl<'a> Chosen<'a> {
     where
         'a: 'b,
     {
+        self.with_more(self.centred.layout, sums, 1.0)
+    }
+
+    /// The same choice with further parameters, not fitted yet.
+    ///
+    /// - `trust`: in their zeros
+    pub(super) fn with_more<'b>(&self, layout: &'b Layout, sums: &'b Sums, trust: f64) -> Chosen<'b> {
+        let mut weighting = self.weighting.clone();
+        weighting.trust.resize(layout.parameters, trust);
         Chosen {
             model: self.model.clone(),
-            weighting: self.weighting.clone(),
-            values: self.values.clone(),
+            weighting,
+            values: Values { unknowns: DVector::zeros(layout.len()), gains: self.values.gains.clone() },
             log_gains: self.log_gains.clone(),
-            centred: Centred::new(self.centred.layout, sums, self.model.offsets, self.centred.zeros.clone()),
-            tried: self.tried.clone(),
+            centred: Centred::new(layout, sums, self.model.offsets, self.centred.zeros.clone()),
+            tried: Vec::new(),
         }
     }
 

@@ -42,14 +42,7 @@ fn is_finite(sums: &DMatrix<f64>) -> bool {
 
 /// Adds the products of the columns and of the measured force of each joint, rests left out.
 fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatrix<f64>]) {
-    let (matrix, inputs) = (robot.input_matrix(), robot.input_names().len());
-    let measured = |joint: usize, i: usize| -> f64 {
-        if run.effort == Effort::Joint {
-            return run.efforts[joint][i];
-        }
-        let row = matrix[joint * inputs..(joint + 1) * inputs].iter().enumerate();
-        row.filter(|(_, b)| **b != 0.0).map(|(input, b)| b * run.efforts[input][i]).sum()
-    };
+    let matrix = robot.input_matrix();
     let mut forces = vec![0.0; sums.len()];
     for i in 0..run.times.len() {
         let [y, v, a] = [run.coordinates(), &run.velocities, &run.accelerations]
@@ -58,7 +51,8 @@ fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatri
         for (joint, sums) in sums.iter_mut().enumerate().filter(|(joint, _)| !run.rests(*joint, i)) {
             let share = if fastest[joint] > 0.0 { v[joint] / fastest[joint] } else { 0.0 };
             let friction = (STEEPNESS * share).tanh();
-            let row = DVector::from_vec(vec![forces[joint], 1.0, share, friction, measured(joint, i)]);
+            let row =
+                DVector::from_vec(vec![forces[joint], 1.0, share, friction, run.force(&matrix, joint, i)]);
             sums.ger(1.0, &row, &row, 1.0);
         }
     }

@@ -8,7 +8,9 @@ use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
-use super::hypotheses::{Doubts, is_driving, other_delays, other_explanations, other_factors, other_order};
+use super::hypotheses::{
+    Doubts, is_driving, other_delays, other_explanations, other_factors, other_order, other_spring,
+};
 use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
@@ -179,7 +181,8 @@ fn pass(
     let prior = Prior::new(&robot.parameters(), robot.bodies(), JointPrior::all(robot, layout, runs));
     let pieces = cut(runs, settings.folds);
     let gravity = Gravity::of(settings.gravity_compensated);
-    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, first_fit: None };
+    let (first_fit, more) = (None, None);
+    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, first_fit, more };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
     progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
     let (task, first) = task.with_its_compensation(progress)?;
@@ -409,6 +412,7 @@ impl Task<'_> {
         other_factors(self, judged.0, &mut doubts)?;
         let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
         other_order(self, judged.0, &mut doubts, has_other_unit)?;
+        other_spring(self, judged.0, &mut doubts)?;
         let refusals = doubts.refusals();
         if !refusals.is_empty() && !accept_poor {
             return Err(IdentificationError::Found { findings: refusals });

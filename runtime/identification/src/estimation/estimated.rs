@@ -40,7 +40,7 @@ const WEIGHT: Rule = Rule::note("description-weight");
 /// Sees: a described body that the data contradict.
 /// Matters: its description counts for less.
 /// Example: a link with a load in its hand.
-/// Fixture: `estimation/tests/simulated.rs`.
+/// Fixture: `cable` in `codegen/tests/findings/arm.rs`.
 const CONTRADICTED: Rule = Rule::note("body-contradicted");
 
 /// Sees: a motor constant whose interval is wider than a factor of 2.
@@ -332,7 +332,7 @@ impl Estimated<'_> {
 /// Sees: a joint whose force is hardly explained, and nothing that explains it better.
 /// Matters: no law is written.
 /// Example: columns of another joint.
-/// Fixture: `pan_lift` in `codegen/tests/findings/arm.rs`.
+/// Fixture: `a_wrong_sign_and_forces_that_are_noise_are_refused` in `estimation/tests/simulated.rs`.
 const UNEXPLAINED: Rule = Rule::error("unexplained-effort");
 
 /// The usual reasons for a force that is not explained.

@@ -7,19 +7,22 @@ use super::super::run::{Effort, PreparedRun};
 use super::checks::Checked;
 use super::choice::Chosen;
 use super::factors::factor;
-use super::fit::{HeldOut, Weighting, held_out};
+use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
-use super::normal::{Centred, Model, Values};
+use super::normal::{Centred, Model};
 use super::prior::Prior;
 use super::result::Gravity;
+use super::springs::spring;
 use super::sums::{moving, sum};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule, Severity, Subject};
-use nalgebra::DVector;
 
 /// A hypothesis counts as better where it lowers the held-out error by this share and by two standard errors, and where no joint's
 /// error grows by this share: what is wrong in one place is explained in part by changes elsewhere.
 pub(super) const CLEARLY: f64 = 0.1;
+
+/// Trust with which a further parameter stays zero.
+pub(super) const HELD: f64 = 1e12;
 
 /// Name of the number by which a hypothesis is better, in percent.
 const FALL: &str = "fall of the held-out error";
@@ -47,7 +50,7 @@ const DRIVING: Rule = Rule::error("driving-friction");
 /// Sees: a log of too few samples to tell friction from chance.
 /// Matters: no sign can be doubted.
 /// Example: 2 s of slow motion.
-/// Fixture: `estimation/tests/pendulum.rs`.
+/// Fixture: `a_wrong_sign_and_forces_that_are_noise_are_refused` in `estimation/tests/simulated.rs`.
 const TOO_SHORT: Rule = Rule::error("log-too-short");
 
 /// Sees: efforts that fit better without gravity, or with it if it is said to be compensated.
@@ -104,6 +107,12 @@ impl Doubts {
 
     fn is_empty(&self) -> bool {
         self.of_all.is_empty() && self.of_joints.iter().all(Option::is_none)
+    }
+
+    /// Percent by which the best hypothesis lowers the held-out error.
+    fn most(&self) -> f64 {
+        let all = self.of_all.iter().chain(self.of_joints.iter().flatten());
+        all.filter_map(|finding| finding.value(FALL)).fold(0.0, f64::max)
     }
 
     /// Findings about the whole robot that refuse a result.
@@ -170,9 +179,7 @@ pub(super) fn other_order(task: &Task, chosen: &Chosen, doubts: &mut Doubts, is_
             best = Some((order, share));
         }
     }
-    let others = doubts.of_all.iter().chain(doubts.of_joints.iter().flatten());
-    let most = others.filter_map(|finding| finding.value(FALL)).fold(0.0, f64::max);
-    if let Some((order, share)) = best.filter(|(_, share)| 100.0 * share > most) {
+    if let Some((order, share)) = best.filter(|(_, share)| 100.0 * share > doubts.most()) {
         let names = task.robot.joint_names();
         let moved = (0..order.len()).filter(|j| order[*j] != *j);
         let said: Vec<String> =
@@ -247,14 +254,10 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
         ..chosen.model.clone()
     };
     let zeros = moved_by(order, &chosen.centred.zeros);
-    let fitted = Chosen {
-        weighting: Weighting { sigma: moved_by(order, &chosen.weighting.sigma), ..chosen.weighting.clone() },
-        values: Values { unknowns: DVector::zeros(layout.len()), gains: vec![1.0; layout.joints] },
-        log_gains: chosen.log_gains.clone(),
-        centred: Centred::new(&layout, &sums, model.offsets, zeros),
-        model,
-        tried: Vec::new(),
-    };
+    let mut fitted = chosen.with_more(&layout, &sums, 1.0);
+    fitted.weighting.sigma = moved_by(order, &chosen.weighting.sigma);
+    fitted.centred = Centred::new(&layout, &sums, model.offsets, zeros);
+    fitted.model = model;
     let errors = as_described(fitted, task.prior)?;
     let mut rss = errors.rss.clone();
     order.iter().zip(&errors.rss).for_each(|(column, of_joint)| rss[*column] = *of_joint);
@@ -296,6 +299,20 @@ fn earlier(task: &Task, chosen: &Chosen, (joint, seconds): (usize, f64)) -> Resu
     let runs: Vec<PreparedRun> = task.runs.iter().map(|run| run.clone().without_delays(&delays)).collect();
     let sums = Task { runs: &runs, ..task.clone() }.sums_of(&moving);
     chosen.over(&sums).held_out(task.prior)
+}
+
+/// Tries a spring at each joint, if nothing is doubted or the direction of gravity alone. One that is better explains this, too.
+pub(super) fn other_spring(task: &Task, chosen: &Chosen, doubts: &mut Doubts) -> Result<()> {
+    let is_doubted = !doubts.refusals().is_empty() || doubts.of_joints.iter().any(Option::is_some);
+    if is_doubted || too_short(task).is_some() {
+        return Ok(());
+    }
+    if let Some(found) = spring(task, chosen)?
+        && found.value(FALL).is_some_and(|fall| fall > doubts.most())
+    {
+        doubts.of_all = vec![found];
+    }
+    Ok(())
 }
 
 /// Tries other factors of the efforts, if nothing else is doubted.

@@ -26,6 +26,7 @@ mod rows;
 mod sensitivity;
 mod settings;
 mod shares;
+mod springs;
 mod sums;
 mod task;
 #[cfg(test)]
@@ -38,7 +39,6 @@ pub use result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncer
 pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {
-    checks::{ACCELERATION, FRICTION_DRIFTS, OFFSET_DRIFTS, POSITION},
     described::described_ratio,
     intervals::correlation_time,
     prior::distance,

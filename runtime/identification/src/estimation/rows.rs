@@ -9,6 +9,9 @@ use super::loads::Loads;
 use super::result::Gravity;
 use std::ops::Range;
 
+/// Adds to the regressor at positions y: to the columns of the robot's parameters, and to further ones behind them.
+pub(super) type More<'a> = &'a dyn Fn(&[f64], &mut [f64]);
+
 /// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
 /// was not measured are zero.
 pub(super) struct Rows<'a> {
@@ -20,10 +23,13 @@ pub(super) struct Rows<'a> {
     loads: Option<&'a Loads>,
     /// Rates of the efforts without noise, where a first fit gave them.
     rates: Option<&'a [Vec<Vec<f64>>]>,
+    more: Option<More<'a>>,
     /// |τ_l| of each joint at the sample evaluated last.
     load: Vec<f64>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
+    /// What `more` adds at the sample evaluated last; empty where nothing is added.
+    added: Vec<f64>,
     /// Columns of each joint, [`BLOCK`] apart.
     columns: Vec<Vec<f64>>,
     /// Weight of each sample for each joint: 0 at rest, 1 else.
@@ -39,18 +45,21 @@ impl<'a> Rows<'a> {
         filter: Option<&'a Filter>,
         loads: Option<&'a Loads>,
     ) -> Self {
-        let size = layout.joints * layout.parameters;
+        let described = robot.parameters();
+        let size = layout.joints * described.len();
         Self {
             robot,
             layout,
-            described: robot.parameters(),
+            described,
             gravity,
             filter,
             loads,
             rates: None,
+            more: None,
             load: vec![0.0; layout.joints],
             regressor: vec![0.0; size],
             at_rest: vec![0.0; size],
+            added: Vec::new(),
             columns: (0..layout.joints).map(|j| vec![0.0; layout.width(j) * BLOCK]).collect(),
             moving: vec![Vec::new(); layout.joints],
             count: 0,
@@ -60,6 +69,12 @@ impl<'a> Rows<'a> {
     /// The same with rates of the efforts that a first fit gave.
     pub(super) fn with_rates(self, rates: Option<&'a [Vec<Vec<f64>>]>) -> Self {
         Self { rates, ..self }
+    }
+
+    /// The same with what a hypothesis adds to the regressor.
+    pub(super) fn with_more(self, more: Option<More<'a>>) -> Self {
+        let added = vec![0.0; more.map_or(0, |_| self.layout.joints * self.layout.parameters)];
+        Self { more, added, ..self }
     }
 
     /// 0 for each sample evaluated last in which a joint rests, 1 for the others.
@@ -93,7 +108,12 @@ impl<'a> Rows<'a> {
             }
             self.rigid_body(&y, &v, &a, &mut rigid);
             for j in (0..n).filter(|&j| self.layout.measured[j]) {
-                self.write(j, place, [v[j], a[j]], [rigid[j], self.force(run, j, sample)]);
+                self.write(
+                    j,
+                    place,
+                    [v[j], a[j]],
+                    [rigid[j], run.force(&self.layout.input_matrix, j, sample)],
+                );
                 self.write_delays((number, run), j, [place, sample]);
             }
         }
@@ -106,13 +126,24 @@ impl<'a> Rows<'a> {
         self.robot.inertial_regressor(y, v, a, &mut self.regressor);
         self.robot.rigid_forces(y, v, a, rigid);
         self.load(a, rigid);
+        self.compensate(y, v, rigid);
+        let Some(more) = self.more else { return };
+        self.added.fill(0.0);
+        more(y, &mut self.added);
+        let rows = self.added.chunks_exact(self.layout.parameters.max(1));
+        for (force, row) in rigid.iter_mut().zip(rows) {
+            *force += row.iter().zip(&self.described).map(|(w, pi)| w * pi).sum::<f64>();
+        }
+    }
+
+    fn compensate(&mut self, y: &[f64], v: &[f64], rigid: &mut [f64]) {
         if self.gravity == Gravity::Recorded {
             return;
         }
         let zero = vec![0.0; v.len()];
         self.at_rest.fill(0.0);
         self.robot.inertial_regressor(y, &zero, &zero, &mut self.at_rest);
-        let p = self.layout.parameters;
+        let p = self.described.len();
         for (joint, force) in rigid.iter_mut().enumerate() {
             for i in 0..p {
                 let gravity = self.at_rest[joint * p + i];
@@ -127,7 +158,7 @@ impl<'a> Rows<'a> {
     /// Loads of the gears, which carry the weight whoever compensates it.
     fn load(&mut self, a: &[f64], rigid: &[f64]) {
         let Some(loads) = self.loads else { return };
-        let rows = self.regressor.chunks_exact(self.layout.parameters.max(1));
+        let rows = self.regressor.chunks_exact(self.described.len().max(1));
         for (joint, row) in rows.enumerate().filter(|(joint, _)| loads.joints[*joint]) {
             self.load[joint] = loads.magnitude(joint, rigid[joint], row, a[joint]);
         }
@@ -159,12 +190,14 @@ impl<'a> Rows<'a> {
     }
 
     fn write(&mut self, joint: usize, place: usize, [v, a]: [f64; 2], last: [f64; 2]) {
-        let p = self.layout.parameters;
+        let own = &self.regressor[joint * self.described.len()..][..self.described.len()];
+        let added = self.added.get(joint * self.layout.parameters..).unwrap_or_default();
+        let entry = |of: &[f64], i: usize| of.get(i).copied().unwrap_or(0.0);
         let local = &self.layout.local[joint];
         let parameters = self.layout.first_term(joint);
         let column = &mut self.columns[joint];
         for (k, &i) in local[..parameters].iter().enumerate() {
-            column[k * BLOCK + place] = self.regressor[joint * p + i];
+            column[k * BLOCK + place] = entry(own, i) + entry(added, i);
         }
         let direction = column[(parameters + COULOMB.start) * BLOCK + place];
         let mut set = |term: usize, value: f64| column[(parameters + term) * BLOCK + place] = value;
@@ -196,16 +229,5 @@ impl<'a> Rows<'a> {
                 of_joint.filter(|rates| !rates.is_empty()).map_or_else(measured, |rates| rates[sample]);
             self.columns[joint][(first + k) * BLOCK + place] = -rate;
         }
-    }
-
-    /// Measured force at a joint, for gains of one.
-    fn force(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {
-        if run.effort == super::super::run::Effort::Joint {
-            return run.efforts[joint][sample];
-        }
-        let inputs = run.efforts.len();
-        let row = &self.layout.input_matrix[joint * inputs..(joint + 1) * inputs];
-        let driven = row.iter().zip(&run.efforts).filter(|(b, _)| **b != 0.0);
-        driven.map(|(b, u)| b * u[sample]).sum()
     }
 }

@@ -10,13 +10,13 @@ use super::super::numeric::kernel::{BLOCK, add_products};
 use super::super::preparation::Filter;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
-use super::checks::{acceleration_doubt_of, no_effort};
+use super::checks::no_effort;
 use super::choice::{Chosen, Freedom, choose};
 use super::estimated::{Estimated, JointFit, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::hypotheses::signs;
 use super::intervals::{Fitted, Scores, covariance};
-use super::layout::{ARMATURE, ASYMMETRY, COULOMB, Layout, STANDSTILL, TERMS, VISCOUS};
+use super::layout::{ASYMMETRY, COULOMB, Layout, STANDSTILL, TERMS, VISCOUS};
 use super::normal::{force_vector, residual_vector};
 use super::prior::Prior;
 use super::result::{Estimate, Gravity, Offsets};
@@ -403,27 +403,15 @@ impl Found<'_> {
         Estimate { offsets: Offsets::ByRun, ..self.fitted.estimate(fits, findings.collect()) }
     }
 
-    /// Doubts about a moving joint: its sign, its unit, and a residual that follows the acceleration. Forces in the rows of a
-    /// joint with a quaternion have no sensor to be doubted: only their unit.
+    /// Doubts about a moving joint: its unit, and its sign. Forces in the rows of a joint with a quaternion have no sensor to be doubted:
+    /// only their unit.
     fn doubts_of(&self, joint: usize) -> Vec<Finding> {
-        let Estimated { robot, layout, chosen, solved, .. } = self.fitted;
+        let Estimated { robot, layout, .. } = self.fitted;
         if !layout.moves[joint] && !layout.exact[joint] {
             return Vec::new();
         }
-        let products = self.products(joint);
-        let width = products.nrows();
-        let residual = residual_vector(layout, &solved.values, joint);
-        let column = |place: usize| DVector::from_fn(width, |i, _| if i == place { 1.0 } else { 0.0 });
-        let sum = |a: &DVector<f64>, b: &DVector<f64>| (products * a).dot(b);
-        let acceleration = column(layout.first_term(joint) + ARMATURE);
-        let sums =
-            [sum(&acceleration, &acceleration), sum(&acceleration, &residual), sum(&residual, &residual)];
-        let (time, samples) = (self.data.correlation_time, chosen.centred.sums.samples);
-        let of_sensor = (!layout.exact[joint])
-            .then(|| [self.doubts[joint].clone(), acceleration_doubt_of(sums, time, samples)]);
-        let [sign, acceleration] = of_sensor.unwrap_or_default();
-        let found =
-            [sign.map(Finding::accepted), unit_doubt(self.sizes(joint)), acceleration].into_iter().flatten();
+        let sign = self.doubts[joint].clone().filter(|_| !layout.exact[joint]).map(Finding::accepted);
+        let found = sign.into_iter().chain(unit_doubt(self.sizes(joint)));
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 

@@ -1,5 +1,6 @@
 //! Data that all stages of an estimate share.
 
+use super::super::error::Result;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::delays::FirstFit;
@@ -9,9 +10,9 @@ use super::normal::Values;
 use super::prior::Prior;
 use super::residuals::{Forces, RunOffsets, forces};
 use super::result::Gravity;
-use super::rows::Rows;
+use super::rows::{More, Rows};
 use super::settings::EstimationSettings;
-use super::sums::Piece;
+use super::sums::{Piece, Sums, moving};
 
 /// The robot, the data and the settings, as the stages need them.
 #[derive(Clone)]
@@ -26,6 +27,8 @@ pub(super) struct Task<'a> {
     pub(super) loads: Option<&'a Loads>,
     /// Delays of a first fit, if they are unknown; they have been removed from the runs.
     pub(super) first_fit: Option<&'a FirstFit>,
+    /// What a hypothesis adds to the regressor.
+    pub(super) more: Option<More<'a>>,
 }
 
 impl Task<'_> {
@@ -35,10 +38,25 @@ impl Task<'_> {
 
     pub(super) fn rows_where(&self, gravity: Gravity) -> Rows<'_> {
         let rows = Rows::new(self.robot, self.layout, gravity, self.settings.filter.as_ref(), self.loads);
-        rows.with_rates(self.first_fit.map(|fit| fit.rates.as_slice()))
+        rows.with_rates(self.first_fit.map(|fit| fit.rates.as_slice())).with_more(self.more)
     }
 
     pub(super) fn forces(&self, values: &Values, offsets: &RunOffsets) -> Forces {
         forces(&mut self.rows(), self.layout, self.runs, values, offsets)
+    }
+
+    /// A result of the task with further parameters of all joints, and of the sums of moving samples.
+    ///
+    /// - `count`, `more`: how many there are, and what they add to the regressor
+    pub(super) fn with_more<T>(
+        &self,
+        (count, more): (usize, More),
+        of: impl FnOnce(&Task, &Sums) -> Result<T>,
+    ) -> Result<T> {
+        let layout = self.layout.with_more_parameters(count);
+        let described = [&self.prior.described[..], &vec![1.0; count]].concat();
+        let prior = Prior::new(&described, self.robot.bodies(), self.prior.joints.clone());
+        let task = Task { layout: &layout, prior: &prior, more: Some(more), ..self.clone() };
+        of(&task, &task.sums_of(&moving))
     }
 }

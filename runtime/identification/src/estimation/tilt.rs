@@ -8,17 +8,14 @@ use super::super::error::Result;
 use super::super::methods::confidence::quantile;
 use super::super::numeric::digits::plain;
 use super::super::numeric::spectrum::symmetric_eigen;
-use super::super::robot::{JointLimits, Robot};
+use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
-use super::fit::{HeldOut, Weighting, fit};
-use super::hypotheses::{as_described, gain, harms, offered};
+use super::fit::{HeldOut, fit};
+use super::hypotheses::{HELD, as_described, gain, harms, offered};
 use super::intervals::{Fitted, covariance, scores};
-use super::layout::Layout;
-use super::normal::{Centred, Factor, Model, Values};
-use super::prior::Prior;
+use super::normal::Factor;
 use super::result::Gravity;
-use super::sums::{Sums, moving};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -36,8 +33,6 @@ const LEVEL: f64 = 0.01;
 const CONFIDENCE: f64 = 0.95;
 /// Weight of the description that leaves bodies practically free and keeps all equations regular.
 const FREE: f64 = 1e-3;
-/// Trust with which an angle stays zero.
-const HELD: f64 = 1e12;
 /// Variance of an angle under independent residuals [rad²] from which it counts as not told.
 const UNTOLD: f64 = 0.01;
 
@@ -82,7 +77,7 @@ fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, down.cross(&first)]
 }
 
-/// The robot under another gravity, with the angles by which this turns further as parameters behind its own.
+/// Another gravity than the described one, and the angles by which it turns further.
 struct Turning<'a> {
     robot: &'a dyn Robot,
     described: Vector3<f64>,
@@ -92,61 +87,21 @@ struct Turning<'a> {
     pi: Vec<f64>,
 }
 
-impl Robot for Turning<'_> {
-    fn joint_names(&self) -> Vec<String> {
-        self.robot.joint_names()
-    }
-    fn input_names(&self) -> Vec<String> {
-        self.robot.input_names()
-    }
-    fn position_units(&self) -> Vec<&'static str> {
-        self.robot.position_units()
-    }
-    fn limits(&self) -> Vec<JointLimits> {
-        self.robot.limits()
-    }
-    fn parameter_names(&self) -> Vec<String> {
-        [self.robot.parameter_names(), vec!["angle".into(); 2]].concat()
-    }
-    /// Angles count from zero; the unit of their distance is a radian.
-    fn parameters(&self) -> Vec<f64> {
-        [self.robot.parameters(), vec![1.0; 2]].concat()
-    }
-    fn bodies(&self) -> usize {
-        self.robot.bodies()
-    }
-    fn input_matrix(&self) -> Vec<f64> {
-        self.robot.input_matrix()
-    }
-    fn described_currents(&self) -> Vec<bool> {
-        self.robot.described_currents()
-    }
-    fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
+impl Turning<'_> {
+    /// Adds weights under the other gravity without those under the described one, and the columns of the angles.
+    fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
-        let mut own = vec![0.0; v.len() * count];
-        self.robot.inertial_regressor(y, v, a, &mut own);
-        let turned = self.at_rest(y, v.len(), self.gravity - self.described);
-        let across = self.across.map(|axis| self.at_rest(y, v.len(), axis * self.gravity.norm()));
+        let turned = self.at_rest(y, joints, self.gravity - self.described);
+        let across = self.across.map(|axis| self.at_rest(y, joints, axis * self.gravity.norm()));
         for (joint, row) in regressor.chunks_exact_mut(count + 2).enumerate() {
             let columns = joint * count..(joint + 1) * count;
-            let both = own[columns.clone()].iter().zip(&turned[columns.clone()]);
-            row.iter_mut().zip(both).for_each(|(w, (own, turned))| *w = own + turned);
+            row[..count].copy_from_slice(&turned[columns.clone()]);
             for (k, across) in across.iter().enumerate() {
                 row[count + k] = across[columns.clone()].iter().zip(&self.pi).map(|(w, pi)| w * pi).sum();
             }
         }
     }
-    fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
-        self.robot.rigid_forces(y, v, a, forces);
-        let (described, count) = (self.robot.parameters(), self.pi.len());
-        let turned = self.at_rest(y, v.len(), self.gravity - self.described);
-        for (force, row) in forces.iter_mut().zip(turned.chunks_exact(count.max(1))) {
-            *force += row.iter().zip(&described).map(|(w, pi)| w * pi).sum::<f64>();
-        }
-    }
-}
 
-impl Turning<'_> {
     fn at_rest(&self, y: &[f64], joints: usize, gravity: Vector3<f64>) -> Vec<f64> {
         let mut regressor = vec![0.0; joints * self.pi.len()];
         if gravity != Vector3::zeros() {
@@ -184,49 +139,25 @@ impl Turning<'_> {
 
     /// Errors of the same choice under this gravity, which turns no further, and those of the described bodies.
     fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
-        let layout = task.layout.with_more_parameters(2);
-        let prior = Prior::new(&self.parameters(), self.bodies(), task.prior.joints.clone());
-        let task = Task { robot: self, layout: &layout, prior: &prior, ..task.clone() };
-        let sums = task.sums_of(&moving);
-        let mut chosen = self.over(&layout, &sums, last, (last.weighting.description, HELD));
-        chosen.model.consistent = last.model.consistent;
-        let errors = chosen.held_out(&prior)?;
-        Ok([errors, as_described(chosen, &prior)?])
-    }
-
-    /// The same choice with the angles as parameters, not fitted yet.
-    ///
-    /// - weight of the description, and trust in it for the angles
-    fn over<'s>(
-        &self,
-        layout: &'s Layout,
-        sums: &'s Sums,
-        last: &Chosen,
-        (description, trust_of_angles): (f64, f64),
-    ) -> Chosen<'s> {
-        let mut trust = last.weighting.trust.clone();
-        trust.extend([trust_of_angles; 2]);
-        Chosen {
-            weighting: Weighting { description, trust, ..last.weighting.clone() },
-            values: Values { unknowns: DVector::zeros(layout.len()), gains: last.values.gains.clone() },
-            log_gains: last.log_gains.clone(),
-            centred: Centred::new(layout, sums, last.model.offsets, last.centred.zeros.clone()),
-            model: Model { consistent: false, ..last.model.clone() },
-            tried: Vec::new(),
-        }
+        let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
+        task.with_more((2, &more), |task, sums| {
+            let chosen = last.with_more(task.layout, sums, HELD);
+            Ok([chosen.held_out(task.prior)?, as_described(chosen, task.prior)?])
+        })
     }
 
     /// The angles, fitted together with all other unknowns.
     ///
     /// - `time`: the residuals' correlation time, if a covariance is wanted
     fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
-        let layout = task.layout.with_more_parameters(2);
-        let prior = Prior::new(&self.parameters(), self.bodies(), task.prior.joints.clone());
-        let task = Task { robot: self, layout: &layout, prior: &prior, ..task.clone() };
-        let sums = task.sums_of(&moving);
-        let mut chosen = self.over(&layout, &sums, last, (FREE, 1.0 / FREE));
-        chosen.reweight(&prior)?;
-        Angles::new(&task, &chosen, time)
+        let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
+        task.with_more((2, &more), |task, sums| {
+            let mut chosen = last.with_more(task.layout, sums, 1.0 / FREE);
+            chosen.weighting.description = FREE;
+            chosen.model.consistent = false;
+            chosen.reweight(task.prior)?;
+            Angles::new(task, &chosen, time)
+        })
     }
 }
 

@@ -159,7 +159,12 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
     robot.quaternion_joints().iter().try_for_each(|joint| require_all_directions(joint, &matrices))?;
     let is_moved = |joint: usize| matrices.iter().any(|matrix| matrix.row(joint).iter().any(|b| *b != 0.0));
     match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
-        Some((_, joint)) => Err(IdentificationError::NotDriven { joint }),
+        Some((_, joint)) => Err(IdentificationError::File {
+            place: format!("joint {joint}"),
+            message: "it has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it (`drive`, \
+                      `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs"
+                .into(),
+        }),
         None => Ok(()),
     }
 }

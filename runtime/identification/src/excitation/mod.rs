@@ -28,5 +28,6 @@ pub use design::PlannedShaft;
 pub use inputs::PlannedInput;
 pub use motion::FourierMotion;
 pub use plan::{Plan, plan};
-pub use search::{Excitation, ExcitationLimits, ExcitationResult};
+pub use search::Excitation;
+use search::ExcitationLimits;
 pub use settings::PlanSettings;

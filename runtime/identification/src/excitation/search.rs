@@ -1,6 +1,6 @@
 //! The search for a motion.
 
-use super::super::error::{IdentificationError, Result, require_length, require_samples, require_setting};
+use super::super::error::{Result, require_setting};
 use super::super::numeric::random::SplitMix64;
 use super::super::numeric::spectrum::symmetric_eigenvalues;
 use super::{FourierMotion, Instant};
@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 /// Limits of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ExcitationLimits {
+pub(crate) struct ExcitationLimits {
     /// Lowest and highest position [rad or m].
     pub position: [f64; 2],
     /// Highest speed.
@@ -40,18 +40,8 @@ impl Default for Excitation {
     }
 }
 
-/// Result of the search.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExcitationResult {
-    /// The motion.
-    pub motion: FourierMotion,
-    /// Condition number of the regressor along it, columns scaled to unit length.
-    pub condition: f64,
-    /// The same for the best of the random starts, before the search.
-    pub start: f64,
-}
-
 /// The motion with the smallest score, that score, and the smallest among the random starts.
+#[derive(Debug, PartialEq)]
 pub(super) struct Best {
     pub motion: FourierMotion,
     pub score: f64,
@@ -67,40 +57,6 @@ const SMALLEST: f64 = 0.1;
 const LARGER: f64 = 1.0 / 0.9;
 
 impl Excitation {
-    /// Searches a motion with a small condition number.
-    ///
-    /// - `regressor`: writes the rows at one instant, `rows` of them with `columns` entries each, row by row,
-    ///   for y, ẏ, ÿ; base parameters only, as dependent columns have no finite condition number
-    ///
-    /// # Errors
-    /// Settings or limits out of range, or a regressor whose columns stay dependent along every motion tried.
-    pub fn search(
-        &self,
-        limits: &[ExcitationLimits],
-        [rows, columns]: [usize; 2],
-        mut regressor: impl FnMut(&[f64], &[f64], &[f64], &mut [f64]),
-    ) -> Result<ExcitationResult> {
-        require_samples("the excitation", columns, rows * self.samples)?;
-        require_length("columns of the regressor, at least one", columns.max(1), columns)?;
-        let condition = |instants: &[Instant]| {
-            let mut matrix = DMatrix::zeros(columns, rows * instants.len());
-            let parts = matrix.as_mut_slice().chunks_exact_mut(rows * columns);
-            for ([y, v, a], out) in instants.iter().zip(parts) {
-                regressor(y, v, a, out);
-            }
-            condition_of_scaled(&(&matrix * matrix.transpose()))
-        };
-        let best = self.minimize(limits, condition, (|motion| motion, |_| {}))?;
-        let Best { motion, score, start, .. } = best.ok_or_else(|| IdentificationError::NotConverged {
-            what: "the search for an excitation".into(),
-            iterations: self.starts * self.iterations,
-            detail: format!(
-                "the {columns} columns of the regressor are dependent along every motion tried: use base parameters"
-            ),
-        })?;
-        Ok(ExcitationResult { motion, condition: score, start })
-    }
-
     /// Searches the motion with the smallest score; `None` where every score was infinite.
     ///
     /// - `score`: of the motion at evenly spaced instants; infinite where the motion is not possible
@@ -284,12 +240,28 @@ mod tests {
         ]);
     }
 
+    /// The motion with the smallest condition number of a regressor with rows of `columns` entries.
+    fn searched(
+        settings: &Excitation,
+        limits: &[ExcitationLimits],
+        [rows, columns]: [usize; 2],
+        regressor: impl Fn(&[f64], &[f64], &[f64], &mut [f64]),
+    ) -> Result<Option<Best>> {
+        let condition = |instants: &[Instant]| {
+            let mut matrix = DMatrix::zeros(columns, rows * instants.len());
+            let parts = matrix.as_mut_slice().chunks_exact_mut(rows * columns);
+            parts.zip(instants).for_each(|(out, [y, v, a])| regressor(y, v, a, out));
+            condition_of_scaled(&(&matrix * matrix.transpose()))
+        };
+        settings.minimize(limits, condition, (|motion| motion, |_| {}))
+    }
+
     #[test]
     fn the_search_lowers_the_condition_number_within_the_limits() {
         let settings = Excitation { iterations: 400, ..Default::default() };
-        let found = settings.search(&LIMITS, [2, 5], planar).unwrap();
-        println!("condition {} from {}", found.condition, found.start);
-        assert!(found.start > 2.0 && found.condition < 1.5);
+        let found = searched(&settings, &LIMITS, [2, 5], planar).unwrap().unwrap();
+        println!("condition {} from {}", found.score, found.start);
+        assert!(found.start > 2.0 && found.score < 1.5);
         for i in 0..5000 {
             let [y, v, a] = found.motion.at::<2>(0.002 * f64::from(i));
             for j in 0..2 {
@@ -298,7 +270,7 @@ mod tests {
                 assert!(v[j].abs() < limit.velocity && a[j].abs() < limit.acceleration);
             }
         }
-        assert_eq!(found, settings.search(&LIMITS, [2, 5], planar).unwrap());
+        assert_eq!(Some(found), searched(&settings, &LIMITS, [2, 5], planar).unwrap());
     }
 
     #[test]
@@ -342,14 +314,13 @@ mod tests {
         let twice = |_: &[f64], _: &[f64], a: &[f64], out: &mut [f64]| {
             out.copy_from_slice(&[a[0], 2.0 * a[0]]);
         };
-        let message = short.search(&LIMITS, [1, 2], twice).unwrap_err().to_string();
-        assert!(message.contains("the 2 columns of the regressor are dependent"), "{message}");
+        assert_eq!(searched(&short, &LIMITS, [1, 2], twice).unwrap(), None);
         let mut endless = LIMITS;
         endless[1].position = [f64::NEG_INFINITY, f64::INFINITY];
-        let message = short.search(&endless, [2, 5], planar).unwrap_err().to_string();
+        let message = searched(&short, &endless, [2, 5], planar).unwrap_err().to_string();
         assert!(message.starts_with("range of positions of joint 2 = inf"), "{message}");
         let few = Excitation { samples: 10, ..short };
-        let message = few.search(&LIMITS, [2, 5], planar).unwrap_err().to_string();
+        let message = searched(&few, &LIMITS, [2, 5], planar).unwrap_err().to_string();
         assert!(message.starts_with("number of instants = 10"), "{message}");
     }
 }

@@ -1,12 +1,11 @@
 //! Moments as bytes: a line with the version, the values in little-endian order, and the SHA-256 of all of it.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::log::hexadecimal;
 use super::super::result::description::may_be_replaced;
 use super::super::run::Effort;
 use super::exact::Exact;
-use super::logs::{
-    About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share, hexadecimal,
-};
+use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
 use gelenk_files::write_whole;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -353,5 +352,5 @@ pub(super) fn hash_of(parts: &[&[u8]]) -> String {
         hasher.update((part.len() as u64).to_le_bytes());
         hasher.update(part);
     }
-    hexadecimal(&hasher.finalize().into())
+    hexadecimal(&hasher.finalize())
 }

@@ -1,6 +1,7 @@
 //! Moments of logs, and their sum.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::log::hexadecimal;
 use super::super::run::Effort;
 use super::exact::Exact;
 use gelenk_findings::{Finding, Rule};
@@ -9,7 +10,7 @@ use std::collections::BTreeMap;
 /// Sees: warnings of fits to single logs, counted.
 /// Matters: what a part of the logs has in common may be a fault of the robot.
 /// Example: a delay in 12 of 100 logs.
-/// Fixture: `moments` in `codegen/tests/findings/arm.rs`.
+/// Fixture: `a_wrong_sign_is_refused_and_named` in `fleet/tests.rs`.
 const OF_LOGS: Rule = Rule::warning("doubts-of-logs");
 
 /// Shares that pieces of logs belong to: folds of the held-out error, and blocks of intervals and bootstrap.
@@ -171,9 +172,7 @@ impl LogMoments {
         }
         Ok(())
     }
-}
 
-impl LogMoments {
     fn add_doubt(&mut self, doubt: Doubt) {
         match self.doubts.binary_search_by(|known| known.place().cmp(&doubt.place())) {
             Err(place) => self.doubts.insert(place, doubt),
@@ -296,30 +295,9 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
              that is meant, and the same options of reading"
         ));
     }
-    if first.effort != other.effort {
-        return fault(format!(
-            "its efforts are {}, those of {before} are {}: reduce the logs with one --effort",
-            words(other.effort),
-            words(first.effort)
-        ));
-    }
-    if first.gravity_compensated != other.gravity_compensated {
-        let with = |is: bool| if is { "with" } else { "without" };
-        return fault(format!(
-            "it was reduced {} --gravity-compensated, and {before} {} it: reduce the logs alike",
-            with(other.gravity_compensated),
-            with(first.gravity_compensated)
-        ));
-    }
-    for (option, mine, theirs) in
-        [("--bandwidth", first.bandwidth, other.bandwidth), ("--delay", first.delay, other.delay)]
-    {
-        if mine.map(f64::to_bits) != theirs.map(f64::to_bits) {
-            return fault(format!(
-                "it was reduced {}, and {before} {}: reduce the logs with the same one",
-                said(option, theirs),
-                said(option, mine)
-            ));
+    for ((mine, remedy), (theirs, _)) in made_with(first).into_iter().zip(made_with(other)) {
+        if mine != theirs {
+            return fault(format!("{theirs}; of {before}: {mine}. Reduce the logs {remedy}"));
         }
     }
     if first.widths != other.widths {
@@ -330,18 +308,19 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
     Ok(())
 }
 
-fn said(option: &str, value: Option<f64>) -> String {
-    value.map_or_else(|| format!("without {option}"), |value| format!("with {option} {value:?}"))
-}
-
-fn words(effort: Effort) -> &'static str {
-    match effort {
-        Effort::Joint => "forces at the joints",
-        Effort::Input => "inputs",
-        Effort::Current => "currents",
-    }
-}
-
-pub(super) fn hexadecimal(hash: &Hash) -> String {
-    hash.iter().map(|byte| format!("{byte:02x}")).collect()
+/// Options by which moments were made, and how logs are reduced that agree in them.
+fn made_with(about: &About) -> [(String, &'static str); 4] {
+    let said = |option: &str, value: Option<String>| {
+        let option =
+            value.map_or_else(|| format!("without {option}"), |value| format!("with {option}{value}"));
+        format!("it was reduced {option}")
+    };
+    let number = |value: Option<f64>| value.map(|value| format!(" {value:?}"));
+    let compensated = about.gravity_compensated.then(String::new);
+    [
+        (format!("its efforts are {}", about.effort.plural()), "with one --effort"),
+        (said("--gravity-compensated", compensated), "alike"),
+        (said("--bandwidth", number(about.bandwidth)), "with the same one"),
+        (said("--delay", number(about.delay)), "with the same one"),
+    ]
 }

@@ -449,7 +449,9 @@ fn a_wrong_sign_is_refused_and_named() {
     assert!(
         texts(&found.estimate.findings, Severity::Warning)
             .iter()
-            .any(|w| w.contains("in 3 of 3 logs, as in "))
+            .any(|w| w.contains("[doubts-of-logs]: in ") && w.contains(" of 3 logs, as in ")),
+        "{:?}",
+        found.estimate.findings
     );
     // Passivity leaves no friction here; the logs themselves say the same.
     assert!(

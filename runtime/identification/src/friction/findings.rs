@@ -166,7 +166,7 @@ mod tests {
         findings.judge_unseen_speeds(&FrictionLaw::Terms(vec![term]), fastest).unwrap();
         let of = |severity: Severity| {
             let all = findings.all.iter().filter(|finding| finding.severity == severity);
-            all.map(|finding| finding.message.clone()).collect()
+            all.map(ToString::to_string).collect()
         };
         (of(Severity::Warning), of(Severity::Error))
     }
@@ -176,12 +176,22 @@ mod tests {
         let none = (Vec::new(), Vec::new());
         assert_eq!(said(24.0, 2.0), none);
         let (warnings, refusals) = said(30.0, 2.0);
-        assert!(warnings[0].starts_with("the law takes 120 ") && refusals.is_empty(), "{warnings:?}");
+        assert!(
+            warnings[0].contains("[law-beyond-effort]: the law takes 120 ") && refusals.is_empty(),
+            "{warnings:?}"
+        );
         let (warnings, refusals) = said(300.0, 2.0);
-        assert!(warnings.is_empty() && refusals[0].starts_with("the law takes 1200 "), "{refusals:?}");
+        assert!(
+            warnings.is_empty() && refusals[0].contains("[law-beyond-effort]: the law takes 1200 "),
+            "{refusals:?}"
+        );
         // A log that shows a small part of the speeds tells nothing of the others.
         let (warnings, refusals) = said(30.0, 0.1);
-        assert!(warnings[0].contains("reach 0.1 , 2.5 % of the described limit"), "{warnings:?}");
+        assert!(
+            warnings[0].starts_with("warning[slow-log]")
+                && warnings[0].contains("reach 0.1 , 2.5 % of the described limit"),
+            "{warnings:?}"
+        );
         assert!(refusals[0].contains("more than the described effort of 100"), "{refusals:?}");
     }
 }

@@ -7,18 +7,10 @@ use super::super::methods::moments::{Moments, splits};
 use super::super::methods::offset::{centre, mean};
 use super::super::numeric::statistics::mean_with_error;
 use super::design::offset_ranges;
-use super::findings::Findings;
 use super::selection::Selection;
 use super::task::FrictionData;
-use gelenk_findings::Rule;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-
-/// Sees: folds without which a law cannot be fitted.
-/// Matters: no error on left-out data is known.
-/// Example: a log in which one fold has the only motion.
-/// Fixture: `friction/tests.rs`.
-const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 
 /// Errors on folds that were left out.
 #[derive(Debug, Clone)]
@@ -44,8 +36,7 @@ impl Unseen {
     }
 }
 
-/// Errors of laws of terms on the folds that they were not fitted to; `None`, with a warning, where a fold leaves
-/// too little to fit.
+/// Errors of laws of terms on the folds that they were not fitted to; `None` where a fold leaves too little to fit.
 ///
 /// Each run keeps the offset that it has on all of its samples, also where a part of it is left out: an offset
 /// belongs to a run, and no law can foretell it.
@@ -55,23 +46,13 @@ pub(super) fn held_out(
     folds: Result<Vec<Moments>>,
     total: f64,
     (selection, rows): (&Selection, Option<&DMatrix<f64>>),
-    findings: &mut Findings,
 ) -> Option<Unseen> {
-    match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
-        Ok(folds) => Some(Unseen { folds, total }),
-        Err(reason) => {
-            findings.add(NO_HELD_OUT.found(format!("no R² on left-out data: {reason}")));
-            None
-        }
-    }
+    let folds = folds.and_then(|folds| by_folds(&folds, selection, rows)).ok()?;
+    Some(Unseen { folds, total })
 }
 
 /// Σ r² and number of samples of each fold, for laws that were chosen and fitted without it.
-pub(super) fn by_folds(
-    folds: &[Moments],
-    selection: &Selection,
-    rows: Option<&DMatrix<f64>>,
-) -> Result<Vec<[f64; 2]>> {
+fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<Vec<[f64; 2]>> {
     let of_split = |split: Result<(Moments, &Moments)>| {
         let (training, fold) = split?;
         let law = fit(&Reduced::from_moments(training)?, selection, rows)?;

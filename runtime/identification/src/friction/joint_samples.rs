@@ -24,9 +24,7 @@ pub(crate) struct JointSamples<'a> {
     motions: Option<Vec<Vec<Range<usize>>>>,
     /// The runs that samples are of, whole.
     whole: Vec<FilteredRun<'a>>,
-    positions: Vec<f64>,
     pub(crate) velocities: Vec<f64>,
-    accelerations: Vec<f64>,
     pub(crate) torques: Vec<f64>,
     /// Friction of the common estimate.
     common: Option<CommonTerms>,
@@ -48,9 +46,7 @@ impl<'a> JointSamples<'a> {
             runs: Vec::new(),
             motions: motions.map(|numbers| vec![Vec::new(); numbers.iter().max().map_or(0, |last| last + 1)]),
             whole: Vec::new(),
-            positions: Vec::new(),
             velocities: Vec::new(),
-            accelerations: Vec::new(),
             torques: Vec::new(),
             common,
         };
@@ -94,9 +90,7 @@ impl<'a> JointSamples<'a> {
         let start = self.torques.len();
         let kept: Vec<usize> = kept(run, self.joint, torques).collect();
         for &i in &kept {
-            self.positions.push(run.positions[self.joint][i]);
             self.velocities.push(run.velocities[self.joint][i]);
-            self.accelerations.push(run.accelerations[self.joint][i]);
             self.torques.push(torques[i]);
         }
         if self.torques.len() > start {
@@ -138,8 +132,6 @@ impl<'a> JointSamples<'a> {
             runs: Some(&self.runs),
             one_offset: false,
             filtered: Some(&filtered),
-            positions: Some(&self.positions),
-            accelerations: Some(&self.accelerations),
             common: self.common.as_ref(),
             limits: robot.limits().get(self.joint).copied(),
             data: source,

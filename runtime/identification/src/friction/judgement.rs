@@ -4,7 +4,6 @@ use super::super::error::Result;
 use super::super::methods::offset::Offset;
 use super::super::methods::stribeck::StribeckWords;
 use super::super::result::{FrictionLaw, FrictionResult};
-use super::dependence::dependences;
 use super::drift::drift;
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
@@ -41,7 +40,6 @@ impl Findings<'_> {
         self.check_limits();
         self.judge_unseen_speeds(&judged.law, data.fastest())?;
         let rms = (total / judged.residuals.len() as f64).sqrt();
-        self.all.extend(dependences(data, settings.folds, &judged.residuals, rms));
         let law = &judged.law;
         let drift = drift(data, &data.torques_of(law)?, data.gradients_of(law)?, &judged.residuals);
         self.all.extend(drift.iter().flat_map(|drift| drift.findings(data.unit, rms)));

@@ -9,7 +9,6 @@
 
 mod columns;
 mod common;
-mod dependence;
 mod design;
 mod drift;
 mod errors;
@@ -66,11 +65,6 @@ fn check(data: &FrictionData) -> Result<()> {
     require_length("friction torques", m, data.torques.len())?;
     require_finite(&format!("the velocity of {}", data.joint), data.velocities)?;
     require_finite(&format!("the friction torque of {}", data.joint), data.torques)?;
-    for (what, column) in [("position", data.positions), ("acceleration", data.accelerations)] {
-        let Some(column) = column else { continue };
-        require_length(&format!("samples of the {what} of {}", data.joint), m, column.len())?;
-        require_finite(&format!("the {what} of {}", data.joint), column)?;
-    }
     check_runs(data, m)?;
     if let Some(filtered) = data.filtered {
         let kept = filtered.runs.iter().map(|run| run.kept.len()).sum();

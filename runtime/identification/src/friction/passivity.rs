@@ -14,13 +14,13 @@ use nalgebra::{DMatrix, DVector};
 /// Sees: a law by least squares that would drive the joint, or explode beyond the speeds in the data.
 /// Matters: it was refitted so that it brakes.
 /// Example: terms that nearly cancel.
-/// Fixture: the tests of `friction/passivity.rs`.
+/// Fixture: `friction/tests.rs`.
 const RESTRICTED: Rule = Rule::warning("law-restricted");
 
 /// Sees: chosen terms that resemble each other on these velocities.
 /// Matters: single coefficients mean little.
 /// Example: `tanh(5*v)` and `tanh(10*v)` of a slow motion.
-/// Fixture: `friction/tests.rs`.
+/// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const COLLINEAR: Rule = Rule::warning("terms-alike");
 
 /// Condition number of the chosen terms above which coefficients are doubted (the curve need not be).

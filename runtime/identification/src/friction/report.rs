@@ -3,7 +3,6 @@
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
 use super::super::methods::cross_validation::CrossValidation;
-use super::super::methods::ensemble::Ensemble;
 use super::super::methods::subset::{ModelAverage, SubsetValidation};
 use super::super::result::{FrictionResult, FrictionTerm};
 use nalgebra::{DMatrix, DVector};
@@ -26,7 +25,7 @@ pub struct FrictionReport {
     /// Pareto table of the choice; none for least squares on all terms and the Stribeck law.
     pub subsets: Option<SubsetValidation>,
     /// Bootstrap; none without draws.
-    pub(crate) ensemble: Option<Ensemble>,
+    pub(crate) inclusion: Option<Vec<f64>>,
     /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than
     /// twelve terms.
     pub(crate) average: Option<ModelAverage>,
@@ -64,7 +63,7 @@ impl FrictionReport {
         let others = others.map(|(i, basis)| Candidate {
             basis,
             chosen: None,
-            inclusion: self.ensemble.as_ref().map(|ensemble| ensemble.inclusion[i]),
+            inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
             probability: self.average.as_ref().map(|average| average.inclusion[i]),
         });
         chosen.chain(others).collect()
@@ -80,7 +79,7 @@ impl FrictionReport {
             covariance: DMatrix::zeros(0, 0),
             validation: None,
             subsets: None,
-            ensemble: None,
+            inclusion: None,
             average: None,
             unseen_error: None,
             residuals,

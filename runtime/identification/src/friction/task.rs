@@ -39,10 +39,6 @@ pub struct FrictionData<'a> {
     pub one_offset: bool,
     /// The filter that the torques passed: laws pass it too.
     pub filtered: Option<&'a Filtered<'a>>,
-    /// y, where residuals that depend on it are to be noticed.
-    pub positions: Option<&'a [f64]>,
-    /// ÿ, where residuals that depend on it are to be noticed.
-    pub accelerations: Option<&'a [f64]>,
     /// Friction terms of the common estimate: the intervals are at least as wide as its own.
     pub common: Option<&'a CommonTerms>,
     /// Limits of the joint, where samples beyond them are to be noticed.

@@ -1,7 +1,7 @@
 //! Laws that are sums of terms: choice, least squares, passivity, standard errors.
 
 use super::super::error::Result;
-use super::super::methods::ensemble::{Ensemble, bootstrap};
+use super::super::methods::ensemble::{bootstrap, inclusion};
 use super::super::methods::least_squares::{Reduced, Solution, Solver};
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
@@ -25,12 +25,6 @@ use nalgebra::{DMatrix, DVector};
 /// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
 const HIDDEN: Rule = Rule::warning("terms-hidden");
 
-/// Sees: draws of the bootstrap that gave no model.
-/// Matters: shares of the terms are of fewer draws.
-/// Example: blocks without a reversal.
-/// Fixture: `friction/tests.rs`.
-const BOOTSTRAP: Rule = Rule::warning("bootstrap-failed");
-
 /// The law of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
     let design = Design::new(settings, data)?;
@@ -53,7 +47,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let law = fitted.law(&design.library, &errors, average.as_ref());
     let offsets = design.offsets(&data.torques_of(&law)?, &residuals);
     let total = variation(data, design.separate, &folds(data, settings.folds).concat());
-    let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
+    let unseen = held_out((candidates.folds)(), total, fitted.way());
     let judged = Judged { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
     let report = findings.report(settings, judged)?;
     fitted.complete(report, &candidates, errors, average)
@@ -82,7 +76,7 @@ pub(super) struct Candidates<'a> {
 /// Terms that were chosen, fitted under the constraints.
 pub(super) struct Fitted {
     chosen: Chosen,
-    ensemble: Option<Ensemble>,
+    inclusion: Option<Vec<f64>>,
     /// Rows of `A ξ ≥ 0`, where the law has to dissipate.
     rows: Option<DMatrix<f64>>,
     pub(super) solution: Solution,
@@ -104,12 +98,12 @@ impl Candidates<'_> {
         };
         let chosen = choose(&settings.method, self.reduced, self.folds, conditions)?;
         findings.note(chosen.note.clone());
-        let ensemble = self.draw(settings, &chosen.selection, findings)?;
+        let inclusion = self.draw(settings, &chosen.selection, findings)?;
         let samples = self.reduced.moments().samples();
         let free = chosen.solution.clone();
         let (solution, binding) = restrict(self.reduced, free, rows.as_ref(), samples, findings)?;
         doubt(self.reduced, &solution.active, findings);
-        Ok(Fitted { chosen, ensemble, rows, solution, binding })
+        Ok(Fitted { chosen, inclusion, rows, solution, binding })
     }
 
     /// Values of the terms at speeds of the data in both directions, from a hundredth of the fastest on; zeros for a constant,
@@ -132,7 +126,7 @@ impl Candidates<'_> {
         settings: &FrictionIdentification,
         selection: &Selection,
         findings: &mut Findings,
-    ) -> Result<Option<Ensemble>> {
+    ) -> Result<Option<Vec<f64>>> {
         let (draws, seed) = (settings.draws, settings.seed);
         if draws == 0 {
             return Ok(None);
@@ -141,22 +135,10 @@ impl Candidates<'_> {
         let fit = |moments: Moments| -> Result<DVector<f64>> {
             Ok(selection.fit(&Reduced::from_moments(moments)?)?.coefficients)
         };
-        match bootstrap(&blocks, draws, seed, fit) {
-            Ok(ensemble) => {
-                let (count, block) = (blocks.len(), self.block);
-                findings.note(format!("inclusion: {draws} draws of {count} {block}, seed {seed}"));
-                if let Some(reason) = &ensemble.first_failure {
-                    let failed = ensemble.failed;
-                    let message = format!("{failed} of {draws} bootstrap draws gave no model: {reason}");
-                    findings.add(BOOTSTRAP.found(message));
-                }
-                Ok(Some(ensemble))
-            }
-            Err(reason) => {
-                findings.add(BOOTSTRAP.found(format!("no bootstrap draw gave a model: {reason}")));
-                Ok(None)
-            }
-        }
+        let Ok(models) = bootstrap(&blocks, draws, seed, fit) else { return Ok(None) };
+        let (draws, count, block) = (models.len(), blocks.len(), self.block);
+        findings.note(format!("inclusion: {draws} draws of {count} {block}, seed {seed}"));
+        Ok(Some(inclusion(&models)))
     }
 }
 
@@ -182,7 +164,7 @@ impl Fitted {
         average: Option<&ModelAverage>,
     ) -> FrictionLaw {
         let term = |(k, &i): (usize, &usize)| FrictionTerm {
-            inclusion: self.ensemble.as_ref().map(|e| e.inclusion[i]),
+            inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
             probability: average.map(|a| a.inclusion[i]),
             ..errors.term(k, &library.terms()[i], self.solution.coefficients[i])
         };
@@ -204,7 +186,7 @@ impl Fitted {
             covariance: errors.covariance,
             validation: self.chosen.validation,
             subsets: self.chosen.subsets,
-            ensemble: self.ensemble,
+            inclusion: self.inclusion,
             average,
             ..report
         })

@@ -20,12 +20,6 @@ pub(super) const NOT_A_NUMBER: Rule = Rule::note("not-a-number");
 /// Fixture: `zero_rows` in `codegen/tests/findings/arm.rs`.
 pub(super) const LEFT_OUT: Rule = Rule::note("rows-left-out");
 
-/// Sees: an effort that has the same value in all samples.
-/// Matters: nothing is known of its joint's friction.
-/// Example: a column of zeros.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
-pub(super) const CONSTANT: Rule = Rule::note("constant-effort");
-
 /// Sees: samples with the time of the one before.
 /// Matters: one of them is left out.
 /// Example: two rows at 0.01 s.
@@ -39,9 +33,9 @@ pub(super) const REPEATED: Rule = Rule::note("repeated-times");
 pub(super) const NEW_RUN: Rule = Rule::note("time-goes-back");
 
 /// Sees: jumps of a position by a whole turn.
-/// Matters: such jumps are not motion. Joints without limits are unwrapped, those with limits are not.
+/// Matters: such jumps are not motion. They are unwrapped.
 /// Example: an encoder that counts from -π to π.
-/// Fixture: `turns_are_unwrapped_where_a_joint_may_turn` in `log/tests/styles.rs`.
+/// Fixture: `turns_are_unwrapped` in `log/tests/styles.rs`.
 pub(super) const TURNS: Rule = Rule::note("turns");
 
 /// Sees: times without a unit, or times that step by exactly one second.
@@ -50,16 +44,10 @@ pub(super) const TURNS: Rule = Rule::note("turns");
 /// Fixture: `epoch_times_keep_their_digits` in `log/tests/styles.rs`.
 pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 
-/// Sees: a joint that hardly moves.
-/// Matters: its friction cannot be estimated.
-/// Example: a joint that was held.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
-pub(super) const STOOD_STILL: Rule = Rule::note("stood-still");
-
-/// Sees: single values far from their neighbours, or efforts far beyond all others.
-/// Matters: positions are smoothed without them, efforts are left out.
+/// Sees: single efforts far beyond all others.
+/// Matters: they are left out.
 /// Example: 999999 where a driver has no value.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`, and the tests of `log/spikes.rs`.
+/// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
 pub(super) const OUTLIER: Rule = Rule::note("outliers");
 
 /// Sees: positions beyond the described limits.
@@ -80,35 +68,17 @@ pub(super) const BEYOND_SPEED: Rule = Rule::note("beyond-speed-limit");
 /// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const BEYOND_EFFORT: Rule = Rule::note("beyond-effort-limit");
 
-/// Sees: efforts that carry the described weight only if a gear's ratio is applied, or is not.
-/// Matters: every result would be wrong by the ratio.
-/// Example: a column `u1` with torques behind a gear of 100.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
-pub(crate) const GEAR_DOUBTFUL: Rule = Rule::note("gear-doubtful");
-
 /// Sees: a column of velocities that is not the slope of the positions.
 /// Matters: a sign, a unit or the order of columns may be wrong. The velocities themselves are not used.
 /// Example: velocities in deg/s next to positions in rad.
 /// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
 pub(super) const VELOCITY_DISAGREES: Rule = Rule::note("velocity-disagrees");
 
-/// Sees: samples that repeat all values of the ones before at new times.
-/// Matters: the log is written faster than the robot is read.
-/// Example: a log at 1 kHz of a robot that sends at 500 Hz.
-/// Fixture: `the_schunk_runs_are_runs_of_a_robot` in `runtime/tests/identification_logs.rs` has none.
-pub(super) const STUCK: Rule = Rule::note("samples-repeat");
-
 /// Sees: efforts that are at their largest or smallest value for a part of the motion.
 /// Matters: the model is wrong there, a sensor or a drive had its limit.
 /// Example: a torque sensor that ends at 6 N m.
-/// Fixture: the tests of `log/saturation.rs`.
+/// Fixture: `efforts_that_are_cut_off_are_said_with_their_column_and_share` in `log/saturation.rs`.
 pub(super) const CUT_OFF: Rule = Rule::note("efforts-cut-off");
-
-/// Sees: quaternions whose length is not 1.
-/// Matters: they are divided by their length.
-/// Example: entries with three digits.
-/// Fixture: the tests of `log/unroll.rs`.
-pub(super) const NOT_UNIT: Rule = Rule::note("quaternions-not-unit");
 
 /// Sees: columns that are commanded by their names where no measured ones are found, or a time in an unknown unit.
 /// Matters: commanded values differ from measured ones by the control error.
@@ -119,5 +89,5 @@ pub(super) const COLUMN_DOUBTFUL: Rule = Rule::warning("column-doubtful");
 /// Sees: the columns that were taken for a quantity, and those that were not used.
 /// Matters: a wrong column makes a wrong estimate.
 /// Example: positions: `q{}` from `q1` of pan to `q3` of elbow.
-/// Fixture: `columns_of_each_style_are_named` in `log/tests/styles.rs`.
+/// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 pub(super) const COLUMNS: Rule = Rule::note("columns");

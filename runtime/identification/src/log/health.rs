@@ -4,38 +4,28 @@ use super::super::numeric::digits::plain;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
-use super::finding::{
-    BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, CONSTANT, GEAR_DOUBTFUL, OUTLIER, STOOD_STILL, STUCK,
-    TURNS, VELOCITY_DISAGREES,
-};
+use super::finding::{BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, TURNS, VELOCITY_DISAGREES};
 use super::units::are_minutes;
-use gelenk_findings::{Finding, Rule, Subject};
+use gelenk_findings::{Finding, Rule};
 use std::f64::consts::{PI, TAU};
 
 /// Findings of all joints, pooled over the runs.
 pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     let (names, units, limits) = (robot.joint_names(), robot.position_units(), robot.limits());
-    let exact = rows_of(&robot.quaternion_joints(), names.len());
     let mut findings = Vec::new();
     for (joint, name) in names.iter().enumerate() {
         let unit = units.get(joint).copied().unwrap_or("rad");
         let limits = limits.get(joint).copied().unwrap_or(JointLimits::NONE);
         let mut say = |rule: Rule, message: String| findings.push(rule.found(message).joint(name));
-        if let Some(message) = stood_still(runs, joint, unit) {
-            if !exact[joint] {
-                say(STOOD_STILL, message);
-            }
+        if stands_still(runs, joint, unit) {
             continue;
         }
         positions(runs, joint, unit, limits).into_iter().for_each(|m| say(BEYOND_POSITION, m));
         speeds(runs, joint, unit, limits).into_iter().for_each(|m| say(BEYOND_SPEED, m));
-        outliers(runs, joint, unit).into_iter().for_each(|m| say(OUTLIER, m));
         velocity(runs, joint).into_iter().for_each(|m| say(VELOCITY_DISAGREES, m));
     }
     findings.extend(robot.followers().iter().flat_map(|joint| beyond_limits(runs, joint)));
     findings.extend(efforts(runs, robot, &limits));
-    findings.extend(gears(runs, robot));
-    findings.extend(stuck(runs));
     findings
 }
 
@@ -57,18 +47,9 @@ fn pooled(runs: &[Run], column: impl Fn(&Run) -> Option<&Vec<f64>>) -> Vec<f64> 
     runs.iter().filter_map(column).flatten().copied().collect()
 }
 
-fn stood_still(runs: &[Run], joint: usize, unit: &str) -> Option<String> {
-    let mut widest = 0.0_f64;
-    for run in runs {
-        let (low, high) = span(&mut run.positions.get(joint)?.clone())?;
-        widest = widest.max(high - low);
-    }
-    (widest < least_travel(unit)).then(|| {
-        format!(
-            "it stood still (it moved by {} {unit} at most): nothing can be said of its friction",
-            plain(widest, 3)
-        )
-    })
+fn stands_still(runs: &[Run], joint: usize, unit: &str) -> bool {
+    let travel = |run: &Run| span(&mut run.positions[joint].clone()).map_or(0.0, |(low, high)| high - low);
+    runs.iter().all(|run| travel(run) < least_travel(unit))
 }
 
 fn positions(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option<String> {
@@ -158,26 +139,6 @@ fn speeds(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option
     ))
 }
 
-/// Single samples far from the ones before and behind them.
-fn outliers(runs: &[Run], joint: usize, unit: &str) -> Option<String> {
-    let steps = |run: &Run| run.positions[joint].windows(2).map(|w| w[1] - w[0]).collect::<Vec<f64>>();
-    let mut sizes: Vec<f64> = runs.iter().flat_map(steps).map(f64::abs).collect();
-    let fast = sizes.len().checked_sub(1)? - sizes.len() / 20;
-    let usual = *sizes.select_nth_unstable_by(fast, f64::total_cmp).1;
-    let most = (20.0 * usual).max(least_travel(unit));
-    let is_outlier = |w: &[f64]| w[0].abs() > most && w[1].abs() > most && w[0] * w[1] < 0.0;
-    let found = runs.iter().flat_map(|run| {
-        let steps = steps(run);
-        (1..steps.len())
-            .filter(|i| is_outlier(&steps[i - 1..=*i]))
-            .map(|i| run.rows[i])
-            .collect::<Vec<usize>>()
-    });
-    let rows: Vec<usize> = found.collect();
-    let first = rows.first()?;
-    Some(format!("{} of its positions are far from their neighbours, the first in row {first}", rows.len()))
-}
-
 /// Factors between units of velocities, and their names: what a column is in where rad/s or m/s are expected.
 const UNITS: [(f64, &str); 5] = [
     (PI / 180.0, "deg/s"),
@@ -238,136 +199,45 @@ fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item =
 }
 
 fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<Finding> {
-    let Some(effort) = runs.first().map(|r| r.effort) else { return Vec::new() };
-    let names = if effort == Effort::Joint { robot.joint_names() } else { robot.input_names() };
+    if runs.first().is_none_or(|run| run.effort != Effort::Joint) {
+        return Vec::new();
+    }
+    let names = robot.joint_names();
     let exact = rows_of(&robot.quaternion_joints(), names.len());
     let unmeasured = robot.unmeasured();
-    let is_exact = |i: usize| effort == Effort::Joint && (exact[i] || unmeasured[i]);
+    let is_exact = |i: usize| exact[i] || unmeasured[i];
     let mut findings = Vec::new();
     for (i, name) in names.iter().enumerate().filter(|(i, _)| !is_exact(*i)) {
         let mut values = pooled(runs, |r| r.efforts.get(i));
-        let exact =
-            values.iter().copied().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        let subject = if effort == Effort::Joint { Subject::Joint } else { Subject::Input };
-        let mut say =
-            |rule: Rule, message: String| findings.push(rule.found(message).of(subject(name.clone())));
-        if exact.0 == exact.1 {
-            say(
-                CONSTANT,
-                format!("its effort is {} in all samples: nothing can be identified from it", exact.0),
-            );
-            continue;
-        }
         let limit = limits.get(i).map_or(f64::INFINITY, |l| l.effort);
-        if let (Effort::Joint, Some((low, high))) = (effort, span(&mut values))
-            && high.max(-low) > 1.05 * limit
-        {
+        let beyond = span(&mut values).filter(|(low, high)| high.max(-low) > 1.05 * limit);
+        findings.extend(beyond.map(|(low, high)| {
             let [low, high, limit] = [low, high, limit].map(|x| plain(x, 4));
-            say(
-                BEYOND_EFFORT,
-                format!(
-                    "its effort goes from {low} to {high}, its limit is {limit}: another unit (--columns 'torque=…[UNIT]'), or not at the joint (--effort)?"
-                ),
+            let message = format!(
+                "its effort goes from {low} to {high}, its limit is {limit}: another unit (--columns 'torque=…[UNIT]'), or not at the \
+                 joint (--effort)?"
             );
-        }
+            BEYOND_EFFORT.found(message).joint(name)
+        }));
     }
     findings
 }
 
-/// Whether efforts at the joints were taken for those of the motors, or the other way round: where a gear stands
-/// between them, the joint that carries the largest weight shows it.
-fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
-    let (n, m, matrix) = (robot.joint_names().len(), robot.input_names().len(), robot.input_matrix());
-    let effort = runs.first()?.effort;
-    if n != m || effort == Effort::Current || !robot.quaternion_joints().is_empty() {
-        return None;
-    }
-    let weights = weights(runs, robot, n);
-    let joint = (0..n).max_by(|a, b| weights[*a].total_cmp(&weights[*b]))?;
-    let (weight, gear) = (weights[joint], matrix.get(joint * m + joint)?.abs());
-    let recorded = root_mean_square(runs.iter().filter_map(|r| r.efforts.get(joint)).flatten().copied());
-    if !(weight > 0.0 && recorded > 0.0 && (gear > 4.0 || gear < 0.25 && gear > 0.0)) {
-        return None;
-    }
-    let ratio = if effort == Effort::Input { recorded * gear / weight } else { recorded / weight };
-    // Half of the gear, in logarithms: friction and motion change the effort by less than that.
-    let is_doubtful = match effort {
-        Effort::Input => ratio.ln() / gear.ln() > 0.5,
-        _ => -ratio.ln() / gear.ln() > 0.5,
-    };
-    let (taken, other, key) = match effort {
-        Effort::Input => ("efforts of the motors", "forces at the joints", "torque"),
-        _ => ("forces at the joints", "efforts of the motors", "input"),
-    };
-    is_doubtful.then(|| {
-        let message = format!(
-            "its efforts are taken as {taken} and are then {} times what carries the described weight (rms), with \
-             {} between motor and joint: they look like {other} (--columns '{key}=…')",
-            plain(ratio, 3),
-            plain(gear, 6)
-        );
-        GEAR_DOUBTFUL.found(message).joint(robot.joint_names().swap_remove(joint))
-    })
-}
-
-/// Root mean squares of the forces that hold the described robot, over some of the samples.
-fn weights(runs: &[Run], robot: &dyn Robot, n: usize) -> Vec<f64> {
-    const SAMPLES: usize = 20;
-    let zero = vec![0.0; n];
-    let mut forces = vec![vec![]; n];
-    for run in runs.iter().step_by((runs.len() / SAMPLES).max(1)) {
-        for i in (0..run.times.len()).step_by((run.times.len() / SAMPLES).max(1)) {
-            let y: Vec<f64> = run.positions.iter().map(|q| q[i]).collect();
-            let mut force = zero.clone();
-            robot.rigid_forces(&y, &zero, &zero, &mut force);
-            forces.iter_mut().zip(force).for_each(|(column, f)| column.push(f));
-        }
-    }
-    forces.into_iter().map(|column| root_mean_square(column.into_iter())).collect()
-}
-
-fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
-    let (count, sum) =
-        values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v * v));
-    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
-}
-
-/// Samples that repeat the one before in everything: a log that is written faster than the robot is read.
-fn stuck(runs: &[Run]) -> Option<Finding> {
-    let same = |run: &Run, i: usize| {
-        run.positions.iter().chain(&run.efforts).all(|column| column[i].to_bits() == column[i - 1].to_bits())
-    };
-    let all: usize = runs.iter().map(|r| r.times.len()).sum();
-    let equal: usize = runs.iter().map(|r| (1..r.times.len()).filter(|i| same(r, *i)).count()).sum();
-    (equal * 100 > all).then(|| {
-        STUCK.found(format!(
-            "{:.0} % of the samples repeat all values of the one before at a new time; they are kept",
-            100.0 * equal as f64 / all as f64
-        ))
-    })
-}
-
-/// Undoes jumps by a turn of joints without limits, whose encoders count one turn only.
+/// Undoes jumps by a turn: the encoder counts one turn only.
 pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Vec<Finding> {
-    let (names, units, limits) = (robot.joint_names(), robot.position_units(), robot.limits());
+    let (names, units) = (robot.joint_names(), robot.position_units());
     let mut findings = Vec::new();
     for (joint, q) in run.positions.iter_mut().enumerate() {
         let is_angle = units.get(joint).is_some_and(|u| *u == "rad");
         let jumps: Vec<usize> = (1..q.len()).filter(|i| is_turn(q[*i] - q[*i - 1])).collect();
         let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
-        let rows = Some((run.rows[*first], run.rows[*last]));
-        let is_free = limits.get(joint).is_some_and(|l| l.position.iter().all(|p| p.is_infinite()));
         if !is_angle || !in_one_turn(q) {
             continue;
         }
-        let what = if is_free { "is unwrapped" } else { "it is not unwrapped because the joint has limits" };
-        let and = if is_free { " and" } else { ";" };
-        if is_free {
-            unwrap(q, TAU);
-        }
-        let message = format!("its position jumps by a turn {} times{and} {what}", jumps.len());
-        let joint = names.get(joint).cloned().unwrap_or_default();
-        findings.push(TURNS.found(message).joint(joint).log(source, rows));
+        unwrap(q, TAU);
+        let rows = Some((run.rows[*first], run.rows[*last]));
+        let message = format!("its position jumps by a turn {} times and is unwrapped", jumps.len());
+        findings.push(TURNS.found(message).joint(&names[joint]).log(source, rows));
     }
     findings
 }

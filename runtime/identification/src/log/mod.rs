@@ -32,7 +32,6 @@ mod recording;
 mod tests;
 
 pub use columns::{ColumnGuess, ColumnLabels, ColumnOptions, Labels};
-pub(crate) use finding::GEAR_DOUBTFUL;
-pub(crate) use recording::runs_noting;
 pub use recording::{Recording, guess_columns, runs, runs_of};
+pub(crate) use recording::{hexadecimal, runs_noting};
 pub(crate) use units::{SEEN, are_minutes, unit_value};

@@ -30,8 +30,6 @@ pub struct Recording {
     pub labels: Labels,
     /// The columns that were taken: one line for each quantity.
     pub columns: Vec<String>,
-    /// One sentence for each column that is used, then what was assumed.
-    pub mapping: Vec<String>,
     /// Headers of columns that nothing uses.
     pub unused: Vec<String>,
     /// Path and SHA-256 of each log, in hexadecimal.
@@ -207,7 +205,7 @@ fn read_bytes(
     let mapping = resolve(&sheet, &names, options, source)?;
     let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
     let runs = split(samples, &mapping, (robot, &names), source, findings)?;
-    let Mapping { effort, labels, brief, warnings, sentences, unused, .. } = mapping;
+    let Mapping { effort, labels, brief, warnings, unused, .. } = mapping;
     let new: Vec<Finding> = warnings.into_iter().filter(|warning| !findings.contains(warning)).collect();
     findings.extend(new);
     Ok(Recording {
@@ -217,7 +215,6 @@ fn read_bytes(
         findings: Vec::new(),
         labels,
         columns: brief,
-        mapping: sentences,
         unused,
         hashes: vec![(source.into(), sha256(bytes))],
     })
@@ -237,7 +234,8 @@ fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+/// Bytes as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
@@ -248,8 +246,8 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
             message: format!(
                 "its efforts are {}, those of the logs before it are {}: identify from one kind, or say with --columns \
                  which columns are meant",
-                words(one.effort),
-                words(before.effort)
+                one.effort.plural(),
+                before.effort.plural()
             ),
         });
     }
@@ -266,7 +264,6 @@ fn join(mut before: Recording, one: Recording) -> Result<Recording> {
         let new: Vec<String> = said.into_iter().filter(|sentence| !known.contains(sentence)).collect();
         known.extend(new.into_iter().map(|sentence| format!("{place}: {sentence}")));
     };
-    add(&mut before.mapping, one.mapping);
     add(&mut before.columns, one.columns);
     let unused: Vec<String> = one.unused.into_iter().filter(|name| !before.unused.contains(name)).collect();
     before.unused.extend(unused);
@@ -284,14 +281,6 @@ fn twice(before: &Recording, one: &Recording) -> Option<(String, String)> {
     // The path of one log may begin that of another.
     let log = logs.filter(|path| known.name.starts_with(path.as_str())).max_by_key(|path| path.len());
     Some((log.unwrap_or(&known.name).clone(), path.clone()))
-}
-
-fn words(effort: Effort) -> &'static str {
-    match effort {
-        Effort::Joint => "forces at the joints",
-        Effort::Input => "inputs",
-        Effort::Current => "currents",
-    }
 }
 
 /// Runs carry file names instead of paths, where these tell the files apart.

@@ -393,7 +393,7 @@ pub(super) fn split(
         names.add_unrecorded(run, &mapping.efforts.places);
         match mapping.poses.is_empty() {
             true => move_to_joints(run, robot),
-            false => *run = unrolled(run, robot, source, findings)?,
+            false => *run = unrolled(run, robot, source)?,
         }
     }
     for run in &mut runs {

@@ -95,7 +95,8 @@ mod tests {
         let moving = run(6.0, 0.0).efforts[0].split_off(1);
         let share = 100.0 * moving.iter().filter(|x| **x == 6.0).count() as f64 / moving.len() as f64;
         assert!(
-            one[0].contains(&format!("(column `tau2`) is at its largest value of 6 in {share:.1} %")),
+            one[0].starts_with("note[efforts-cut-off]")
+                && one[0].contains(&format!("(column `tau2`) is at its largest value of 6 in {share:.1} %")),
             "{one:?}"
         );
         let both = said(run(6.0, 0.5));

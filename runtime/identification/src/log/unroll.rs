@@ -1,16 +1,10 @@
 //! Recorded poses as ways that can be filtered, and inputs as forces in the rows of a robot with quaternions.
 
 use super::super::error::{IdentificationError, Result};
-use super::super::numeric::digits::plain;
 use super::super::pose::QuaternionJoint;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
-use super::finding::NOT_UNIT;
 use super::joint_forces::forces_of_inputs;
-use gelenk_findings::Finding;
-
-/// A quaternion's length may differ from 1 by so much before it is said: rounded digits do not matter.
-const EXACT: f64 = 1e-6;
 
 /// A quaternion whose length differs from 1 by more than this is none: three digits differ by less.
 const FARTHEST: f64 = 0.02;
@@ -20,16 +14,11 @@ const FARTHEST: f64 = 0.02;
 ///
 /// # Errors
 /// Quaternions that are zero or far from unit length, and runs in which no force is known that acts on the robot.
-pub(super) fn unrolled(
-    read: &Run,
-    robot: &dyn Robot,
-    source: &str,
-    findings: &mut Vec<Finding>,
-) -> Result<Run> {
+pub(super) fn unrolled(read: &Run, robot: &dyn Robot, source: &str) -> Result<Run> {
     let joints = robot.quaternion_joints();
     let n = robot.joint_names().len();
     let mut read = read.clone();
-    normalize(&mut read, &joints, source, findings)?;
+    normalize(&mut read, &joints, source)?;
     let plain = super::super::pose::plain_positions(&joints, n);
     let mut run = Run {
         positions: vec![Vec::new(); n],
@@ -69,39 +58,19 @@ fn ways(joint: &QuaternionJoint, poses: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// Unit length for all quaternions, and the sign of the one before.
-fn normalize(
-    run: &mut Run,
-    joints: &[QuaternionJoint],
-    source: &str,
-    findings: &mut Vec<Finding>,
-) -> Result<()> {
+fn normalize(run: &mut Run, joints: &[QuaternionJoint], source: &str) -> Result<()> {
     let mut first = 0;
     for joint in joints {
         let begin = first + joint.quaternion();
-        let (mut worst, mut count, mut rows) = (0.0_f64, 0, None);
         let mut before: Option<[f64; 4]> = None;
         for i in 0..run.times.len() {
             let read: [f64; 4] = std::array::from_fn(|k| run.poses[begin + k][i]);
             let length = read.iter().map(|q| q * q).sum::<f64>().sqrt();
             require_unit(&read, length, joint, run.rows[i], source)?;
-            if (length - 1.0).abs() > EXACT {
-                worst = worst.max((length - 1.0).abs());
-                count += 1;
-                rows = Some((rows.map_or(run.rows[i], |(first, _)| first), run.rows[i]));
-            }
             let along = before.map_or(1.0, |b| b.iter().zip(&read).map(|(a, b)| a * b).sum::<f64>().signum());
             let unit = read.map(|q| q * along / length);
             (0..4).for_each(|k| run.poses[begin + k][i] = unit[k]);
             before = Some(unit);
-        }
-        if count > 0 {
-            let message = format!(
-                "the quaternion of {} has a length that differs from 1 by up to {} in {count} rows; it is divided by its \
-                 length",
-                joint.name,
-                plain(worst, 2)
-            );
-            findings.push(NOT_UNIT.found(message).log(source, rows));
         }
         first += joint.positions().len();
     }

@@ -1,4 +1,4 @@
-//! Choice of λ: k-fold cross-validation on contiguous blocks, and the Pareto front of error against size.
+//! Choice of λ: k-fold cross-validation on contiguous blocks.
 //!
 //! Samples of a log are correlated in time; random folds would leak neighbours into the test set, so folds
 //! are contiguous blocks.
@@ -64,54 +64,6 @@ impl CrossValidation {
     }
 }
 
-/// One point of the Pareto front.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ParetoPoint {
-    /// λ of the path.
-    pub lambda: f64,
-    /// Chosen terms.
-    pub active: Vec<usize>,
-    /// Mean squared error of the LASSO coefficients on all samples.
-    pub lasso_error: f64,
-    /// Mean squared error after least squares on the chosen terms.
-    pub refit_error: f64,
-    /// Sum of the magnitudes of the LASSO coefficients.
-    pub l1_norm: f64,
-    /// Cross-validated error, where there is one.
-    pub validation_error: Option<f64>,
-}
-
-/// Error against number of terms along a path, from few terms to many.
-///
-/// # Errors
-/// As [`Reduced::fit`].
-pub fn pareto_front(
-    reduced: &Reduced,
-    target: usize,
-    validation: &CrossValidation,
-) -> Result<Vec<ParetoPoint>> {
-    let n = reduced.moments().samples() as f64;
-    let mut points = Vec::with_capacity(validation.path.lambdas.len());
-    for (k, &lambda) in validation.path.lambdas.iter().enumerate() {
-        let coefficients = validation.coefficients(k);
-        let active = active_terms(&coefficients);
-        let refit = if active.is_empty() {
-            reduced.moments().energy(target)
-        } else {
-            reduced.fit(target, &active)?.residual
-        };
-        points.push(ParetoPoint {
-            lambda,
-            lasso_error: reduced.residual(target, &coefficients) / n,
-            refit_error: refit / n,
-            l1_norm: coefficients.lp_norm(1),
-            validation_error: Some(validation.mean_error[k]),
-            active,
-        });
-    }
-    Ok(points)
-}
-
 /// Least squares on the terms that the path chose at `index`.
 ///
 /// # Errors
@@ -175,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn the_front_falls_with_lambda_and_refitting_never_hurts() {
+    fn a_refit_has_the_terms_of_the_path() {
         let (v, y) = friction(4000, 0.05);
         let library = Library::new(&["1", "v", "tanh(10*v)", "v*abs(v)"], &["v"]).unwrap();
         let samples = Samples::from_library(&library, vec![&v], vec![&y]).unwrap();
@@ -184,13 +136,6 @@ mod tests {
         let lasso = Lasso::default();
         let grid = lasso.lambda_grid(reduced.moments(), 0, 40, 1e-4).unwrap();
         let validation = CrossValidation::new(&lasso, &folds, 0, &grid).unwrap();
-        let front = pareto_front(&reduced, 0, &validation).unwrap();
-        for pair in front.windows(2) {
-            assert!(pair[1].lasso_error <= pair[0].lasso_error * (1.0 + 1e-9));
-        }
-        for point in &front {
-            assert!(point.refit_error <= point.lasso_error * (1.0 + 1e-9));
-        }
         let fit = refit(&reduced, 0, &validation.path, validation.one_standard_error).unwrap();
         assert!(fit.active.contains(&1) && fit.active.contains(&2), "{:?}", fit.active);
         assert!((fit.coefficients[1] - 3.0).abs() < 0.02);

@@ -3,30 +3,12 @@
 //! Contiguous blocks of the log are drawn with replacement (block bootstrap, Künsch 1989), which keeps the
 //! correlation in time inside a block. A draw adds up moments, so its cost does not depend on the samples.
 
-use super::super::error::{IdentificationError, Result, require_setting};
+use super::super::error::{Result, require_setting};
 use super::super::numeric::random::SplitMix64;
-use super::super::numeric::statistics::quantile;
 use super::moments::Moments;
 use nalgebra::DVector;
 
-/// Result of a bootstrap: statistics of each term over its draws.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Ensemble {
-    /// Share of the draws in which a term was chosen.
-    pub inclusion: Vec<f64>,
-    /// Median coefficient over all draws, zero where not chosen.
-    pub median: Vec<f64>,
-    /// 2.5 % and 97.5 % quantiles of the coefficient.
-    pub interval: Vec<[f64; 2]>,
-    /// Draws that gave a model.
-    pub draws: usize,
-    /// Draws without a model (all terms removed, collinear), with the first reason.
-    pub failed: usize,
-    /// Why the first failed draw failed.
-    pub first_failure: Option<String>,
-}
-
-/// Draws as many of `blocks` as there are, `draws` times, and fits each with `fit`.
+/// Draws as many of `blocks` as there are, `draws` times, and fits each with `fit`: the coefficients of the draws that give a model.
 ///
 /// # Errors
 /// Fewer than two blocks, no draws, or no draw that gives a model (the reason of the first is passed on).
@@ -35,46 +17,24 @@ pub(crate) fn bootstrap(
     draws: usize,
     seed: u64,
     fit: impl Fn(Moments) -> Result<DVector<f64>>,
-) -> Result<Ensemble> {
+) -> Result<Vec<DVector<f64>>> {
     require_setting("number of blocks", blocks.len() as f64, blocks.len() >= 2, "at least two are needed")?;
     require_setting("number of draws", draws as f64, draws >= 1, "at least one is needed")?;
     let mut random = SplitMix64::new(seed);
-    let mut models = Vec::with_capacity(draws);
-    let mut failures: Vec<IdentificationError> = Vec::new();
-    for _ in 0..draws {
-        let drawn: Vec<&Moments> = blocks.iter().map(|_| &blocks[random.below(blocks.len())]).collect();
-        match Moments::sum(drawn).and_then(&fit) {
-            Ok(coefficients) => models.push(coefficients),
-            Err(error) => failures.push(error),
-        }
-    }
+    let mut drawn =
+        || -> Vec<&Moments> { blocks.iter().map(|_| &blocks[random.below(blocks.len())]).collect() };
+    let (models, failures): (Vec<_>, Vec<_>) =
+        (0..draws).map(|_| Moments::sum(drawn()).and_then(&fit)).partition(Result::is_ok);
     if models.is_empty() {
-        return Err(failures.swap_remove(0));
+        return failures.into_iter().collect();
     }
-    let mut ensemble = summarize(&models);
-    ensemble.failed = failures.len();
-    ensemble.first_failure = failures.first().map(ToString::to_string);
-    Ok(ensemble)
+    models.into_iter().collect()
 }
 
-fn summarize(models: &[DVector<f64>]) -> Ensemble {
-    let count = models.len() as f64;
-    let mut ensemble = Ensemble {
-        inclusion: Vec::new(),
-        median: Vec::new(),
-        interval: Vec::new(),
-        draws: models.len(),
-        failed: 0,
-        first_failure: None,
-    };
-    for i in 0..models[0].len() {
-        let mut values: Vec<f64> = models.iter().map(|m| m[i]).collect();
-        values.sort_by(f64::total_cmp);
-        ensemble.inclusion.push(values.iter().filter(|x| **x != 0.0).count() as f64 / count);
-        ensemble.median.push(quantile(&values, 0.5));
-        ensemble.interval.push([quantile(&values, 0.025), quantile(&values, 0.975)]);
-    }
-    ensemble
+/// Share of the models in which each term was chosen.
+pub(crate) fn inclusion(models: &[DVector<f64>]) -> Vec<f64> {
+    let chosen = |term: usize| models.iter().filter(|model| model[term] != 0.0).count() as f64;
+    (0..models[0].len()).map(|term| chosen(term) / models.len() as f64).collect()
 }
 
 #[cfg(test)]
@@ -84,6 +44,14 @@ mod tests {
     use super::super::moments::Samples;
     use super::super::thresholding::Thresholding;
     use super::*;
+    use crate::numeric::statistics::quantile;
+
+    /// 2.5 % and 97.5 % quantiles of a coefficient.
+    fn interval(models: &[DVector<f64>], term: usize) -> [f64; 2] {
+        let mut values: Vec<f64> = models.iter().map(|model| model[term]).collect();
+        values.sort_by(f64::total_cmp);
+        [0.025, 0.975].map(|share| quantile(&values, share))
+    }
 
     #[test]
     fn true_terms_are_always_chosen_and_intervals_cover_them() {
@@ -97,9 +65,9 @@ mod tests {
         let settings = Thresholding { threshold: 0.2, ..Default::default() };
         let fit = |m: Moments| Ok(settings.fit(&Reduced::from_moments(m)?, 0)?.coefficients);
         let ensemble = bootstrap(&blocks, 200, 1, fit).unwrap();
-        assert_eq!((ensemble.inclusion[1], ensemble.inclusion[2], ensemble.inclusion[0]), (1.0, 1.0, 0.0));
-        assert!(ensemble.interval[1][0] < 1.5 && 1.5 < ensemble.interval[1][1]);
-        assert!(ensemble.interval[2][0] < 0.6 && 0.6 < ensemble.interval[2][1]);
+        assert_eq!(inclusion(&ensemble)[..3], [0.0, 1.0, 1.0]);
+        let [of_v, of_tanh] = [1, 2].map(|term| interval(&ensemble, term));
+        assert!(of_v[0] < 1.5 && 1.5 < of_v[1] && of_tanh[0] < 0.6 && 0.6 < of_tanh[1]);
         assert_eq!(ensemble, bootstrap(&blocks, 200, 1, fit).unwrap());
         let strict = Thresholding { threshold: 99.0, ..settings };
         let failing = |m: Moments| Ok(strict.fit(&Reduced::from_moments(m)?, 0)?.coefficients);
@@ -116,7 +84,8 @@ mod tests {
         let blocks = Moments::blocks(&samples, 500).unwrap();
         let fit = |m: Moments| Reduced::from_moments(m)?.solve(0, &[0], 0.0);
         let ensemble = bootstrap(&blocks, 2000, 5, fit).unwrap();
-        let width = ensemble.interval[0][1] - ensemble.interval[0][0];
+        let [low, high] = interval(&ensemble, 0);
+        let width = high - low;
         assert!((width / (2.0 * 1.96 * 0.01) - 1.0).abs() < 0.1, "{width}");
     }
 }

@@ -62,27 +62,6 @@ impl Library {
         Self::new(&terms, &["v"])
     }
 
-    /// All monomials of `channels` up to `degree`, constant first, e.g. `1, x, y, x*x, x*y, y*y`.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn polynomial<C: AsRef<str>>(channels: &[C], degree: usize) -> Result<Self> {
-        let mut terms = vec!["1".to_string()];
-        let mut last: Vec<(String, usize)> = vec![(String::new(), 0)];
-        for _ in 0..degree {
-            let mut next = Vec::new();
-            for (text, first) in &last {
-                for (i, channel) in channels.iter().enumerate().skip(*first) {
-                    let joint = if text.is_empty() { "" } else { "*" };
-                    next.push((format!("{text}{joint}{}", channel.as_ref()), i));
-                }
-            }
-            terms.extend(next.iter().map(|(text, _)| text.clone()));
-            last = next;
-        }
-        Self::new(&terms, channels)
-    }
-
     /// The library of some of its terms.
     ///
     /// # Errors

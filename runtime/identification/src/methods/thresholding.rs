@@ -19,7 +19,7 @@
 //! let x = wave(|rate, t| 3.0 * (2.0 * (rate * t).sin() - rate * (rate * t).cos()) / (4.0 + rate * rate));
 //! let rate: Vec<f64> = x.iter().zip(&y).map(|(x, y)| 3.0 * y - 2.0 * x).collect();
 //!
-//! let library = Library::polynomial(&["x", "y"], 2)?; // 1, x, y, x*x, x*y, y*y
+//! let library = Library::new(&["1", "x", "y", "x*x", "x*y", "y*y"], &["x", "y"])?;
 //! let samples = Samples::from_library(&library, vec![&x, &y], vec![&rate])?;
 //! let fit = Thresholding { threshold: 0.5, ..Default::default() }.fit(&Reduced::new(&samples)?, 0)?;
 //! assert_eq!(fit.active, [1, 2]);
@@ -134,7 +134,10 @@ mod tests {
         let inner = 100..19_900;
         let states = smooth.iter().map(|s| &s.value[inner.clone()]).collect();
         let rates = smooth.iter().map(|s| &s.first[inner.clone()]).collect();
-        let library = Library::polynomial(&["x", "y", "z"], 3).unwrap();
+        let terms =
+            "1 x y z x*x x*y x*z y*y y*z z*z x*x*x x*x*y x*x*z x*y*y x*y*z x*z*z y*y*y y*y*z y*z*z z*z*z";
+        let terms: Vec<&str> = terms.split(' ').collect();
+        let library = Library::new(&terms, &["x", "y", "z"]).unwrap();
         let reduced = Reduced::new(&Samples::from_library(&library, states, rates).unwrap()).unwrap();
         let settings = Thresholding { threshold: 0.2, ..Default::default() };
         let expected = [

@@ -5,7 +5,6 @@ use crate::error::Result;
 use crate::estimation::described_ratio;
 use crate::identify::{IdentificationSettings, beyond_range, read_and_prepare};
 use crate::log::Recording;
-use crate::preparation::PreparationSettings;
 use crate::robot::Robot;
 use crate::run::PreparedRun;
 use gelenk_findings::{Finding, distinct};
@@ -55,13 +54,7 @@ fn compared(
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Payload, [Recording; 2])> {
     let (empty, runs_without, report) = read_and_prepare(robot, without, settings, noted, progress)?;
-    let joint = report.joints.first();
-    let preparation = PreparationSettings {
-        bandwidth: joint.map(|joint| joint.bandwidth),
-        rate: joint.map(|joint| joint.sample_rate),
-        delay: joint.map(|joint| joint.delay),
-        ..settings.preparation.clone()
-    };
+    let preparation = report.settings_alike(&settings.preparation);
     let alike = IdentificationSettings { preparation, ..settings.clone() };
     let (loaded, runs_with, _) = read_and_prepare(robot, with, &alike, noted, progress)?;
     noted.extend(beyond_range(robot, &empty, &runs_without, settings.accept_poor)?);

@@ -19,13 +19,14 @@ mod result;
 mod settings;
 
 pub use identify::{CarriedLoad, identify_load};
-pub use result::{Estimate, Payload};
+pub use result::Payload;
 pub use settings::PayloadSettings;
 
 use crate::error::{Result, require_setting};
 use crate::estimation::distance;
 use crate::inertial::consistent::{ConsistentProblem, ConsistentSolution, solve};
 use crate::inertial::{PER_BODY, from_pseudo_inertia};
+use crate::methods::confidence::quantile;
 use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
 use equations::{Equations, Reduced, singular};
@@ -63,7 +64,7 @@ pub(crate) fn estimate(
     // First any load of about the robot's size. A mass that is seen then says where a ball is, which decides
     // what the motion does not show; around a mass that is not seen there is no such place.
     let mut found = Found::near(anything(robot), &equations, &weights, &reduced, settings)?;
-    let half = report::quantile(degrees, settings.confidence)? * found.covariance[(0, 0)].sqrt();
+    let half = quantile(settings.confidence, degrees.max(1) as f64)? * found.covariance[(0, 0)].sqrt();
     if found.load.parameters[0] > half {
         let ball = ball(found.load.parameters.as_slice());
         found = Found::near(ball, &equations, &weights, &reduced, settings)?;

@@ -1,5 +1,6 @@
 //! A load, with how far to trust it.
 
+use crate::estimation::Uncertain;
 use crate::inertial::PER_BODY;
 use gelenk_findings::Finding;
 
@@ -7,19 +8,20 @@ use gelenk_findings::Finding;
 pub(crate) const NAMES: [&str; PER_BODY] =
     ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// A load, in the frame of the body that carries it.
+/// A load, in the frame of the body that carries it. Intervals allow for residuals that are correlated over time, and for a
+/// description and a ball that are wrong by their own size where the motion does not show them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
     /// The body that carries the load, from 0.
     pub body: usize,
     /// Mass, in kg.
-    pub mass: Estimate,
+    pub mass: Uncertain,
     /// Centre of mass, in m.
-    pub centre_of_mass: [Estimate; 3],
+    pub centre_of_mass: [Uncertain; 3],
     /// Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the centre of mass, axes parallel to the body's frame [kg m²].
-    pub moments: [Estimate; 6],
+    pub moments: [Uncertain; 6],
     /// m, m c and the moments Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, which are added to the body's.
-    pub parameters: [Estimate; PER_BODY],
+    pub parameters: [Uncertain; PER_BODY],
     /// Whether the motion shows each parameter: its interval is smaller than what bodies of this mass differ
     /// by. The others are those of a ball of 1500 kg/m³ at the centre of mass, if the mass is seen.
     pub shown: [bool; PER_BODY],
@@ -31,14 +33,4 @@ pub struct Payload {
     pub residuals: Vec<Option<f64>>,
     /// Doubts.
     pub findings: Vec<Finding>,
-}
-
-/// A value and its confidence interval: it allows for residuals that are correlated over time, and for a
-/// description and a ball that are wrong by their own size where the motion does not show them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
-    /// The value.
-    pub value: f64,
-    /// Lower and upper end.
-    pub interval: [f64; 2],
 }

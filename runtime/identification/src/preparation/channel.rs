@@ -1,8 +1,7 @@
-//! One measured signal reduced to its informative samples: repeats, spikes, turns and gaps are separated.
+//! One measured signal reduced to its informative samples: repeats, spikes and gaps are separated.
 
 use super::super::methods::differentiation::quantization_noise;
 use super::super::numeric::statistics::{median, quantile};
-use std::f64::consts::PI;
 
 /// The samples of a signal that carry information, at their own times.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,8 +16,6 @@ pub(super) struct Channel {
     pub resolution: f64,
     /// Indices of samples that were left out as spikes.
     pub spikes: Vec<usize>,
-    /// Number of whole turns that were taken out.
-    pub turns: usize,
 }
 
 /// Half-width of the windows that separate motion from rest [samples].
@@ -28,21 +25,11 @@ const WINDOW: usize = 8;
 const DECADES: usize = 19;
 
 impl Channel {
-    /// Informative samples of a signal; `position` also takes out turns by 2π.
-    pub(crate) fn new(times: &[f64], signal: &[f64], position: bool) -> Self {
-        Self::with(times, signal, position, position)
-    }
-
-    /// Informative samples of the way of a joint with a quaternion, which has no turns to take out.
-    pub(crate) fn of_way(times: &[f64], signal: &[f64]) -> Self {
-        Self::with(times, signal, false, true)
-    }
-
-    fn with(times: &[f64], signal: &[f64], has_turns: bool, has_spikes: bool) -> Self {
+    /// Informative samples of a signal; those of positions are without spikes.
+    pub(crate) fn new(times: &[f64], signal: &[f64], is_position: bool) -> Self {
         let mut rows: Vec<usize> = (0..signal.len()).filter(|i| signal[*i].is_finite()).collect();
         let mut values: Vec<f64> = rows.iter().map(|i| signal[*i]).collect();
-        let turns = if has_turns { take_out_turns(&mut values) } else { 0 };
-        let spikes = if has_spikes { spikes(&values) } else { Vec::new() };
+        let spikes = if is_position { spikes(&values) } else { Vec::new() };
         let spike_rows: Vec<usize> = spikes.iter().map(|k| rows[*k]).collect();
         for k in spikes.iter().rev() {
             rows.remove(*k);
@@ -53,7 +40,7 @@ impl Channel {
         let kept = if hold > 1.2 { updates(&values, hold) } else { (0..values.len()).collect() };
         let times: Vec<f64> = kept.iter().map(|k| times[rows[*k]]).collect();
         let values: Vec<f64> = kept.iter().map(|k| values[*k]).collect();
-        Self { times, values, hold, resolution, spikes: spike_rows, turns }
+        Self { times, values, hold, resolution, spikes: spike_rows }
     }
 
     /// Median time between informative samples [s]; 0 where there are fewer than two.
@@ -91,22 +78,6 @@ pub(super) fn median_step(times: &[f64]) -> f64 {
     }
     steps.sort_by(f64::total_cmp);
     quantile(&steps, 0.5)
-}
-
-/// Adds or subtracts 2π after each jump by 2π between neighbours (within 0.5 rad); returns the number of jumps.
-///
-/// No joint turns by 5.8 rad or moves by 5.8 m between two samples, so nothing else is mistaken for a turn.
-fn take_out_turns(values: &mut [f64]) -> usize {
-    let (mut offset, mut turns) = (0.0, 0);
-    for i in 1..values.len() {
-        let jump = values[i] + offset - values[i - 1];
-        if (jump.abs() - 2.0 * PI).abs() < 0.5 {
-            offset -= 2.0 * PI * jump.signum();
-            turns += 1;
-        }
-        values[i] += offset;
-    }
-    turns
 }
 
 /// Samples that neither the cubic through their neighbours nor the median of five explains.
@@ -250,19 +221,16 @@ mod tests {
     }
 
     #[test]
-    fn turns_and_spikes_are_taken_out() {
+    fn spikes_are_taken_out() {
         let (times, mut signal) = wave(1000, 0.01);
         let truth = signal.clone();
-        for y in &mut signal[300..600] {
-            *y -= 2.0 * PI;
-        }
         signal[700] += 0.5;
         signal[20] = f64::NAN;
         let channel = Channel::new(&times, &signal, true);
-        assert_eq!((channel.turns, channel.spikes.as_slice(), channel.times.len()), (2, &[700][..], 998));
+        assert_eq!((channel.spikes.as_slice(), channel.times.len()), (&[700][..], 998));
         let error = |(t, y): (&f64, &f64)| (y - truth[(t / 0.01).round() as usize]).abs();
         assert!(channel.times.iter().zip(&channel.values).all(|pair| error(pair) < 1e-12));
         let none = Channel::new(&times, &truth, true);
-        assert!(none.spikes.is_empty() && none.turns == 0 && none.hold == 1.0);
+        assert!(none.spikes.is_empty() && none.hold == 1.0);
     }
 }

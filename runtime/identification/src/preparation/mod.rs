@@ -24,7 +24,7 @@ mod settings;
 mod signals;
 mod spectrum;
 #[cfg(test)]
-mod study;
+mod tests;
 mod together;
 
 pub use super::methods::filter::Filter;

@@ -8,7 +8,8 @@ use super::bandwidth::{from_positions, noise_share};
 use super::channel::Channel;
 use super::choice::{Recorded, USUAL};
 use super::grid::Piece;
-use super::result::{Delay, JointPreparation, PreparationReport, VelocityCheck};
+use super::result::{Delay, JointPreparation, PreparationReport};
+use super::settings::PreparationSettings;
 use super::signals::{Signals, Smoothed, Smoothing, is_too_short};
 use gelenk_findings::{Finding, Rule, Subject};
 
@@ -33,19 +34,13 @@ const RESTS: Rule = Rule::note("rests");
 /// Sees: single positions that no motion explains.
 /// Matters: they are left out.
 /// Example: a bit that flips in an encoder.
-/// Fixture: `turns_and_spikes_are_taken_out` in `preparation/channel.rs`.
+/// Fixture: `spikes_are_taken_out` in `preparation/channel.rs`.
 const SPIKES: Rule = Rule::note("position-spikes");
-
-/// Sees: jumps of a position by a whole turn that the log's reader left.
-/// Matters: they are taken out.
-/// Example: an encoder that counts one turn, of a joint with limits.
-/// Fixture: `turns_and_spikes_are_taken_out` in `preparation/channel.rs`.
-const WHOLE_TURNS: Rule = Rule::note("turns-taken-out");
 
 /// Sees: an acceleration of which a tenth or more is noise.
 /// Matters: inertia comes out too small.
 /// Example: a coarse encoder and a slow motion.
-/// Fixture: `preparation/study/simulated.rs`.
+/// Fixture: `short` in `codegen/tests/findings/arm.rs`.
 const NOISY: Rule = Rule::note("noisy-acceleration");
 
 /// Sees: a position or an effort that is new in a part of the rows only.
@@ -54,23 +49,11 @@ const NOISY: Rule = Rule::note("noisy-acceleration");
 /// Fixture: `held` in `codegen/tests/findings/arm.rs`.
 const HELD: Rule = Rule::note("held-signal");
 
-/// Sees: measured velocities that differ from the derivative of the positions.
-/// Matters: a unit, a joint or a sign may be wrong. The velocities themselves are not used.
-/// Example: a factor of 1.2 between them.
-/// Fixture: `preparation/study/contract.rs`.
-const VELOCITY_DIFFERS: Rule = Rule::note("velocity-differs");
-
 /// Sees: efforts that come later or earlier than the positions.
 /// Matters: this delay is removed.
 /// Example: efforts 15 ms late, as a drive averages them.
 /// Fixture: `late` in `codegen/tests/findings/arm.rs`.
 const DELAY: Rule = Rule::note("delay-removed");
-
-/// Sees: a log with more samples than the filter leaves.
-/// Matters: fewer are kept. Nothing is lost.
-/// Example: 1000 samples a second, and a filter of 5 Hz.
-/// Fixture: `good` in `codegen/tests/findings/arm.rs`.
-const FEWER_SAMPLES: Rule = Rule::note("fewer-samples");
 
 /// Sees: efforts that are explained better through a low-pass filter than without one.
 /// Matters: friction at reversals is smoothed. Positions and terms of friction pass the filter too.
@@ -109,22 +92,13 @@ impl Recorded<'_> {
         smoothed: &[Smoothed],
     ) -> Result<PreparationReport> {
         let filter = how.filter()?;
-        let joints: Vec<JointPreparation> =
-            (0..self.joints()).map(|j| self.joint(j, how, &delays, smoothed)).collect();
+        let joints: Vec<JointPreparation> = (0..self.joints()).map(|j| self.joint(j, how, &delays)).collect();
         let mut findings = self.of_runs(how);
-        findings.extend(joints.iter().flat_map(remarks));
+        findings.extend(joints.iter().filter_map(noisy));
         findings.extend(self.held());
         findings.extend(how.band.map(low_passed));
         findings.extend(delay_findings(&joints, |_| true));
         findings.extend(self.of_rests(smoothed));
-        if how.step > 1.5 * self.step {
-            let (fewer, all) = (1.0 / how.step, 1.0 / self.step);
-            let message = format!(
-                "the filter leaves nothing above {:.3} Hz, so {fewer:.1} of {all:.1} samples a second are kept",
-                2.0 * how.bandwidth
-            );
-            findings.push(FEWER_SAMPLES.found(message).help("a larger --bandwidth keeps more"));
-        }
         Ok(PreparationReport { joints, delays, filter, sample_rate: 1.0 / how.step, findings })
     }
 
@@ -133,7 +107,7 @@ impl Recorded<'_> {
         names.get(joint).cloned().unwrap_or_else(|| format!("joint {}", joint + 1))
     }
 
-    fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay], smoothed: &[Smoothed]) -> JointPreparation {
+    fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay]) -> JointPreparation {
         let quality = &self.quality[j];
         let resolutions = self.signals.iter().map(|s| s.positions[j].resolution);
         let own = from_positions(&[quality], self.lowest(USUAL).min(self.highest()), self.highest());
@@ -147,8 +121,6 @@ impl Recorded<'_> {
             own_bandwidth: own,
             acceleration_noise: noise_share(quality, how.bandwidth),
             delay: delays.get(j).map_or(0.0, |d| d.removed),
-            sample_rate: 1.0 / how.step,
-            velocity: velocity_check(smoothed, j),
             fault: self.fault(j),
         }
     }
@@ -245,44 +217,25 @@ impl Recorded<'_> {
 
     fn of_positions(&self, signals: &Signals) -> Vec<Finding> {
         let of = |(j, channel): (usize, &Channel)| {
-            let about = |rule: Rule, message: String| {
-                rule.found(message).log(&signals.name, None).joint(self.name(j))
-            };
-            let spikes = channel.spikes.first().map(|first| {
-                let (count, row) = (channel.spikes.len(), signals.rows[*first]);
-                about(SPIKES, format!("{count} spikes of its position are left out, the first in row {row}"))
-            });
-            let turns = (channel.turns > 0).then(|| {
-                let message =
-                    format!("{} jumps by a whole turn are taken out of its position", channel.turns);
-                about(WHOLE_TURNS, message)
-            });
-            spikes.into_iter().chain(turns)
+            let first = channel.spikes.first()?;
+            let (count, row) = (channel.spikes.len(), signals.rows[*first]);
+            let message = format!("{count} spikes of its position are left out, the first in row {row}");
+            Some(SPIKES.found(message).log(&signals.name, None).joint(self.name(j)))
         };
-        signals.positions.iter().enumerate().flat_map(of).collect()
+        signals.positions.iter().enumerate().filter_map(of).collect()
     }
 }
 
-/// Remarkable numbers of a joint.
-fn remarks(joint: &JointPreparation) -> Vec<Finding> {
-    let noisy = (joint.moves && joint.acceleration_noise > 0.1).then(|| {
+/// A joint whose acceleration is noisy.
+fn noisy(joint: &JointPreparation) -> Option<Finding> {
+    (joint.moves && joint.acceleration_noise > 0.1).then(|| {
         let message = format!(
             "{:.0} % of the power of its acceleration is noise: inertia comes out too small",
             100.0 * joint.acceleration_noise
         );
         let remedy = format!("move it faster, or say a smaller --bandwidth (it is {:.3})", joint.bandwidth);
-        NOISY.found(message).help(remedy)
-    });
-    let differs =
-        |check: &VelocityCheck| joint.moves && ((check.gain - 1.0).abs() > 0.1 || check.r_squared < 0.9);
-    let velocity = joint.velocity.filter(differs).map(|check| {
-        let message = format!(
-            "its measured velocity is {:.3} times the derivative of its position, with R² {:.3} (it is not used)",
-            check.gain, check.r_squared
-        );
-        VELOCITY_DIFFERS.found(message).help("check the column's unit and joint")
-    });
-    noisy.into_iter().chain(velocity).map(|finding| finding.joint(&joint.name)).collect()
+        NOISY.found(message).help(remedy).joint(&joint.name)
+    })
 }
 
 /// Delays that are removed, one finding for the joints that share one.
@@ -315,6 +268,17 @@ fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) ->
 }
 
 impl PreparationReport {
+    /// Settings by which other runs are prepared alike.
+    pub(crate) fn settings_alike(&self, settings: &PreparationSettings) -> PreparationSettings {
+        let joint = self.joints.first();
+        PreparationSettings {
+            bandwidth: joint.map(|joint| joint.bandwidth),
+            rate: joint.map(|_| self.sample_rate),
+            delay: joint.map(|joint| joint.delay),
+            ..settings.clone()
+        }
+    }
+
     /// Adds what the common estimate finds left of the delays. A delay that is not significant gives no finding.
     ///
     /// - `left`: of each effort with its standard error \[s\]; empty where delays are known
@@ -334,20 +298,4 @@ impl PreparationReport {
         self.findings.retain(|finding| finding.code != DELAY.code);
         self.findings.extend(found);
     }
-}
-
-fn velocity_check(smoothed: &[Smoothed], joint: usize) -> Option<VelocityCheck> {
-    let (mut vv, mut mv, mut mm) = (0.0, 0.0, 0.0);
-    for piece in smoothed {
-        let measured = piece.velocities[joint].as_ref()?;
-        let pairs = measured.iter().zip(&piece.run.velocities[joint]);
-        for (m, v) in pairs.filter(|(m, _)| m.is_finite()) {
-            vv += v * v;
-            mv += m * v;
-            mm += m * m;
-        }
-    }
-    let gain = mv / vv;
-    gain.is_finite()
-        .then(|| VelocityCheck { gain, r_squared: if mm > 0.0 { mv * mv / (vv * mm) } else { 0.0 } })
 }

@@ -53,20 +53,7 @@ pub struct JointPreparation {
     pub acceleration_noise: f64,
     /// Removed delay of the effort with the joint's number \[s\]; the common one if there is none.
     pub delay: f64,
-    /// Sample rate \[Hz\].
-    pub sample_rate: f64,
-    /// Comparison with measured velocities, where the log has them.
-    pub(crate) velocity: Option<VelocityCheck>,
     /// Why the effort with the joint's number is not usable: its columns hold NaN, so that no fit takes it for
     /// measured. `None` if all is well.
     pub fault: Option<Finding>,
-}
-
-/// Measured velocities against the derivative of the positions, through the same filter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct VelocityCheck {
-    /// Factor between them, near 1: measured = gain · derived.
-    pub gain: f64,
-    /// Share of the measured velocity's variance that the derived one explains.
-    pub r_squared: f64,
 }

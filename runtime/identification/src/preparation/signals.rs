@@ -3,7 +3,7 @@
 use super::super::error::Result;
 use super::super::methods::differentiation::TotalVariation;
 use super::super::methods::filter::{Band, Filter, convolved, kernel, weighted};
-use super::super::pose::{plain_positions, rows_of};
+use super::super::pose::plain_positions;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun, Run};
 use super::channel::{Channel, median_step};
@@ -22,7 +22,6 @@ pub(super) struct Signals {
     poses: Vec<PoseSignal>,
     /// The entry of y of each other joint.
     plain: Vec<Option<usize>>,
-    pub velocities: Vec<Option<Channel>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
     /// Where joints rest.
@@ -34,14 +33,10 @@ pub(super) struct Signals {
 impl Signals {
     /// Channels of a run whose times increase.
     pub(crate) fn new(run: &Run, robot: Option<&dyn Robot>) -> Self {
-        let channel = |values: &Vec<f64>, position| Channel::new(&run.times, values, position);
+        let channel = |values: &Vec<f64>, is_position| Channel::new(&run.times, values, is_position);
         let quaternions = robot.map(Robot::quaternion_joints).unwrap_or_default();
         let joints = run.positions.len();
-        let position = |(values, has_quaternion): (&Vec<f64>, bool)| {
-            if has_quaternion { Channel::of_way(&run.times, values) } else { channel(values, true) }
-        };
-        let positions: Vec<Channel> =
-            run.positions.iter().zip(rows_of(&quaternions, joints)).map(position).collect();
+        let positions: Vec<Channel> = run.positions.iter().map(|q| channel(q, true)).collect();
         let poses =
             quaternions.iter().map(|joint| PoseSignal::new(joint, run, &positions[joint.velocities()]));
         Self {
@@ -51,7 +46,6 @@ impl Signals {
             poses: poses.collect(),
             plain: plain_positions(&quaternions, joints),
             positions,
-            velocities: run.velocities.iter().map(|v| v.as_ref().map(|v| channel(v, false))).collect(),
             efforts: run.efforts.iter().map(|u| channel(u, false)).collect(),
             effort: run.effort,
             rests: Rests::default(),
@@ -126,8 +120,6 @@ impl Smoothing {
 pub(super) struct Smoothed {
     pub run: PreparedRun,
     pub measured: Vec<Vec<f64>>,
-    /// Measured velocities through the same filter, where there are any.
-    pub velocities: Vec<Option<Vec<f64>>>,
 }
 
 /// Fewest results of a piece: rates of change take the neighbours on both sides.
@@ -165,10 +157,6 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
         let late: Vec<f64> = times.iter().map(|t| t + how.delays[m]).collect();
         measured.push(interpolate(channel, &late));
     }
-    let mut velocities = Vec::new();
-    for channel in &signals.velocities {
-        velocities.push(channel.as_ref().map(|c| through(c, 0, 0.0)).transpose()?);
-    }
     let positions = all(0)?;
     let run = PreparedRun {
         poses: signals.coordinates(&times, &positions),
@@ -182,7 +170,7 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
         effort: signals.effort,
         times,
     };
-    Ok(Some(Smoothed { run, measured, velocities }))
+    Ok(Some(Smoothed { run, measured }))
 }
 
 /// Whether too little is left of a piece between its cut ends.

@@ -1,9 +1,20 @@
 //! How friction and offsets change over a log: plain data.
 
-use super::super::estimation::{FRICTION_DRIFTS, OFFSET_DRIFTS};
 use super::super::numeric::digits::with_error;
-use gelenk_findings::Finding;
+use gelenk_findings::{Finding, Rule};
 use std::ops::Range;
+
+/// Sees: an offset that changes from the beginning to the end of the logs.
+/// Matters: a constant no longer describes the offset of the sensor.
+/// Example: a torque sensor that warms up.
+/// Fixture: `warming_up` in `codegen/tests/findings/arm.rs`.
+const OFFSET_DRIFTS: Rule = Rule::warning("offset-drifts");
+
+/// Sees: friction that changes from the beginning to the end of the logs.
+/// Matters: the law is an average that holds at no time.
+/// Example: grease that warms up.
+/// Fixture: `drift_is_shown_where_it_is_there` in `friction/tests.rs`.
+const FRICTION_DRIFTS: Rule = Rule::warning("friction-drifts");
 
 /// Change, as a share of the friction, that is named.
 const NAMED_CHANGE: f64 = 0.02;

@@ -75,7 +75,7 @@ fn shares_of_the_load_come_back_beside_masses_and_friction() {
     // Without the term the fit is worse, and says what it lacks.
     let (_, without) = estimated(shares, false, 3);
     let doubts = texts(&without.findings, Severity::Warning).join(" ");
-    assert!(doubts.contains("joint shoulder") && doubts.contains("--load-friction"), "{doubts}");
+    assert!(doubts.contains("[friction-under-load]: joint shoulder"), "{doubts}");
     assert!(without.joints[0].sigma > 3.0 * found.joints[0].sigma);
     assert!(without.joints.iter().all(|joint| joint.load.is_none()) && without.load_friction.is_empty());
 }

@@ -82,7 +82,9 @@ fn weight_is_compensated_as_described_or_as_it_is() {
     let by_model = without_the_weight_of(&described, &truth, &[0.0], &mut random);
     assert_eq!(by_model.gravity, Gravity::CompensatedAsDescribed);
     assert!(
-        texts(&by_model.findings, Severity::Note).iter().any(|said| said.contains("as described")),
+        texts(&by_model.findings, Severity::Note)
+            .iter()
+            .any(|said| said.contains("[compensated-as-described]")),
         "{:?}",
         texts(&by_model.findings, Severity::Note)
     );
@@ -195,7 +197,10 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     let mut short = super::data::part(&run, 0..40);
     short.efforts[1].iter_mut().for_each(|u| *u = -*u);
     let message = refused(short);
-    assert!(message.contains("too short: 40 samples") && !message.contains("sign of"), "{message}");
+    assert!(
+        message.contains("[log-too-short]") && message.contains("40 samples") && !message.contains("sign of"),
+        "{message}"
+    );
     let mut noise = run;
     noise.efforts[0].iter_mut().for_each(|u| *u = random.normal());
     let found = quietly(&truth, std::slice::from_ref(&noise), &settings);
@@ -207,6 +212,7 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     noise.efforts[1].iter_mut().for_each(|u| *u = random.normal());
     let message = refused(noise);
     assert!(message.starts_with("the fit does not explain joint shoulder: R² "), "{message}");
+    assert!(message.contains("error[unexplained-effort]"), "{message}");
 }
 
 #[test]

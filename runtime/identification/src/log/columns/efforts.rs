@@ -26,14 +26,18 @@ impl Finder<'_> {
             _ if has_quaternions => self.efforts_or_frames(wanted)?,
             _ => self.best_efforts(stated)?,
         };
-        let mut found = self.found(choice, kind_of(effort), targets)?;
-        found.remarks.push(self.effort_taken(effort, wanted.is_some()));
-        Ok((effort, found))
+        Ok((effort, self.found(choice, kind_of(effort), targets)?))
     }
 
     /// The joints or inputs of which a log may have efforts of this kind.
     fn targets_of(&self, effort: Effort) -> &Targets {
         if effort == Effort::Joint { &self.robot.torques } else { &self.robot.inputs }
+    }
+
+    /// Whether these are the efforts at frames, and the robot has other inputs.
+    pub(super) fn has_frames_alone(&self, efforts: &Found) -> bool {
+        let (frames, inputs) = (&self.robot.frame_inputs.places, &self.robot.inputs.places);
+        efforts.kind == Kind::Input && efforts.places == *frames && inputs.len() > frames.len()
     }
 
     fn has_frames(&self) -> bool {
@@ -117,11 +121,9 @@ impl Finder<'_> {
         if !self.has_frames() {
             return Err(self.nothing_acts(self.missing(&kinds, &robot.inputs)));
         }
-        let Some(mut choice) = self.best(&kinds, &robot.frame_inputs)? else {
+        let Some(choice) = self.best(&kinds, &robot.frame_inputs)? else {
             return Err(self.nothing_acts(self.missing(&kinds, &robot.frame_inputs)));
         };
-        let message = "No efforts of the joints are found: the rows of the base alone, and of joints without a drive, are fitted.";
-        choice.remarks.push(message.into());
         Ok((Effort::Input, &robot.frame_inputs, choice))
     }
 
@@ -142,23 +144,6 @@ impl Finder<'_> {
             )
         };
         IdentificationError::File { place, message: format!("{message}. {enough}") }
-    }
-
-    fn effort_taken(&self, effort: Effort, is_stated: bool) -> String {
-        let why = if is_stated { "as stated" } else { "by their names" };
-        match effort {
-            _ if self.robot.direct && effort != Effort::Current => format!(
-                "The efforts are taken as forces at the joints, {why}; the description's drives are ideal (B = 1), so \
-                 inputs are the same."
-            ),
-            Effort::Joint => format!("The efforts are taken as forces at the joints (B u), {why}."),
-            Effort::Input => {
-                format!("The efforts are taken as the inputs u, at the motors' side of the gears, {why}.")
-            }
-            Effort::Current => {
-                format!("The efforts are taken as motor currents, {why}; u = K_M i with K_M unknown.")
-            }
-        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::super::super::error::{IdentificationError, Result};
 use super::super::super::numeric::digits::plain;
 use super::super::sheet::{Sheet, shortened};
 use super::super::units::{self, GRAD, Unit};
-use super::families::{Family, Key, Targets, families};
+use super::families::{Family, Targets, families};
 use super::found::{Column, Found};
 use super::header::{Header, is_known, is_number, words};
 use super::pattern::{Chosen, ColumnOptions, Pattern, is_spellable};
@@ -107,22 +107,13 @@ impl<'a> Finder<'a> {
             }
         }
         let Some((family, columns)) = complete.first() else { return Ok(None) };
-        let plural = kinds[0].plural();
-        let mut remarks = Vec::new();
-        for (other, others) in complete.iter().skip(1) {
-            if other.meaning.kind == family.meaning.kind && other.rank() == family.rank() {
-                let [one, other] = [columns, others].map(|columns| self.pattern_of(columns, targets));
-                return Err(self.ambiguous(kinds[0], &[one, other]));
-            }
-            remarks.push(format!(
-                "Columns {} could be the {plural} too and were not taken: {}.",
-                self.pattern_of(others, targets),
-                reason(family, other)
-            ));
+        let is_rival =
+            |other: &Family| other.meaning.kind == family.meaning.kind && other.rank() == family.rank();
+        if let Some((_, others)) = complete.iter().skip(1).find(|(other, _)| is_rival(other)) {
+            return Err(self.ambiguous(kinds[0], [columns, others].map(|of| self.pattern_of(of, targets))));
         }
-        remarks.extend(order_of(family, plural));
         let is_commanded = family.meaning.origin == Origin::Commanded;
-        Ok(Some(Chosen { remarks, is_commanded, ..Chosen::alike(columns.clone(), None) }))
+        Ok(Some(Chosen { is_commanded, ..Chosen::alike(columns.clone(), None) }))
     }
 
     /// The columns that the user names, or the best family.
@@ -150,7 +141,6 @@ impl<'a> Finder<'a> {
             columns: all.map(column).collect::<Result<_>>()?,
             names: targets.names.clone(),
             places: targets.places.clone(),
-            remarks: chosen.remarks,
             is_commanded: chosen.is_commanded,
         })
     }
@@ -220,8 +210,7 @@ impl<'a> Finder<'a> {
     }
 
     /// Two or more sets of columns for one quantity.
-    pub(super) fn ambiguous(&self, kind: Kind, sets: &[String; 2]) -> IdentificationError {
-        let [one, other] = sets;
+    pub(super) fn ambiguous(&self, kind: Kind, [one, other]: [String; 2]) -> IdentificationError {
         let key = kind.key();
         self.undecided(format!(
             "both `{one}` and `{other}` could be the {}: --columns '{key}={one}' or '{key}={other}' settles it",
@@ -320,35 +309,6 @@ fn numbered_patterns(texts: &[String]) -> Vec<String> {
         format!("{}{{}}{}", &first[..start], &first[end..])
     };
     starts.map(pattern).collect()
-}
-
-/// Why a family is preferred to another one.
-fn reason(family: &Family, other: &Family) -> String {
-    let origin = |f: &Family| match f.meaning.origin {
-        Origin::Measured => "measured",
-        Origin::Unsaid => "neither measured nor commanded by their name",
-        Origin::Filtered => "filtered",
-        Origin::Commanded => "commanded",
-    };
-    if family.meaning.origin != other.meaning.origin {
-        return format!("they are {}, the ones taken are {}", origin(other), origin(family));
-    }
-    if family.meaning.doubt != other.meaning.doubt {
-        return "their names say it less surely".into();
-    }
-    "names of joints go before numbers".into()
-}
-
-/// The order of the columns if they are not found by names.
-fn order_of(family: &Family, plural: &str) -> Option<String> {
-    match family.key {
-        Key::Number(first) if family.columns.len() > 1 => Some(format!(
-            "The {plural} are told apart by numbers from {first} on, in the order of the description's joints; a message that \
-             lists its joints in another order (ROS: often by the alphabet) would be mixed up."
-        )),
-        Key::Listed => Some(format!("The {plural} are in the order of the names in the log's rows.")),
-        _ => None,
-    }
 }
 
 /// Joints in the order of a message that names them in its rows: `field.name0`, … or one list of names.

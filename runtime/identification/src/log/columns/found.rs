@@ -29,8 +29,6 @@ pub(in crate::log) struct Found {
     pub places: Vec<usize>,
     /// The columns as `--columns` takes them.
     pub pattern: String,
-    /// Sentences about the choice.
-    pub remarks: Vec<String>,
     /// No measured columns are found, and nobody named these.
     pub is_commanded: bool,
 }
@@ -58,15 +56,6 @@ pub struct Labels {
 impl Found {
     pub(super) fn indices(&self) -> impl Iterator<Item = usize> + '_ {
         self.columns.iter().map(|column| column.index)
-    }
-
-    /// One sentence for each column.
-    pub(super) fn sentences(&self) -> impl Iterator<Item = String> + '_ {
-        let what = if matches!(self.kind, Kind::Input | Kind::Current) { "input" } else { "joint" };
-        let name = self.kind.singular();
-        self.columns.iter().zip(&self.names).map(move |(column, of)| {
-            format!("Column {} is the {name} of {what} {of}, {}.", column.label, column.unit_words)
-        })
     }
 
     /// Pattern, the first and the last joint, and units.

@@ -30,8 +30,6 @@ pub(in crate::log) struct Mapping {
     pub brief: Vec<String>,
     /// Reasons to doubt the choice.
     pub warnings: Vec<Finding>,
-    /// One sentence for each column, then what was assumed.
-    pub sentences: Vec<String>,
     /// Headers of the columns that nothing uses.
     pub unused: Vec<String>,
 }
@@ -46,6 +44,10 @@ pub(super) struct Parts {
     pub efforts: Result<(Effort, Found)>,
     pub run: Result<Option<usize>>,
 }
+
+/// The efforts of a robot whose logs have those at frames alone.
+const BASE_ALONE: &str =
+    "no efforts of the joints: the rows of the base alone, and of joints without a drive, are fitted";
 
 /// Where to look if the table does not decide.
 const HINT: &str = ". --columns '?' prints all columns as a line to edit";
@@ -130,7 +132,9 @@ impl Finder<'_> {
         let all = [Some(&positions), velocities.as_ref(), Some(&efforts)];
         used.extend(all.into_iter().flatten().chain(&poses).flat_map(Found::indices));
         self.require_distinct(&used)?;
-        let joints = self.robot.held.len();
+        let (joints, inputs) = (self.robot.held.len(), self.robot.input_units.len());
+        let doubts = [positions.if_commanded(), efforts.if_commanded()];
+        let warnings = time.doubt.clone().into_iter().chain(doubts.into_iter().flatten());
         let mut mapping = Mapping {
             // Without quaternions a force at the joint and an input are the same where B = 1.
             effort: match effort {
@@ -140,21 +144,10 @@ impl Finder<'_> {
             labels: Labels {
                 time: time.text.clone(),
                 positions: positions.labels(joints),
-                efforts: efforts.labels(if effort == Effort::Joint {
-                    joints
-                } else {
-                    self.robot.input_units.len()
-                }),
+                efforts: efforts.labels(if effort == Effort::Joint { joints } else { inputs }),
             },
             brief: Vec::new(),
-            warnings: time
-                .doubt
-                .iter()
-                .cloned()
-                .chain(positions.if_commanded())
-                .chain(efforts.if_commanded())
-                .collect(),
-            sentences: Vec::new(),
+            warnings: warnings.collect(),
             unused: self.unused(&used),
             time,
             run,
@@ -164,7 +157,6 @@ impl Finder<'_> {
             poses,
         };
         mapping.brief = self.brief(&mapping, effort);
-        mapping.sentences = self.sentences(&mapping);
         Ok(mapping)
     }
 
@@ -173,7 +165,7 @@ impl Finder<'_> {
         let time: Vec<String> = mapping.time.columns().iter().map(|column| self.label(*column)).collect();
         let time = if time.is_empty() { "the numbers of the rows".to_owned() } else { time.join(" and ") };
         let forces = match effort {
-            _ if self.robot.direct && effort != Effort::Current => "forces at the joints",
+            Effort::Input if self.robot.direct => "forces at the joints",
             Effort::Joint => "forces at the joints",
             Effort::Input => "inputs, before the gears",
             Effort::Current => "motor currents",
@@ -193,30 +185,10 @@ impl Finder<'_> {
             mapping.positions.line("positions"),
             velocities.map(|line| format!("{line} {compared}")),
             mapping.efforts.line(&format!("efforts, as {forces}")),
+            self.has_frames_alone(&mapping.efforts).then(|| BASE_ALONE.into()),
             (!held.is_empty()).then(|| format!("held, without columns: {}", held.join(", "))),
         ];
         lines.into_iter().flatten().collect()
-    }
-
-    /// A sentence for each column, then remarks.
-    fn sentences(&self, mapping: &Mapping) -> Vec<String> {
-        let Mapping { time, run, positions, velocities, efforts, poses, .. } = mapping;
-        let mut sentences = vec![time.sentence.clone()];
-        for pose in poses {
-            let labels: Vec<&str> = pose.columns.iter().map(|column| column.label.as_str()).collect();
-            sentences.push(format!(
-                "Columns {} are the {} {} of {}.",
-                labels.join(", "),
-                pose.kind.singular(),
-                pose.kind.row().components.join(", "),
-                pose.names[0]
-            ));
-        }
-        let all = [Some(positions), velocities.as_ref(), Some(efforts)].into_iter().flatten();
-        sentences.extend(all.clone().flat_map(Found::sentences));
-        sentences.extend(run.map(|run| format!("Column {} is the number of the run.", self.label(run))));
-        sentences.extend(all.flat_map(|found| found.remarks.iter().cloned()));
-        sentences
     }
 
     fn unused(&self, used: &[usize]) -> Vec<String> {

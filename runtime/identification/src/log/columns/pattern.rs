@@ -48,8 +48,6 @@ pub(super) struct Pattern {
 pub(super) struct Chosen {
     pub columns: Vec<usize>,
     pub units: Vec<Option<Unit>>,
-    /// Sentences about the choice.
-    pub remarks: Vec<String>,
     /// No measured columns are found, and nobody named these.
     pub is_commanded: bool,
 }
@@ -89,11 +87,6 @@ impl ColumnOptions {
     /// Whether the line has a `?`, which asks for the columns that are found.
     pub fn asks(&self) -> bool {
         parts(self.columns.as_deref().unwrap_or("")).contains(&ASKED)
-    }
-
-    /// Whether columns are named. Joints that are held have none.
-    pub(crate) fn names_columns(&self) -> bool {
-        self.patterns().is_ok_and(|patterns| !patterns.is_empty())
     }
 
     /// Positions of the joints that are held [rad or m], `None` for the others.

@@ -21,8 +21,6 @@ pub(in crate::log) struct TimeColumn {
     pub nanoseconds: Option<usize>,
     /// Seconds of its unit if it is named.
     pub unit: Option<f64>,
-    /// A sentence about the column.
-    pub sentence: String,
     /// The column in `--columns`.
     pub text: String,
     /// The unit is that of the user.
@@ -69,15 +67,8 @@ impl Finder<'_> {
     pub(super) fn time(&self) -> Result<TimeColumn> {
         if let Some(pattern) = self.pattern(|kind| kind == Kind::Time) {
             if let Some(period) = pattern.counts_rows(&self.headers) {
-                let sentence = format!("Rows are counted as the time, every {period} s.");
-                let unit = Some(period);
-                return Ok(TimeColumn {
-                    unit,
-                    sentence,
-                    text: "row".into(),
-                    is_stated: true,
-                    ..TimeColumn::default()
-                });
+                let (unit, text) = (Some(period), "row".into());
+                return Ok(TimeColumn { unit, text, is_stated: true, ..TimeColumn::default() });
             }
             let Chosen { columns, units, .. } =
                 pattern.resolve(&self.headers, self.sheet.width, &Targets::one("time"))?;
@@ -121,12 +112,6 @@ impl Finder<'_> {
         let named = header
             .and_then(|h| h.unit.filter(in_seconds).or_else(|| self.suffix(h, &["s"]).filter(in_seconds)));
         let unit = stated.or(named).map(|u| u.factor);
-        let label = self.label(column);
-        let sentence = match (nanoseconds, unit) {
-            (Some(nano), _) => format!("Columns {label} and {} are the time, in s and ns.", self.label(nano)),
-            (None, Some(unit)) => format!("Column {label} is the time, times {unit} in s."),
-            (None, None) => format!("Column {label} is the time."),
-        };
         let text = self.unique(column);
         let odd = header.and_then(|h| h.odd.as_ref()).filter(|odd| !self.is_described(odd));
         let doubt = odd.filter(|_| unit.is_none() && nanoseconds.is_none()).map(|odd| {
@@ -139,7 +124,6 @@ impl Finder<'_> {
             column: Some(column),
             unit: if nanoseconds.is_some() { Some(1.0) } else { unit },
             nanoseconds,
-            sentence,
             text,
             is_stated: stated.is_some(),
             doubt,

@@ -85,7 +85,7 @@ fn settings_hold_or_are_refused_by_name() {
     };
     let (_, report) = prepare_all(std::slice::from_ref(&run), None, &settings).unwrap();
     assert_eq!((report.filter.bandwidth(), report.joints[0].delay), (5.0, 0.02));
-    assert!((report.joints[0].sample_rate - 40.0).abs() < 1e-6);
+    assert!((report.sample_rate - 40.0).abs() < 1e-6);
     let with = |change: &dyn Fn(&mut PreparationSettings)| {
         let mut settings = PreparationSettings::default();
         change(&mut settings);

@@ -1,0 +1,60 @@
+//! Whether a spring at one joint explains the efforts better: a cable that the joint winds up, or a spring that balances an arm.
+
+use super::super::error::Result;
+use super::super::numeric::digits::plain;
+use super::choice::Chosen;
+use super::fit::fit;
+use super::hypotheses::{HELD, gain, offered};
+use super::task::Task;
+use gelenk_findings::{Finding, Rule, Subject};
+
+/// Trust in no spring that leaves its stiffness to the data.
+const FREE: f64 = 1e-12;
+
+/// Sees: efforts of a joint that a spring explains better, next to bodies that may change.
+/// Matters: bodies and friction take up a part of its force.
+/// Example: a cable that the joint winds up.
+/// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
+const SPRING: Rule = Rule::warning("spring");
+
+/// The spring that explains the efforts most clearly better; `None` where none does. Rows of quaternions and of shafts have none.
+pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
+    let (layout, count) = (task.layout, task.layout.parameters);
+    if layout.exact.contains(&true) || layout.known_gains.contains(&false) {
+        return Ok(None);
+    }
+    let columns = |y: &[f64], regressor: &mut [f64]| {
+        let rows = regressor.chunks_exact_mut(count + layout.joints).zip(y).enumerate();
+        rows.for_each(|(joint, (row, y))| row[count + joint] = *y);
+    };
+    task.with_more((layout.joints, &columns), |task, sums| {
+        let mut fitted = chosen.with_more(task.layout, sums, HELD);
+        fitted.model.consistent = false;
+        let own = fitted.held_out(task.prior)?;
+        let mut clearest: Option<(usize, f64)> = None;
+        for joint in layout.rubbing().filter(|joint| matches!(task.robot.subject(*joint), Subject::Joint(_)))
+        {
+            fitted.weighting.trust[count + joint] = FREE;
+            let share = gain(&own, &fitted.held_out(task.prior)?);
+            fitted.weighting.trust[count + joint] = HELD;
+            let most = clearest.map_or(0.0, |(_, most)| most);
+            clearest = share.filter(|share| *share > most).map(|share| (joint, share)).or(clearest);
+        }
+        let Some((joint, share)) = clearest else { return Ok(None) };
+        fitted.weighting.trust[count + joint] = FREE;
+        let all = &fitted.centred.all;
+        let solved = fit(&fitted.centred, all, &fitted.model, task.prior, &fitted.weighting, &fitted.values)?;
+        let stiffness = solved.values.unknowns[count + joint];
+        Ok((stiffness > 0.0).then(|| offered(finding(task, joint, stiffness), share)))
+    })
+}
+
+fn finding(task: &Task, joint: usize, stiffness: f64) -> Finding {
+    let (shown, unit) = (plain(stiffness, 3), task.robot.position_units()[joint]);
+    let force = if unit == "m" { "N" } else { "N·m" };
+    let message = format!("the data are explained better with a spring of {shown} {force}/{unit}");
+    let remedy = format!(
+        "if it has one, or a cable that pulls, describe it, as in `spring = {{ stiffness = {shown} }}`; otherwise check the load"
+    );
+    SPRING.found(message).with("stiffness", stiffness, "").of(task.robot.subject(joint)).help(remedy)
+}
