@@ -194,18 +194,18 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         problem.stages.len() == self.horizon && problem.is_valid()
     }
 
-    /// Solves from a cold start.
+    /// Solves from a cold start, or from near the solution in memory.
     #[inline(always)]
-    pub(super) fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
+    pub(super) fn solve(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         self.unsolved = None;
         if !self.accepts(problem) {
             return self.invalid(problem);
         }
-        if !self.solved {
+        if start == Start::Cold && !self.solved {
             self.forget();
         }
         let soft = self.load(problem);
-        let report = self.optimize(problem, soft);
+        let report = self.optimize(problem, soft, start);
         self.judge(problem, report)
     }
 
@@ -250,7 +250,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Forgets what a solve without a solution has left in memory: numbers that are not finite would stay,
     /// since masks multiply.
-    fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.riccati.forget();
         self.input_bounds.forget();
         self.state_bounds.forget();

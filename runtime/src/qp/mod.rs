@@ -6,8 +6,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `interior_point` | Mehrotra's predictor–corrector iteration, starts, safeguards, the relaxed problem |
-//! | `interior_point::warm` | warm starts, from a point near the last solution |
-//! | `interior_point::follow` | before them Newton's method from the active set of the last solution |
+//! | `interior_point::follow` | warm starts: Newton's method from the active set of the last solution |
 //! | `interior_point::augmented` | the method of multipliers, for what the iteration has not solved |
 //! | `pause` | which problems Newton's method is not tried on after failures |
 //! | `certify`, `certificate` | cost and residuals of the point returned, from which the status follows |

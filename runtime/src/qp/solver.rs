@@ -2,7 +2,7 @@
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 use super::avx2::{self, Avx2};
-use super::core::Core;
+use super::core::{Core, Start};
 use super::lanes::Portable;
 use super::problem::QpProblem;
 use super::status::{QpError, QpReport, QpSettings};
@@ -87,35 +87,39 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
 
     /// Solves from a cold start: nothing of an earlier solve has any influence.
     pub fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
+        self.solve_from(problem, Start::Cold)
+    }
+
+    /// Solves from the last solution, which may have been moved by [`Self::shift`]: by Newton's method from its active set, which
+    /// takes few iterations if the set changes little, and otherwise by the interior-point method from a point near it. From a
+    /// cold start if neither succeeds, and if the last problem was not solved. After failures Newton's method is left out for up
+    /// to 31 problems. The result depends on all solves since the solver was made.
+    pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
+        let followed = match &mut self.0 {
+            Engine::Portable(core) => follow(core, problem),
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            // SAFETY: as in `solve_from`.
+            Engine::Avx2(core) => unsafe { follow_avx2(core, problem) },
+        };
+        followed.unwrap_or_else(|(start, tried)| {
+            let report = self.solve_from(problem, start);
+            QpReport { iterations: report.iterations + tried, ..report }
+        })
+    }
+
+    fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         match &mut self.0 {
             Engine::Portable(core) => {
-                let report = core.solve(problem);
+                let report = core.solve(problem, start);
                 go_on(core, problem, report)
             }
             #[cfg(all(target_arch = "x86_64", feature = "std"))]
             // SAFETY: this variant exists only where the processor has the features.
             Engine::Avx2(core) => unsafe {
-                let report = solve_avx2(core, problem);
+                let report = solve_avx2(core, problem, start);
                 go_on_avx2(core, problem, report)
             },
         }
-    }
-
-    /// Solves from the last solution, which may have been moved by [`Self::shift`]: by Newton's method from its active set, which
-    /// takes few iterations if the set changes little, and otherwise by the interior-point method from a point near it. From a
-    /// cold start if neither succeeds, if the last problem was not solved, and if no bound was active. After failures Newton's
-    /// method is left out for up to 31 problems. The result depends on all solves since the solver was made.
-    pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        let warm = match &mut self.0 {
-            Engine::Portable(core) => solve_warm(core, problem),
-            #[cfg(all(target_arch = "x86_64", feature = "std"))]
-            // SAFETY: as in `solve`.
-            Engine::Avx2(core) => unsafe { solve_warm_avx2(core, problem) },
-        };
-        warm.unwrap_or_else(|tried| {
-            let report = self.solve(problem);
-            QpReport { iterations: report.iterations + tried, ..report }
-        })
     }
 
     /// Computes for the caches alone what solves compute, cold and warm. The last solution stays.
@@ -182,24 +186,24 @@ fn go_on_avx2<const NX: usize, const NU: usize, const NR: usize>(
     core.go_on(problem, report)
 }
 
-/// The warm start in a function of its own, for the same reason.
+/// Newton's method of warm starts in a function of its own, for the same reason.
 #[inline(never)]
-fn solve_warm<const NX: usize, const NU: usize, const NR: usize>(
+fn follow<const NX: usize, const NU: usize, const NR: usize>(
     core: &mut Core<Portable, NX, NU, NR>,
     problem: &QpProblem<NX, NU, NR>,
-) -> Result<QpReport, usize> {
-    core.solve_warm(problem)
+) -> Result<QpReport, (Start, usize)> {
+    core.follow(problem)
 }
 
-/// [`solve_warm`] compiled for these features.
+/// [`follow`] compiled for these features.
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 #[target_feature(enable = "avx2,fma")]
 #[inline(never)]
-fn solve_warm_avx2<const NX: usize, const NU: usize, const NR: usize>(
+fn follow_avx2<const NX: usize, const NU: usize, const NR: usize>(
     core: &mut Core<Avx2, NX, NU, NR>,
     problem: &QpProblem<NX, NU, NR>,
-) -> Result<QpReport, usize> {
-    core.solve_warm(problem)
+) -> Result<QpReport, (Start, usize)> {
+    core.follow(problem)
 }
 
 /// The method in a function compiled for these features, into which everything below is inlined.
@@ -208,6 +212,7 @@ fn solve_warm_avx2<const NX: usize, const NU: usize, const NR: usize>(
 fn solve_avx2<const NX: usize, const NU: usize, const NR: usize>(
     core: &mut Core<Avx2, NX, NU, NR>,
     problem: &QpProblem<NX, NU, NR>,
+    start: Start,
 ) -> QpReport {
-    core.solve(problem)
+    core.solve(problem, start)
 }

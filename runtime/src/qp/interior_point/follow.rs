@@ -6,13 +6,13 @@
 //! without the weights; what is left of it by the finite weight
 //! W goes in further steps with the same factorization. Otherwise the pieces there are assumed next. The first step
 //! assumes those of the last solution. If the first sets are not the right one, the interior-point method takes fewer iterations
-//! ([`super::warm`]). Noise and motion decide whether that happens, so that it often happens in a row: after each failure more
+//! from near the last solution. Noise and motion decide whether that happens, so that it often happens in a row: after each failure more
 //! problems are left to it at once ([`super::super::pause`]).
 //!
 //! Source: Hintermüller, Ito, Kunisch, *The primal-dual active set strategy as a semismooth Newton method*, SIAM J.
 //! Optim. 13 (2002), section 3.
 
-use super::super::core::Core;
+use super::super::core::{Core, Start};
 use super::super::lanes::Vector;
 use super::super::ldl::{factor_ldl, solve_ldl};
 use super::super::problem::QpProblem;
@@ -28,12 +28,31 @@ const WEIGHT: f64 = 1e7;
 const RIGID: f64 = 10.0;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Solves the problem in memory from the active set of the solution in memory.
+    /// Solves the problem from the active set of the solution in memory.
     ///
     /// # Errors
-    /// The number of iterations if that does not lead to its solution.
+    /// Where to start instead, and the number of iterations, if that does not lead to its solution.
     #[inline(always)]
-    pub(super) fn follow(&mut self, problem: &QpProblem<NX, NU, NR>) -> Result<QpReport, usize> {
+    pub(in crate::qp) fn follow(
+        &mut self,
+        problem: &QpProblem<NX, NU, NR>,
+    ) -> Result<QpReport, (Start, usize)> {
+        if !self.solved || !self.accepts(problem) {
+            return Err((Start::Cold, 0));
+        }
+        if !self.pause.is_over() {
+            return Err((Start::Near, 0));
+        }
+        let followed = self.pursue(problem);
+        self.pause = self.pause.after(followed.is_ok());
+        followed.map_err(|iterations| (Start::Near, iterations))
+    }
+
+    #[inline(always)]
+    fn pursue(&mut self, problem: &QpProblem<NX, NU, NR>) -> Result<QpReport, usize> {
+        // A cold start in place of this one forgets what it leaves.
+        self.solved = false;
+        self.load(problem);
         let weight = factor_ldl(self.riccati.r).map_err(|_| 0_usize)?;
         let scale = self.riccati.largest_weight();
         let w = [RIGID * WEIGHT * scale, WEIGHT * scale];
@@ -116,6 +135,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.equalities.start(Some(of_states));
         self.fixed.place(&mut self.iterate.u);
         self.riccati.roll_out(&mut self.iterate, &self.affine);
+        self.rows.evaluate(&mut self.iterate);
     }
 
     /// 0 for one iteration that has found no bound active.

@@ -5,9 +5,14 @@
 //! step with second-order correction. All iterates satisfy the dynamics, so only the bounds have a primal
 //! residual, and equal primal and dual step lengths shrink it and the dual residual by the same factor.
 //!
+//! A start near the last solution has its inputs, the states that they lead to, and slacks
+//! `s = max(d, min(μ/λ, share of the width))` at a distance d into a bound whose multiplier was λ, with multipliers `μ/s`: the
+//! products have one value μ, so that the start lies on the central path as far as the last solution tells it.
+//!
 //! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2
 //! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA
-//! 99 (1998), for the structure of the problem.
+//! 99 (1998), for the structure of the problem; Yildirim, Wright, *Warm-start strategies in interior-point methods for linear
+//! programming*, SIAM J. Optim. 12 (2002), for starts with a gap that the change of the problem allows.
 
 mod augmented;
 mod follow;
@@ -15,7 +20,6 @@ mod judge;
 mod run;
 mod start;
 mod step;
-mod warm;
 
 use self::judge::{LATE, NEAR};
 use self::run::{CAP_CUT, PATIENCE, Run};
@@ -58,14 +62,27 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
         soft: bool,
+        start: Start,
     ) -> Result<QpReport, NotPositive> {
-        let (mut soft, mut start, mut iterations) = (soft, Start::Cold, 0);
+        let (mut soft, mut start, mut iterations, mut near) = (soft, start, 0, 0);
         let most = 2 * self.settings.max_iterations;
         let mut kept: Option<Certificate> = None;
         loop {
-            self.set_out(start)?;
+            start = self.set_out(start)?;
             soft |= start == Start::Relaxed;
-            let outcome = self.run(problem, soft, start, most - iterations);
+            let budget = if start == Start::Near { LATE } else { most - iterations };
+            let outcome = self.run(problem, soft, start, budget);
+            if start == Start::Near {
+                near = outcome.iterations;
+                if outcome.certificate.holds() && self.status(&outcome.certificate) == QpStatus::Solved {
+                    return Ok(outcome.certificate.report(QpStatus::Solved, near));
+                }
+                // As in a new solver.
+                self.forget();
+                soft = self.load(problem);
+                start = Start::Cold;
+                continue;
+            }
             iterations += outcome.iterations;
             let certificate = self.better_of(kept, outcome.certificate);
             start = match start {
@@ -77,7 +94,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                 }
                 _ => {
                     self.unsolved = (!certificate.holds() && certificate.is_finite()).then_some(certificate);
-                    return Ok(certificate.report(self.status(&certificate), iterations));
+                    return Ok(certificate.report(self.status(&certificate), near + iterations));
                 }
             };
             kept = (start == Start::Deep).then_some(certificate);
@@ -117,14 +134,24 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         better.unwrap_or(present)
     }
 
-    /// Makes the first iterate.
+    /// Makes the first iterate. Near a solution without active bounds, the optimum without bounds is tried first, unless
+    /// [`Self::follow`] has found bounds active.
     #[inline(always)]
-    fn set_out(&mut self, start: Start) -> Result<(), NotPositive> {
-        self.unconstrained()?;
-        if start == Start::Relaxed {
-            self.soften();
+    fn set_out(&mut self, start: Start) -> Result<Start, NotPositive> {
+        if start == Start::Near {
+            self.recall(self.riccati.largest_weight());
+            if self.has_active_bounds() || !self.solved {
+                return Ok(start);
+            }
         }
-        Ok(())
+        self.unconstrained()?;
+        match start {
+            Start::Near if self.keeps_bounds() => return Ok(Start::Cold),
+            Start::Near => self.recall(self.riccati.largest_weight()),
+            Start::Relaxed => self.soften(),
+            Start::Cold | Start::Deep => {}
+        }
+        Ok(start)
     }
 
     /// The status of the solution in memory. No other place calls one solved.
