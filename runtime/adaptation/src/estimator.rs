@@ -240,13 +240,13 @@ impl<const N: usize> Adaptation<N> {
     /// The sample of each joint in the last period; `None` without one: samples are further apart than periods.
     #[must_use]
     pub fn predictions(&self) -> [Option<Prediction>; N] {
-        self.joints.map(|joint| joint?.prediction)
+        core::array::from_fn(|i| self.joints[i].as_ref()?.prediction)
     }
 
     /// δ of the law that acts, joint by joint; zero for joints that are not learned.
     #[must_use]
     pub fn acting(&self) -> [[f64; TERMS]; N] {
-        self.joints.map(|joint| joint.map_or([0.0; TERMS], |joint| joint.acting))
+        core::array::from_fn(|i| self.joints[i].as_ref().map_or([0.0; TERMS], |joint| joint.acting))
     }
 
     /// Learned friction of a joint at velocity `v`, with the offset, and half of its 90 % interval [N m or N]; `None` for joints that
