@@ -9,7 +9,7 @@ use gelenk_adaptation::{
 };
 use gelenk_dynamics::dynamics::Limits;
 
-/// Most joints and inputs of a robot. The estimator has so many places; those without a joint are not learned.
+/// Most joints and inputs of a robot: the places of the estimator. Those without a joint are not learned.
 const MOST: usize = 32;
 /// Significant digits of the rate of a log, which clocks and printed times disturb.
 const RATE_DIGITS: usize = 6;
