@@ -4,10 +4,9 @@
 
 use std::sync::{Arc, Mutex};
 
-use gelenk_codegen::identify::{DescribedForces, InterpretedRobot};
+use gelenk_codegen::identify::{DescribedForces, InterpretedRobot, replay};
 use gelenk_codegen::model::{ReadOptions, read};
 use gelenk_identification::log::{ColumnOptions, runs_of};
-use gelenk_identification::online::replay;
 use gelenk_identification::run::Effort;
 use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive, JointState, Trust};
 use gelenk_runtime::control_loop::{

@@ -19,7 +19,6 @@ pub mod inertial;
 pub mod log;
 pub mod methods;
 pub mod numeric;
-pub mod online;
 pub mod payload;
 pub mod pose;
 pub mod preparation;

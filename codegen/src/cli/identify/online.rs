@@ -7,7 +7,6 @@ use gelenk_adaptation::TERM_NAMES;
 use gelenk_findings::Finding;
 use gelenk_identification::log::runs;
 use gelenk_identification::numeric::digits::{plain, rounded};
-use gelenk_identification::online::{Replay, replay};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
@@ -16,7 +15,7 @@ use super::super::failure::Failure;
 use super::super::{print, report};
 use super::logs::{command, settings};
 use super::read::{read, say};
-use crate::identify::{DescribedForces, InterpretedRobot, OnlineJoint, online_page};
+use crate::identify::{DescribedForces, InterpretedRobot, OnlineJoint, Replay, online_page, replay};
 
 /// Replays logs through the estimator of the loop: prints laws, intervals, trust and errors of predictions, and writes the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {

@@ -1,9 +1,10 @@
 //! The page of a replay: learned friction over time, and errors of predictions.
 
 use gelenk_identification::numeric::digits::significant;
-use gelenk_identification::online::{BatchLaw, JointReplay, OnlineSample, best_causal, best_in_hindsight};
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
 
+use super::batch::{BatchLaw, best_causal, best_in_hindsight};
+use super::replay::{JointReplay, OnlineSample};
 use gelenk_adaptation::TERM_NAMES;
 
 /// Time over which errors are averaged in the figure \[s\].
@@ -104,7 +105,7 @@ fn figure(index: usize, joint: &OnlineJoint) -> Figure {
 fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let mut sums = vec![0.0];
     for i in 0..samples.len() {
-        sums.push(sums[i] + of(i).powi(2));
+        sums.push(sums[i] + of(i) * of(i));
     }
     let point = |(i, sample): (usize, &OnlineSample)| {
         let first = samples.partition_point(|other| other.time < sample.time - SMOOTHING);

@@ -1,6 +1,6 @@
 //! Forces of the described robot with its friction, by the functions of its module.
 
-use super::parameters::result;
+use super::super::parameters::result;
 use crate::diagnostic::Diagnostics;
 use crate::function_names;
 use crate::functions::form::Form;

@@ -1,13 +1,13 @@
 //! Rows of a log as measurements of the loop.
 
-use super::super::error::{IdentificationError, Result};
-use super::super::robot::{JointLimits, Robot, require_no_driven, require_no_quaternions};
-use super::super::run::{Effort, Run};
 use gelenk_adaptation::{
     Adaptation, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY, Magnitudes,
     Measured, Prediction, Trust,
 };
 use gelenk_dynamics::dynamics::Limits;
+use gelenk_identification::error::{IdentificationError, Result};
+use gelenk_identification::robot::{JointLimits, Robot};
+use gelenk_identification::run::{Effort, Run};
 
 /// Most joints and inputs of a robot: the places of the estimator. Those without a joint are not learned.
 const MOST: usize = 32;
@@ -60,7 +60,7 @@ pub struct OnlineSample {
 impl JointReplay {
     /// Root mean square of the errors of the predictions by a law [N·m or N]; NaN without samples.
     pub fn error(&self, of: impl Fn(&OnlineSample) -> f64) -> f64 {
-        let squares: f64 = self.samples.iter().map(|sample| of(sample).powi(2)).sum();
+        let squares: f64 = self.samples.iter().map(of).map(|error| error * error).sum();
         (squares / self.samples.len() as f64).sqrt()
     }
 
@@ -188,12 +188,15 @@ struct Described<'a> {
 impl<'a> Described<'a> {
     fn new(robot: &'a dyn Robot, forces: &'a Forces<'a>, runs: &[Run]) -> Result<Self> {
         const HELP: &str = "the estimator needs an input at each joint that it learns";
-        require_no_quaternions(robot, "friction is not learned online", HELP)?;
-        require_no_driven(robot, "friction is not learned online", HELP)?;
         let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
         let effort = runs.first().map_or(Effort::Joint, |run| run.effort);
-        if robot.has_inputs_at_frames() {
-            return Err(fault("the robot", format!("inputs act at frames: {HELP}")));
+        let cases = [
+            ("joints have quaternions", !robot.quaternion_joints().is_empty()),
+            ("joints are driven", robot.unmeasured().contains(&true)),
+            ("inputs act at frames", robot.has_inputs_at_frames()),
+        ];
+        if let Some((reason, _)) = cases.iter().find(|(_, holds)| *holds) {
+            return Err(fault("the robot", format!("{reason}, and friction is not learned online: {HELP}")));
         }
         if joints.max(inputs) > MOST {
             return Err(fault("the robot", format!("it has more than {MOST} joints or inputs")));

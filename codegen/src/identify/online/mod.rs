@@ -4,7 +4,10 @@
 //! loop, if the log has every period, its positions were believed, and the efforts are the inputs that the loop wrote.
 
 mod batch;
+mod described;
+mod page;
 mod replay;
 
-pub use batch::{BatchLaw, best_causal, best_in_hindsight};
-pub use replay::{Forces, JointReplay, OnlineSample, Replay, replay};
+pub use described::DescribedForces;
+pub use page::{OnlineJoint, online_page};
+pub use replay::{Replay, replay};
