@@ -13,7 +13,8 @@ use crate::cargo::{aloud, success, target};
 use crate::workspace;
 
 /// The crates that a package of a robot depends on, directly or through the others.
-const OF_ROBOTS: [&str; 7] = [
+const OF_ROBOTS: [&str; 8] = [
+    "gelenk-adaptation",
     "gelenk-codegen",
     "gelenk-dynamics",
     "gelenk-files",

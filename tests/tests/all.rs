@@ -32,6 +32,7 @@ mod motion_on_manifolds;
 mod mujoco;
 mod new_crate;
 mod new_floating_crate;
+mod online_replay;
 mod packages;
 mod pages;
 #[path = "properties/main.rs"]

@@ -390,6 +390,7 @@ fn no_import_runs_back_up() {
     let crates = ["codegen", "codegen/files", "codegen/formula", "codegen/kernels"].into_iter();
     let crates = crates.chain([
         "runtime",
+        "runtime/adaptation",
         "runtime/dynamics",
         "runtime/findings",
         "runtime/identification",

@@ -35,6 +35,7 @@ fn manifests_say_what_a_registry_shows() {
 fn the_crates_that_are_published() {
     let names: Vec<&String> = published().keys().collect();
     let expected = [
+        "gelenk-adaptation",
         "gelenk-codegen",
         "gelenk-dynamics",
         "gelenk-files",

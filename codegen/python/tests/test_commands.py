@@ -37,12 +37,14 @@ OF_ANOTHER_FUNCTION = {
     "generate": set(),
     "load": {"output", "language", "for", "self_test", "control_model"},
     "report": set(),
-    "identify": {"plan", "reduce", *OF_PLANS},
-    "plan": {"plan", "reduce", "merge", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
+    "identify": {"plan", "reduce", "online", *OF_PLANS},
+    "online": {"plan", "reduce", "merge", "online", "output", "bandwidth", "validate", "payload", "payload_on", "load_friction",
+               "friction_on", "friction", "method", "threshold", "derivative", "accept_poor", *OF_PLANS},
+    "plan": {"plan", "reduce", "merge", "online", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
              "validate", "payload", "payload_on", "load_friction", "friction", "method", "threshold", "derivative", "accept_poor"},
-    "reduce": {"plan", "reduce", "merge", "report", "validate", "payload", "payload_on", "load_friction", "friction", "method",
-               "threshold", "derivative", *OF_PLANS},
-    "merge": {"plan", "reduce", "merge", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
+    "reduce": {"plan", "reduce", "merge", "online", "report", "validate", "payload", "payload_on", "load_friction", "friction",
+               "method", "threshold", "derivative", *OF_PLANS},
+    "merge": {"plan", "reduce", "merge", "online", "report", "columns", "hold", "separator", "effort", "gravity_compensated", "bandwidth", "delay",
               "validate", "payload", "payload_on", "load_friction", "friction", "method", "threshold", "derivative",
               "accept_poor", *OF_PLANS},
 }
@@ -50,7 +52,7 @@ OF_ANOTHER_FUNCTION = {
 
 @pytest.mark.parametrize("function", OF_ANOTHER_FUNCTION)
 def test_every_switch_of_the_program_is_a_keyword(function: str) -> None:
-    command = {"load": "generate", "plan": "identify", "reduce": "identify", "merge": "identify"}.get(function, function)
+    command = {"load": "generate", "online": "identify", "plan": "identify", "reduce": "identify", "merge": "identify"}.get(function, function)
     text = subprocess.run([_program.find(), command, "--help"], capture_output=True, encoding="utf-8", check=True).stdout
     switches = {word.replace("-", "_") for word in re.findall(r"^ +(?:-\w, )?--([a-z-]+)", text, re.MULTILINE)}
     expected = switches - ALONE - OF_ANOTHER_FUNCTION[function]
@@ -101,6 +103,17 @@ def test_what_was_identified_is_loaded_again(tmp_path: Path) -> None:
     torques = truth.inverse_dynamics(y, v, a)
     assert np.abs(again.inverse_dynamics(y, v, a) - torques).max() < 0.05 * np.abs(torques).max()
     assert again.friction_torques(np.array([0.0, 1.0]))[1] == pytest.approx(0.7, rel=0.05)
+
+
+def test_friction_is_learned_online(tmp_path: Path) -> None:
+    """The true friction is 0.7 N m s/rad at the elbow, the described one 0.6."""
+    guess = _described(tmp_path / "arm.toml", friction=0.6)
+    log = _simulated_log(tmp_path, friction=0.7, seed=9)
+    elbow = gelenk.online(guess, log, effort="joint")["joints"][1]
+    friction = elbow["friction"]
+    assert friction["described"] == pytest.approx(0.6 * friction["speed"])
+    assert friction["learned"] == pytest.approx(0.7 * friction["speed"], rel=0.05)
+    assert elbow["errors"]["learned"] < elbow["errors"]["described"]
 
 
 def test_joints_that_a_log_leaves_out_are_held(tmp_path: Path) -> None:

@@ -366,6 +366,16 @@ pub(super) struct Identify {
         ]
     )]
     pub(super) merge: bool,
+    /// Replay logs through the estimator that learns friction in the control loop, and compare it with batch laws. Writes no description.
+    /// Inputs of a log act over the period behind their row; --delay -SECONDS lets them act later
+    #[arg(
+        long,
+        conflicts_with_all = [
+            "plan", "reduce", "merge", "output", "bandwidth", "validate", "payload", "load_friction", "friction", "method", "derivative",
+            "accept_poor"
+        ]
+    )]
+    pub(super) online: bool,
     /// Plan a motion to record, within the limits of the description
     #[arg(long, conflicts_with_all = ["logs", "hold"])]
     pub(super) plan: bool,

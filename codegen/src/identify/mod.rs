@@ -5,6 +5,7 @@
 
 mod bodies;
 mod drives;
+mod online;
 pub mod page;
 mod parameters;
 mod robot;
@@ -15,6 +16,7 @@ mod words;
 
 pub use bodies::{BodyValues, LinkBodies, bodies};
 pub use drives::{IdentifiedDrive, drives, rotors};
+pub use online::{DescribedForces, OnlineJoint, Replay, online_page, replay};
 pub use robot::{InterpretedRobot, RobotChoices};
 pub use rounding::{round_bodies, rounded_load};
 pub use shafts::{IdentifiedShaft, drive_table, joint_tables, kept_friction, shaft_rotor};

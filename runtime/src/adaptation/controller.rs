@@ -1,14 +1,13 @@
 //! A controller whose model follows the learned friction.
 
-use super::estimator::{Adaptation, DescribedForces, Measured};
 use super::model::LearnedFriction;
-use super::settings::{AdaptationError, AdaptationSettings};
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate, FeedForwardPd};
 use crate::dynamics::Dynamics;
 use crate::feed_forward::FeedForwardError;
 #[cfg(feature = "std")]
 use crate::mpc::{LtvMpc, Nmpc};
 use crate::trajectory::Trajectory;
+use gelenk_adaptation::{Adaptation, AdaptationError, AdaptationSettings, DescribedForces, Measured};
 
 /// A controller that goes on with another model without a new start.
 pub trait TakesModel<D> {

@@ -1,53 +1,14 @@
-//! Recursive estimation of friction while the robot moves.
+//! Friction that is learned while the robot moves: an option of the loop.
 //!
-//! Friction changes while gears warm up. [`Adaptation`] estimates, joint by joint, how it differs from the described friction τ_d,
-//!
-//! ```text
-//!     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|        s = τ_d        [`terms`]
-//! ```
-//!
-//! from positions and torques alone. Each period it goes through these steps, in the order of the files:
-//!
-//! 1. **Filter.** The torque that the described robot does not explain and the four terms pass the same two poles (Ljung, *System
-//!    Identification*, 1999, section 14.4). The inertia enters as differences of the momentum (Slotine, Li, 1987), so the filter limits
-//!    what noise of the encoders adds.
-//! 2. **Exclusion.** A sample is left out at rest, within the filter's memory of a rest, a reversal, a gap, a limit of the torque or
-//!    a torque that repeats bit for bit, and beyond four standard deviations of its prediction, as in contact.
-//! 3. **Estimation.** Kalman filters for three rates of drift, weighted by their predictions (Raftery, Kárný, Ettler, 2010), with the
-//!    number of correlated samples that count as one (Kish, 1965).
-//! 4. **Average of nested laws**, from the described law on, by their marginal likelihoods (Dickey, 1971).
-//! 5. **Trust.** The learned law acts while its prediction errors are smaller than the described law's (Dawid, 1984), within a box,
-//!    projected to laws that dissipate ([`JointScale::admissible`]).
-//!
-//! [`Adaptive`] makes it an option of the loop: it wraps a controller and gives its model the laws that act, as
-//! [`LearnedFriction`]. Without it, nothing is learned.
-//!
-//! # Limits
-//!
-//! - Robots with quaternions, inputs at frames or driven joints are not supported.
-//! - Friction under load is not learned: it stays as described.
-//! - A constant contact that lasts longer than [`AdaptationSettings::patience`] is learned as an offset.
-//! - Intervals do not include errors of inertia and gravity of the description.
-//! - In 1000 simulated faults of a joint (a stuck or swapped sensor, rests, gaps, saturation; `runtime/tests/adaptation/faults.rs`) the
-//!   error of the prediction exceeded 1.05 times that of the described law four times, by at most 1.55 times, always with a torque
-//!   sensor that saturates.
+//! The estimator, its steps and its limits are those of [`gelenk_adaptation`]. [`Adaptive`] wraps a controller and gives its model the
+//! laws that act, as [`LearnedFriction`]. Without it, nothing is learned.
 
-mod bank;
 mod controller;
-mod correlation;
-mod estimator;
-mod filter;
-mod joint;
-mod law;
 mod model;
-mod nested;
-mod persistent;
-mod settings;
-mod trust;
 
 pub use controller::{Adaptive, TakesModel, TorqueSource};
-pub use estimator::{Adaptation, DescribedForces, JointState, Magnitudes, Measured};
-pub use law::{JointScale, TERM_NAMES, TERMS, terms};
+pub use gelenk_adaptation::{
+    Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY,
+    Magnitudes, Measured, Prediction, TERM_NAMES, TERMS, Trust, terms,
+};
 pub use model::LearnedFriction;
-pub use settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
-pub use trust::Trust;

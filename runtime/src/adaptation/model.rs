@@ -1,13 +1,11 @@
 //! The described robot with its learned friction, for controllers.
 
-use super::estimator::Adaptation;
-use super::law::{JointScale, TERMS, terms};
-use super::settings::AdaptationError;
 use crate::dynamics::{
     Differentiable, Discretizable, Dynamics, ForceDerivatives, ForceDerivativesAndMass, InputLimits,
     LimitRows, Limits, Linearization, PhaseSpace,
 };
 use crate::pseudo_inverse::pseudo_inverse;
+use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, terms};
 
 /// Steps of the numerical derivative of friction, as shares of the velocity, of at least 1.
 const STEP: f64 = 1e-6;

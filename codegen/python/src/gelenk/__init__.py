@@ -8,12 +8,12 @@
     torques = robot.inverse_dynamics(y, 0 * y, 0 * y)
 
 `load` generates C with the program `gelenk`, compiles it with the compiler at hand, and keeps both in a cache.
-`generate`, `report`, `identify`, `plan`, `reduce` and `merge` are the program's commands.
+`generate`, `report`, `identify`, `online`, `plan`, `reduce` and `merge` are the program's commands.
 """
 
 from ._acados import acados
 from ._casadi import CasadiFunctions, casadi
-from ._commands import Identified, generate, identify, merge, plan, reduce, report
+from ._commands import Identified, generate, identify, merge, online, plan, reduce, report
 from ._gauss_newton import Motion, Shooting, gauss_newton
 from ._robot import Robot, load
 from .errors import (
@@ -46,6 +46,7 @@ __all__ = [
     "identify",
     "load",
     "merge",
+    "online",
     "plan",
     "reduce",
     "report",

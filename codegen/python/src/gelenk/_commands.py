@@ -157,6 +157,38 @@ def identify(
     return Identified(Path(found["description"]), tuple(map(Path, found["files"])), found)
 
 
+def online(
+    description: PathLike,
+    logs: PathLike | Iterable[PathLike],
+    *,
+    report: PathLike | None = None,
+    columns: str | Mapping[str, str] | None = None,
+    hold: Mapping[str, float] | Iterable[str] = (),
+    separator: str | None = None,
+    effort: str | None = None,
+    gravity_compensated: bool = False,
+    delay: float | None = None,
+    snap_angles: float | None = None,
+    no_friction: bool = False,
+    ignore_mimic: bool = False,
+    base: str | None = None,
+    smooth_sign: float | None = None,
+    accept_unphysical: bool = False,
+    body: str | None = None,
+) -> Mapping[str, Any]:
+    """Replays logs through the estimator of friction of the control loop, as `gelenk identify --online` does; all results.
+
+    - all keywords: as those of `identify`
+    """
+    options = {
+        "report": report, "columns": _patterns(columns), "separator": separator, "effort": effort,
+        "gravity_compensated": gravity_compensated, "delay": delay,
+        "snap_angles": snap_angles, "no_friction": no_friction, "ignore_mimic": ignore_mimic, "base": base,
+        "smooth_sign": smooth_sign, "accept_unphysical": accept_unphysical, "body": body, "hold": hold,
+    }
+    return _program.run(["identify", "--online", description, *_paths(logs), *_program.switches(options)])
+
+
 def plan(
     description: PathLike,
     output: PathLike | None = None,

@@ -234,6 +234,7 @@ pub(super) fn command(arguments: &Identify) -> String {
         word("--payload-on", arguments.payload_on.clone()),
         on_joints(arguments),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),
+        arguments.online.then(|| "--online".to_owned()),
     ];
     let words = std::iter::once("gelenk identify".to_owned())
         .chain(files)

@@ -5,6 +5,7 @@ mod found_json;
 mod logs;
 mod moments;
 mod motor_constants;
+mod online;
 mod payload;
 mod plan;
 mod read;
@@ -14,14 +15,15 @@ use std::process::ExitCode;
 use super::arguments::{Format, Identify};
 use super::failure::Failure;
 
-/// Identifies a robot from its logs or their moments, reduces logs to moments, plans a motion to record, finds a load, or prints the
-/// columns of a log.
+/// Identifies a robot from its logs or their moments, reduces logs to moments, plans a motion to record, finds a load, replays a log, or
+/// prints the columns of a log.
 pub(super) fn identify(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     match arguments {
         _ if read::stated(arguments).asks() => columns::print(arguments, format),
         Identify { plan: true, .. } => plan::write(arguments, format),
         Identify { reduce: true, .. } => moments::write_reduced(arguments, format),
         Identify { merge: true, .. } => moments::write_merged(arguments, format),
+        Identify { online: true, .. } => online::write(arguments, format),
         Identify { payload, .. } if !payload.is_empty() => payload::write(arguments, format),
         _ => logs::write(arguments, format),
     }

@@ -3,6 +3,7 @@
 use crate::arm::{Arm, GEAR, PEAK, PERIOD, Regime};
 use crate::study::Outcome;
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle};
+use gelenk_runtime::dynamics::Predictable;
 use gelenk_runtime::feed_forward::FeedForward;
 use gelenk_runtime::mpc::{LinearizationPoint, LtvMpc, MpcOptions, Nmpc, ObserverOptions};
 use gelenk_runtime::plant::Plant;
@@ -27,20 +28,23 @@ pub fn options(model: &Arm, period: f64) -> MpcOptions<2, 2> {
     }
 }
 
-/// A controller that can say which model it uses.
+/// A controller with the feed-forward of its model.
 pub trait Modelled: Controller<2, 2> {
-    fn model(&self) -> Arm;
+    fn forward(&self, sample: &Sample<2>) -> Outcome<[f64; 2]>;
 }
 
-impl<T: Trajectory<2>> Modelled for Ltv<T> {
-    fn model(&self) -> Arm {
-        *LtvMpc::model(self)
+impl<D: Predictable<2, 2, 4>, T: Trajectory<2>> Modelled for LtvMpc<D, T, 2, 2, 4>
+where
+    D: Clone,
+{
+    fn forward(&self, sample: &Sample<2>) -> Outcome<[f64; 2]> {
+        Ok(FeedForward::new(self.model().clone())?.at(sample).inputs)
     }
 }
 
 impl<T: Trajectory<2>> Modelled for Nonlinear<T> {
-    fn model(&self) -> Arm {
-        *Nmpc::model(self)
+    fn forward(&self, sample: &Sample<2>) -> Outcome<[f64; 2]> {
+        Ok(FeedForward::new(*self.model())?.at(sample).inputs)
     }
 }
 
@@ -68,8 +72,8 @@ impl Controller<2, 2> for FeedForwardAlone<'_> {
 }
 
 impl Modelled for FeedForwardAlone<'_> {
-    fn model(&self) -> Arm {
-        *self.feed_forward.model()
+    fn forward(&self, sample: &Sample<2>) -> Outcome<[f64; 2]> {
+        Ok(self.feed_forward.at(sample).inputs)
     }
 }
 
@@ -85,8 +89,8 @@ pub struct Setup {
     pub seed: u64,
     /// Distance of the arm from the start of the reference [rad].
     pub offset: [f64; 2],
-    /// When (s) the plant becomes another one, and which.
-    pub change: Option<(f64, Arm)>,
+    /// The plant at a time (s), if it changes.
+    pub change: Option<fn(f64) -> Arm>,
 }
 
 impl Setup {
@@ -189,15 +193,15 @@ pub fn drive(setup: &Setup, controller: &mut impl Modelled, reference: &impl Tra
     let start = reference.sample(0.0);
     let positions = core::array::from_fn(|i| start.positions[i] + setup.offset[i]);
     plant.reset(positions, start.velocities)?;
-    let mut last = limited(forward(controller, &start)?);
+    let mut last = limited(controller.forward(&start)?);
     plant.preload(last);
     controller.reset(&plant.measure().positions, &last);
     let steps = (reference.duration() / period + 1e-9).floor() as usize;
     let mut rows = Vec::with_capacity(steps);
     for k in 0..steps {
         let time = k as f64 * period;
-        if let Some((_, model)) = setup.change.filter(|(when, _)| (when - time).abs() < 0.5 * period) {
-            plant.set_model(model);
+        if let Some(at) = setup.change {
+            plant.set_model(at(time));
         }
         let (positions, velocities) = plant.state();
         let measured = plant.measure().positions;
@@ -214,7 +218,7 @@ pub fn drive(setup: &Setup, controller: &mut impl Modelled, reference: &impl Tra
             positions,
             velocities,
             inputs: command.inputs,
-            forward: forward(controller, &reference.sample(time + 0.5 * period))?,
+            forward: controller.forward(&reference.sample(time + 0.5 * period))?,
             measured,
             iterations: command.iterations,
         });
@@ -222,10 +226,6 @@ pub fn drive(setup: &Setup, controller: &mut impl Modelled, reference: &impl Tra
         plant.apply(&last, period)?;
     }
     Ok(Run { rows })
-}
-
-fn forward(controller: &impl Modelled, sample: &Sample<2>) -> Outcome<[f64; 2]> {
-    Ok(FeedForward::new(controller.model())?.at(sample).inputs)
 }
 
 /// Runs the LTV-MPC with `model`.

@@ -13,7 +13,7 @@ use gelenk_identification::methods::stribeck::StribeckRegression;
 use gelenk_identification::methods::thresholding::Thresholding;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use gelenk_runtime::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
-use gelenk_runtime::trajectory::{Sampled, Trajectory};
+use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
 use rustix::time::{ClockId, clock_gettime};
 
 /// Most iterations that a period shall take.
@@ -61,8 +61,8 @@ impl<C: Controller<2, 2>> Controller<2, 2> for Timed<C> {
 }
 
 impl<C: Modelled> Modelled for Timed<C> {
-    fn model(&self) -> Arm {
-        self.controller.model()
+    fn forward(&self, sample: &Sample<2>) -> Outcome<[f64; 2]> {
+        self.controller.forward(sample)
     }
 }
 

@@ -1,8 +1,7 @@
-//! Methods of the paper that `gelenk identify` does not use: a smoother, friction torques of a motion, recursive least squares.
+//! Methods of the paper that `gelenk identify` does not use: a smoother and friction torques of a motion.
 #![allow(dead_code, reason = "tests outside of the example use a part of it")]
 
 pub mod kalman;
-pub mod recursive;
 pub mod torque;
 
 /// Central differences, one-sided at the ends: the reference that smoothing must beat.

@@ -82,6 +82,19 @@ pub(super) struct Instant {
     pub is_exact: bool,
 }
 
+/// A sample of the filtered torque, and its prediction by the law that was learned before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// Filtered [`terms`].
+    pub terms: [f64; TERMS],
+    /// Filtered torque that the described robot does not explain: the error of its prediction [N m or N].
+    pub torque: f64,
+    /// Error of the learned law [N m or N].
+    pub error: f64,
+    /// False beyond the interval of the prediction: nothing was learned then.
+    pub is_explained: bool,
+}
+
 /// State of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Joint {
@@ -103,6 +116,8 @@ pub(super) struct Joint {
     /// Periods until the filter has forgotten, and until the next sample.
     pub settling: u32,
     pub waiting: u32,
+    /// The sample of the last period, if it had one.
+    pub prediction: Option<Prediction>,
 }
 
 impl Joint {
@@ -122,6 +137,7 @@ impl Joint {
             repeated: 0,
             settling: derived.settle,
             waiting: derived.stride,
+            prediction: None,
         }
     }
 
@@ -140,6 +156,7 @@ impl Joint {
         now: Option<&Instant>,
         time: f64,
     ) {
+        self.prediction = None;
         match now {
             Some(now) => self.take(settings, derived, scale, now),
             None => self.pause(derived),
@@ -190,7 +207,8 @@ impl Joint {
             let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
             let error = torque - dot(&phi, &scale.admissible(self.law.mean, &derived.bounds));
             self.comparison.whole([error, applied], derived.keep);
-            self.learn((settings, derived, scale), &phi, [torque, error], share);
+            let is_explained = self.learn((settings, derived, scale), &phi, [torque, error], share);
+            self.prediction = Some(Prediction { terms: phi, torque, error, is_explained });
         }
         self.average(derived);
     }
@@ -200,24 +218,25 @@ impl Joint {
         self.law = averaged(&self.bank.average(), &derived.prior);
     }
 
-    /// Takes a sample, with the error of the learned law.
+    /// Takes a sample, with the error of the learned law; false if it is beyond the interval.
     fn learn(
         &mut self,
         (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
         phi: &[f64; TERMS],
         [torque, error]: [f64; 2],
         share: f64,
-    ) {
+    ) -> bool {
         let variance = self.law.variance(phi) + self.bank.noise;
         if error * error > GATE * GATE * variance {
             self.comparison.exclude();
             self.bank.widen(derived.interval / settings.patience, &derived.prior);
             self.bank.pause();
-            return;
+            return false;
         }
         self.comparison.take([torque, error]);
         let sample = Sample { phi: *phi, torque, share, forwards: self.direction > 0.0 };
         self.bank.update(&sample, derived.keep, LEAST_NOISE * scale.torque * scale.torque);
+        true
     }
 
     /// Half of the 90 % interval of the law's friction at a velocity [N m or N].

@@ -1,6 +1,6 @@
 //! The learned law of a joint: what it adds to the described one.
 
-pub(super) use crate::pseudo_inverse::dot;
+pub(super) use gelenk_kernels::math::sqrt as root;
 
 /// Number of terms.
 pub const TERMS: usize = 4;
@@ -82,10 +82,8 @@ pub(super) fn smooth_sign(x: f64) -> f64 {
 }
 
 #[inline]
-pub(super) fn root(x: f64) -> f64 {
-    #[cfg(not(feature = "std"))]
-    use num_traits::Float as _;
-    x.sqrt()
+pub(super) fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `C x`.

@@ -1,8 +1,5 @@
 //! Number of correlated samples that count as one.
 
-#[cfg(not(feature = "std"))]
-use crate::no_std::*;
-
 /// Cells of the position.
 const POSITIONS: usize = 16;
 /// Cells of position and direction.
@@ -81,6 +78,8 @@ impl Correlation {
 fn cell(share: f64, forwards: bool) -> usize {
     let place = share * POSITIONS as f64;
     // Positions are finite and velocities bounded: a cell number far beyond the integers does not occur, and would saturate.
-    let index = (place.floor() as i64).rem_euclid(POSITIONS as i64) as usize;
+    let towards_zero = place as i64;
+    let below = towards_zero - i64::from(place < towards_zero as f64);
+    let index = below.rem_euclid(POSITIONS as i64) as usize;
     2 * index + usize::from(forwards)
 }

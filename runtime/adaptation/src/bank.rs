@@ -1,9 +1,9 @@
 //! Kalman filters of the terms for several rates of drift, averaged.
 
 use super::correlation::Correlation;
-use super::law::{TERMS, dot, product};
-#[cfg(not(feature = "std"))]
-use crate::no_std::*;
+use super::law::{TERMS, dot, product, root};
+use gelenk_kernels::math::exp;
+use libm::log;
 
 /// Weight of the first noise, in samples.
 const FIRST_WEIGHT: f64 = 5.0;
@@ -31,7 +31,7 @@ impl Gaussian {
             let wider = self.covariance[i][i] + share * prior[i];
             self.covariance[i][i] = wider;
             if wider > prior[i] {
-                let factor = (prior[i] / wider).sqrt();
+                let factor = root(prior[i] / wider);
                 for j in 0..TERMS {
                     self.covariance[i][j] *= factor;
                     self.covariance[j][i] *= factor;
@@ -146,7 +146,7 @@ impl Bank {
             let variance = track.state.variance(&sample.phi) + self.noise;
             let ratio = error * error / variance;
             ratios += weight * ratio;
-            track.weight = forgetting * track.weight - 0.5 * (variance.ln() + ratio) / correlated;
+            track.weight = forgetting * track.weight - 0.5 * (log(variance) + ratio) / correlated;
             track.state.update(&sample.phi, error, self.noise * track.correlated);
             let residual = sample.torque - dot(&sample.phi, &track.state.mean);
             track.correlated = track.correlation.take(residual, sample.share, sample.forwards, forgetting);
@@ -167,7 +167,7 @@ impl Bank {
     }
 
     fn weights(&self) -> [f64; RATES] {
-        let weights = self.tracks.map(|track| track.weight.exp());
+        let weights = self.tracks.map(|track| exp(track.weight));
         let sum: f64 = weights.iter().sum();
         weights.map(|weight| weight / sum)
     }
@@ -178,7 +178,7 @@ impl Bank {
 /// - `logarithms`: of the weights, which need not sum to 1
 pub(super) fn average<const L: usize>(parts: &[Gaussian; L], logarithms: &[f64; L]) -> Gaussian {
     let largest = logarithms.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-    let weights = logarithms.map(|w| (w - largest).exp());
+    let weights = logarithms.map(|w| exp(w - largest));
     let sum: f64 = weights.iter().sum();
     let weights = weights.map(|w| w / sum);
     let mean: [f64; TERMS] =

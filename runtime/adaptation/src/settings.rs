@@ -1,6 +1,6 @@
 //! Settings, and what is wrong with them.
 
-use crate::dynamics::Named;
+use gelenk_dynamics::dynamics::Named;
 use thiserror::Error;
 
 /// Largest delay of an input, in periods.

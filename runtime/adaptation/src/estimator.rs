@@ -1,11 +1,11 @@
 //! Recursive estimation of all joints.
 
 use super::filter::Window;
-use super::joint::{Derived, Instant, Joint};
+use super::joint::{Derived, Instant, Joint, Prediction};
 use super::law::{JointScale, TERMS, root, terms};
 use super::settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
 use super::trust::Trust;
-use crate::dynamics::Dynamics;
+use gelenk_dynamics::dynamics::Dynamics;
 
 /// Measurements of a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +95,7 @@ impl<const N: usize> Adaptation<N> {
                 let friction = |v: &[f64; N]| robot.friction_torques(&robot.neutral(), v)[i];
                 let magnitudes = Magnitudes {
                     speed: limits.velocity[i],
-                    effort: limits.effort[i],
+                    effort: limits.peak_effort[i],
                     range: limits.position[i][1] - limits.position[i][0],
                 };
                 scales[i] =
@@ -237,10 +237,16 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
+    /// The sample of each joint in the last period; `None` without one: samples are further apart than periods.
+    #[must_use]
+    pub fn predictions(&self) -> [Option<Prediction>; N] {
+        core::array::from_fn(|i| self.joints[i].as_ref()?.prediction)
+    }
+
     /// δ of the law that acts, joint by joint; zero for joints that are not learned.
     #[must_use]
     pub fn acting(&self) -> [[f64; TERMS]; N] {
-        self.joints.map(|joint| joint.map_or([0.0; TERMS], |joint| joint.acting))
+        core::array::from_fn(|i| self.joints[i].as_ref().map_or([0.0; TERMS], |joint| joint.acting))
     }
 
     /// Learned friction of a joint at velocity `v`, with the offset, and half of its 90 % interval [N m or N]; `None` for joints that

@@ -2,8 +2,7 @@
 
 use super::bank::{Gaussian, average};
 use super::law::TERMS;
-#[cfg(not(feature = "std"))]
-use crate::no_std::*;
+use libm::log;
 
 /// Number of nested laws: law j has the first j terms, law 0 is the described one.
 const LAWS: usize = TERMS + 1;
@@ -25,7 +24,7 @@ pub(super) fn averaged(full: &Gaussian, prior: &[f64; TERMS]) -> Gaussian {
     for k in (0..TERMS).rev() {
         let above = laws[k + 1];
         let variance = above.covariance[k][k].max(f64::EPSILON * prior[k]);
-        logarithms[k] = logarithms[k + 1] + 0.5 * (prior[k] / variance).ln()
+        logarithms[k] = logarithms[k + 1] + 0.5 * log(prior[k] / variance)
             - 0.5 * above.mean[k] * above.mean[k] / variance;
         laws[k] = without(&above, k, variance);
     }

@@ -1,0 +1,123 @@
+//! `gelenk identify --online`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use gelenk_adaptation::TERM_NAMES;
+use gelenk_findings::Finding;
+use gelenk_identification::log::runs;
+use gelenk_identification::numeric::digits::{plain, rounded};
+use gelenk_identification::robot::Robot;
+use serde_json::{Value, json};
+
+use super::super::arguments::{Format, Identify};
+use super::super::failure::Failure;
+use super::super::{print, report};
+use super::logs::{command, settings};
+use super::read::{read, say};
+use crate::identify::{DescribedForces, InterpretedRobot, OnlineJoint, Replay, online_page, replay};
+
+/// Replays logs through the estimator of the loop: prints laws, intervals, trust and errors of predictions, and writes the page.
+pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
+    let (loaded, robot) = read(arguments)?;
+    let forces = DescribedForces::new(&loaded.model, arguments.gravity_compensated)
+        .map_err(|problems| Failure::Descriptions(vec![problems]))?;
+    let recording = print::identified(runs(&arguments.logs, &robot, &settings(arguments)?.columns))?;
+    say("replaying the log period by period");
+    // An effort that is later than the positions has a negative time until it acts.
+    let delay = -arguments.delay.unwrap_or(0.0);
+    let found = replay(&robot, &|y, v, a| forces.at(y, v, a), &recording.runs, delay);
+    let found = print::after(found, &recording.findings)?;
+    let joints = learned(&found, &robot);
+    let files = match &arguments.report {
+        Some(folder) => {
+            let page = online_page(&loaded.model.name, &joints, &command(arguments));
+            print::after(report::written(&page, folder, "--report"), &recording.findings)?
+        }
+        None => Vec::new(),
+    };
+    match format {
+        Format::Json => print::json(&as_json((&found, &joints), &recording.findings, &files)),
+        Format::Text => {
+            print::out(&as_text(&joints, &recording.findings, &files)).map(|()| ExitCode::SUCCESS)
+        }
+    }
+}
+
+fn learned(found: &Replay, robot: &InterpretedRobot) -> Vec<OnlineJoint> {
+    let named = robot.joint_names().into_iter().zip(robot.position_units()).zip(&found.joints);
+    let learned = named.filter_map(|((name, unit), replay)| Some((name, unit, replay.clone()?)));
+    learned.map(|(name, unit, replay)| OnlineJoint::new(name, unit, replay)).collect()
+}
+
+fn as_text(joints: &[OnlineJoint], findings: &[Finding], files: &[PathBuf]) -> String {
+    let mut text = print::lines(findings);
+    let head = ["joint", "acts", "since s", "described", "learned", "batch", "hindsight", "learned/batch"];
+    let row = |joint: &OnlineJoint| {
+        let [described, learned, _, batch, hindsight] = joint.errors();
+        let state = [joint.name.clone(), joint.replay.state.trust.name().to_owned()];
+        let since = plain(joint.replay.since(), 4);
+        let errors = [described, learned, batch, hindsight, learned / batch].map(|x| plain(x, 3));
+        state.into_iter().chain([since]).chain(errors).collect::<Vec<_>>()
+    };
+    text.push_str("\nrms error of predictions [N m or N]:\n");
+    text.push_str(&table(&head, joints.iter().map(row)));
+    let head = ["joint", "term", "learned", "±", "acting", "shown by the motion"];
+    let rows = joints.iter().flat_map(|joint| {
+        let state = &joint.replay.state;
+        TERM_NAMES.iter().enumerate().map(move |(k, term)| {
+            let half = Some(state.half_widths[k]);
+            let shown = if state.is_excited[k] { "yes" } else { "no" };
+            let values = [state.learned[k], state.half_widths[k], state.acting[k]].map(|x| rounded(x, half));
+            let names = [joint.name.clone(), (*term).to_owned()];
+            names.into_iter().chain(values).chain([shown.to_owned()]).collect::<Vec<_>>()
+        })
+    });
+    text.push_str("\nterms that are added to the described friction, with 90 % intervals:\n");
+    text.push_str(&table(&head, rows));
+    text.extend(files.iter().map(|file| format!("wrote {}\n", file.display())));
+    text
+}
+
+fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let head = head.iter().map(|word| (*word).to_owned()).collect();
+    print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
+}
+
+fn as_json((found, joints): (&Replay, &[OnlineJoint]), findings: &[Finding], files: &[PathBuf]) -> Value {
+    let one = |joint: &OnlineJoint| {
+        let (replay, state) = (&joint.replay, &joint.replay.state);
+        let terms = TERM_NAMES.iter().enumerate().map(|(k, term)| {
+            json!({
+                "name": term, "learned": state.learned[k], "half_width": state.half_widths[k], "acting": state.acting[k],
+                "shown": state.is_excited[k],
+            })
+        });
+        let [described, learned, acting, batch, hindsight] = joint.errors();
+        let last = replay.samples.last().map(|sample| sample.friction);
+        json!({
+            "name": joint.name,
+            "trust": state.trust.name(),
+            "since": replay.since(),
+            "terms": terms.collect::<Value>(),
+            "friction": json!({
+                "speed": replay.speed, "described": replay.described, "learned": last.map(|[law, _]| law),
+                "half_width": last.map(|[_, half]| half),
+            }),
+            "noise": state.noise,
+            "samples": replay.samples.len(),
+            "unexplained": joint.unexplained(),
+            "errors": json!({
+                "described": described, "learned": learned, "acting": acting, "batch": batch, "hindsight": hindsight,
+            }),
+            "batch": joint.causal.as_ref().map(|law| json!({"terms": law.terms, "window": law.window})),
+        })
+    };
+    json!({
+        "files": files.iter().map(|file| file.display().to_string()).collect::<Value>(),
+        "period": found.settings.period,
+        "delay": found.settings.delay,
+        "joints": joints.iter().map(one).collect::<Value>(),
+        "findings": print::findings(findings),
+    })
+}

@@ -1,0 +1,101 @@
+//! Laws of the same terms, fitted to whole stretches of the log.
+//!
+//! A fit is the mean of the terms given the samples, `A δ = Σ φ r/σ²` with `A = Σ φ φᵀ/σ² + V⁻¹`: the estimator's prior V, without drift, for
+//! its noise σ². It takes the samples that the estimator took. Errors are those of all samples.
+
+use super::replay::{JointReplay, OnlineSample};
+use gelenk_adaptation::TERMS;
+use nalgebra::{DMatrix, DVector};
+
+/// Lengths of the stretch before a sample from which a causal law is fitted \[s\].
+const WINDOWS: [f64; 9] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, f64::INFINITY];
+
+/// The best of several batch laws, as the log shows afterwards.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BatchLaw {
+    /// Number of terms, in the order of [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
+    pub terms: usize,
+    /// Length of the stretch before each sample from which the law was fitted \[s\]; infinite for all samples before it.
+    pub window: f64,
+    /// Errors of the predictions, sample by sample [N·m or N].
+    pub errors: Vec<f64>,
+    /// Their root mean square [N·m or N].
+    pub error: f64,
+}
+
+/// The best law that was fitted to the samples before each sample: number of terms and window are chosen afterwards.
+#[must_use]
+pub fn best_causal(joint: &JointReplay) -> Option<BatchLaw> {
+    let sums = Sums::of(&joint.samples);
+    let first = |i: usize, window: f64| {
+        joint.samples.partition_point(|sample| sample.time < joint.samples[i].time - window)
+    };
+    best(WINDOWS.iter().flat_map(|window| (1..=TERMS).map(move |terms| (terms, *window))), |terms, window| {
+        let of_sample = |i: usize| error(&sums.law(joint, [first(i, window), i], terms), &joint.samples[i]);
+        (0..joint.samples.len()).map(of_sample).collect()
+    })
+}
+
+/// The best single law of the whole log, fitted to all of its samples.
+#[must_use]
+pub fn best_in_hindsight(joint: &JointReplay) -> Option<BatchLaw> {
+    let sums = Sums::of(&joint.samples);
+    best((1..=TERMS).map(|terms| (terms, f64::INFINITY)), |terms, _| {
+        let law = sums.law(joint, [0, joint.samples.len()], terms);
+        joint.samples.iter().map(|sample| error(&law, sample)).collect()
+    })
+}
+
+fn best(
+    tried: impl Iterator<Item = (usize, f64)>,
+    errors: impl Fn(usize, f64) -> Vec<f64>,
+) -> Option<BatchLaw> {
+    let laws = tried.map(|(terms, window)| {
+        let errors = errors(terms, window);
+        let error = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        BatchLaw { terms, window, errors, error }
+    });
+    laws.filter(|law| law.error.is_finite()).min_by(|a, b| a.error.total_cmp(&b.error))
+}
+
+fn error(law: &[f64; TERMS], sample: &OnlineSample) -> f64 {
+    sample.prediction.torque - law.iter().zip(&sample.prediction.terms).map(|(d, p)| d * p).sum::<f64>()
+}
+
+/// Sums of φ φᵀ and φ r over the first samples.
+struct Sums(Vec<[[f64; TERMS + 1]; TERMS]>);
+
+impl Sums {
+    fn of(samples: &[OnlineSample]) -> Self {
+        let mut all = vec![[[0.0; TERMS + 1]; TERMS]];
+        for sample in samples {
+            let mut sums = all[all.len() - 1];
+            let prediction = &sample.prediction;
+            if prediction.is_explained {
+                for i in 0..TERMS {
+                    for j in 0..TERMS {
+                        sums[i][j] += prediction.terms[i] * prediction.terms[j];
+                    }
+                    sums[i][TERMS] += prediction.terms[i] * prediction.torque;
+                }
+            }
+            all.push(sums);
+        }
+        Self(all)
+    }
+
+    /// δ of the law with the first terms, fitted to a range of samples; zero if it has none.
+    fn law(&self, joint: &JointReplay, [from, to]: [usize; 2], terms: usize) -> [f64; TERMS] {
+        let noise = joint.state.noise * joint.state.noise;
+        let sum = |i: usize, j: usize| self.0[to][i][j] - self.0[from][i][j];
+        // Scaled by the prior: δ = V^½ x.
+        let scale = &joint.prior;
+        let matrix = DMatrix::from_fn(terms, terms, |i, j| {
+            scale[i] * scale[j] * sum(i, j) / noise + f64::from(u8::from(i == j))
+        });
+        let right = DVector::from_fn(terms, |i, _| scale[i] * sum(i, TERMS) / noise);
+        let solution = matrix.cholesky().map(|factor| factor.solve(&right));
+        let value = |i: usize| solution.as_ref().and_then(|x| x.get(i)).map_or(0.0, |x| scale[i] * x);
+        std::array::from_fn(value)
+    }
+}

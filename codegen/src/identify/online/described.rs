@@ -1,0 +1,53 @@
+//! Forces of the described robot with its friction, by the functions of its module.
+
+use super::super::parameters::result;
+use crate::diagnostic::Diagnostics;
+use crate::function_names;
+use crate::functions::form::Form;
+use crate::functions::function::Function;
+use crate::functions::selection::derive_in_form;
+use crate::functions::size::MOST_OPERATIONS;
+use crate::model::Model;
+use gelenk_formula::Formula;
+
+/// Inverse dynamics and friction of a robot, by the interpreter: bits are those of the generated module.
+#[derive(Debug)]
+pub struct DescribedForces {
+    functions: [Function; 2],
+    free: Vec<f64>,
+}
+
+impl DescribedForces {
+    /// Derives the functions.
+    ///
+    /// - `without_gravity`: the efforts of the log are without the robot's weight
+    ///
+    /// # Errors
+    /// As [`derive_in_form`].
+    pub fn new(model: &Model, without_gravity: bool) -> Result<Self, Diagnostics> {
+        let mut model = model.clone();
+        if without_gravity {
+            model.gravity = [0.0; 3].map(Formula::Number);
+        }
+        let names = [function_names::INVERSE_DYNAMICS, function_names::FRICTION_TORQUES].map(str::to_owned);
+        let functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Straight, &names)?;
+        let function = |name: &String| {
+            let found = functions.iter().find(|function| function.name == *name).cloned();
+            found.unwrap_or_else(|| unreachable!("{name} was asked for by name, and no error was returned"))
+        };
+        Ok(Self {
+            functions: names.each_ref().map(function),
+            free: model.parameters.iter().map(|parameter| parameter.default).collect(),
+        })
+    }
+
+    /// Inverse dynamics with friction, and the friction in it [N·m or N].
+    #[must_use]
+    pub fn at(&self, y: &[f64], v: &[f64], a: &[f64]) -> [Vec<f64>; 2] {
+        let [inverse_dynamics, friction] = &self.functions;
+        // Friction takes positions if a law depends on them.
+        let arguments = [y, v];
+        let of_friction = &arguments[2 - friction.program.inputs.len()..];
+        [result(inverse_dynamics, &[y, v, a], &self.free), result(friction, of_friction, &self.free)]
+    }
+}

@@ -1,0 +1,177 @@
+//! The page of a replay: learned friction over time, and errors of predictions.
+
+use gelenk_identification::numeric::digits::significant;
+use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
+
+use super::batch::{BatchLaw, best_causal, best_in_hindsight};
+use super::replay::{JointReplay, OnlineSample};
+use gelenk_adaptation::TERM_NAMES;
+
+/// Time over which errors are averaged in the figure \[s\].
+const SMOOTHING: f64 = 5.0;
+/// Most points of a curve; of longer ones every k-th is drawn.
+const MOST_POINTS: usize = 1500;
+
+/// A joint of a replay, with the batch laws that it is compared with.
+#[derive(Debug, Clone)]
+pub struct OnlineJoint {
+    /// Name of the joint.
+    pub name: String,
+    /// Unit of its position.
+    pub unit: &'static str,
+    /// Its learned law and samples.
+    pub replay: JointReplay,
+    /// The best law that was fitted to the samples before each sample.
+    pub causal: Option<BatchLaw>,
+    /// The best law that was fitted to all samples.
+    pub hindsight: Option<BatchLaw>,
+}
+
+impl OnlineJoint {
+    /// Fits the batch laws.
+    #[must_use]
+    pub fn new(name: String, unit: &'static str, replay: JointReplay) -> Self {
+        let (causal, hindsight) = (best_causal(&replay), best_in_hindsight(&replay));
+        Self { name, unit, replay, causal, hindsight }
+    }
+
+    /// Errors of the predictions: described, learned and acting law, causal batch law, law in hindsight [N·m or N].
+    #[must_use]
+    pub fn errors(&self) -> [f64; 5] {
+        let of = |law: &Option<BatchLaw>| law.as_ref().map_or(f64::NAN, |law| law.error);
+        [
+            self.replay.error(|sample| sample.prediction.torque),
+            self.replay.error(|sample| sample.prediction.error),
+            self.replay.error(|sample| sample.acting),
+            of(&self.causal),
+            of(&self.hindsight),
+        ]
+    }
+
+    /// Samples beyond the interval of their prediction.
+    #[must_use]
+    pub fn unexplained(&self) -> usize {
+        self.replay.samples.iter().filter(|sample| !sample.prediction.is_explained).count()
+    }
+
+    fn force(&self) -> &'static str {
+        if self.unit == "m" { "N" } else { "N·m" }
+    }
+}
+
+/// The page.
+///
+/// - `joints`: those that are learned
+/// - `command`: that made the page
+#[must_use]
+pub fn online_page(name: &str, joints: &[OnlineJoint], command: &str) -> Report {
+    let mut report = Report::new(format!("Friction of {name}, learned online")).lead(
+        "The log passed through the estimator of the control loop, period by period. Each sample was predicted before it was learned.",
+    );
+    report.made_by = command.to_owned();
+    let mut section = Section::new("joints", "Joints").block(text(
+        "Left: friction at the joint's root-mean-square speed. Right: errors of the predictions, root mean square over 5 s. The batch law is the best \
+         of those fitted to the samples before each one; its number of terms and its stretch of time are chosen afterwards.",
+    ));
+    for (index, joint) in joints.iter().enumerate() {
+        section = section.block(Block::Figure(figure(index, joint)));
+    }
+    report.section(section.block(Block::Table(errors(joints))).block(Block::Table(terms(joints))))
+}
+
+fn figure(index: usize, joint: &OnlineJoint) -> Figure {
+    let samples = &joint.replay.samples;
+    let curve = |of: &dyn Fn(&OnlineSample) -> f64| {
+        thinned(samples.iter().map(|sample| [sample.time, of(sample)]).collect())
+    };
+    let end = |side: f64| curve(&|sample| sample.friction[0] + side * sample.friction[1]);
+    let error = |of: &dyn Fn(usize) -> f64| thinned(smoothed(samples, of));
+    let time = || Axis::new("time", "s");
+    let speed = format!("friction at {:.2} {}/s", joint.replay.speed, joint.unit);
+    let law = Plot::new(joint.name.clone(), time(), Axis::new(speed, joint.force()))
+        .series("learned", Marks::Line, curve(&|sample| sample.friction[0]))
+        .series("90 % interval", Marks::Dashed, [end(1.0), vec![[f64::NAN; 2]], end(-1.0)].concat())
+        .series("described", Marks::Line, curve(&|_| joint.replay.described));
+    let mut errors = Plot::new(joint.name.clone(), time(), Axis::new("rms error", joint.force()))
+        .series("described", Marks::Line, error(&|i| samples[i].prediction.torque))
+        .series("learned", Marks::Line, error(&|i| samples[i].prediction.error));
+    if let Some(batch) = &joint.causal {
+        errors = errors.series("batch", Marks::Dashed, error(&|i| batch.errors[i]));
+    }
+    Figure::new(format!("online_{}", index + 1), "").plot(law).plot(errors)
+}
+
+/// Root mean squares over the samples of the last [`SMOOTHING`].
+fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]> {
+    let mut sums = vec![0.0];
+    for i in 0..samples.len() {
+        sums.push(sums[i] + of(i) * of(i));
+    }
+    let point = |(i, sample): (usize, &OnlineSample)| {
+        let first = samples.partition_point(|other| other.time < sample.time - SMOOTHING);
+        [sample.time, ((sums[i + 1] - sums[first]).max(0.0) / (i + 1 - first) as f64).sqrt()]
+    };
+    samples.iter().enumerate().map(point).collect()
+}
+
+fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    points.into_iter().step_by(step).collect()
+}
+
+fn errors(joints: &[OnlineJoint]) -> Table {
+    let mut table = Table::new(
+        "errors",
+        "Root mean square of the errors of the predictions. Acting: the law that the controller had. Batch: the best law of the samples before \
+         each one. Hindsight: the best law of the whole log, which it has seen.",
+    )
+    .column("joint", "joint", "")
+    .column("acts", "trust", "")
+    .column("since", "since", "s")
+    .column("samples", "samples", "")
+    .column("unexplained", "unexplained", "");
+    for name in ["described", "learned", "acting", "batch", "hindsight"] {
+        table = table.column(name, name, "");
+    }
+    let row = |joint: &OnlineJoint| {
+        let state = [Cell::text(joint.name.clone()), Cell::text(joint.replay.state.trust.name())];
+        let counts = [
+            Cell::Rounded(joint.replay.since(), 4),
+            Cell::Count(joint.replay.samples.len()),
+            Cell::Count(joint.unexplained()),
+        ];
+        let errors = joint.errors().map(|error| Cell::Rounded(error, 3));
+        state.into_iter().chain(counts).chain(errors).collect::<Vec<_>>()
+    };
+    table.rows(joints.iter().map(row))
+}
+
+fn terms(joints: &[OnlineJoint]) -> Table {
+    let table = Table::new(
+        "terms",
+        "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 + \\delta_4 |\\tau_d|$, with half of \
+         their 90 % intervals. A term that the motion did not show is frozen.",
+    )
+    .column("joint", "joint", "")
+    .column("term", "term", "")
+    .column("learned", "learned", "")
+    .column("±", "half_width", "")
+    .column("acting", "acting", "")
+    .column("shown", "shown", "");
+    let rows = joints.iter().flat_map(|joint| {
+        let state = &joint.replay.state;
+        TERM_NAMES.iter().enumerate().map(move |(k, term)| {
+            let half = state.half_widths[k];
+            let digits = |value| significant(value, Some(half)).unwrap_or(3);
+            vec![
+                Cell::text(joint.name.clone()),
+                Cell::text(*term),
+                Cell::Rounded(state.learned[k], digits(state.learned[k])),
+                Cell::Rounded(half, 2),
+                Cell::Rounded(state.acting[k], digits(state.acting[k])),
+                Cell::text(if state.is_excited[k] { "yes" } else { "no" }),
+            ]
+        })
+    });
+    table.rows(rows)
+}

@@ -1,0 +1,329 @@
+//! Rows of a log as measurements of the loop.
+
+use gelenk_adaptation::{
+    Adaptation, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY, Magnitudes,
+    Measured, Prediction, Trust,
+};
+use gelenk_dynamics::dynamics::Limits;
+use gelenk_identification::error::{IdentificationError, Result};
+use gelenk_identification::robot::{JointLimits, Robot};
+use gelenk_identification::run::{Effort, Run};
+
+/// Most joints and inputs of a robot: the places of the estimator. Those without a joint are not learned.
+const MOST: usize = 32;
+/// Significant digits of the rate of a log, which clocks and printed times disturb.
+const RATE_DIGITS: usize = 6;
+
+/// Forces of the described robot at positions y, velocities ẏ and accelerations ÿ [N·m or N]: inverse dynamics with friction, and the
+/// friction in it.
+pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 2] + 'a;
+
+/// Result of a replay.
+#[derive(Debug, Clone)]
+pub struct Replay {
+    /// Settings of the estimator.
+    pub settings: AdaptationSettings,
+    /// Joints in the order of the robot; `None` for those without an input or a measured effort, which are not learned.
+    pub joints: Vec<Option<JointReplay>>,
+}
+
+/// A joint over the log.
+#[derive(Debug, Clone)]
+pub struct JointReplay {
+    /// State after the last row.
+    pub state: JointState,
+    /// Standard deviations of the terms before the first sample.
+    pub prior: [f64; gelenk_adaptation::TERMS],
+    /// Root mean square of the speed in motion, at which [`OnlineSample::friction`] is given [rad/s or m/s].
+    pub speed: f64,
+    /// Described friction at this speed [N·m or N].
+    pub described: f64,
+    /// Samples of the estimator.
+    pub samples: Vec<OnlineSample>,
+}
+
+/// A sample of the estimator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnlineSample {
+    /// Time since the first row; runs follow each other \[s\].
+    pub time: f64,
+    /// Prediction by the law before this sample.
+    pub prediction: Prediction,
+    /// Error of the law that acted [N·m or N].
+    pub acting: f64,
+    /// Learned friction at [`JointReplay::speed`] after this sample, and half of its 90 % interval [N·m or N].
+    pub friction: [f64; 2],
+    /// The law that acts after this sample.
+    pub trust: Trust,
+}
+
+impl JointReplay {
+    /// Root mean square of the errors of the predictions by a law [N·m or N]; NaN without samples.
+    pub fn error(&self, of: impl Fn(&OnlineSample) -> f64) -> f64 {
+        let squares: f64 = self.samples.iter().map(of).map(|error| error * error).sum();
+        (squares / self.samples.len() as f64).sqrt()
+    }
+
+    /// Time of the last change of the law that acts \[s\].
+    #[must_use]
+    pub fn since(&self) -> f64 {
+        let changed = self.samples.iter().rposition(|sample| sample.trust != self.state.trust);
+        changed.and_then(|last| self.samples.get(last + 1)).map_or(0.0, |sample| sample.time)
+    }
+}
+
+/// Replays runs in their order. Between runs the estimator keeps what it learned, as over a new start of the loop.
+///
+/// Efforts at the joints belong to the row of their positions. Inputs were written after the positions of their row, so they
+/// act over the period behind it, as in the log of the loop.
+///
+/// - `delay`: time from an input until it acts \[s\]
+///
+/// # Errors
+/// Robots with quaternions, driven joints or inputs at frames, joints without limits, currents without a described motor constant,
+/// and a log that is too slow for the filter.
+pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) -> Result<Replay> {
+    let robot = Described::new(robot, forces, runs)?;
+    let rate = rate(runs)?;
+    let settings = settings(rate, delay)?;
+    let scales = robot.scales()?;
+    let adaptation = Adaptation::new(scales, settings, |y, v, a| robot.forces(y, v, a));
+    let mut adaptation = adaptation.map_err(|error| fault("the log", error.to_string()))?;
+    let speeds: Vec<f64> = (0..robot.joints).map(|joint| speed(runs, joint, rate)).collect();
+    let described: Vec<f64> = (0..robot.joints).map(|joint| robot.friction(joint, speeds[joint])).collect();
+    let mut samples = vec![Vec::new(); robot.joints];
+    let mut begin = 0.0;
+    for run in runs {
+        adaptation.restart();
+        let mut periods = 0.0;
+        for measured in robot.measurements(run, rate) {
+            let acting = adaptation.acting();
+            adaptation.step(&measured, |y, v, a| robot.forces(y, v, a));
+            periods += f64::from(measured.periods);
+            let time = begin + periods / rate;
+            for (joint, prediction) in adaptation.predictions().into_iter().enumerate() {
+                let Some(prediction) = prediction else { continue };
+                let explained: f64 = acting[joint].iter().zip(&prediction.terms).map(|(d, p)| d * p).sum();
+                let friction = adaptation.friction(joint, described[joint], speeds[joint]);
+                samples[joint].push(OnlineSample {
+                    time,
+                    prediction,
+                    acting: prediction.torque - explained,
+                    friction: friction.unwrap_or_default(),
+                    trust: adaptation.states()[joint].map_or(Trust::Unknown, |state| state.trust),
+                });
+            }
+        }
+        begin += periods / rate;
+    }
+    let joints = samples.into_iter().enumerate().map(|(joint, samples)| {
+        Some(JointReplay {
+            state: adaptation.states()[joint]?,
+            prior: scales[joint]?.bounds(settings.largest_change).map(|bound| 0.5 * bound),
+            speed: speeds[joint],
+            described: described[joint],
+            samples,
+        })
+    });
+    Ok(Replay { settings, joints: joints.collect() })
+}
+
+fn fault(place: impl Into<String>, message: impl Into<String>) -> IdentificationError {
+    IdentificationError::File { place: place.into(), message: message.into() }
+}
+
+/// Periods in a second: the median step of the log, rounded as a person gives a rate.
+fn rate(runs: &[Run]) -> Result<f64> {
+    let mut steps: Vec<f64> = runs.iter().flat_map(|run| run.times.windows(2).map(|t| t[1] - t[0])).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() {
+        return Err(IdentificationError::Empty { what: "the log".into() });
+    }
+    let rate = 1.0 / *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let digits = RATE_DIGITS - 1;
+    format!("{rate:.digits$e}").parse().map_err(|_| fault("the log", format!("{rate} rows in a second")))
+}
+
+fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
+    let periods = (delay * rate).round();
+    if !(0.0..=MOST_DELAY as f64).contains(&periods) {
+        return Err(IdentificationError::Setting {
+            name: "time from an input until it acts".into(),
+            value: delay,
+            requirement: format!(
+                "it is 0 to {} s, {MOST_DELAY} periods of the log",
+                MOST_DELAY as f64 / rate
+            ),
+        });
+    }
+    Ok(AdaptationSettings { delay: periods as usize, ..AdaptationSettings::new(1.0 / rate) })
+}
+
+/// Root mean square of a joint's speed in the rows in which its position changes.
+fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
+    let speeds = runs.iter().flat_map(|run| run.positions[joint].windows(2).map(|y| rate * (y[1] - y[0])));
+    let (mut squares, mut count) = (0.0, 0.0);
+    for speed in speeds.filter(|speed| *speed != 0.0) {
+        squares += speed * speed;
+        count += 1.0;
+    }
+    if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 }
+}
+
+/// A robot in the estimator's places.
+struct Described<'a> {
+    robot: &'a dyn Robot,
+    forces: &'a Forces<'a>,
+    joints: usize,
+    effort: Effort,
+    /// B.
+    matrix: [[f64; MOST]; MOST],
+    limits: Vec<JointLimits>,
+    /// Inputs at which drives make their largest torque.
+    ends: [[f64; 2]; MOST],
+    /// The joints whose effort was measured.
+    is_measured: Vec<bool>,
+}
+
+impl<'a> Described<'a> {
+    fn new(robot: &'a dyn Robot, forces: &'a Forces<'a>, runs: &[Run]) -> Result<Self> {
+        const HELP: &str = "the estimator needs an input at each joint that it learns";
+        let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
+        let effort = runs.first().map_or(Effort::Joint, |run| run.effort);
+        let cases = [
+            ("joints have quaternions", !robot.quaternion_joints().is_empty()),
+            ("joints are driven", robot.unmeasured().contains(&true)),
+            ("inputs act at frames", robot.has_inputs_at_frames()),
+        ];
+        if let Some((reason, _)) = cases.iter().find(|(_, holds)| *holds) {
+            return Err(fault("the robot", format!("{reason}, and friction is not learned online: {HELP}")));
+        }
+        if joints.max(inputs) > MOST {
+            return Err(fault("the robot", format!("it has more than {MOST} joints or inputs")));
+        }
+        if effort == Effort::Current && robot.described_currents().contains(&false) {
+            let message = "its efforts are currents of motors without a described constant: describe it (`drive = { input = \"current\" }`)";
+            return Err(fault("the log", message));
+        }
+        let mut matrix = [[0.0; MOST]; MOST];
+        for (row, entries) in matrix.iter_mut().zip(robot.input_matrix().chunks(inputs.max(1))) {
+            row[..inputs].copy_from_slice(entries);
+        }
+        let limits = robot.limits();
+        let ends = ends(robot, &limits, &matrix);
+        let known = |effort: usize| runs.iter().all(|run| run.efforts[effort].iter().all(|u| u.is_finite()));
+        let is_measured = |joint: usize| match effort {
+            Effort::Joint => known(joint),
+            _ => (0..inputs).all(|input| matrix[joint][input] == 0.0 || known(input)),
+        };
+        let is_measured = (0..joints).map(is_measured).collect();
+        Ok(Self { robot, forces, joints, effort, matrix, limits, ends, is_measured })
+    }
+
+    fn forces(&self, y: &[f64; MOST], v: &[f64; MOST], a: &[f64; MOST]) -> DescribedForces<MOST> {
+        let n = self.joints;
+        let [forces, friction] = (self.forces)(&y[..n], &v[..n], &a[..n]);
+        DescribedForces { forces: padded(&forces), friction: padded(&friction) }
+    }
+
+    fn friction(&self, joint: usize, speed: f64) -> f64 {
+        let mut v = [0.0; MOST];
+        v[joint] = speed;
+        self.forces(&[0.0; MOST], &v, &[0.0; MOST]).friction[joint]
+    }
+
+    fn scales(&self) -> Result<[Option<JointScale>; MOST]> {
+        let mut scales = [None; MOST];
+        for (joint, limits) in self.limits.iter().enumerate() {
+            if self.matrix[joint].iter().all(|b| *b == 0.0) || !self.is_measured[joint] {
+                continue;
+            }
+            let magnitudes = Magnitudes {
+                speed: limits.velocity,
+                effort: limits.effort,
+                range: limits.position[1] - limits.position[0],
+            };
+            let friction = |v: &[f64; MOST]| self.friction(joint, v[joint]);
+            scales[joint] = Some(magnitudes.scale(joint, friction).ok_or_else(|| {
+                fault(
+                    format!("joint {}", self.robot.joint_names()[joint]),
+                    "neither its largest speed nor its friction and effort say how large its friction may be: describe its limits",
+                )
+            })?);
+        }
+        Ok(scales)
+    }
+
+    /// Rows of a run as measurements, with one that has nothing for each row that was left out.
+    fn measurements(&self, run: &'a Run, rate: f64) -> impl Iterator<Item = Measured<MOST>> {
+        (0..run.times.len()).flat_map(move |row| {
+            let before = row.saturating_sub(1);
+            let periods = ((run.times[row] - run.times[before]) * rate).round().max(1.0) as u32;
+            let missing = (run.rows[row] - run.rows[before]).saturating_sub(1) as u32;
+            let missing = missing.min(periods - 1);
+            let (torques, saturated) = match self.effort {
+                Effort::Joint => self.at_joints(run, row),
+                _ => self.by_inputs(run, row.checked_sub(1)),
+            };
+            let lost =
+                Measured { positions: None, torques: [f64::NAN; MOST], saturated: [false; MOST], periods: 1 };
+            let positions = Some(padded_row(&run.positions, row));
+            let last = Measured { positions, torques, saturated, periods: periods - missing };
+            std::iter::repeat_n(lost, missing as usize).chain([last])
+        })
+    }
+
+    fn at_joints(&self, run: &Run, row: usize) -> ([f64; MOST], [bool; MOST]) {
+        let mut torques = padded_row(&run.efforts, row);
+        let mut saturated = [false; MOST];
+        for joint in 0..self.joints {
+            saturated[joint] = torques[joint].abs() >= self.limits[joint].effort;
+            if !self.is_measured[joint] {
+                torques[joint] = 0.0;
+            }
+        }
+        (torques, saturated)
+    }
+
+    /// B u and joints with a drive at its limit, of the inputs of a row; those before a run are unknown.
+    fn by_inputs(&self, run: &Run, row: Option<usize>) -> ([f64; MOST], [bool; MOST]) {
+        let Some(row) = row else { return ([f64::NAN; MOST], [false; MOST]) };
+        let inputs = padded_row(&run.efforts, row);
+        let of_inputs = |joint: usize| {
+            let force = self.matrix[joint].iter().zip(&inputs).map(|(b, u)| b * u).sum();
+            if self.is_measured.get(joint).copied().unwrap_or(false) { force } else { 0.0 }
+        };
+        let at_limit = |j: usize| inputs[j] <= self.ends[j][0] || inputs[j] >= self.ends[j][1];
+        let saturated = |joint: usize| (0..MOST).any(|j| self.matrix[joint][j] != 0.0 && at_limit(j));
+        (std::array::from_fn(of_inputs), std::array::from_fn(saturated))
+    }
+}
+
+/// Lowest and highest inputs that motors and joints bear for a short time.
+fn ends(robot: &dyn Robot, limits: &[JointLimits], matrix: &[[f64; MOST]; MOST]) -> [[f64; 2]; MOST] {
+    const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    let mut inputs = [ANY; MOST];
+    inputs.iter_mut().zip(robot.input_limits()).for_each(|(ends, limits)| *ends = limits);
+    let mut efforts = [f64::INFINITY; MOST];
+    efforts.iter_mut().zip(limits).for_each(|(effort, limits)| *effort = limits.effort);
+    let limits = Limits {
+        position: [ANY; MOST],
+        velocity: [f64::INFINITY; MOST],
+        effort: efforts,
+        peak_effort: efforts,
+        input: inputs,
+        peak_input: inputs,
+        dependent: &[],
+        torque_speed: &[],
+    };
+    limits.at_inputs(matrix).peak
+}
+
+fn padded(values: &[f64]) -> [f64; MOST] {
+    std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
+}
+
+/// A row of columns.
+fn padded_row(columns: &[Vec<f64>], row: usize) -> [f64; MOST] {
+    std::array::from_fn(|i| columns.get(i).map_or(0.0, |column| column[row]))
+}
