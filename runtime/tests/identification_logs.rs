@@ -41,7 +41,7 @@ fn the_schunk_runs_are_runs_of_a_robot() {
     assert_eq!((first.name.as_str(), second.name.as_str()), ("runs.csv, run 1", "runs.csv, run 21"));
     assert_eq!((first.rows[0], first.times[1], first.positions[2][0]), (2, 0.004, -1.368));
     let found = sentences(&recording);
-    assert_eq!(found.len(), 3, "{found:?}");
+    assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].contains("rows 938 to 19599: column `u1`, column `u2`"), "{found:?}");
     assert!(
         found.iter().any(|f| f.ends_with("28 rows are left out because they are not complete")),

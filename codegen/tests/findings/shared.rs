@@ -30,7 +30,7 @@ fn cases_are_named() {
     let commands = [
         ("one_way", vec!["robot.toml", "one_way.csv"]),
         ("both", vec!["robot.toml", "one_way.csv", "way_back.csv"]),
-        ("dropouts", vec!["arm4.urdf", "dropouts.csv"]),
+        ("shared_dropouts", vec!["arm4.urdf", "dropouts.csv"]),
         ("stribeck", vec!["joint.toml", "joint_log.csv", "--friction", "stribeck"]),
     ];
     let commands = commands.map(|(name, arguments)| (name, [&arguments[..], &output].concat()));

@@ -9,8 +9,8 @@ use super::super::numeric::digits::plain;
 use super::super::run::Effort;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
-use super::hypotheses::{POOR, gain, offered};
 use super::normal::Model;
+use super::offer::{POOR, gain, offered};
 use super::prior::Prior;
 use gelenk_findings::{Finding, Rule};
 

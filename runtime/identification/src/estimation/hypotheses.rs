@@ -10,6 +10,7 @@ use super::factors::factor;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
 use super::normal::{Centred, Model};
+use super::offer::{CLEARLY, FALL, POOR, gain, offered};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs::spring;
@@ -17,18 +18,6 @@ use super::sums::{moving, sum};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule, Severity, Subject};
 
-/// A hypothesis counts as better where it lowers the held-out error by this share and by two standard errors, and where no joint's
-/// error grows by this share: what is wrong in one place is explained in part by changes elsewhere.
-pub(super) const CLEARLY: f64 = 0.1;
-
-/// Trust with which a further parameter stays zero.
-pub(super) const HELD: f64 = 1e12;
-
-/// Name of the number by which a hypothesis is better, in percent.
-const FALL: &str = "fall of the held-out error";
-
-/// R² below which a joint is hardly explained, and its sign is doubted.
-pub(super) const POOR: f64 = 0.5;
 /// Power of driving friction, as a share of the power of a force as large as the measured one.
 const NOTICEABLE: f64 = 0.05;
 
@@ -119,27 +108,6 @@ impl Doubts {
     pub(super) fn refusals(&self) -> Vec<Finding> {
         self.of_all.iter().filter(|finding| finding.severity == Severity::Error).cloned().collect()
     }
-}
-
-/// Share of the held-out error by which a hypothesis is better; `None` unless it is clearly better.
-///
-/// - residual sums of squares of the joints in the units of the same columns
-pub(super) fn gain(own: &HeldOut, other: &HeldOut) -> Option<f64> {
-    let (excess, deviation) = other.excess(own);
-    let share = -excess / own.total();
-    (share > CLEARLY && -excess > 2.0 * deviation && !harms(own, other)).then_some(share)
-}
-
-/// Whether a hypothesis raises the error of a joint by as much.
-pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
-    own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + CLEARLY) * own)
-}
-
-/// The finding with the share of [`gain`].
-pub(super) fn offered(finding: Finding, share: f64) -> Finding {
-    let percent = 100.0 * share;
-    let message = format!("{}; the error on held-out data falls by {percent:.0} %", finding.message);
-    Finding { message, ..finding }.with(FALL, percent, "%")
 }
 
 /// Tries the other setting of gravity, and the other sign of the efforts of joints that are hardly explained or

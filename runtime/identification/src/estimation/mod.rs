@@ -18,6 +18,7 @@ mod layout;
 mod loads;
 mod margin;
 mod normal;
+mod offer;
 mod prior;
 mod report;
 mod residuals;

@@ -4,7 +4,7 @@ use super::super::error::Result;
 use super::super::numeric::digits::plain;
 use super::choice::Chosen;
 use super::fit::fit;
-use super::hypotheses::{HELD, gain, offered};
+use super::offer::{HELD, gain, offered};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule, Subject};
 

@@ -27,7 +27,7 @@ pub(super) struct Task<'a> {
     pub(super) loads: Option<&'a Loads>,
     /// Delays of a first fit, if they are unknown; they have been removed from the runs.
     pub(super) first_fit: Option<&'a FirstFit>,
-    /// What a hypothesis adds to the regressor.
+    /// Columns that a hypothesis adds to the regressor.
     pub(super) more: Option<More<'a>>,
 }
 

@@ -1,0 +1,37 @@
+//! When a hypothesis is offered: only where the error on held-out data falls clearly.
+
+use super::fit::HeldOut;
+use gelenk_findings::Finding;
+
+/// A hypothesis counts as better where it lowers the held-out error by this share and by two standard errors, and where no joint's
+/// error grows by this share: what is wrong in one place is explained in part by changes elsewhere.
+pub(super) const CLEARLY: f64 = 0.1;
+
+/// Trust with which a further parameter stays zero.
+pub(super) const HELD: f64 = 1e12;
+
+/// Name of the number by which a hypothesis is better, in percent.
+pub(super) const FALL: &str = "fall of the held-out error";
+
+/// R² below which a joint is hardly explained, and its sign is doubted.
+pub(super) const POOR: f64 = 0.5;
+/// Share of the held-out error by which a hypothesis is better; `None` unless it is clearly better.
+///
+/// - residual sums of squares of the joints in the units of the same columns
+pub(super) fn gain(own: &HeldOut, other: &HeldOut) -> Option<f64> {
+    let (excess, deviation) = other.excess(own);
+    let share = -excess / own.total();
+    (share > CLEARLY && -excess > 2.0 * deviation && !harms(own, other)).then_some(share)
+}
+
+/// Whether a hypothesis raises the error of a joint by as much.
+pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
+    own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + CLEARLY) * own)
+}
+
+/// The finding with the share of [`gain`].
+pub(super) fn offered(finding: Finding, share: f64) -> Finding {
+    let percent = 100.0 * share;
+    let message = format!("{}; the error on held-out data falls by {percent:.0} %", finding.message);
+    Finding { message, ..finding }.with(FALL, percent, "%")
+}
