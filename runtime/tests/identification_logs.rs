@@ -49,6 +49,8 @@ fn the_schunk_runs_are_runs_of_a_robot() {
     );
     let guessed = runs(&[path], &robot, &ColumnOptions::default()).unwrap();
     assert_eq!(guessed.effort, Effort::Input);
+    let doubts = guessed.findings.iter().filter(|f| f.code == "gear-doubtful").count();
+    assert_eq!(doubts, 1, "{:?}", sentences(&guessed));
 }
 
 /// The UR10's JointState, by the names of its URDF.

@@ -371,7 +371,7 @@ pub(super) struct Identify {
     #[arg(
         long,
         conflicts_with_all = [
-            "plan", "reduce", "merge", "output", "bandwidth", "validate", "payload", "load_friction", "friction", "method", "derivative",
+            "plan", "reduce", "merge", "output", "bandwidth", "validate", "payload", "load_friction", "friction", "friction_on", "method", "derivative",
             "accept_poor"
         ]
     )]

@@ -41,7 +41,10 @@ impl Robot {
     /// Fails where an effort cannot be commanded for each coordinate, as the controllers for ros2_control do.
     pub(super) fn require_efforts(&self) -> Result<(), Failure> {
         let (fault, remedy) = match (self.floats, self.joints.is_empty(), self.passive.first()) {
-            (true, ..) => ("its base moves freely".to_owned(), "take a robot on a fixed base"),
+            (true, ..) => (
+                "its base moves freely, or it has a ball".to_owned(),
+                "take a robot on a fixed base whose joints have one coordinate each",
+            ),
             (_, true, _) => ("it has no joint".to_owned(), "take a robot with joints"),
             (.., Some(joint)) => {
                 (format!("no motor moves {}", quoted(joint)), "add a motor, or `--hold` the joint")

@@ -162,6 +162,7 @@ static void computed_torque(const std::string & plugin)
   REQUIRE(updated(*one) == return_type::OK);
   REQUIRE(robot.efforts == expected(posture, {}, {}));
 
+  one->is_chained = true;
   Vector y, v, a;
   for (std::size_t i = 0; i < ROBOT_N; ++i) {
     y[i] = 0.2 + 0.1 * i, v[i] = 0.3 - 0.2 * i, a[i] = 1.0 - 0.5 * i;
@@ -172,6 +173,12 @@ static void computed_torque(const std::string & plugin)
   REQUIRE(updated(*one) == return_type::OK);
   REQUIRE(robot.efforts == expected(y, v, a));
   for (double effort : robot.efforts) {std::printf("%.17g\n", effort);}
+
+  // After the controller in front is stopped, the robot stops at its last position.
+  one->is_chained = false;
+  REQUIRE(updated(*one) == return_type::OK);
+  REQUIRE(robot.efforts == expected(y, {}, {}));
+  one->is_chained = true;
 
   // References that are no numbers hold the last position.
   for (auto & reference : references) {REQUIRE(reference.set_value(NONE));}

@@ -126,7 +126,7 @@ impl<const N: usize> Adaptation<N> {
             derived,
             joints: core::array::from_fn(joint),
             window: Window::EMPTY,
-            torques: [[0.0; N]; MOST_DELAY + 1],
+            torques: [[f64::NAN; N]; MOST_DELAY + 1],
             saturated: [[false; N]; MOST_DELAY + 1],
             periods: 0.0,
             fingerprint: fingerprint(&described(&of(0.7), &of(0.3), &of(0.5))),
@@ -148,6 +148,7 @@ impl<const N: usize> Adaptation<N> {
     /// Forgets motion and torques of the last periods, but not what was learned.
     pub fn restart(&mut self) {
         self.window.clear();
+        self.forget_torques();
         self.periods = 0.0;
         for (joint, derived) in self.joints.iter_mut().zip(&self.derived) {
             if let (Some(joint), Some(derived)) = (joint, derived) {
@@ -155,6 +156,12 @@ impl<const N: usize> Adaptation<N> {
                 joint.since = 0.0;
             }
         }
+    }
+
+    /// Torques of lost periods are unknown.
+    fn forget_torques(&mut self) {
+        self.torques = [[f64::NAN; N]; MOST_DELAY + 1];
+        self.saturated = [[false; N]; MOST_DELAY + 1];
     }
 
     /// Goes on by a period. Allocates nothing.
@@ -168,6 +175,9 @@ impl<const N: usize> Adaptation<N> {
         described: impl FnOnce(&[f64; N], &[f64; N], &[f64; N]) -> DescribedForces<N>,
     ) {
         self.periods += f64::from(measured.periods);
+        if measured.periods > 1 {
+            self.forget_torques();
+        }
         self.torques.rotate_right(1);
         self.saturated.rotate_right(1);
         (self.torques[0], self.saturated[0]) = (measured.torques, measured.saturated);

@@ -36,7 +36,7 @@ pub fn best_causal(joint: &JointReplay) -> Option<BatchLaw> {
     })
 }
 
-/// The best single law of the whole log, fitted to all of its samples.
+/// The best single law of the whole log, fitted to all samples that the estimator took.
 #[must_use]
 pub fn best_in_hindsight(joint: &JointReplay) -> Option<BatchLaw> {
     let sums = Sums::of(&joint.samples);

@@ -13,6 +13,10 @@ use gelenk_identification::run::{Effort, Run};
 const MOST: usize = 32;
 /// Significant digits of the rate of a log, which clocks and printed times disturb.
 const RATE_DIGITS: usize = 6;
+/// Rates of two runs differ by more than clocks do.
+const OTHER_RATE: f64 = 0.01;
+/// Steps of time differ from whole periods by more than velocities bear, in periods.
+const LARGEST_JITTER: f64 = 0.1;
 
 /// Forces of the described robot at positions y, velocities ẏ and accelerations ÿ [N·m or N]: inverse dynamics with friction, and the
 /// friction in it.
@@ -74,7 +78,7 @@ impl JointReplay {
 
 /// Replays runs in their order. Between runs the estimator keeps what it learned, as over a new start of the loop.
 ///
-/// Efforts at the joints belong to the row of their positions. Inputs were written after the positions of their row, so they
+/// Efforts at the joints belong to the row of their positions; between rows they are taken as linear. Inputs were written after the positions of their row, so they
 /// act over the period behind it, as in the log of the loop.
 ///
 /// - `delay`: time from an input until it acts \[s\]
@@ -132,36 +136,64 @@ fn fault(place: impl Into<String>, message: impl Into<String>) -> Identification
     IdentificationError::File { place: place.into(), message: message.into() }
 }
 
-/// Periods in a second: the median step of the log, rounded as a person gives a rate.
+/// Periods in a second: the median step of the log, rounded as a person gives a rate. Each run has it.
 fn rate(runs: &[Run]) -> Result<f64> {
-    let mut steps: Vec<f64> = runs.iter().flat_map(|run| run.times.windows(2).map(|t| t[1] - t[0])).collect();
-    let middle = steps.len() / 2;
-    if steps.is_empty() {
-        return Err(IdentificationError::Empty { what: "the log".into() });
+    let steps = |run: &Run| run.times.windows(2).map(|t| t[1] - t[0]).collect::<Vec<f64>>();
+    let rate = 1.0
+        / median(runs.iter().flat_map(steps).collect())
+            .ok_or(IdentificationError::Empty { what: "the log".into() })?;
+    for run in runs {
+        let steps = steps(run);
+        let jitter = |step: &f64| step * rate - (step * rate).round().max(1.0);
+        let irregular = steps.iter().filter(|step| jitter(step).abs() > LARGEST_JITTER).count();
+        let own = 1.0 / median(steps.clone()).unwrap_or(1.0 / rate);
+        if (own / rate - 1.0).abs() > OTHER_RATE {
+            let message = format!(
+                "it has {own:.6} rows in a second, the logs as a whole {rate:.6}: replay logs of one rate"
+            );
+            return Err(fault(&run.name, message));
+        }
+        if irregular * 10 > steps.len() {
+            let message = format!(
+                "{irregular} of its {} steps of time differ from the period of {:.6} s by more than a tenth: a loop has periods of one length",
+                steps.len(),
+                1.0 / rate
+            );
+            return Err(fault(&run.name, message));
+        }
     }
-    let rate = 1.0 / *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     let digits = RATE_DIGITS - 1;
     format!("{rate:.digits$e}").parse().map_err(|_| fault("the log", format!("{rate} rows in a second")))
 }
 
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
     let periods = (delay * rate).round();
-    if !(0.0..=MOST_DELAY as f64).contains(&periods) {
+    let is_whole = (delay * rate - periods).abs() < LARGEST_JITTER;
+    if !is_whole || !(0.0..=MOST_DELAY as f64).contains(&periods) {
         return Err(IdentificationError::Setting {
-            name: "time from an input until it acts".into(),
+            name: "the time from an input until it acts (minus --delay)".into(),
             value: delay,
             requirement: format!(
-                "it is 0 to {} s, {MOST_DELAY} periods of the log",
-                MOST_DELAY as f64 / rate
+                "it is a multiple of the period, from 0 to {MOST_DELAY} times {:.6} s",
+                1.0 / rate
             ),
         });
     }
     Ok(AdaptationSettings { delay: periods as usize, ..AdaptationSettings::new(1.0 / rate) })
 }
 
-/// Root mean square of a joint's speed in the rows in which its position changes.
+/// Root mean square of a joint's speed in the rows in which its position changes; steps over left-out rows do not count.
 fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
-    let speeds = runs.iter().flat_map(|run| run.positions[joint].windows(2).map(|y| rate * (y[1] - y[0])));
+    let speeds = runs.iter().flat_map(|run| {
+        let steps = run.positions[joint].windows(2).zip(run.times.windows(2));
+        let neighbours = steps.filter(|(_, t)| rate * (t[1] - t[0]) < 1.5);
+        neighbours.map(|(y, _)| rate * (y[1] - y[0]))
+    });
     let (mut squares, mut count) = (0.0, 0.0);
     for speed in speeds.filter(|speed| *speed != 0.0) {
         squares += speed * speed;
@@ -273,14 +305,15 @@ impl<'a> Described<'a> {
         })
     }
 
+    /// Efforts at the joints over the period before a row: the mean of those at its ends.
     fn at_joints(&self, run: &Run, row: usize) -> ([f64; MOST], [bool; MOST]) {
+        let before = padded_row(&run.efforts, row.saturating_sub(1));
         let mut torques = padded_row(&run.efforts, row);
         let mut saturated = [false; MOST];
         for joint in 0..self.joints {
             saturated[joint] = torques[joint].abs() >= self.limits[joint].effort;
-            if !self.is_measured[joint] {
-                torques[joint] = 0.0;
-            }
+            let mean = 0.5 * (before[joint] + torques[joint]);
+            torques[joint] = if self.is_measured[joint] { mean } else { 0.0 };
         }
         (torques, saturated)
     }

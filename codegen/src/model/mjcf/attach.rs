@@ -8,7 +8,7 @@ use super::files::Element;
 use super::{Part, Placed, Reader, WORLD, plain_path, read};
 use crate::diagnostic::nearest;
 
-/// Models that are attached to attached ones; more are hardly meant.
+/// Most models that are attached one to the other: more are hardly meant.
 const DEEPEST: usize = 8;
 
 impl<'a> Reader<'_, 'a> {
@@ -28,20 +28,28 @@ impl<'a> Reader<'_, 'a> {
         };
         let first = &mut part.robot.joints[first];
         let (name, root) = (first.name.value.clone(), first.child.clone());
-        first.origin = Some(placed.pose.then(&first.origin.take().unwrap_or_else(Pose::identity)));
-        one_tree::cut(&mut part.robot, WORLD, root.map(|root| root.value).unwrap_or_default());
+        let whole = first.part_of.as_ref().map_or(&first.name, |part| &part.joint);
+        match part.joints.get(&whole.value).filter(|joint| joint.is_free) {
+            Some(free) => self.require_world(&free.name, (link, &placed.pose), true),
+            None => {
+                first.origin = Some(placed.pose.then(&first.origin.take().unwrap_or_else(Pose::identity)));
+            }
+        }
         part.robot.frames.retain(|frame| frame.link.value != WORLD);
+        one_tree::cut(&mut part.robot, WORLD, root.map(|root| root.value).unwrap_or_default());
+        let sites: BTreeSet<&String> = part.robot.frames.iter().map(|frame| &frame.name.value).collect();
+        part.sites.retain(|site| sites.contains(site));
         part.robot.links.retain(|link| link.value != WORLD);
         cut_references(&mut part.robot);
         let own: BTreeSet<String> = part.robot.joints.iter().map(|joint| joint.name.value.clone()).collect();
         part.joints.retain(|joint, _| own.contains(joint));
         let place = part.robot.joints.iter().position(|joint| joint.name.value == name);
-        let prefix = format!("{}{}", prefix.value, placed.suffix);
-        names(&mut part.robot).into_iter().for_each(|name| name.value.insert_str(0, &prefix));
+        let renamed = |name: &str| format!("{}{name}{}", prefix.value, placed.suffix);
+        names(&mut part.robot).into_iter().for_each(|name| name.value = renamed(&name.value));
         if let Some(place) = place {
             part.robot.joints[place].parent = Some(link.clone());
         }
-        self.join(part, &prefix);
+        self.join(part, &renamed);
     }
 
     /// Reads the model of an `<asset>` as far as it does not depend on this one.
@@ -91,7 +99,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    fn join(&mut self, part: Part, prefix: &str) {
+    fn join(&mut self, part: Part, renamed: &dyn Fn(&str) -> String) {
         let Part { robot, joints, sites, .. } = part;
         let taken = [
             (&mut self.link_names, robot.links.iter().collect::<Vec<_>>()),
@@ -112,10 +120,10 @@ impl<'a> Reader<'_, 'a> {
         self.robot.frames.extend(robot.frames);
         self.robot.wrench_inputs.extend(robot.wrench_inputs);
         self.robot.drives.extend(robot.drives);
-        self.sites.extend(sites.into_iter().map(|site| format!("{prefix}{site}")));
+        self.sites.extend(sites.into_iter().map(|site| renamed(&site)));
         for (joint, mut known) in joints {
-            known.name.value.insert_str(0, prefix);
-            self.joints.insert(format!("{prefix}{joint}"), known);
+            known.name.value = renamed(&known.name.value);
+            self.joints.insert(renamed(&joint), known);
         }
     }
 }

@@ -52,7 +52,6 @@ impl<'a> Reader<'_, 'a> {
             let inner = contents.into_iter().rev().filter(|placed| BODIES.contains(&placed.element.tag()));
             waiting.extend(inner.map(|body| Waiting { body, parent: name.clone() }));
         }
-        self.scale_masses();
     }
 
     /// Reads one body without those inside it; its name, and all that stands in it.

@@ -95,7 +95,8 @@ impl<'a> Reader<'_, 'a> {
             false => Pose { rotation: by_axis(axis, -reference), ..Pose::identity() },
         };
         let armature = or(self.number(self.find(joint, "armature"), "armature"), 0.0);
-        let known = KnownJoint { name: name.clone(), reference, has_quaternion: false, armature };
+        let known =
+            KnownJoint { name: name.clone(), reference, has_quaternion: false, is_free: false, armature };
         self.joints.insert(name.value.clone(), known);
         let description = JointDescription {
             kind: Some(if slides { JointKind::Prismatic } else { JointKind::Revolute }),
@@ -114,16 +115,7 @@ impl<'a> Reader<'_, 'a> {
 
     /// A free body stands in the world, wherever the file shows it.
     fn free(&mut self, joint: &Placed<'a>, name: Name, between: Between, is_only: bool) {
-        if between.parent.value != super::WORLD || !is_only {
-            let message =
-                format!("free joint `{}` is not the only joint of a body in <worldbody>", name.value);
-            self.report.error(name.span, "free-joint", message);
-            self.report
-                .help("MuJoCo takes free joints there alone: give the body slides and a ball, or move it");
-        }
-        if !between.frame.is_identity() {
-            self.notes.remark(Remark::StartPose, name.span, name.quoted());
-        }
+        self.require_world(&name, (&between.parent, &between.frame), is_only);
         let place = Place {
             parent: Some(between.parent),
             child: Some(between.child),
@@ -131,6 +123,20 @@ impl<'a> Reader<'_, 'a> {
             axis: [0.0, 0.0, 1.0],
         };
         self.quaternion(joint, name, QuaternionKind::Floating, place, Pose::identity());
+    }
+
+    /// Refuses a free joint elsewhere, and says that its start is not kept.
+    pub(super) fn require_world(&mut self, name: &Name, (parent, frame): (&Name, &Pose), is_only: bool) {
+        if parent.value != super::WORLD || !is_only {
+            let message =
+                format!("free joint `{}` is not the only joint of a body in <worldbody>", name.value);
+            self.report.error(name.span, "free-joint", message);
+            self.report
+                .help("MuJoCo takes free joints there alone: give the body slides and a ball, or move it");
+        }
+        if !frame.is_identity() {
+            self.notes.remark(Remark::StartPose, name.span, name.quoted());
+        }
     }
 
     fn ball(&mut self, joint: &Placed<'a>, name: Name, between: Between) {
@@ -157,7 +163,9 @@ impl<'a> Reader<'_, 'a> {
             self.notes.remark(Remark::QuaternionForce, given.span, name.quoted());
         }
         let friction = if is_plain { None } else { self.friction(joint, &name, false) };
-        let known = KnownJoint { name: name.clone(), reference: 0.0, has_quaternion: true, armature: 0.0 };
+        let is_free = kind == QuaternionKind::Floating;
+        let known =
+            KnownJoint { name: name.clone(), reference: 0.0, has_quaternion: true, is_free, armature: 0.0 };
         self.joints.insert(name.value.clone(), known);
         let values = |_: &'static composite::Part, name: Name| JointDescription {
             friction: friction.clone(),

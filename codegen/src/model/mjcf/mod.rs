@@ -46,6 +46,7 @@ struct KnownJoint {
     /// Its position where the description shows it.
     reference: f64,
     has_quaternion: bool,
+    is_free: bool,
     /// Its own contribution to M.
     armature: f64,
 }
@@ -115,7 +116,9 @@ pub(super) fn description(
     read(report, text, path, options, (load, &[])).map(|part| part.robot)
 }
 
-/// - `before`: files of the models that this one is attached to; armatures of attached ones wait for actuators
+/// Reads a model, also one that is attached to others. Armatures and the sum of masses are those of the whole.
+///
+/// - `before`: files of the models that this one is attached to
 fn read(
     (report, angles): (&mut Report, &mut Angles),
     text: (&str, usize),
@@ -167,6 +170,7 @@ fn read(
     };
     reader.model(root, &sections);
     if before.is_empty() {
+        reader.scale_masses();
         reader.armatures();
     }
     reader.notes.report(|_| true, reader.report);

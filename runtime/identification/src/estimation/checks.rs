@@ -1,6 +1,7 @@
 //! Checks of the residual efforts against effects that the model lacks.
 
 use super::super::methods::offset::mean;
+use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
@@ -19,6 +20,12 @@ const NO_EFFORT: Rule = Rule::warning("no-effort");
 /// Example: a joint that was held.
 /// Fixture: `still` in `codegen/tests/findings/arm.rs`.
 const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
+
+/// Sees: a residual that follows the acceleration.
+/// Matters: the inertia of the rigid body is wrong.
+/// Example: a rotor that the description does not have.
+/// Fixture: `estimation/tests/simulated.rs`.
+const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
 
 /// Sees: friction that grows with the load of a gear.
 /// Matters: a law of the velocity alone is wrong under other loads.
@@ -44,6 +51,11 @@ pub(super) struct Checked<'a> {
     pub(super) loads_are_known: bool,
 }
 
+/// Tells whether a finding is of a residual that follows the acceleration.
+pub(super) fn is_of_acceleration(finding: &Finding) -> bool {
+    finding.code == ACCELERATION.code
+}
+
 impl Checked<'_> {
     /// Doubts about each moving joint, and which joints do not move.
     pub(super) fn findings(&self) -> Vec<Finding> {
@@ -65,7 +77,8 @@ impl Checked<'_> {
 
     /// Doubts about one joint.
     pub(super) fn joint(&self, joint: usize) -> Vec<Finding> {
-        let doubts = unit_doubt(self.sizes(joint)).into_iter().chain(self.load(joint));
+        let doubts =
+            [unit_doubt(self.sizes(joint)), self.acceleration(joint), self.load(joint)].into_iter().flatten();
         doubts.map(|doubt| doubt.of(self.robot.subject(joint))).collect()
     }
 
@@ -106,6 +119,23 @@ impl Checked<'_> {
     fn predicted(&self, run: usize, joint: usize) -> impl Fn(usize) -> f64 + '_ {
         let (measured, residual) = (&self.forces.measured[run][joint], &self.forces.residual[run][joint]);
         move |i| measured[i] - residual[i]
+    }
+
+    fn acceleration(&self, joint: usize) -> Option<Finding> {
+        // A joint with a quaternion has no rotor.
+        if self.layout.exact[joint] {
+            return None;
+        }
+        let (factor, share) = self.explained(joint, &|run, i| self.runs[run].accelerations[joint][i])?;
+        self.is_suspicious(share).then(|| {
+            let message = format!(
+                "{:.0} % of the residual's variance follows the acceleration ({} per unit): the rigid body is wrong",
+                100.0 * share,
+                plain(factor, 3)
+            );
+            let remedy = "describe the rotor's inertia, or look for a delay (--delay) or an elastic gear";
+            ACCELERATION.found(message).help(remedy)
+        })
     }
 
     /// Friction that grows with the load leaves `(|τ_l| − mean) sign(v)`; Coulomb friction has taken the mean.

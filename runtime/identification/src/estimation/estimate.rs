@@ -3,7 +3,7 @@
 use super::super::error::{IdentificationError, Result, require_finite};
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::checks::Checked;
+use super::checks::{Checked, is_of_acceleration};
 use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
@@ -422,7 +422,11 @@ impl Task<'_> {
             doubts.of_all.extend(ratio.judged(accept_poor)?);
         }
         doubts.of_all.extend(other_delays(self, judged, &checked)?);
-        doubts.of_all.extend(checked.findings());
+        // A residual that a remedy removes has no second cause.
+        let is_explained = |of: &Finding| doubts.of_all.iter().any(|offered| offered.about == of.about);
+        let found = checked.findings().into_iter();
+        let found: Vec<Finding> = found.filter(|of| !is_of_acceleration(of) || !is_explained(of)).collect();
+        doubts.of_all.extend(found);
         Ok(doubts)
     }
 

@@ -8,10 +8,10 @@ use super::offer::{HELD, gain, offered};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule, Subject};
 
-/// Trust in no spring that leaves its stiffness to the data.
+/// Trust with which the data alone choose the stiffness.
 const FREE: f64 = 1e-12;
 
-/// Sees: efforts of a joint that a spring explains better, next to bodies that may change.
+/// Sees: efforts of a joint that another stiffness of its spring explains better, next to bodies that may change.
 /// Matters: bodies and friction take up a part of its force.
 /// Example: a cable that the joint winds up.
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
@@ -45,16 +45,18 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         let all = &fitted.centred.all;
         let solved = fit(&fitted.centred, all, &fitted.model, task.prior, &fitted.weighting, &fitted.values)?;
         let stiffness = solved.values.unknowns[count + joint];
-        Ok((stiffness > 0.0).then(|| offered(finding(task, joint, stiffness), share)))
+        Ok(Some(offered(finding(task, joint, stiffness), share)))
     })
 }
 
 fn finding(task: &Task, joint: usize, stiffness: f64) -> Finding {
-    let (shown, unit) = (plain(stiffness, 3), task.robot.position_units()[joint]);
+    let (shown, unit) = (plain(stiffness.abs(), 3), task.robot.position_units()[joint]);
     let force = if unit == "m" { "N" } else { "N·m" };
-    let message = format!("the data are explained better with a spring of {shown} {force}/{unit}");
+    let (side, change) = if stiffness > 0.0 { ("more", "add") } else { ("less", "subtract") };
+    let message =
+        format!("the data are explained better with {shown} {force}/{unit} {side} stiffness than described");
     let remedy = format!(
-        "if it has one, or a cable that pulls, describe it, as in `spring = {{ stiffness = {shown} }}`; otherwise check the load"
+        "if it has a spring, or a cable that pulls, {change} {shown} in its `spring = {{ stiffness = … }}`; otherwise check the load"
     );
     SPRING.found(message).with("stiffness", stiffness, "").of(task.robot.subject(joint)).help(remedy)
 }

@@ -19,6 +19,12 @@ use super::logs::{JointFacts, LogMoments, ReducedLog, Share};
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 
+/// Sees: moments of logs that passed different filters.
+/// Matters: their sums are those of different signals.
+/// Example: 4 Hz and 9 Hz.
+/// Fixture: `fleet/tests.rs`.
+const OTHER_FILTERS: Rule = Rule::warning("different-filters");
+
 /// Sees: moments of logs from whose efforts different delays were removed.
 /// Matters: one of them may be wrong.
 /// Example: 0 ms and 12 ms.
@@ -33,6 +39,8 @@ const OF_MOMENTS: Rule = Rule::note("moments");
 
 /// Fewest shares with samples: folds of the held-out error.
 const FEWEST_SHARES: usize = 4;
+/// Ratio between bandwidths of logs beyond which it is said.
+const OTHER_FILTER: f64 = 1.5;
 /// Difference between delays of logs beyond which it is said [s].
 const OTHER_DELAY: f64 = 2e-3;
 
@@ -193,14 +201,20 @@ impl LogMoments {
         )]
     }
 
-    /// How far delays differ, where they do.
-    fn differences(&self) -> Option<Finding> {
+    /// How far filters and delays differ, where they do.
+    fn differences(&self) -> Vec<Finding> {
+        let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
-        (late - early > OTHER_DELAY).then(|| {
+        let filters = (wide > OTHER_FILTER * narrow).then(|| {
+            let message = format!("the logs passed different filters ({narrow:.3} to {wide:.3} Hz)");
+            OTHER_FILTERS.found(message).help("take one --bandwidth for each --reduce")
+        });
+        let delays = (late - early > OTHER_DELAY).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
             let message = format!("delays of {early:.1} to {late:.1} ms were removed from the efforts");
             OTHER_DELAYS.found(message).help("take one --delay for each --reduce")
-        })
+        });
+        filters.into_iter().chain(delays).collect()
     }
 
     fn range(&self, of: &dyn Fn(&ReducedLog) -> [f64; 2]) -> [f64; 2] {

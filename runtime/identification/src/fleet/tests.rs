@@ -299,6 +299,17 @@ fn outliers_lose_weight_and_count_in_what_is_said() {
 }
 
 #[test]
+fn moments_of_different_filters_are_named() {
+    let mut moments = sum(&fleet().2.iter().collect::<Vec<_>>()).unwrap();
+    let codes = |moments: &LogMoments| -> Vec<&str> {
+        merged(moments, &settings()).unwrap().findings(&Arm).iter().map(|finding| finding.code).collect()
+    };
+    assert!(!codes(&moments).contains(&"different-filters"));
+    moments.logs[0].bandwidth *= 2.0;
+    assert!(codes(&moments).contains(&"different-filters"));
+}
+
+#[test]
 fn no_law_is_found_where_there_is_no_friction() {
     let folder = tempfile::tempdir().unwrap();
     for spikes in [false, true] {

@@ -7,10 +7,18 @@ use super::super::methods::moments::{Moments, splits};
 use super::super::methods::offset::{centre, mean};
 use super::super::numeric::statistics::mean_with_error;
 use super::design::offset_ranges;
+use super::findings::Findings;
 use super::selection::Selection;
 use super::task::FrictionData;
+use gelenk_findings::Rule;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+
+/// Sees: folds without which a law cannot be fitted.
+/// Matters: no error on left-out data is known.
+/// Example: a log in which one fold has the only motion.
+/// Fixture: `friction/tests.rs`.
+const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 
 /// Errors on folds that were left out.
 #[derive(Debug, Clone)]
@@ -36,7 +44,7 @@ impl Unseen {
     }
 }
 
-/// Errors of laws of terms on the folds that they were not fitted to; `None` where a fold leaves too little to fit.
+/// Errors of laws of terms on the folds that they were not fitted to; `None`, with a warning, if a fold leaves too little to fit.
 ///
 /// Each run keeps the offset that it has on all of its samples, also where a part of it is left out: an offset
 /// belongs to a run, and no law can foretell it.
@@ -46,9 +54,15 @@ pub(super) fn held_out(
     folds: Result<Vec<Moments>>,
     total: f64,
     (selection, rows): (&Selection, Option<&DMatrix<f64>>),
+    findings: &mut Findings,
 ) -> Option<Unseen> {
-    let folds = folds.and_then(|folds| by_folds(&folds, selection, rows)).ok()?;
-    Some(Unseen { folds, total })
+    match folds.and_then(|folds| by_folds(&folds, selection, rows)) {
+        Ok(folds) => Some(Unseen { folds, total }),
+        Err(reason) => {
+            findings.add(NO_HELD_OUT.found(format!("no R² on left-out data: {reason}")));
+            None
+        }
+    }
 }
 
 /// Σ r² and number of samples of each fold, for laws that were chosen and fitted without it.

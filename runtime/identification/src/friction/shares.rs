@@ -61,7 +61,7 @@ impl FrictionIdentification {
         let errors = Errors::of_shares(&reduced, &data.shares, coefficients, active, &fitted.binding);
         let average = average(&reduced, &errors)?;
         let total: f64 = data.shares.iter().map(|share| share.energy(0)).sum();
-        let unseen = held_out(shares(), total, fitted.way());
+        let unseen = held_out(shares(), total, fitted.way(), &mut findings);
         let held_out = unseen.and_then(|unseen| unseen.r_squared(data.lost));
         findings.judge(held_out, self.least_r_squared);
         data.require_limits(&mut findings);

@@ -25,6 +25,12 @@ use nalgebra::{DMatrix, DVector};
 /// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
 const HIDDEN: Rule = Rule::warning("terms-hidden");
 
+/// Sees: draws of the bootstrap that gave no model.
+/// Matters: shares of the terms are of fewer draws.
+/// Example: blocks without a reversal.
+/// Fixture: `friction/tests.rs`.
+const BOOTSTRAP: Rule = Rule::warning("bootstrap-failed");
+
 /// The law of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
     let design = Design::new(settings, data)?;
@@ -47,7 +53,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let law = fitted.law(&design.library, &errors, average.as_ref());
     let offsets = design.offsets(&data.torques_of(&law)?, &residuals);
     let total = variation(data, design.separate, &folds(data, settings.folds).concat());
-    let unseen = held_out((candidates.folds)(), total, fitted.way());
+    let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
     let judged = Judged { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
     let report = findings.report(settings, judged)?;
     fitted.complete(report, &candidates, errors, average)
@@ -135,8 +141,14 @@ impl Candidates<'_> {
         let fit = |moments: Moments| -> Result<DVector<f64>> {
             Ok(selection.fit(&Reduced::from_moments(moments)?)?.coefficients)
         };
-        let Ok(models) = bootstrap(&blocks, draws, seed, fit) else { return Ok(None) };
-        let (draws, count, block) = (models.len(), blocks.len(), self.block);
+        let models = bootstrap(&blocks, draws, seed, fit);
+        let count = models.as_ref().map_or(0, Vec::len);
+        if count < draws {
+            let reason = models.as_ref().err().map_or(String::new(), |reason| format!(": {reason}"));
+            findings.add(BOOTSTRAP.found(format!("{count} of {draws} bootstrap draws gave a model{reason}")));
+        }
+        let Ok(models) = models else { return Ok(None) };
+        let (count, block) = (blocks.len(), self.block);
         findings.note(format!("inclusion: {draws} draws of {count} {block}, seed {seed}"));
         Ok(Some(inclusion(&models)))
     }

@@ -553,3 +553,15 @@ fn one_offset_of_all_runs_leaves_coulomb_friction_to_the_law() {
     assert_eq!(each.law.coefficients().len(), 1);
     assert!((each.offsets[0].value - 1.8).abs() < 1e-9 && (each.offsets[1].value + 1.2).abs() < 1e-9);
 }
+
+/// A joint that moves in one place: without it folds tell no law.
+#[test]
+fn motion_in_one_place_is_said() {
+    let v: Vec<f64> = (0..4000).map(|i| if i < 3800 { 0.0 } else { (0.1 * f64::from(i)).sin() }).collect();
+    let torque: Vec<f64> = v.iter().map(|v| 3.0 * v + (20.0 * v).tanh()).collect();
+    let method = FrictionMethod::LeastSquares;
+    let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
+    let result = identify(&settings, &v, &torque).unwrap().result;
+    let said = texts(&result.findings, Severity::Warning).join("; ");
+    assert!(said.contains("[no-held-out-error]: no R² on left-out data"), "{said}");
+}

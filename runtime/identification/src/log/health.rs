@@ -4,7 +4,9 @@ use super::super::numeric::digits::plain;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
-use super::finding::{BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, TURNS, VELOCITY_DISAGREES};
+use super::finding::{
+    BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, GEAR_DOUBTFUL, TURNS, VELOCITY_DISAGREES,
+};
 use super::units::are_minutes;
 use gelenk_findings::{Finding, Rule};
 use std::f64::consts::{PI, TAU};
@@ -26,6 +28,7 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
     }
     findings.extend(robot.followers().iter().flat_map(|joint| beyond_limits(runs, joint)));
     findings.extend(efforts(runs, robot, &limits));
+    findings.extend(gears(runs, robot));
     findings
 }
 
@@ -223,18 +226,74 @@ fn efforts(runs: &[Run], robot: &dyn Robot, limits: &[JointLimits]) -> Vec<Findi
     findings
 }
 
-/// Undoes jumps by a turn: the encoder counts one turn only.
+/// Whether efforts at the joints were taken for those of the motors, or the other way round: where a gear stands
+/// between them, the joint that carries the largest weight shows it.
+fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
+    let (n, m, matrix) = (robot.joint_names().len(), robot.input_names().len(), robot.input_matrix());
+    let effort = runs.first()?.effort;
+    if n != m || effort == Effort::Current || !robot.quaternion_joints().is_empty() {
+        return None;
+    }
+    let weights = weights(runs, robot, n);
+    let joint = (0..n).max_by(|a, b| weights[*a].total_cmp(&weights[*b]))?;
+    let (weight, gear) = (weights[joint], matrix.get(joint * m + joint)?.abs());
+    let recorded = root_mean_square(runs.iter().filter_map(|r| r.efforts.get(joint)).flatten().copied());
+    if !(weight > 0.0 && recorded > 0.0 && (gear > 4.0 || gear < 0.25 && gear > 0.0)) {
+        return None;
+    }
+    let ratio = if effort == Effort::Input { recorded * gear / weight } else { recorded / weight };
+    // Half of the gear, in logarithms: friction and motion change the effort by less than that.
+    let is_doubtful = match effort {
+        Effort::Input => ratio.ln() / gear.ln() > 0.5,
+        _ => -ratio.ln() / gear.ln() > 0.5,
+    };
+    let (taken, other, key) = match effort {
+        Effort::Input => ("efforts of the motors", "forces at the joints", "torque"),
+        _ => ("forces at the joints", "efforts of the motors", "input"),
+    };
+    is_doubtful.then(|| {
+        let message = format!(
+            "its efforts are taken as {taken} and are then {} times what carries the described weight (rms), with \
+             {} between motor and joint: they look like {other} (--columns '{key}=…')",
+            plain(ratio, 3),
+            plain(gear, 6)
+        );
+        GEAR_DOUBTFUL.found(message).joint(robot.joint_names().swap_remove(joint))
+    })
+}
+
+/// Root mean squares of the forces that hold the described robot, over some of the samples.
+fn weights(runs: &[Run], robot: &dyn Robot, n: usize) -> Vec<f64> {
+    const SAMPLES: usize = 20;
+    let zero = vec![0.0; n];
+    let mut forces = vec![vec![]; n];
+    for run in runs.iter().step_by((runs.len() / SAMPLES).max(1)) {
+        for i in (0..run.times.len()).step_by((run.times.len() / SAMPLES).max(1)) {
+            let y: Vec<f64> = run.positions.iter().map(|q| q[i]).collect();
+            let mut force = zero.clone();
+            robot.rigid_forces(&y, &zero, &zero, &mut force);
+            forces.iter_mut().zip(force).for_each(|(column, f)| column.push(f));
+        }
+    }
+    forces.into_iter().map(|column| root_mean_square(column.into_iter())).collect()
+}
+
+fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) =
+        values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v * v));
+    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
+}
+
+/// Undoes jumps by a turn: an encoder that counts one turn only, or one that was set anew.
 pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Vec<Finding> {
     let (names, units) = (robot.joint_names(), robot.position_units());
     let mut findings = Vec::new();
     for (joint, q) in run.positions.iter_mut().enumerate() {
-        let is_angle = units.get(joint).is_some_and(|u| *u == "rad");
-        let jumps: Vec<usize> = (1..q.len()).filter(|i| is_turn(q[*i] - q[*i - 1])).collect();
-        let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
-        if !is_angle || !in_one_turn(q) {
+        if units.get(joint).is_none_or(|unit| *unit != "rad") {
             continue;
         }
-        unwrap(q, TAU);
+        let jumps = take_out_turns(q);
+        let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
         let rows = Some((run.rows[*first], run.rows[*last]));
         let message = format!("its position jumps by a turn {} times and is unwrapped", jumps.len());
         findings.push(TURNS.found(message).joint(&names[joint]).log(source, rows));
@@ -242,42 +301,40 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
     findings
 }
 
-fn is_turn(jump: f64) -> bool {
-    (jump.abs() / TAU - 1.0).abs() < 0.2
-}
-
-fn in_one_turn(q: &[f64]) -> bool {
-    let (low, high) =
-        q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));
-    high - low <= 1.01 * TAU && low >= -1.01 * PI && high <= 1.01 * TAU
-}
-
-/// Undoes overflows of a counter: a step of more than half a period is taken as the shorter way around.
-fn unwrap(values: &mut [f64], period: f64) {
-    let (mut turns, mut last) = (0.0, f64::NAN);
-    for value in values {
-        let raw = *value;
-        if last.is_finite() && raw.is_finite() {
-            turns -= ((raw - last) / period).round();
+/// Adds or subtracts 2π after each jump by 2π (within 0.5 rad) from the last value; returns where they are.
+///
+/// No joint turns by 5.8 rad between two samples, so nothing else is mistaken for a turn.
+fn take_out_turns(values: &mut [f64]) -> Vec<usize> {
+    let (mut offset, mut last, mut turns) = (0.0, f64::NAN, Vec::new());
+    for (i, value) in values.iter_mut().enumerate().filter(|(_, value)| value.is_finite()) {
+        let jump = *value + offset - last;
+        if (jump.abs() - TAU).abs() < 0.5 {
+            offset -= TAU * jump.signum();
+            turns.push(i);
         }
-        if raw.is_finite() {
-            last = raw;
-        }
-        *value = raw + turns * period;
+        *value += offset;
+        last = *value;
     }
+    turns
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// An encoder whose zero lies off the middle, with a missing value where it jumps.
     #[test]
-    fn counters_unwrap_over_missing_values() {
-        let mut values: Vec<f64> = (0..100).map(|i| f64::from(i * 7 % 256)).collect();
-        values[37] = f64::NAN;
-        unwrap(&mut values, 256.0);
-        for (i, v) in values.iter().enumerate().filter(|(i, _)| *i != 37) {
-            assert_eq!(*v, 7.0 * i as f64);
+    fn turns_are_taken_out_over_missing_values() {
+        let truth: Vec<f64> = (0..1000).map(|i| 0.02 * f64::from(i) - 0.5).collect();
+        let mut values: Vec<f64> = truth.iter().map(|q| (q + 3.64).rem_euclid(TAU) - 3.64).collect();
+        let jumps: Vec<usize> = (1..1000).filter(|i| values[*i] < values[*i - 1]).collect();
+        values[jumps[1]] = f64::NAN;
+        assert_eq!(take_out_turns(&mut values), [jumps[0], jumps[1] + 1, jumps[2]]);
+        for (i, value) in values.iter().enumerate().filter(|(i, _)| *i != jumps[1]) {
+            assert!((value - truth[i]).abs() < 1e-12, "{i}");
         }
+        // The joint moved while the log paused.
+        let mut paused = [-2.6, -2.59, 2.6, 2.59];
+        assert!(take_out_turns(&mut paused).is_empty() && paused[2] == 2.6);
     }
 }

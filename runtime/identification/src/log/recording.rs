@@ -223,7 +223,7 @@ fn read_bytes(
 /// The text of a file: packed ones are unpacked, bags of ROS 2 become tables.
 fn text_of<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
     let fault = |message: String| IdentificationError::File { place: source.into(), message };
-    let content = unpacked(bytes).map_err(fault)?;
+    let content = unpacked(bytes, LARGEST).map_err(fault)?;
     match table(&content) {
         None => Ok(content),
         Some(text) => text.map(Cow::Owned).map_err(fault),

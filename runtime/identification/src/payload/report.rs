@@ -34,6 +34,12 @@ const IMPOSSIBLE: Rule = Rule::warning("load-impossible");
 /// Fixture: `payload/tests.rs`.
 const NOT_USED: Rule = Rule::warning("load-efforts-not-used");
 
+/// Sees: joints whose residuals the load makes larger.
+/// Matters: friction or offset differ between the logs.
+/// Example: a cold robot without the load, and a warm one with it.
+/// Fixture: `payload/tests.rs`.
+const WORSE: Rule = Rule::warning("load-residuals");
+
 /// Inputs of the report on a payload.
 pub(super) struct Parts<'a> {
     pub names: Vec<String>,
@@ -128,12 +134,24 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
              the bound",
         )
     });
-    let still = names.iter().zip(&payload.residuals).filter(|(_, residual)| residual.is_none());
-    let still: Vec<&str> = still.map(|(name, _)| name.as_str()).collect();
+    let of = |is_meant: &dyn Fn(usize) -> bool| -> Vec<&str> {
+        names
+            .iter()
+            .enumerate()
+            .filter(|(joint, _)| is_meant(*joint))
+            .map(|(_, name)| name.as_str())
+            .collect()
+    };
+    let still = of(&|joint| payload.residuals[joint].is_none());
     let still = (!still.is_empty()).then(|| {
         let message =
             "dry friction holds a part of the load if a joint does not move, so these efforts were not used";
         NOT_USED.found(format!("{}: {message}", still.join(", ")))
     });
-    [none, hidden, bound, still].into_iter().flatten().collect()
+    let worse = of(&|joint| payload.explained[joint].is_some_and(|share| share < -0.05));
+    let worse = (!worse.is_empty()).then(|| {
+        let message = "the load makes their residuals larger: friction or offset differ between the logs";
+        WORSE.found(format!("{}: {message}", worse.join(", ")))
+    });
+    [none, hidden, bound, still, worse].into_iter().flatten().collect()
 }

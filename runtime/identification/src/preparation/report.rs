@@ -34,7 +34,7 @@ const RESTS: Rule = Rule::note("rests");
 /// Sees: single positions that no motion explains.
 /// Matters: they are left out.
 /// Example: a bit that flips in an encoder.
-/// Fixture: `spikes_are_taken_out` in `preparation/channel.rs`.
+/// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
 const SPIKES: Rule = Rule::note("position-spikes");
 
 /// Sees: an acceleration of which a tenth or more is noise.
@@ -126,8 +126,16 @@ impl Recorded<'_> {
     }
 
     fn fault(&self, j: usize) -> Option<Finding> {
-        let fault = self.faults.get(j).cloned().flatten().filter(|_| !self.is_unmeasured(j));
-        fault.map(|fault| fault.joint(self.name(j)))
+        let fault = self.faults.get(j).cloned().flatten()?;
+        let is_of_input = self.signals[0].effort != Effort::Joint;
+        (is_of_input || !self.is_unmeasured(j)).then(|| fault.of(self.subject(j)))
+    }
+
+    /// The joint of an effort, or its input.
+    fn subject(&self, effort: usize) -> Subject {
+        let robot = self.robot.filter(|_| self.signals[0].effort != Effort::Joint);
+        let input = robot.and_then(|robot| robot.input_names().into_iter().nth(effort));
+        input.map_or_else(|| Subject::Joint(self.name(effort)), Subject::Input)
     }
 
     /// Whether something else moves a joint: then its unknown force is not a fault.
@@ -175,11 +183,8 @@ impl Recorded<'_> {
     fn held(&self) -> Vec<Finding> {
         let joint = |j: usize| Subject::Joint(self.name(j));
         let positions = (0..self.joints()).map(|j| (joint(j), "position", self.hold(|s| &s.positions[j])));
-        let robot = self.robot.filter(|_| self.signals[0].effort != Effort::Joint);
-        let inputs = robot.map(Robot::input_names).unwrap_or_default();
-        let subject = |m: usize| inputs.get(m).map_or_else(|| joint(m), |name| Subject::Input(name.clone()));
         let efforts = 0..self.signals[0].efforts.len();
-        let efforts = efforts.map(|m| (subject(m), "effort", self.hold(|s| &s.efforts[m])));
+        let efforts = efforts.map(|m| (self.subject(m), "effort", self.hold(|s| &s.efforts[m])));
         let held = positions.chain(efforts).filter(|(.., hold)| *hold > 1.2);
         let finding = |(subject, what, hold): (Subject, &str, f64)| {
             let message =

@@ -59,8 +59,10 @@ protected:
     return interfaces;
   }
 
+  /// Without a controller in front of this one, the robot stops at the last reference.
   return_type update_reference_from_subscribers(const rclcpp::Time &, const rclcpp::Duration &) override
   {
+    std::fill(reference_interfaces_.begin() + ROBOT_N, reference_interfaces_.end(), 0.0);
     return return_type::OK;
   }
 
@@ -77,7 +79,7 @@ protected:
         position_gains_[i] * (held_[i] - y_[i]);
     }
     robot_inverse_dynamics(y_.data(), v_.data(), a.data(), efforts.data());
-    return write(efforts);
+    return command(efforts);
   }
 
 private:

@@ -22,7 +22,7 @@ public:
     for (double & effort : efforts) {
       effort = -effort;
     }
-    return write(efforts);
+    return command(efforts);
   }
 };
 

@@ -95,7 +95,7 @@ public:
 
   CallbackReturn on_deactivate(const rclcpp_lifecycle::State &) override
   {
-    return write(Vector{}) == return_type::OK ? CallbackReturn::SUCCESS : CallbackReturn::ERROR;
+    return write(Vector{}) ? CallbackReturn::SUCCESS : fail("an effort cannot be set to 0");
   }
 
 protected:
@@ -124,8 +124,21 @@ protected:
     return is_finite;
   }
 
-  /// Commands efforts [N m or N], within the limits of robot.toml.
-  return_type write(const Vector & efforts)
+  /// Commands efforts [N m or N], within the limits of robot.toml; none if one is not finite. A command that another thread
+  /// holds stays that of the period before.
+  return_type command(const Vector & efforts)
+  {
+    for (const double effort : efforts) {
+      if (!std::isfinite(effort)) {
+        return return_type::ERROR;
+      }
+    }
+    write(efforts);
+    return return_type::OK;
+  }
+
+  /// Returns whether all efforts were written.
+  bool write(const Vector & efforts)
   {
     bool is_written = true;
     for (std::size_t i = 0; i < ROBOT_N; ++i) {
@@ -133,7 +146,7 @@ protected:
       const double effort = std::clamp(efforts[i], -limit, limit);
       is_written = this->command_interfaces_[efforts_[i]].set_value(effort) && is_written;
     }
-    return is_written ? return_type::OK : return_type::ERROR;
+    return is_written;
   }
 
   /// Positions [rad or m] and velocities, in the order of robot.toml.

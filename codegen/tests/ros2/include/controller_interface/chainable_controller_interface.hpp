@@ -11,7 +11,8 @@ class ChainableControllerInterface : public ControllerInterfaceBase
 public:
   return_type update(const rclcpp::Time & time, const rclcpp::Duration & period) final
   {
-    const return_type read = update_reference_from_subscribers(time, period);
+    const return_type read =
+      is_chained ? return_type::OK : update_reference_from_subscribers(time, period);
     return read == return_type::OK ? update_and_write_commands(time, period) : read;
   }
   std::vector<hardware_interface::CommandInterface> export_references() final

@@ -42,6 +42,8 @@ public:
     command_interfaces_ = std::move(commands);
     state_interfaces_ = std::move(states);
   }
+  /// Whether another controller sets the references.
+  bool is_chained = false;
   std::shared_ptr<rclcpp_lifecycle::LifecycleNode> get_node() { return node_; }
   std::shared_ptr<const rclcpp_lifecycle::LifecycleNode> get_node() const { return node_; }
   template <typename T>

@@ -2,6 +2,9 @@
 
 use super::bytes::Bytes;
 
+/// A message ends with fewer bytes of padding.
+const PADDING: usize = 8;
+
 /// A message `sensor_msgs/msg/JointState`. Lists of values are empty or have one for each name.
 #[derive(Debug, PartialEq)]
 pub(super) struct JointState {
@@ -25,8 +28,10 @@ impl JointState {
         let stamp = (cdr.number()?.cast_signed(), cdr.number()?);
         cdr.text()?;
         let names = (0..cdr.number()?).map(|_| cdr.text()).collect::<Option<Vec<_>>>()?;
-        let values = [cdr.doubles()?, cdr.doubles()?, cdr.doubles()?];
-        let is_whole = values.iter().all(|list| list.is_empty() || list.len() == names.len());
+        let mut values = [cdr.doubles()?, cdr.doubles()?, cdr.doubles()?];
+        // A list of another length belongs to no joints.
+        values.iter_mut().filter(|list| list.len() != names.len()).for_each(Vec::clear);
+        let is_whole = cdr.rest.0.len() < PADDING;
         is_whole.then_some(Self { stamp, names, values })
     }
 }

@@ -1,6 +1,6 @@
 //! Records of an MCAP file ([its specification](https://mcap.dev/spec)).
 
-use super::super::packed::unpacked;
+use super::super::packed::{LARGEST, unpacked};
 use super::bytes::Bytes;
 use super::topics::Bag;
 use std::borrow::Cow;
@@ -43,11 +43,12 @@ fn read_records(
                 bag.message(id.into(), time, data)?;
             }
             CHUNK if !is_chunk => {
-                let (packing, records) = chunk(record).ok_or_else(cut)?;
-                let records = if packing.is_empty() { Cow::Borrowed(records) } else { unpacked(records)? };
-                if !packing.is_empty() && matches!(records, Cow::Borrowed(_)) {
-                    return Err(format!("its chunks are packed by `{packing}`: known are zstd and lz4"));
-                }
+                let (packing, size, records) = chunk(record).ok_or_else(cut)?;
+                let records = match &*packing {
+                    "" => Cow::Borrowed(records),
+                    "zstd" | "lz4" => unpacked(records, size.min(LARGEST))?,
+                    _ => return Err(format!("its chunks are packed by `{packing}`: known are zstd and lz4")),
+                };
                 read_records(&records, schemas, bag, true)?;
             }
             END_OF_DATA => return Ok(()),
@@ -82,9 +83,12 @@ fn message<'a>(mut record: Bytes<'a>) -> Option<(u16, i64, &'a [u8])> {
     Some((id, time, record.0))
 }
 
-fn chunk<'a>(mut record: Bytes<'a>) -> Option<(Cow<'a, str>, &'a [u8])> {
-    record.take(8 + 8 + 8 + 4)?;
+/// The packing of a chunk's records, their size without it, and the records.
+fn chunk<'a>(mut record: Bytes<'a>) -> Option<(Cow<'a, str>, u64, &'a [u8])> {
+    record.take(8 + 8)?;
+    let size = u64::from_le_bytes(record.array()?);
+    record.take(4)?;
     let packing = record.text()?;
     let length = u64::from_le_bytes(record.array()?);
-    Some((packing, record.take(usize::try_from(length).ok()?)?))
+    Some((packing, size, record.take(usize::try_from(length).ok()?)?))
 }

@@ -1,18 +1,24 @@
-//! Topics of a bag and the states of joints on them, as a table.
+//! A bag's states of joints as a table.
 
-use super::super::packed::unpacked;
+use super::super::packed::{LARGEST, unpacked};
 use super::cdr::JointState;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 const TYPE: &str = "sensor_msgs/msg/JointState";
+/// Quantities of a state of joints, in the order of the message.
+const QUANTITIES: [&str; 3] = ["position", "velocity", "effort"];
+/// Nanoseconds in a second.
+const NANOSECONDS: i128 = 1_000_000_000;
 
-/// Topics of a bag and their states of joints.
+/// A bag as far as it has been read.
 #[derive(Debug, Default)]
 pub(super) struct Bag {
-    /// Names and types.
+    /// Names and types of its topics.
     topics: BTreeMap<i64, [String; 2]>,
     /// Topic, time of arrival in nanoseconds, and message.
     messages: Vec<(i64, i64, JointState)>,
+    /// Bytes of messages.
+    size: u64,
 }
 
 impl Bag {
@@ -23,11 +29,20 @@ impl Bag {
 
     pub(super) fn message(&mut self, topic: i64, time: i64, data: &[u8]) -> Result<(), String> {
         let Some([name, _]) = self.topics.get(&topic).filter(|[_, kind]| kind == TYPE) else { return Ok(()) };
-        let state = JointState::decode(&unpacked(data)?);
+        let data = unpacked(data, LARGEST - self.size)?;
+        self.size = (self.size + data.len() as u64).min(LARGEST);
+        let state = JointState::decode(&data);
         let state =
             state.ok_or_else(|| format!("a message of {name} is not a {TYPE}: record the bag again"))?;
         self.messages.push((topic, time, state));
         Ok(())
+    }
+
+    /// Whether the stamps of a topic are times: some publishers leave them zero, or never change them.
+    fn is_stamped(&self, topic: i64) -> bool {
+        let stamps = self.messages.iter().filter(|(of, ..)| *of == topic).map(|(.., state)| state.stamp);
+        let (zeros, others): (Vec<_>, Vec<_>) = stamps.partition(|stamp| *stamp == (0, 0));
+        zeros.len() < others.len() && others.iter().any(|stamp| *stamp != others[0])
     }
 
     /// One row for each message. Columns of other joints and topics are empty.
@@ -40,34 +55,76 @@ impl Bag {
         }
         let mut columns = BTreeMap::new();
         for (topic, _, state) in &self.messages {
-            for name in &state.names {
-                let next = columns.len();
-                columns.entry((topic, name)).or_insert(next);
+            let kinds = (0..QUANTITIES.len()).filter(|kind| !state.values[*kind].is_empty());
+            for (kind, name) in kinds.flat_map(|kind| state.names.iter().map(move |name| (kind, name))) {
+                let next = columns.len() + 1;
+                columns.entry((*topic, name, kind)).or_insert(next);
             }
         }
-        let is_stamped = self.messages.iter().all(|(_, _, state)| state.stamp != (0, 0));
-        let mut rows = vec![String::new(); 1 + 3 * columns.len()];
-        rows[0] = if is_stamped { "header/stamp" } else { "bag/time" }.to_owned();
-        for ((topic, name), place) in &columns {
-            for (kind, quantity) in ["position", "velocity", "effort"].iter().enumerate() {
-                rows[1 + 3 * place + kind] = format!("{}/{name}/{quantity}", self.topics[*topic][0]);
-            }
+        let stamped: BTreeSet<i64> =
+            self.topics.keys().copied().filter(|topic| self.is_stamped(*topic)).collect();
+        let mut rows = vec![String::new(); 1 + columns.len()];
+        rows[0] = if stamped.is_empty() { "bag/time" } else { "header/stamp" }.to_owned();
+        for ((topic, name, kind), place) in &columns {
+            rows[*place] = format!("{}/{name}/{}", self.topics[topic][0], QUANTITIES[*kind]);
         }
         let mut csv = csv::Writer::from_writer(Vec::new());
         csv.write_record(&rows).map_err(|error| error.to_string())?;
         for (topic, time, state) in &self.messages {
             rows.iter_mut().for_each(String::clear);
-            let nanoseconds = i128::from(state.stamp.0) * 1_000_000_000 + i128::from(state.stamp.1);
-            let time = if is_stamped { nanoseconds } else { i128::from(*time) };
-            rows[0] = format!("{}.{:09}", time.div_euclid(1_000_000_000), time.rem_euclid(1_000_000_000));
-            for (joint, name) in state.names.iter().enumerate() {
-                let place = 1 + 3 * columns[&(topic, name)];
-                for (kind, values) in state.values.iter().enumerate() {
-                    rows[place + kind] = values.get(joint).map_or(String::new(), f64::to_string);
+            let [whole, rest] = [i128::from(state.stamp.0), i128::from(state.stamp.1)];
+            rows[0] = match stamped.contains(topic) {
+                true => seconds(whole * NANOSECONDS + rest),
+                false => seconds(i128::from(*time)),
+            };
+            for (kind, values) in state.values.iter().enumerate() {
+                for (name, value) in state.names.iter().zip(values) {
+                    rows[columns[&(*topic, name, kind)]] = value.to_string();
                 }
             }
             csv.write_record(&rows).map_err(|error| error.to_string())?;
         }
         csv.into_inner().map_err(|error| error.to_string())
+    }
+}
+
+fn seconds(nanoseconds: i128) -> String {
+    let size = nanoseconds.unsigned_abs();
+    let (whole, rest) = (size / NANOSECONDS.unsigned_abs(), size % NANOSECONDS.unsigned_abs());
+    format!("{}{whole}.{rest:09}", if nanoseconds < 0 { "-" } else { "" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(messages: &[(i64, i64, (i32, u32), [Vec<f64>; 3])]) -> String {
+        let mut bag = Bag::default();
+        bag.topic(1, "/states", TYPE, "cdr");
+        bag.topic(2, "/commands", TYPE, "cdr");
+        bag.messages = messages
+            .iter()
+            .map(|(topic, time, stamp, values)| {
+                let state = JointState { stamp: *stamp, names: vec!["a".to_owned()], values: values.clone() };
+                (*topic, *time, state)
+            })
+            .collect();
+        String::from_utf8(bag.text().unwrap()).unwrap()
+    }
+
+    /// Simulated time begins at 0, commands have no stamps, and no message has velocities.
+    #[test]
+    fn each_topic_has_its_own_times_and_columns_only_if_there_are_values() {
+        let state =
+            |k: i32| (1, 5_000_000_000, (k, 500_000_000 * u32::from(k > 0)), [vec![1.0], vec![], vec![2.0]]);
+        let command = (2, 7_250_000_000, (0, 0), [vec![3.0], vec![], vec![]]);
+        let text = table(&[state(0), state(1), command, state(2)]);
+        assert_eq!(
+            text,
+            "header/stamp,/states/a/position,/states/a/effort,/commands/a/position\n\
+             0.000000000,1,2,\n1.500000000,1,2,\n7.250000000,,,3\n2.500000000,1,2,\n"
+        );
+        let before = table(&[(1, -500_000_000, (0, 0), [vec![1.0], vec![], vec![]])]);
+        assert_eq!(before, "bag/time,/states/a/position\n-0.500000000,1\n");
     }
 }

@@ -90,7 +90,7 @@ fn a_bag_that_is_not_closed_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bag.db3");
     std::fs::write(&path, BAGS[0].1).unwrap();
-    let read = || runs(&[path.clone()], &Fake::numbered(2), &ColumnOptions::default());
+    let read = || runs(std::slice::from_ref(&path), &Fake::numbered(2), &ColumnOptions::default());
     assert!(read().is_ok());
     std::fs::write(folder.path().join("bag.db3-wal"), "rows").unwrap();
     assert!(read().unwrap_err().to_string().contains("write them back"));
@@ -109,7 +109,7 @@ fn damaged_bags_do_not_panic() {
                 let at = random() % damaged.len();
                 damaged[at] = u8::try_from(random() % 256).unwrap();
             }
-            if random() % 4 == 0 {
+            if random().is_multiple_of(4) {
                 damaged.truncate(random() % bytes.len());
             }
             let read = runs_of(&damaged, name, &robot, &ColumnOptions::default());
