@@ -98,33 +98,33 @@ fn seconds(nanoseconds: i128) -> String {
 mod tests {
     use super::*;
 
-    fn table(messages: &[(i64, i64, (i32, u32), [Vec<f64>; 3])]) -> String {
+    fn table(messages: Vec<(i64, i64, JointState)>) -> String {
         let mut bag = Bag::default();
         bag.topic(1, "/states", TYPE, "cdr");
         bag.topic(2, "/commands", TYPE, "cdr");
-        bag.messages = messages
-            .iter()
-            .map(|(topic, time, stamp, values)| {
-                let state = JointState { stamp: *stamp, names: vec!["a".to_owned()], values: values.clone() };
-                (*topic, *time, state)
-            })
-            .collect();
+        bag.messages = messages;
         String::from_utf8(bag.text().unwrap()).unwrap()
+    }
+
+    fn joint(stamp: (i32, u32), values: [Vec<f64>; 3]) -> JointState {
+        JointState { stamp, names: vec!["a".to_owned()], values }
     }
 
     /// Simulated time begins at 0, commands have no stamps, and no message has velocities.
     #[test]
     fn each_topic_has_its_own_times_and_columns_only_if_there_are_values() {
-        let state =
-            |k: i32| (1, 5_000_000_000, (k, 500_000_000 * u32::from(k > 0)), [vec![1.0], vec![], vec![2.0]]);
-        let command = (2, 7_250_000_000, (0, 0), [vec![3.0], vec![], vec![]]);
-        let text = table(&[state(0), state(1), command, state(2)]);
+        let state = |k: i32| {
+            let stamp = (k, 500_000_000 * u32::from(k > 0));
+            (1, 5_000_000_000, joint(stamp, [vec![1.0], vec![], vec![2.0]]))
+        };
+        let command = (2, 7_250_000_000, joint((0, 0), [vec![3.0], vec![], vec![]]));
+        let text = table(vec![state(0), state(1), command, state(2)]);
         assert_eq!(
             text,
             "header/stamp,/states/a/position,/states/a/effort,/commands/a/position\n\
              0.000000000,1,2,\n1.500000000,1,2,\n7.250000000,,,3\n2.500000000,1,2,\n"
         );
-        let before = table(&[(1, -500_000_000, (0, 0), [vec![1.0], vec![], vec![]])]);
+        let before = table(vec![(1, -500_000_000, joint((0, 0), [vec![1.0], vec![], vec![]]))]);
         assert_eq!(before, "bag/time,/states/a/position\n-0.500000000,1\n");
     }
 }
