@@ -74,6 +74,8 @@ pub struct Adaptation<const N: usize> {
     /// Torques of the last periods, the newest first.
     torques: [[f64; N]; MOST_DELAY + 1],
     saturated: [[bool; N]; MOST_DELAY + 1],
+    /// Periods in a row whose torques are known.
+    known: usize,
     pub(super) periods: f64,
     pub(super) fingerprint: u64,
 }
@@ -126,8 +128,9 @@ impl<const N: usize> Adaptation<N> {
             derived,
             joints: core::array::from_fn(joint),
             window: Window::EMPTY,
-            torques: [[f64::NAN; N]; MOST_DELAY + 1],
+            torques: [[0.0; N]; MOST_DELAY + 1],
             saturated: [[false; N]; MOST_DELAY + 1],
+            known: 0,
             periods: 0.0,
             fingerprint: fingerprint(&described(&of(0.7), &of(0.3), &of(0.5))),
         })
@@ -148,7 +151,7 @@ impl<const N: usize> Adaptation<N> {
     /// Forgets motion and torques of the last periods, but not what was learned.
     pub fn restart(&mut self) {
         self.window.clear();
-        self.forget_torques();
+        self.known = 0;
         self.periods = 0.0;
         for (joint, derived) in self.joints.iter_mut().zip(&self.derived) {
             if let (Some(joint), Some(derived)) = (joint, derived) {
@@ -156,12 +159,6 @@ impl<const N: usize> Adaptation<N> {
                 joint.since = 0.0;
             }
         }
-    }
-
-    /// Torques of lost periods are unknown.
-    fn forget_torques(&mut self) {
-        self.torques = [[f64::NAN; N]; MOST_DELAY + 1];
-        self.saturated = [[false; N]; MOST_DELAY + 1];
     }
 
     /// Goes on by a period. Allocates nothing.
@@ -176,20 +173,18 @@ impl<const N: usize> Adaptation<N> {
     ) {
         self.periods += f64::from(measured.periods);
         if measured.periods > 1 {
-            self.forget_torques();
+            self.window.clear();
+            self.known = 0;
         }
         self.torques.rotate_right(1);
         self.saturated.rotate_right(1);
         (self.torques[0], self.saturated[0]) = (measured.torques, measured.saturated);
+        self.known = (self.known + 1).min(MOST_DELAY + 1);
         match &measured.positions {
-            Some(positions) if measured.periods <= 1 => {
+            Some(positions) if self.known > self.settings.delay => {
                 self.window.push(positions, &self.torques[self.settings.delay]);
             }
-            Some(positions) => {
-                self.window.clear();
-                self.window.push(positions, &self.torques[self.settings.delay]);
-            }
-            None => self.window.clear(),
+            _ => self.window.clear(),
         }
         let instants = self.instants(described);
         let time = self.periods * self.settings.period;
