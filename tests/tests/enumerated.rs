@@ -7,6 +7,8 @@
 //! ```text
 //! cargo test --release -p gelenk-tests --test all enumerated:: -- --ignored --nocapture
 //! ```
+//!
+//! `GELENK_CHAINS=3/20` takes the third of twenty parts.
 
 use fastrand::Rng;
 use gelenk_codegen::model::Model;
@@ -67,11 +69,20 @@ fn sampled(count: usize) -> Vec<Chain> {
     std::iter::repeat_with(&mut draw).filter(Chain::is_describable).take(count).collect()
 }
 
+/// The part of the chains to compare, from 1, and how many parts there are.
+fn part() -> (usize, usize) {
+    let Ok(text) = std::env::var("GELENK_CHAINS") else { return (1, 1) };
+    let numbers =
+        text.split_once('/').and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
+    numbers.filter(|(part, parts)| (1..=*parts).contains(part)).expect("GELENK_CHAINS is as 3/20")
+}
+
 /// Compares functions of all chains, each in one state.
 ///
 /// - `functions`: those of a robot, by its number
 fn check(what: &str, chains: &[Chain], functions: impl Fn(&Model, usize) -> Vec<String> + Sync) {
-    let numbered: Vec<(usize, &Chain)> = chains.iter().enumerate().collect();
+    let (part, parts) = part();
+    let numbered: Vec<(usize, &Chain)> = chains.iter().enumerate().skip(part - 1).step_by(parts).collect();
     let compared = in_parallel(&numbered, |&(number, chain)| {
         let seed = number as u64;
         let model = chain.model(seed);
@@ -84,7 +95,7 @@ fn check(what: &str, chains: &[Chain], functions: impl Fn(&Model, usize) -> Vec<
         all.iter().max_by(|a, b| a.error.total_cmp(&b.error)).map(|each| (&each.function, each.error));
     println!(
         "{what}: {} robots, {} functions, {loops} of them as loops, largest error {worst:?}",
-        chains.len(),
+        numbered.len(),
         all.len()
     );
 }
