@@ -68,7 +68,7 @@ pub struct Estimate {
     /// Covariance of the inertial parameters `[P × P]`: zero where the data may not change them.
     pub parameter_covariance: DMatrix<f64>,
     /// How well other inertial parameters would explain the data.
-    pub sensitivity: Sensitivity,
+    pub(crate) sensitivity: Sensitivity,
     /// Forces at the joints as measured, gains applied, `[run][joint][sample]` [N·m or N].
     pub measured: Vec<Vec<Vec<f64>>>,
     /// The model's forces, offsets included, in the same shape.

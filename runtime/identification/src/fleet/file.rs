@@ -37,9 +37,12 @@ impl LogMoments {
 
     /// Writes a file of moments, whole or not at all: a new file, an empty one, or one that holds moments.
     ///
+    /// - `description`: as for [`super::reduce()`]
+    ///
     /// # Errors
-    /// A file that holds something else, or that cannot be written.
-    pub fn write(&self, path: &Path) -> Result<()> {
+    /// Moments of another description, a file that holds something else, or that cannot be written.
+    pub fn write(&self, description: &[&[u8]], path: &Path) -> Result<()> {
+        self.require_description(description)?;
         let fault = |message: String| IdentificationError::File {
             place: path.display().to_string(),
             message: format!("cannot be written: {message}"),

@@ -1,11 +1,9 @@
 //! The law of a joint with what it was chosen from.
 
-use super::super::error::Result;
-use super::super::methods::confidence::quantile;
 use super::super::methods::cross_validation::CrossValidation;
 use super::super::methods::subset::{ModelAverage, SubsetValidation};
 use super::super::result::{FrictionResult, FrictionTerm};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// The law, and what it was chosen from.
 #[derive(Debug, Clone)]
@@ -42,6 +40,8 @@ pub struct Candidate<'a> {
     pub basis: &'a str,
     /// Its coefficient, where the law has it.
     pub chosen: Option<&'a FrictionTerm>,
+    /// Ends of its interval at 95 %, where its error is known.
+    pub interval: Option<[f64; 2]>,
     /// Share of the bootstrap draws in which it was chosen.
     pub inclusion: Option<f64>,
     /// Its probability: the weight of all subsets of the candidates that have it.
@@ -52,9 +52,11 @@ impl FrictionReport {
     /// The terms of the law with its constant, then those that were left out. Friction under load is in neither.
     pub fn candidates(&self) -> Vec<Candidate<'_>> {
         let law = self.result.law.coefficients();
+        let t = self.result.interval_factor();
         let chosen = law.iter().chain(&self.result.constant).map(|term| Candidate {
             basis: &term.basis,
             chosen: Some(term),
+            interval: term.ends(t),
             inclusion: term.inclusion,
             probability: term.probability,
         });
@@ -63,6 +65,7 @@ impl FrictionReport {
         let others = others.map(|(i, basis)| Candidate {
             basis,
             chosen: None,
+            interval: None,
             inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
             probability: self.average.as_ref().map(|average| average.inclusion[i]),
         });
@@ -84,16 +87,5 @@ impl FrictionReport {
             unseen_error: None,
             residuals,
         }
-    }
-
-    /// Half the width of the law's confidence band at `velocities`, at `level` (e.g. 0.95).
-    ///
-    /// # Errors
-    /// A level outside (0, 1), or no samples.
-    pub fn band(&self, velocities: &[f64], level: f64) -> Result<Vec<f64>> {
-        let t = quantile(level, self.result.freedom)?;
-        let gradients = self.result.law.gradients(velocities)?;
-        let width = |row: DVector<f64>| t * row.dot(&(&self.covariance * &row)).max(0.0).sqrt();
-        Ok(gradients.row_iter().map(|row| width(row.transpose())).collect())
     }
 }

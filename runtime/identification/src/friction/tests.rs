@@ -8,7 +8,9 @@ use super::super::numeric::random::SplitMix64;
 use super::super::result::FrictionLaw;
 use super::super::robot::JointLimits;
 use super::*;
+use crate::methods::confidence::quantile;
 use gelenk_findings::{Severity, texts};
+use nalgebra::DVector;
 use std::ops::Range;
 
 fn samples(law: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
@@ -392,6 +394,14 @@ fn coverage_of_a_thousand_logs() {
 }
 
 /// Terms that resemble each other: each coefficient is vague, their sum is not.
+/// Half the width of a law's confidence band at a level.
+pub(crate) fn band(report: &FrictionReport, velocities: &[f64], level: f64) -> Vec<f64> {
+    let t = quantile(level, report.result.freedom).unwrap();
+    let gradients = report.result.law.gradients(velocities).unwrap();
+    let width = |row: DVector<f64>| t * row.dot(&(&report.covariance * &row)).max(0.0).sqrt();
+    gradients.row_iter().map(|row| width(row.transpose())).collect()
+}
+
 #[test]
 fn rounding_moves_the_law_by_less_than_its_own_error() {
     let (v, torque) = samples(|v| 20.0 * v + 3.0 * (10.0 * v).tanh(), 0.2);
@@ -402,7 +412,7 @@ fn rounding_moves_the_law_by_less_than_its_own_error() {
     };
     let report = identify(&settings, &v, &torque).unwrap();
     let grid: Vec<f64> = (-100..=100).map(|i| 0.009 * f64::from(i)).collect();
-    let band = report.band(&grid, 0.68).unwrap();
+    let band = band(&report, &grid, 0.68);
     let exact = report.result.law.torques(&grid).unwrap();
     let written = Library::new(&[report.result.law.formula()], &["v"]).unwrap().matrix(&[&grid]).unwrap();
     for i in 0..grid.len() {

@@ -96,6 +96,8 @@ impl Recorded<'_> {
         let mut findings = self.of_runs(how);
         findings.extend(joints.iter().filter_map(noisy));
         findings.extend(self.held());
+        // Those of joints are with the joints.
+        findings.extend((self.joints()..self.efforts()).filter_map(|effort| self.fault(effort)));
         findings.extend(how.band.map(low_passed));
         findings.extend(delay_findings(&joints, |_| true));
         findings.extend(self.of_rests(smoothed));
@@ -125,6 +127,7 @@ impl Recorded<'_> {
         }
     }
 
+    /// Why an effort cannot be used.
     fn fault(&self, j: usize) -> Option<Finding> {
         let fault = self.faults.get(j).cloned().flatten()?;
         let is_of_input = self.signals[0].effort != Effort::Joint;

@@ -4,8 +4,8 @@ use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
 use super::{Lasso, active_terms};
 use crate::error::{IdentificationError, Result, require_length, require_setting};
-use crate::numeric::digits::plain;
 use crate::numeric::spectrum::symmetric_eigen;
+use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
 
 pub(super) struct Problem {

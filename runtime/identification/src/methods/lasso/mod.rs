@@ -121,7 +121,12 @@ impl Lasso {
     /// # Errors
     /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else
     /// a negative λ, a zero target or term, or a gap that stays above the tolerance.
-    pub fn fit(&self, moments: &Moments, target: usize, lambda: f64) -> Result<(DVector<f64>, Vec<usize>)> {
+    pub(crate) fn fit(
+        &self,
+        moments: &Moments,
+        target: usize,
+        lambda: f64,
+    ) -> Result<(DVector<f64>, Vec<usize>)> {
         let path = self.path(moments, target, &[lambda])?;
         let coefficients = path.coefficients.column(0).into_owned();
         let active = active_terms(&coefficients);
