@@ -92,7 +92,6 @@ impl Estimated<'_> {
             gravity: self.gravity,
             offsets: self.chosen.model.offsets,
             description_weight: self.chosen.weighting.description,
-            weights_tried: self.chosen.tried.clone(),
             effective_parameters: self.covariance.decided,
             parameter_covariance: self.parameter_covariance(),
             sensitivity: self.sensitivity(),

@@ -378,13 +378,13 @@ fn files_that_are_something_else_are_refused_and_kept() {
     assert!(message(b"t,q1\n").contains("it holds no moments"));
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
-    newer[15] = b'3';
-    assert!(message(&newer).contains("another version than 2"));
-    let refused = all[0].write(&paths[0]).unwrap_err().to_string();
+    newer[15] = b'4';
+    assert!(message(&newer).contains("another version than 3"));
+    let refused = all[0].write(DESCRIPTION, &paths[0]).unwrap_err().to_string();
     assert!(refused.contains("it holds no moments; name another file"), "{refused}");
     let path = folder.path().join("one.moments");
-    all[1].write(&path).unwrap();
-    all[0].write(&path).unwrap();
+    all[1].write(DESCRIPTION, &path).unwrap();
+    all[0].write(DESCRIPTION, &path).unwrap();
     assert_eq!(LogMoments::read(&path).unwrap(), all[0]);
     assert!(LogMoments::read(&folder.path().join("nothing")).is_err());
 }

@@ -1,7 +1,7 @@
 //! The law of a joint with what it was chosen from.
 
 use super::super::methods::cross_validation::CrossValidation;
-use super::super::methods::subset::{ModelAverage, SubsetValidation};
+use super::super::methods::subset::SubsetValidation;
 use super::super::result::{FrictionResult, FrictionTerm};
 use nalgebra::DMatrix;
 
@@ -24,9 +24,8 @@ pub struct FrictionReport {
     pub subsets: Option<SubsetValidation>,
     /// Bootstrap; none without draws.
     pub(crate) inclusion: Option<Vec<f64>>,
-    /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than
-    /// twelve terms.
-    pub(crate) average: Option<ModelAverage>,
+    /// Probabilities of the candidate terms; none for the Stribeck law and for libraries of more than twelve terms.
+    pub(crate) probabilities: Option<Vec<f64>>,
     /// Mean squared error over folds that were left out, and its standard error.
     pub(super) unseen_error: Option<[f64; 2]>,
     /// Torque minus offset minus law at the samples.
@@ -67,7 +66,7 @@ impl FrictionReport {
             chosen: None,
             interval: None,
             inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
-            probability: self.average.as_ref().map(|average| average.inclusion[i]),
+            probability: self.probabilities.as_ref().map(|shares| shares[i]),
         });
         chosen.chain(others).collect()
     }
@@ -83,7 +82,7 @@ impl FrictionReport {
             validation: None,
             subsets: None,
             inclusion: None,
-            average: None,
+            probabilities: None,
             unseen_error: None,
             residuals,
         }

@@ -95,8 +95,8 @@ fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
     assert_eq!(report.correlation.shape(), (8, 8));
     let inclusion = report.inclusion.unwrap();
     assert_eq!(inclusion[0], 1.0);
-    let average = report.average.unwrap();
-    assert!(average.inclusion[0] > 0.99 && average.effective_samples > 1000.0, "{average:?}");
+    let probable = report.probabilities.unwrap();
+    assert!(probable[0] > 0.99, "{probable:?}");
 }
 
 /// Law and offset that passivity spoilt when it was asked for first: 1.57 forwards and 0 backwards.
@@ -320,7 +320,6 @@ fn drift_is_shown_where_it_is_there() {
     };
     let (still, words) = drift(0.0, 0.0);
     assert!(!words.contains("drifts]"), "{words}");
-    assert_eq!(still.means.len(), 10);
     let (warm, words) = drift(0.2, 0.0);
     // A fifth of the first value is 22 % of the middle one.
     assert!((warm.friction.change + 0.222).abs() < 0.02, "{warm:?}");
@@ -364,7 +363,7 @@ fn coverage(seeds: Range<u64>) -> [usize; 2] {
         let (v, torque) = correlated_samples(seed);
         let report = identify(&settings, &v, &torque).unwrap();
         let FrictionLaw::Terms(terms) = &report.result.law else { panic!("a law of terms") };
-        let t = super::super::methods::confidence::quantile(0.9, report.result.freedom).unwrap();
+        let t = quantile(0.9, report.result.freedom).unwrap();
         // σ/√(ΘᵀΘ) by hand: what least squares says of independent errors, with other terms known.
         let independent = report.result.residual / (v.len() as f64 * 0.28).sqrt();
         for (term, truth) in terms.iter().zip([4.0, 1.5]) {

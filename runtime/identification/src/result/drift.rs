@@ -2,7 +2,6 @@
 
 use gelenk_findings::digits::with_error;
 use gelenk_findings::{Finding, Rule};
-use std::ops::Range;
 
 /// Sees: an offset that changes from the beginning to the end of the logs.
 /// Matters: a constant no longer describes the offset of the sensor.
@@ -33,8 +32,6 @@ pub(crate) struct Trend {
 /// Residual torque over the log.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drift {
-    /// Runs, or parts of equal length of a single one, with the mean of torque minus law.
-    pub(crate) means: Vec<(Range<usize>, f64)>,
     /// Change of the constant torque [N·m or N].
     pub(crate) offset: Trend,
     /// Change of the friction as a share of it: −0.1 where it falls by a tenth.

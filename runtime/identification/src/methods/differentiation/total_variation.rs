@@ -51,7 +51,7 @@ pub(super) struct TotalVariationResult {
 
 impl TotalVariation {
     /// γ by hand, first derivative's variation, 20 iterations.
-    fn with_gamma(gamma: f64) -> Self {
+    pub(super) fn with_gamma(gamma: f64) -> Self {
         Self {
             order: 1,
             regularization: Regularization::Weight(gamma),

@@ -76,7 +76,7 @@ impl Problem {
         w
     }
 
-    pub(super) fn solve(&self, lambda: f64, state: &mut State, settings: &Lasso) -> Result<(f64, usize)> {
+    pub(super) fn solve(&self, lambda: f64, state: &mut State, settings: &Lasso) -> Result<f64> {
         let bound = settings.tolerance * self.energy / (2.0 * self.samples);
         let mut gap = f64::INFINITY;
         for sweep in 1..=settings.max_sweeps {
@@ -86,7 +86,7 @@ impl Problem {
                 self.solve_on_support(lambda, state);
                 gap = self.gap(lambda, state);
                 if gap <= bound {
-                    return Ok((gap, sweep));
+                    return Ok(gap);
                 }
             }
         }
