@@ -125,7 +125,7 @@ impl LowPass {
             epsilon: Some(rms(acceleration).powi(2)),
             ..TotalVariation::from_noise(quantization_noise(step))
         };
-        let gamma = by_noise.solve(&times, &signal)?.gamma;
+        let gamma = by_noise.differentiate(&times, &signal)?.parameter;
         let settings = TotalVariation { regularization: Regularization::Weight(factor * gamma), ..by_noise };
         let still = settings.differentiate(&times, &signal)?.first;
         Ok(Self { settings, times, signal, still })

@@ -318,7 +318,7 @@ fn drift_is_shown_where_it_is_there() {
         let result = identify(&settings, &v, &changed).unwrap().result;
         (result.drift.unwrap(), texts(&result.findings, Severity::Warning).join("; "))
     };
-    let (still, words) = drift(0.0, 0.0);
+    let (_, words) = drift(0.0, 0.0);
     assert!(!words.contains("drifts]"), "{words}");
     let (warm, words) = drift(0.2, 0.0);
     // A fifth of the first value is 22 % of the middle one.
