@@ -404,5 +404,6 @@ fn efforts_that_come_early_are_moved() {
     let late = findings.iter().find(|finding| finding["code"] == "other-delay").unwrap();
     assert!(late["help"].as_str().unwrap().contains("give the whole delay with --delay SECONDS"), "{late:#}");
     let seconds = number(&late["values"][0]["value"]);
-    assert!((seconds + 0.05).abs() < 5e-3, "{late:#}");
+    // To first order: inertia and friction take up a part of it.
+    assert!((-0.05..-0.02).contains(&seconds), "{late:#}");
 }
