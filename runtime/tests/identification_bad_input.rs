@@ -2,13 +2,13 @@
 //! NaN.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
-use crate::methods::kalman::KalmanSmoother;
 use crate::support::named_robot::NamedRobot;
 use gelenk_identification::friction::{
     FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice, Offsets,
 };
 use gelenk_identification::log::{ColumnOptions, Recording, runs_of};
 use gelenk_identification::methods::cross_validation::{CrossValidation, refit};
+use gelenk_identification::methods::differentiation::TotalVariation;
 use gelenk_identification::methods::lasso::Lasso;
 use gelenk_identification::methods::library::Library;
 use gelenk_identification::methods::moments::{Moments, Samples};
@@ -23,7 +23,7 @@ fn read(text: &str) -> Result<Recording> {
 }
 
 fn smoothed(times: &[f64], positions: &[f64]) -> Result<Vec<f64>> {
-    KalmanSmoother::from_noise(1e-4).differentiate(times, positions).map(|found| found.first)
+    TotalVariation::from_noise(1e-4).differentiate(times, positions).map(|found| found.first)
 }
 
 fn rows(values: impl Iterator<Item = (f64, f64, f64)>) -> String {
@@ -79,7 +79,7 @@ fn empty_logs() {
 #[test]
 fn one_sample() {
     let text = message(smoothed(&[0.0], &[1.0]));
-    assert_eq!(text, "differentiation needs at least 8 samples, there are 1");
+    assert_eq!(text, "differentiation needs at least 5 samples, there are 1");
     let friction = Library::friction().expect("a library");
     for method in methods() {
         let text = message(identify(&friction, method, &[0.1], &[1.0]));
