@@ -301,7 +301,7 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
     findings
 }
 
-/// Adds or subtracts 2π after each jump by 2π (within 0.5 rad) from the last value; returns where they are.
+/// Adds or subtracts 2π after each jump by 2π (within 0.5 rad) from the last value; returns their places.
 ///
 /// No joint turns by 5.8 rad between two samples, so nothing else is mistaken for a turn.
 fn take_out_turns(values: &mut [f64]) -> Vec<usize> {
