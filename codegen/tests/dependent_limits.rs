@@ -72,8 +72,8 @@ fn planned(forearm: &str) -> (Plan, InterpretedRobot) {
 
 /// The least and the largest value over a planned motion of y or v.
 fn range(plan: &Plan, which: usize, value: impl Fn(&[f64]) -> f64) -> [f64; 2] {
-    let instants = plan.motion.instants(60);
-    let values = instants.iter().map(|instant| value(&instant[which]));
+    let step = plan.motion.period / 60.0;
+    let values = (0..60).map(|k| value(&plan.motion.instant(step * f64::from(k))[which]));
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
 }
 

@@ -5,8 +5,8 @@
 
 use gelenk_codegen::formula::{Formula, FrictionLaw as Described, FrictionPart, FrictionTerm as Term};
 use gelenk_codegen::model::{FrictionTerm as Read, Joint, Model, ReadOptions, from_toml};
-use gelenk_identification::methods::library::Library;
-use gelenk_identification::result::description::description_toml;
+use gelenk_identification::friction::FrictionIdentification;
+use gelenk_identification::result::description::{Identified, identified_toml};
 use gelenk_identification::result::{FrictionLaw, FrictionResult, FrictionTerm};
 
 const ARM: &str =
@@ -36,8 +36,13 @@ fn torque(terms: &[Read], v: f64) -> [f64; 2] {
 }
 
 fn reread(law: FrictionLaw, load_terms: Vec<FrictionTerm>) -> (FrictionResult, Model) {
-    let result = FrictionResult { joint: "j".into(), law, load: load_terms, ..FrictionResult::default() };
-    let text = description_toml("arm", "arm.toml", std::slice::from_ref(&result)).unwrap();
+    let mut result = FrictionResult::default();
+    result.joint = "j".into();
+    result.law = law;
+    result.load = load_terms;
+    let friction = std::slice::from_ref(&result);
+    let identified = Identified { name: "arm", extends: "arm.toml", friction, ..Identified::default() };
+    let text = identified_toml(&identified).unwrap();
     (result, load(&text))
 }
 
@@ -54,7 +59,7 @@ fn terms(bases: &[String], scale: f64, error: Option<f64>) -> Vec<FrictionTerm> 
 /// Every term of the default library, and terms in other spellings, over velocity and under load.
 #[test]
 fn laws_of_terms_keep_their_values() {
-    let mut bases = Library::joint_friction().unwrap().terms().to_vec();
+    let mut bases = FrictionIdentification::new().unwrap().library.terms().to_vec();
     let spelled = ["sgn(v)", "v.powi(3)", "exp(-2*abs(v))*tanh(3*v)", "-(v - pi)/(1 + v*v)", "sqrt(abs(v))"];
     bases.extend(spelled.map(String::from));
     let (result, model) =
@@ -75,7 +80,7 @@ fn laws_of_terms_keep_their_values() {
 #[test]
 fn laws_with_errors_keep_the_digits_that_these_leave() {
     let error = 3.4e-3;
-    let written = terms(Library::joint_friction().unwrap().terms(), 1.0, Some(error));
+    let written = terms(FrictionIdentification::new().unwrap().library.terms(), 1.0, Some(error));
     let (_, model) = reread(FrictionLaw::Terms(written.clone()), Vec::new());
     assert_eq!(joint(&model).friction.len(), written.len());
     for (read, term) in joint(&model).friction.iter().zip(&written) {

@@ -12,16 +12,16 @@ mod named_robot;
 
 use gelenk_identification::log::{ColumnOptions, runs_of};
 use gelenk_identification::methods::cross_validation::CrossValidation;
-use gelenk_identification::methods::differentiation::{TotalVariation, quantization_noise};
+use gelenk_identification::methods::differentiation::{Regularization, TotalVariation, quantization_noise};
 use gelenk_identification::methods::lasso::Lasso;
 use gelenk_identification::methods::least_squares::Reduced;
 use gelenk_identification::methods::library::Library;
 use gelenk_identification::methods::moments::{Moments, Samples};
 use gelenk_identification::methods::stribeck::{StribeckRegression, stribeck_torque};
 use gelenk_identification::methods::thresholding::Thresholding;
-use gelenk_identification::numeric::random::SplitMix64;
 use gelenk_identification::run::Run;
 use methods::kalman::KalmanSmoother;
+use methods::random::SplitMix64;
 use named_robot::NamedRobot;
 use std::error::Error;
 use std::f64::consts::PI;
@@ -121,9 +121,10 @@ fn list(x: impl IntoIterator<Item = f64>) -> String {
 fn thresholding(data: &Data, m: usize) -> Outcome {
     let (v, torque) = (&data.v[..m], &data.torque[..m]);
     let theta = data.library.matrix(&[v])?;
+    let columns: Vec<&[f64]> = theta.as_slice().chunks_exact(m).collect();
     let settings = Thresholding { threshold: 0.2, ridge: 0.05, ..Default::default() };
     let stored = || -> Result<_, Box<dyn Error>> {
-        let samples = Samples::from_matrix(data.library.terms(), &theta, vec![torque])?;
+        let samples = Samples::from_columns(data.library.terms(), columns.clone(), vec![torque])?;
         let reduced = Reduced::new(&samples)?;
         Ok((settings.fit(&reduced, 0)?, reduced.condition()))
     };
@@ -147,7 +148,8 @@ fn thresholding(data: &Data, m: usize) -> Outcome {
 
 fn lasso(data: &Data, m: usize) -> Outcome {
     let theta = data.library.matrix(&[&data.v[..m]])?;
-    let samples = Samples::from_matrix(data.library.terms(), &theta, vec![&data.torque[..m]])?;
+    let columns = theta.as_slice().chunks_exact(m).collect();
+    let samples = Samples::from_columns(data.library.terms(), columns, vec![&data.torque[..m]])?;
     let lasso = Lasso { tolerance: 1e-8, ..Default::default() };
     let work = || -> Result<_, Box<dyn Error>> {
         let folds = Moments::blocks(&samples, 10)?;
@@ -160,7 +162,7 @@ fn lasso(data: &Data, m: usize) -> Outcome {
     let gap = validation.path.gaps.iter().fold(0.0_f64, |a, g| a.max(*g));
     let note = format!(
         "{} alpha {:.4e} largest gap {gap:.1e}",
-        list(validation.coefficients(best).iter().copied()),
+        list(validation.path.coefficients.column(best).iter().copied()),
         validation.path.lambdas[best]
     );
     row("LassoCV", m, "gelenk, fold moments + CD", time, &note);
@@ -190,9 +192,15 @@ fn differentiation(m: usize) -> Outcome {
     let t: Vec<f64> = (0..m).map(|i| i as f64 * dt).collect();
     let x: Vec<f64> = t.iter().map(|t| -(omega * t).cos() * 1.2 / omega + 0.01 * random.normal()).collect();
     let truth: Vec<f64> = t.iter().map(|t| 1.2 * (omega * t).sin()).collect();
-    let settings = TotalVariation { tolerance: 0.0, ..TotalVariation::with_gamma(gamma) };
-    let (time, result) = timed(|| settings.solve(&t, &x));
-    let u = result?.derivative;
+    let settings = TotalVariation {
+        order: 1,
+        regularization: Regularization::Weight(gamma),
+        epsilon: Some(1e-6),
+        iterations: 20,
+        tolerance: 0.0,
+    };
+    let (time, result) = timed(|| settings.differentiate(&t, &x));
+    let u: Vec<f64> = result?.value.windows(2).map(|s| (s[1] - s[0]) / dt).collect();
     let rms =
         |d: &[f64]| (d.iter().zip(&truth).map(|(d, t)| (d - t).powi(2)).sum::<f64>() / d.len() as f64).sqrt();
     let note = format!("objective {:.5}  rms err {:.4}", objective(&u, &x, gamma, dt), rms(&u));

@@ -25,7 +25,6 @@
 //! folder for temporary files).
 
 use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
-use gelenk_identification::numeric::random::SplitMix64;
 use gelenk_identification::preparation::{PreparationSettings, prepare_all};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_report::{Axis, Figure, Marks, Plot};
@@ -34,6 +33,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use outcome::Outcome;
 use plots::{Folder, figure, over_time};
 use quadruped::FEET;
+use random::SplitMix64;
 use std::process::ExitCode;
 
 #[path = "support/lifting.rs"]
@@ -44,6 +44,8 @@ mod outcome;
 mod plots;
 #[path = "support/quadruped.rs"]
 mod quadruped;
+#[path = "support/random.rs"]
+mod random;
 
 /// Number of base parameters, and of the base's rows.
 const P: usize = robot::BASE_PARAMETER_NAMES.len();

@@ -6,6 +6,8 @@
 
 #[path = "support/faulty.rs"]
 mod faulty;
+#[path = "support/random.rs"]
+mod random;
 #[path = "support/warming.rs"]
 mod warming;
 

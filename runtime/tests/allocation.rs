@@ -1,18 +1,20 @@
-//! Functions that run in the control loop do not allocate.
+//! Sums over the samples of a library do not allocate for each sample.
 
 use crate::allocations;
 use gelenk_identification::methods::library::Library;
+use gelenk_identification::methods::moments::{Moments, Samples};
 
 #[test]
-fn rows_of_a_library_do_not_allocate() {
+fn sums_over_a_library_do_not_allocate_for_each_sample() {
     let library = Library::friction().unwrap();
-    let mut workspace = library.workspace();
-    let (mut theta, mut sum) = ([0.0; 7], 0.0);
-    let before = allocations::count();
-    for i in 0..1000 {
-        library.row(&[(0.01 * f64::from(i)).sin()], &mut workspace, &mut theta).unwrap();
-        sum += theta[1].abs();
-    }
-    assert_eq!(allocations::count() - before, 0);
-    assert!(sum > 100.0);
+    let velocities: Vec<f64> = (0..20_000).map(|i| (0.01 * f64::from(i)).sin()).collect();
+    let allocated = |samples: usize| {
+        let columns = vec![&velocities[..samples]];
+        let samples = Samples::from_library(&library, columns.clone(), columns).unwrap();
+        let before = allocations::count();
+        assert!(Moments::new(&samples).unwrap().samples() > 0);
+        allocations::count() - before
+    };
+    let [few, many] = [1000, 20_000].map(allocated);
+    assert!(many < few + 1000, "{many} allocations for 20 000 samples, {few} for 1000");
 }

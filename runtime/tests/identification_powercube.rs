@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "test code: what cannot be set up ends the test")]
 
 use crate::methods::kalman::KalmanSmoother;
+use crate::methods::random::SplitMix64;
 use crate::methods::torque::{Motion, friction_torques};
 use gelenk_generated::powercube;
 use gelenk_identification::Result;
@@ -14,7 +15,6 @@ use gelenk_identification::methods::least_squares::Reduced;
 use gelenk_identification::methods::library::Library;
 use gelenk_identification::methods::moments::Samples;
 use gelenk_identification::methods::thresholding::Thresholding;
-use gelenk_identification::numeric::random::SplitMix64;
 use gelenk_runtime::dynamics::Dynamics;
 
 const I: f64 = 161.0;
@@ -147,7 +147,8 @@ fn base_parameters_are_recovered_along_an_excitation() {
     let second = [[-0.3, 0.25], [0.25, -0.1], [0.12, 0.1], [-0.08, 0.05], [0.05, -0.06]];
     let coefficients = vec![first.to_vec(), second.to_vec()];
     let motion = FourierMotion { period: 10.0, center: vec![0.1, -0.2], coefficients };
-    let instants: Vec<[[f64; 2]; 3]> = (0..SAMPLES).map(|i| motion.at(STEP * i as f64)).collect();
+    let instants: Vec<[[f64; 2]; 3]> =
+        (0..SAMPLES).map(|i| motion.instant(STEP * i as f64).map(|x| [x[0], x[1]])).collect();
     let column = |k: usize, j: usize| -> Vec<f64> { instants.iter().map(|x| x[k][j]).collect() };
     let measured = [0, 1].map(|j| measure(&column(0, j), 1e-4).unwrap());
     let mut random = SplitMix64::new(5);

@@ -152,16 +152,10 @@ fn identify(runs: &[Recorder], groups: &[Vec<u32>]) -> Result<[FrictionLaw; 6]> 
     };
     let mut laws = Vec::new();
     for joint in 0..6 {
-        let report = settings.identify(&FrictionData {
-            joint: JOINTS[joint],
-            unit: "N·m",
-            velocity_unit: "rad/s",
-            velocities: &friction.velocities[joint],
-            torques: &friction.torques[joint],
-            folds: Some(&friction.groups),
-            ..FrictionData::default()
-        })?;
-        println!("joint {}: {}", joint + 1, report.result.law.formula());
+        let mut data = FrictionData::of(JOINTS[joint], &friction.velocities[joint], &friction.torques[joint]);
+        data.folds = Some(&friction.groups);
+        let report = settings.identify(&data)?;
+        println!("joint {}: {}", joint + 1, report.result.formula());
         laws.push(report.result.law);
     }
     Ok(laws.try_into().expect("six laws"))

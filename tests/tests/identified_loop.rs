@@ -14,7 +14,7 @@ use gelenk_generated::powercube;
 use gelenk_identification::friction::{FrictionData, FrictionIdentification, FrictionMethod};
 use gelenk_identification::methods::differentiation::quantization_noise;
 use gelenk_identification::methods::stribeck::StribeckRegression;
-use gelenk_identification::result::description::description_toml;
+use gelenk_identification::result::description::{Identified, identified_toml};
 use gelenk_identification::result::{FrictionLaw, FrictionResult};
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_tests::cargo::{cargo, lock_like_here, success};
@@ -78,15 +78,7 @@ fn identified() -> [FrictionResult; 2] {
     methods.map(|method| {
         let settings =
             FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().expect("settings") };
-        let data = FrictionData {
-            joint: powercube::JOINT_NAMES[joint],
-            unit: "N·m",
-            velocity_unit: "rad/s",
-            velocities: &velocities[joint],
-            torques: &torques[joint],
-            data: "simulated",
-            ..FrictionData::default()
-        };
+        let data = FrictionData::of(powercube::JOINT_NAMES[joint], &velocities[joint], &torques[joint]);
         joint += 1;
         let mut result = settings.identify(&data).expect("a friction law").result;
         // The published friction falls nowhere: Stribeck's words would mean nothing, his curve can still be tracked with.
@@ -113,7 +105,13 @@ fn write_package(folder: &Path, results: &[FrictionResult; 2]) {
     let models = workspace().join("models/powercube.toml");
     fs::copy(models, folder.join("powercube.toml")).expect("the description");
     let toml = |name: &str, results: &[FrictionResult]| {
-        description_toml(name, "powercube.toml", results).expect("a description")
+        identified_toml(&Identified {
+            name,
+            extends: "powercube.toml",
+            friction: results,
+            ..Identified::default()
+        })
+        .expect("a description")
     };
     write("identified.toml", &toml("identified", results));
     write("altered.toml", &toml("altered", &altered(results)));
@@ -150,7 +148,7 @@ fn track(folder: &Path) -> Vec<(String, f64)> {
 fn identified_friction_tracks_and_a_changed_coefficient_shows() {
     let results = identified();
     for result in &results {
-        println!("{}", result.table());
+        println!("{}: {}", result.joint, result.formula());
     }
     let folder = tempfile::tempdir().expect("a folder");
     write_package(folder.path(), &results);

@@ -8,7 +8,7 @@ use std::path::Path;
 /// Most modules at the root of the crate.
 const MODULES: usize = 19;
 /// Most public functions, types, traits and constants of the crate.
-const ITEMS: usize = 205;
+const ITEMS: usize = 150;
 
 fn is_public_item(line: &str) -> bool {
     const KINDS: [&str; 7] = ["fn ", "struct ", "enum ", "trait ", "const ", "type ", "static "];

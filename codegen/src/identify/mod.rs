@@ -10,6 +10,7 @@ pub mod page;
 mod parameters;
 mod robot;
 mod rounding;
+mod seats;
 mod shafts;
 mod terms;
 mod words;

@@ -1,11 +1,11 @@
 //! The page of an identification.
 
+use gelenk_findings::digits;
 use gelenk_findings::{Severity, texts};
 use gelenk_identification::estimation::{JointEstimate, Uncertain};
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, JointFriction};
 use gelenk_identification::methods::subset::{SubsetValidation, ValidatedSubset};
-use gelenk_identification::numeric::digits;
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::PreparedRun;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, plain, text};
@@ -38,7 +38,7 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
              friction $\\tau_F$ and offsets $c$ in one weighted fit.",
         )
         .fact("joints", estimate.joints.len().to_string());
-    if found.shafts.is_some() {
+    if found.joint_terms().is_some() {
         report = report.lead(SHAFTS);
     }
     report = match found.runs.len() {
@@ -65,7 +65,7 @@ pub fn page(name: &str, robot: &dyn Robot, found: &Identification, command: &str
 /// Noun of the rows of the tables.
 #[must_use]
 pub fn rows_are(found: &Identification) -> &'static str {
-    if found.shafts.is_some() { "joint or shaft" } else { "joint" }
+    if found.joint_terms().is_some() { "joint or shaft" } else { "joint" }
 }
 
 /// Whether some joint rests in a part of the samples, which the fit leaves out.

@@ -4,9 +4,9 @@
 //! could exist still can, and the written bodies explain the data as well. Where they would not, a body gets more digits.
 //! A value that these digits do not tell from the described one is written as it was described.
 
+use gelenk_findings::digits::rounded;
 use gelenk_identification::estimation::Estimate;
 use gelenk_identification::inertial::margin;
-use gelenk_identification::numeric::digits::rounded;
 use gelenk_identification::payload::Payload;
 use nalgebra::{DMatrix, DVector};
 
@@ -51,7 +51,7 @@ pub fn round_bodies(links: &mut [LinkBodies], described: &[LinkBodies], estimate
 fn lost(estimate: &Estimate, link: usize, change: &[f64]) -> f64 {
     let mut all = vec![0.0; estimate.parameters.len()];
     all[PER_LINK * link..][..change.len()].copy_from_slice(change);
-    estimate.sensitivity.r_squared_lost(&all).into_iter().map(f64::abs).fold(0.0, f64::max)
+    estimate.r_squared_lost(&all).into_iter().map(f64::abs).fold(0.0, f64::max)
 }
 
 /// A body with the errors of its values, in the order of [`BodyValues::numbers`].

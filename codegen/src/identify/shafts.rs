@@ -2,9 +2,10 @@
 
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::result::description::{comment_lines, friction_value};
-use gelenk_identification::shafts::{JointTerm, Shaft, seats};
+use gelenk_identification::shafts::{JointTerm, Shaft};
 
 use super::drives::{entries, found_rotor, joint_friction};
+use super::seats::seats;
 use super::words::{number, text, weighted};
 use crate::dynamics::parameters::regressor::drives_with_rotor;
 use crate::model::{Drive, FrictionTerm, Model};
@@ -58,13 +59,11 @@ pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<
 }
 
 /// Tables `[[joints]]` with the estimated factors of such terms.
-///
-/// - `factors`: of all terms, in their order
 #[must_use]
-pub fn joint_tables(model: &Model, terms: &[JointTerm], factors: &[f64]) -> Vec<String> {
+pub fn joint_tables(model: &Model, terms: &[(&JointTerm, f64)]) -> Vec<String> {
     let joints = model.joints().enumerate();
     let table = |(row, joint): (usize, &crate::model::Joint)| {
-        let own = terms.iter().zip(factors).filter(|(term, _)| term.joint == row);
+        let own = terms.iter().filter(|(term, _)| term.joint == row);
         let pairs = own.map(|(term, factor)| format!("[{}, {}]", toml_text(&term.basis), number(*factor)));
         let pairs: Vec<String> = pairs.collect();
         (!pairs.is_empty()).then(|| {

@@ -1,9 +1,9 @@
 //! Friction terms with what speaks for each, for the page and for JSON.
 
+use gelenk_findings::digits::{plain, significant};
 use gelenk_identification::friction::{Candidate, FrictionReport};
 use gelenk_identification::identify::Identification;
 use gelenk_identification::methods::subset::ValidatedSubset;
-use gelenk_identification::numeric::digits::{plain, significant};
 use gelenk_report::{Cell, Table};
 use serde_json::{Value, json};
 
@@ -26,16 +26,15 @@ pub(super) fn table(found: &Identification) -> Table {
     .column("probability", "probability", "");
     for joint in &found.friction {
         let Ok(report) = &joint.report else { continue };
-        let t = report.result.interval_factor();
-        table = table.rows(report.candidates().iter().map(|candidate| row(&joint.name, candidate, t)));
+        table = table.rows(report.candidates().iter().map(|candidate| row(&joint.name, candidate)));
     }
     table
 }
 
-fn row(joint: &str, candidate: &Candidate, t: f64) -> Vec<Cell> {
+fn row(joint: &str, candidate: &Candidate) -> Vec<Cell> {
     let share = |share: Option<f64>| share.map_or(Cell::Empty, |share| Cell::Rounded(share, 3));
     let error = candidate.chosen.and_then(|term| term.standard_error);
-    let ends = candidate.chosen.and_then(|term| term.ends(t));
+    let ends = candidate.interval;
     let numbers =
         [candidate.chosen.map(|term| term.coefficient), ends.map(|[low, _]| low), ends.map(|[_, high]| high)];
     let numbers = numbers.map(|number| number.map_or(Cell::Empty, |number| measured(number, error)));
@@ -91,14 +90,13 @@ pub fn front_as_json(report: &FrictionReport) -> Value {
 /// The terms of a law for JSON, those that were left out without a coefficient.
 #[must_use]
 pub fn terms_as_json(report: &FrictionReport) -> Value {
-    let t = report.result.interval_factor();
     let of = |candidate: &Candidate| {
         let term = candidate.chosen;
         json!({
             "term": candidate.basis,
             "coefficient": term.map(|term| term.coefficient),
             "standard_error": term.and_then(|term| term.standard_error),
-            "interval": term.and_then(|term| term.ends(t)),
+            "interval": candidate.interval,
             "inclusion": candidate.inclusion,
             "probability": candidate.probability,
         })

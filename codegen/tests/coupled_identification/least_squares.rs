@@ -7,7 +7,7 @@ use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_identification::estimation::{EstimationSettings, Offsets, estimate};
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::{Effort, PreparedRun};
-use gelenk_identification::shafts::{RobotRows, ShaftRows};
+use gelenk_identification::shafts::with_rows_of_shafts;
 use nalgebra::{DMatrix, DVector};
 
 use super::described::Noise;
@@ -130,8 +130,7 @@ fn friction_of_random_shafts_is_that_of_least_squares() {
     for seed in 1..4 {
         let random = Random::new(seed);
         let robot = random.robot();
-        let rows = ShaftRows::of(&robot).unwrap();
-        let shafts = RobotRows::new(&robot, Some(&rows));
+        let shafts = with_rows_of_shafts(&robot);
         assert_eq!(shafts.joint_names(), ["j0", "d0", "d1"]);
         let identity = shafts.input_matrix();
         (0..N * N)

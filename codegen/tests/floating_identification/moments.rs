@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use gelenk_codegen::identify::InterpretedRobot;
+use gelenk_identification::IdentificationError;
 use gelenk_identification::estimation::JointEstimate;
-use gelenk_identification::fleet::{LogMoments, Sum, identify_moments, reduce};
+use gelenk_identification::fleet::{LogMoments, identify_moments, reduce};
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::robot::Robot;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -80,15 +81,13 @@ fn from_moments(
     logs: &[PathBuf],
     settings: &IdentificationSettings,
 ) -> Identification {
-    let mut sum = Sum::default();
-    for log in logs {
-        let moments = reduce(robot, DESCRIPTION, log, settings, &mut |_| ()).unwrap();
+    let copied = logs.iter().map(|log| {
+        let moments = reduce(robot, DESCRIPTION, log, settings, &mut |_| ())?;
         let file = log.with_extension("moments");
-        moments.write(&file).unwrap();
-        let copied = LogMoments::read(&file).unwrap();
-        sum.add(copied, &log.display().to_string()).unwrap();
-    }
-    identify_moments(robot, DESCRIPTION, &sum.total().unwrap(), settings, &mut |_| ()).unwrap()
+        moments.write(DESCRIPTION, &file)?;
+        Ok::<_, IdentificationError>((LogMoments::read(&file)?, log.display().to_string()))
+    });
+    identify_moments(robot, DESCRIPTION, &LogMoments::sum(copied).unwrap(), settings, &mut |_| ()).unwrap()
 }
 
 /// Largest differences of the values, by the largest of its body's, of the joints' residuals and R², and of their held-out R².

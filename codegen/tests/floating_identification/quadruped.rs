@@ -258,7 +258,7 @@ fn moments_hold_the_rows_of_the_base_alone() {
     let parts: &[&[u8]] = &[b"feet"];
     let moments = reduce(&described, parts, &path, &settings, &mut |_| ()).unwrap();
     let file = folder.path().join("log.moments");
-    moments.write(&file).unwrap();
+    moments.write(parts, &file).unwrap();
     let copied = LogMoments::read(&file).unwrap();
     let found = identify_moments(&described, parts, &copied, &settings, &mut |_| ()).unwrap().estimate;
     let [before, after] = base_errors(&described, &truth, &found);

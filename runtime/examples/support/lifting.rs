@@ -4,8 +4,8 @@ use crate::outcome::Outcome;
 use crate::quadruped::{
     ACROSS, FEET, HIP, LENGTH, Wrenches, at_feet, standing, used_friction, used_torque, within_limits,
 };
+use crate::random::SplitMix64;
 use gelenk_generated::go2::{self as robot, M, N, NY, WRENCHES};
-use gelenk_identification::numeric::random::SplitMix64;
 use std::f64::consts::TAU;
 
 /// Time between two rows of a log [s].

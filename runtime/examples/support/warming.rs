@@ -1,7 +1,7 @@
 //! Simulated joints whose friction drifts: a pendulum behind a gear with Coulomb friction and stiction, under PD control.
 #![allow(clippy::expect_used, reason = "what cannot be set up ends the study")]
 
-use gelenk_identification::numeric::random::SplitMix64;
+use super::random::SplitMix64;
 use gelenk_runtime::adaptation::{Adaptation, AdaptationSettings, DescribedForces, Magnitudes, Measured};
 
 /// Period of control (s).

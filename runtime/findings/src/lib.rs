@@ -3,6 +3,8 @@
 //! A detector has a [`Rule`] and makes a [`Finding`] of a message that names no subject: [`About`] does. So findings are sorted,
 //! counted and dropped by rule and subject, and their text is made in one place.
 
+pub mod digits;
+
 use std::fmt;
 
 /// How bad it is.

@@ -1,6 +1,6 @@
 //! Errors of data and settings, each with the numbers that show it.
 
-use super::numeric::digits::plain;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Subject};
 use thiserror::Error;
 
@@ -218,7 +218,7 @@ pub type Result<T> = std::result::Result<T, IdentificationError>;
 ///
 /// # Errors
 /// [`IdentificationError::NotFinite`]
-pub fn require_finite(what: &str, values: &[f64]) -> Result<()> {
+pub(crate) fn require_finite(what: &str, values: &[f64]) -> Result<()> {
     let Some(row) = values.iter().position(|x| !x.is_finite()) else {
         return Ok(());
     };
@@ -235,7 +235,7 @@ pub fn require_finite(what: &str, values: &[f64]) -> Result<()> {
 ///
 /// # Errors
 /// [`IdentificationError::Setting`]
-pub fn require_setting(name: &str, value: f64, holds: bool, requirement: &str) -> Result<()> {
+pub(crate) fn require_setting(name: &str, value: f64, holds: bool, requirement: &str) -> Result<()> {
     if value.is_finite() && holds {
         return Ok(());
     }
@@ -246,7 +246,7 @@ pub fn require_setting(name: &str, value: f64, holds: bool, requirement: &str) -
 ///
 /// # Errors
 /// [`IdentificationError::Shape`]
-pub fn require_length(what: &str, expected: usize, got: usize) -> Result<()> {
+pub(crate) fn require_length(what: &str, expected: usize, got: usize) -> Result<()> {
     if expected == got {
         return Ok(());
     }
@@ -257,7 +257,7 @@ pub fn require_length(what: &str, expected: usize, got: usize) -> Result<()> {
 ///
 /// # Errors
 /// [`IdentificationError::Empty`] and [`IdentificationError::TooFewSamples`]
-pub fn require_samples(what: &str, needed: usize, got: usize) -> Result<()> {
+pub(crate) fn require_samples(what: &str, needed: usize, got: usize) -> Result<()> {
     if got == 0 {
         return Err(IdentificationError::Empty { what: what.into() });
     }

@@ -10,6 +10,7 @@ use super::log::{ColumnOptions, Recording, runs_noting};
 use super::methods::stribeck::StribeckRegression;
 use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
 use super::result::FrictionTerm;
+use super::robot::JointTerm;
 use super::robot::{Robot, require_no_quaternions};
 use super::run::PreparedRun;
 use super::shafts::{RobotRows, ShaftRows};
@@ -87,7 +88,7 @@ pub struct Identification {
     pub friction: Vec<JointFriction>,
     /// The rows that these numbers belong to where shafts take those of joints. What is said of a joint then is said of
     /// the shaft: positions and velocities are its own, efforts are those of its motor.
-    pub shafts: Option<ShaftRows>,
+    pub(crate) shafts: Option<ShaftRows>,
 }
 
 impl Identification {
@@ -95,14 +96,22 @@ impl Identification {
     ///
     /// - `robot`: the one that was identified
     #[must_use]
-    pub fn rows<'a>(&'a self, robot: &'a dyn Robot) -> RobotRows<'a> {
-        RobotRows::new(robot, self.shafts.as_ref())
+    pub fn rows<'a>(&'a self, robot: &'a dyn Robot) -> impl Robot + 'a {
+        RobotRows::new(robot, self.shafts.clone())
     }
 
     /// The drive whose shaft's row this is; `None` where it is that of the joint.
     #[must_use]
     pub fn shaft(&self, row: usize) -> Option<&str> {
         self.shafts.as_ref()?.shaft(row).map(|shaft| shaft.name.as_str())
+    }
+
+    /// Friction that is described on joints whose rows shafts take, with the estimated factors; `None` where no shaft takes a row.
+    #[must_use]
+    pub fn joint_terms(&self) -> Option<Vec<(&JointTerm, f64)>> {
+        let rows = self.shafts.as_ref()?;
+        let factors = self.estimate.parameters.iter().skip(rows.first_term()).map(|factor| factor.value);
+        Some(rows.joint_terms().iter().zip(factors).collect())
     }
 }
 
@@ -148,11 +157,10 @@ fn identified(
 ) -> Result<Identification> {
     let (recording, prepared, mut preparation) = read_and_prepare(robot, logs, settings, noted, progress)?;
     let beyond = beyond_range(robot, &recording, &prepared, settings.accept_poor)?;
-    let shafts = ShaftRows::of(robot);
-    let rows = RobotRows::new(robot, shafts.as_ref());
+    let rows = RobotRows::of(robot);
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let prepared = rows.along(prepared);
-    let estimation = of_signals(settings, &preparation, shafts.is_some());
+    let estimation = of_signals(settings, &preparation, rows.of_shafts().is_some());
     let mut estimate = estimate(robot, &prepared, &estimation, progress)?;
     let of_logs = beyond.into_iter().chain(faults(&preparation).cloned());
     estimate.findings.splice(0..0, of_logs);
@@ -182,10 +190,17 @@ fn identified(
         let of_joint = Written { robot, filter: &preparation.filter, joint: *joint };
         of_joint.predict(&mut estimate, law, &prepared)?;
     }
-    if let Some(shafts) = &shafts {
+    if let Some(shafts) = rows.of_shafts() {
         estimate.findings.splice(0..0, shafts.found(joints, &estimate));
     }
-    Ok(Identification { recording, preparation, runs: prepared, estimate, friction, shafts })
+    Ok(Identification {
+        recording,
+        preparation,
+        runs: prepared,
+        estimate,
+        friction,
+        shafts: rows.of_shafts().cloned(),
+    })
 }
 
 impl Identification {

@@ -9,7 +9,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod doubts;
-pub mod error;
+mod error;
 pub mod estimation;
 pub mod excitation;
 pub mod fleet;
@@ -18,7 +18,7 @@ pub mod identify;
 pub mod inertial;
 pub mod log;
 pub mod methods;
-pub mod numeric;
+mod numeric;
 pub mod payload;
 pub mod pose;
 pub mod preparation;

@@ -158,7 +158,7 @@ pub type Instant = [Vec<f64>; 3];
 pub struct Shaft {
     /// Name of the drive, as described.
     pub name: String,
-    /// The joint whose row the shaft takes, see [`seats`](crate::shafts::seats).
+    /// The joint whose row the shaft takes: one without a drive of its own.
     pub joint: usize,
     /// Motion of the shaft for a unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
     pub ratios: Vec<f64>,
@@ -298,7 +298,7 @@ impl JointLimits {
 }
 
 /// W at y, ẏ, ÿ, as a generated module's `inertial_regressor`.
-pub type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64; N]) -> [[f64; P]; N];
+type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64; N]) -> [[f64; P]; N];
 
 /// A generated module as a [`Robot`]: its [`Dynamics`] and its `inertial_regressor`.
 ///

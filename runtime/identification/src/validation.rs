@@ -6,11 +6,12 @@ use super::error::Result;
 use super::estimation::Gravity;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
-use super::numeric::digits::plain;
 use super::preparation::{Filter, prepare_as};
 use super::result::FrictionResult;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
+use super::shafts::RobotRows;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use std::path::PathBuf;
 
@@ -73,7 +74,7 @@ pub fn validate(
     let preparation = found.preparation.settings_alike(&settings.preparation);
     let (prepared, report) = prepare_as(&recording.runs, robot, &preparation, &found.preparation.filter)?;
     far_beyond(robot, &recording, &prepared).into_iter().for_each(|found| say(&found.accepted()));
-    let rows = found.rows(robot);
+    let rows = RobotRows::new(robot, found.shafts.clone());
     let prepared = rows.along(prepared);
     let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;
     let mut sums = vec![[Sums::default(); 2]; model.joints];

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "test code: what cannot be set up ends the test")]
 
+use crate::methods::random;
+
 mod control;
 mod faults;
 #[path = "../../examples/support/faulty.rs"]

@@ -55,7 +55,7 @@ pub(super) fn as_json(
         if let Some(constant) = found.estimate.joints[index].gain {
             joint["motor_constant"] = uncertain(&constant);
         }
-        if found.shafts.is_some() {
+        if found.joint_terms().is_some() {
             joint["is_shaft"] = json!(found.shaft(index).is_some());
         }
         joint

@@ -4,17 +4,16 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use gelenk_identification::estimation::JointEstimate;
 use gelenk_identification::friction::FrictionReport;
 use gelenk_identification::identify::{Identification, IdentificationSettings, identify};
 use gelenk_identification::log::ColumnOptions;
-use gelenk_identification::numeric::digits::plain;
 use gelenk_identification::result::FrictionResult;
 use gelenk_identification::result::description::{Identified, write_identified};
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::Effort;
-use gelenk_identification::shafts::ShaftRows;
 use gelenk_identification::validation::{JointValidation, validate};
 
 use super::super::arguments::{DerivativeName, EffortName, Format, FrictionPlace, Identify};
@@ -310,9 +309,8 @@ fn drive_tables(
 ) -> Result<Vec<String>, Failure> {
     let model = robot.model();
     let mut tables = Vec::new();
-    if let Some(rows) = &found.shafts {
-        let factors = &others[rows.first_term() - PER_LINK * robot.bodies()..];
-        tables = joint_tables(model, rows.joint_terms(), factors);
+    if let Some(terms) = found.joint_terms() {
+        tables = joint_tables(model, &terms);
     }
     for drive in model.input_drives().filter(|drive| drive.stands_apart) {
         let rotor = shaft_rotor(model, &drive.name).map(|place| others[place]);
@@ -335,8 +333,8 @@ fn identified_drive<'a>(
     rotor: Option<f64>,
 ) -> IdentifiedShaft<'a> {
     let nothing = IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() };
-    let mut shafts = found.shafts.iter().flat_map(ShaftRows::shafts);
-    let shaft = shafts.find(|shaft| shaft.name == drive.name).map(|shaft| shaft.joint);
+    let mut rows = 0..found.estimate.joints.len();
+    let shaft = rows.find(|row| found.shaft(*row) == Some(&drive.name));
     let Some(row) = shaft.or(drive.coordinate()) else { return IdentifiedShaft { rotor, ..nothing } };
     let estimate = &found.estimate.joints[row];
     IdentifiedShaft {

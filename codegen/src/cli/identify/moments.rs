@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use gelenk_findings::{Severity, texts};
-use gelenk_identification::fleet::{LogMoments, Sum, identify_moments, reduce};
+use gelenk_identification::fleet::{LogMoments, identify_moments, reduce};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
@@ -33,13 +33,11 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     }
     let settings = settings(arguments)?;
     let description = Description::of(arguments, &loaded, &robot)?;
-    let mut sum = Sum::default();
-    for log in &arguments.logs {
-        let name = log.display().to_string();
+    let parts = arguments.logs.iter().map(|log| {
         let moments = print::identified(reduce(&robot, &description.parts(), log, &settings, &mut say))?;
-        sum.add(moments, &name)?;
-    }
-    write(&sum.total()?, &path, format)
+        Ok::<_, Failure>((moments, log.display().to_string()))
+    });
+    write(&LogMoments::sum(parts)?, &description, &path, format)
 }
 
 /// Identifies the robot from files of moments, or adds them up to one file.
@@ -51,14 +49,12 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
         return Err(Failure::Usage(format!("{option} needs a result: name a description with --output")));
     }
     let description = Description::of(arguments, &loaded, &robot)?;
-    let mut sum = Sum::default();
-    for file in &arguments.logs {
-        sum.add(LogMoments::read(file)?, &file.display().to_string())?;
-    }
-    let moments = sum.total()?;
+    let files = arguments.logs.iter();
+    let moments = LogMoments::sum(
+        files.map(|file| Ok::<_, Failure>((LogMoments::read(file)?, file.display().to_string()))),
+    )?;
     if is_moments(&path) {
-        moments.require_description(&description.parts())?;
-        return write(&moments, &path, format);
+        return write(&moments, &description, &path, format);
     }
     let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say);
     let mut found = print::identified(found)?;
@@ -70,16 +66,25 @@ fn is_moments(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == MOMENTS)
 }
 
-fn write(moments: &LogMoments, path: &Path, format: Format) -> Result<ExitCode, Failure> {
-    moments.write(path)?;
+fn write(
+    moments: &LogMoments,
+    description: &Description,
+    path: &Path,
+    format: Format,
+) -> Result<ExitCode, Failure> {
+    moments.write(&description.parts(), path)?;
     match format {
         Format::Json => print::json(&as_json(moments, path)),
         Format::Text => print::out(&as_text(moments, path)).map(|()| ExitCode::SUCCESS),
     }
 }
 
+fn samples(moments: &LogMoments) -> u64 {
+    moments.logs().iter().map(|log| log.samples).sum()
+}
+
 fn as_text(moments: &LogMoments, path: &Path) -> String {
-    let (logs, samples, shares) = (moments.logs().len(), moments.samples(), moments.shares());
+    let (logs, samples, shares) = (moments.logs().len(), samples(moments), moments.shares());
     let plural = if logs == 1 { "log" } else { "logs" };
     format!("wrote {}: {logs} {plural}, {samples} samples in {shares} of 16 shares\n", path.display())
 }
@@ -98,7 +103,7 @@ fn as_json(moments: &LogMoments, path: &Path) -> Value {
     json!({
         "moments": path.display().to_string(),
         "logs": logs.collect::<Value>(),
-        "samples": moments.samples(),
+        "samples": samples(moments),
         "shares": moments.shares(),
         "warnings": texts(&moments.doubts(), Severity::Warning),
     })

@@ -1,8 +1,8 @@
 //! Motor constants that logs of currents give where none are described.
 
+use gelenk_findings::digits::{plain, rounded};
 use gelenk_identification::estimation::{JointEstimate, Uncertain};
 use gelenk_identification::identify::Identification;
-use gelenk_identification::numeric::digits::{plain, rounded};
 
 use gelenk_findings::{Finding, Rule};
 

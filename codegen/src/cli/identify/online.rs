@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use gelenk_adaptation::TERM_NAMES;
 use gelenk_findings::Finding;
+use gelenk_findings::digits::{plain, rounded};
 use gelenk_identification::log::runs;
-use gelenk_identification::numeric::digits::{plain, rounded};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use gelenk_findings::digits::{plain, rounded};
 use gelenk_findings::{Severity, texts};
 use gelenk_identification::estimation::Uncertain;
-use gelenk_identification::numeric::digits::{plain, rounded};
 use gelenk_identification::payload::{CarriedLoad, Payload, PayloadSettings, identify_load};
 use gelenk_identification::result::description::{Identified, write_identified};
 use gelenk_identification::robot::Robot;

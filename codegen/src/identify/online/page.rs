@@ -1,6 +1,6 @@
 //! The page of a replay: learned friction over time, and errors of predictions.
 
-use gelenk_identification::numeric::digits::significant;
+use gelenk_findings::digits::significant;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
 
 use super::batch::{BatchLaw, best_causal, best_in_hindsight};

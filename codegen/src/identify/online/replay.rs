@@ -5,9 +5,9 @@ use gelenk_adaptation::{
     Measured, Prediction, Trust,
 };
 use gelenk_dynamics::dynamics::Limits;
-use gelenk_identification::error::{IdentificationError, Result};
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
+use gelenk_identification::{IdentificationError, Result};
 
 /// Most joints and inputs of a robot: the places of the estimator. Those without a joint are not learned.
 const MOST: usize = 32;

@@ -205,8 +205,8 @@ fn frames() -> Figure {
         );
         for k in 0..6 {
             let time = f64::from(k) / 0.6;
-            let [[beta, gamma], ..] = motion.at(time);
-            plot = plot.series(format!("{time:.1} s"), Marks::Line, links(beta, gamma));
+            let [angles, ..] = motion.instant(time);
+            plot = plot.series(format!("{time:.1} s"), Marks::Line, links(angles[0], angles[1]));
         }
         figure = figure.plot(plot);
     }

@@ -109,7 +109,8 @@ pub fn record<const N: usize>(
     let gains = regulators(model)?;
     let gear = model.drive_matrix();
     let mut plant = Plant::new(plant, options(regime, seed))?;
-    let [start, speed, _] = motion.at(0.0);
+    let at = |time: f64| motion.instant(time).map(|x| std::array::from_fn(|joint| x[joint]));
+    let [start, speed, _] = at(0.0);
     plant.reset(start, speed)?;
     let mut record = Record {
         times: Vec::with_capacity(samples),
@@ -121,7 +122,7 @@ pub fn record<const N: usize>(
     let mut last = None;
     for k in 0..samples {
         let time = k as f64 * PERIOD;
-        let [y, v, a] = motion.at(time);
+        let [y, v, a] = at(time);
         let measured = plant.measure().positions;
         let forces = model.inverse_dynamics(&y, &v, &a);
         let inputs: [f64; N] = std::array::from_fn(|i| {

@@ -58,15 +58,7 @@ impl Method {
             passive: false,
             ..FrictionIdentification::new()?
         };
-        Ok(identification.identify(&FrictionData {
-            joint: "joint",
-            unit: "N·m",
-            velocity_unit: "rad/s",
-            velocities: &samples.velocities,
-            torques: &samples.torques,
-            data: "simulated",
-            ..FrictionData::default()
-        })?)
+        Ok(identification.identify(&FrictionData::of("joint", &samples.velocities, &samples.torques))?)
     }
 }
 

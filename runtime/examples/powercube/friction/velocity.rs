@@ -4,9 +4,9 @@
 use super::data::{MEASURED, beta_alone, controller_arm, published_arm, record, rms};
 use crate::arm::{PERIOD, Regime};
 use crate::methods::central_differences;
+use crate::methods::random::SplitMix64;
 use crate::study::{Outcome, Part, Study};
 use gelenk_identification::methods::differentiation::{Regularization, TotalVariation, quantization_noise};
-use gelenk_identification::numeric::random::SplitMix64;
 use gelenk_report::{Axis, Block, Cell, Claim, Criterion, Figure, Marks, Plot, Section, Table, text};
 use std::f64::consts::TAU;
 
@@ -116,16 +116,16 @@ impl LowPass {
         let step = MEASURED.encoder_step;
         let times: Vec<f64> = (0..(seconds / PERIOD) as usize).map(|k| PERIOD * k as f64).collect();
         let signal: Vec<f64> =
-            times.iter().map(|t| (motion.at::<1>(*t)[0][0] / step).round() * step).collect();
+            times.iter().map(|t| (motion.instant(*t)[0][0] / step).round() * step).collect();
         let acceleration = times.windows(2).map(|t| {
-            let [a, b] = [t[0], t[1]].map(|t| motion.at::<1>(t)[2][0]);
+            let [a, b] = [t[0], t[1]].map(|t| motion.instant(t)[2][0]);
             (b - a) / PERIOD
         });
         let by_noise = TotalVariation {
             epsilon: Some(rms(acceleration).powi(2)),
             ..TotalVariation::from_noise(quantization_noise(step))
         };
-        let gamma = by_noise.solve(&times, &signal)?.gamma;
+        let gamma = by_noise.differentiate(&times, &signal)?.parameter;
         let settings = TotalVariation { regularization: Regularization::Weight(factor * gamma), ..by_noise };
         let still = settings.differentiate(&times, &signal)?.first;
         Ok(Self { settings, times, signal, still })

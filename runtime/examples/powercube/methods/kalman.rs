@@ -4,10 +4,8 @@
 //! filters, the backward pass smooths. Inside, time counts in mean sampling steps, which keeps the
 //! covariances well scaled.
 
-use gelenk_identification::error::{IdentificationError, Result, require_setting};
-use gelenk_identification::methods::differentiation::{
-    Derivatives, by_discrepancy, require_noise, require_signal, residual_bound, rms_difference,
-};
+use gelenk_identification::methods::differentiation::Derivatives;
+use gelenk_identification::{IdentificationError, Result};
 use nalgebra::{Matrix4, Vector4};
 use std::ops::Range;
 
@@ -30,18 +28,17 @@ impl KalmanSmoother {
     /// Smoothed signal and derivatives at the sampling times.
     ///
     /// # Errors
-    /// Fewer than eight samples, values that are not finite, times that do not increase, settings out of
-    /// range.
+    /// Fewer than eight samples, and settings out of range.
     pub fn differentiate(&self, times: &[f64], signal: &[f64]) -> Result<Derivatives> {
-        require_noise(self.sigma)?;
-        require_signal(times, signal, 8)?;
+        require(self.sigma > 0.0, "noise σ", self.sigma)?;
+        require(times.len() == signal.len() && signal.len() >= 8, "number of samples", signal.len() as f64)?;
         let m = times.len();
         let step = (times[m - 1] - times[0]) / (m - 1) as f64;
         // Density per σ² and step: unit² s⁻⁷ · step⁷ / σ².
         let unit = self.sigma * self.sigma / step.powi(7);
         let ratio = match self.density {
             Some(q) => {
-                require_setting("spectral density", q, q > 0.0, "it must be positive")?;
+                require(q > 0.0, "spectral density", q)?;
                 q / unit
             }
             None => ratio_by_discrepancy(times, signal, self.sigma, step)?,
@@ -55,7 +52,7 @@ impl KalmanSmoother {
         Ok(Derivatives {
             first: scaled(1),
             second: scaled(2),
-            residual: rms_difference(&value, signal),
+            residual: rms(value.iter().zip(signal).map(|(a, b)| a - b)),
             value,
             parameter: ratio * unit,
         })
@@ -71,12 +68,29 @@ fn ratio_by_discrepancy(times: &[f64], signal: &[f64], sigma: f64, step: f64) ->
             Ok(states.iter().enumerate().map(|(i, state)| (filter.measurement(i) - state[0]).powi(2)).sum())
         };
         let (residual, count) = judged_residual(times, signal, squares)?;
-        Ok(residual <= residual_bound(1.0, count))
+        // Two standard errors of a sample's rms above the noise.
+        Ok(residual <= (1.0 + 2.0 * (2.0 / count as f64).sqrt()).sqrt())
     };
     // 1e-20: a smoothing window of some hundreds of samples; beyond it a double has no digits left.
-    let (least, largest) = (-20.0, 8.0);
-    let exponent = if explains(least)? { least } else { by_discrepancy(largest, least, 0.05, explains)? };
-    Ok(10f64.powf(exponent))
+    let (mut least, mut largest) = (-20.0, 8.0);
+    if explains(least)? {
+        largest = least;
+    }
+    while largest - least > 0.05 {
+        let middle = 0.5 * (largest + least);
+        if explains(middle)? { largest = middle } else { least = middle }
+    }
+    Ok(10f64.powf(largest))
+}
+
+fn require(holds: bool, name: &str, value: f64) -> Result<()> {
+    let requirement = "it must be positive, and of eight samples or more".into();
+    if holds { Ok(()) } else { Err(IdentificationError::Setting { name: name.into(), value, requirement }) }
+}
+
+fn rms(differences: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = differences.len() as f64;
+    (differences.map(|d| d * d).sum::<f64>() / count).sqrt()
 }
 
 /// Rms of the residuals over the rows on which a regularization is judged, and how many these are.
@@ -246,8 +260,8 @@ fn smoother_gain(
 #[cfg(test)]
 mod tests {
     use super::super::central_differences;
+    use super::super::random::SplitMix64;
     use super::*;
-    use gelenk_identification::numeric::random::SplitMix64;
     use nalgebra::{DMatrix, DVector};
 
     /// The smoother's optimality, as one dense weighted least-squares problem over all states.
@@ -303,7 +317,7 @@ mod tests {
         let signal: Vec<f64> = times.iter().map(|t| phase(*t).sin() + 0.01 * random.normal()).collect();
         let truth: Vec<f64> =
             times.iter().map(|t| std::f64::consts::TAU * (0.1 + 0.1 * t) * phase(*t).cos()).collect();
-        let error = |found: &[f64]| rms_difference(&found[100..1900], &truth[100..1900]);
+        let error = |found: &[f64]| rms((100..1900).map(|i| found[i] - truth[i]));
         let central = error(&central_differences(&times, &signal));
         let found = error(&KalmanSmoother::from_noise(0.01).differentiate(&times, &signal).unwrap().first);
         assert!(central > 10.0 * found, "{central} {found}");

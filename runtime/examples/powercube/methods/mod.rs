@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "tests outside of the example use a part of it")]
 
 pub mod kalman;
+#[path = "../../support/random.rs"]
+pub mod random;
 pub mod torque;
 
 /// Central differences, one-sided at the ends: the reference that smoothing must beat.

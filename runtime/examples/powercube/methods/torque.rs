@@ -1,11 +1,9 @@
 //! Friction torque from a motion and the generated model, and the motor constant from a known load.
 
-use gelenk_identification::error::{
-    IdentificationError, Result, require_finite, require_length, require_samples,
-};
 use gelenk_identification::methods::least_squares::{Reduced, Solution};
 use gelenk_identification::methods::library::Library;
 use gelenk_identification::methods::moments::Samples;
+use gelenk_identification::{IdentificationError, Result};
 use gelenk_runtime::dynamics::{Dynamics, Named, load};
 
 /// A recorded motion: one column of samples per joint and input.
@@ -33,7 +31,6 @@ pub fn rigid_forces<const N: usize, const M: usize>(
     motion: &Motion<N, M>,
 ) -> Result<[Vec<f64>; N]> {
     let m = motion.positions.first().map_or(0, |c| c.len());
-    require_samples("the friction torque", 1, m)?;
     let kinds = [
         ("position", &motion.positions),
         ("velocity", &motion.velocities),
@@ -83,8 +80,14 @@ pub fn friction_torques<const N: usize, const M: usize>(
 }
 
 fn require_column(what: &str, samples: usize, column: &[f64]) -> Result<()> {
-    require_length(&format!("samples of the {what}"), samples, column.len())?;
-    require_finite(&format!("the {what}"), column)
+    if column.len() != samples {
+        let what = format!("samples of the {what}");
+        return Err(IdentificationError::Shape { what, expected: samples, got: column.len() });
+    }
+    let Some(row) = column.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+    let count = column.iter().filter(|x| !x.is_finite()).count();
+    let (what, value) = (format!("the {what}"), column[row]);
+    Err(IdentificationError::NotFinite { what, row, value, count, samples })
 }
 
 /// Motor constant K_M [N·m/A] and friction from a motion with known load.
@@ -120,8 +123,8 @@ pub fn motor_constant(
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::SplitMix64;
     use super::*;
-    use gelenk_identification::numeric::random::SplitMix64;
 
     gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
 

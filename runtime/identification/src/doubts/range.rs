@@ -1,10 +1,10 @@
 //! Whether runs go so far beyond the described limits that a unit must be another one.
 
 use super::super::log::{Recording, SEEN, are_minutes, unit_value};
-use super::super::numeric::digits::plain;
 use super::super::pose::rows_of;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: positions, speeds or efforts of a joint that are several times their described limit.
@@ -42,6 +42,8 @@ struct Worst {
     limit: f64,
     /// How many joints go too far.
     joints: usize,
+    /// The run in which alone it does; `None` if it does in several or in the only one.
+    run: Option<usize>,
 }
 
 struct Runs<'a> {
@@ -72,9 +74,13 @@ impl Runs<'_> {
         let judged = (0..exact.len()).filter(|joint| !exact[*joint]);
         let judged = judged.filter(|joint| limit(*joint).is_finite() && limit(*joint) > 0.0);
         let far = judged.filter_map(|joint| {
-            let all = self.prepared.iter().flat_map(|run| values(run, joint));
-            let (largest, limit) = (largest(all.collect())?, limit(joint));
-            (largest > most * limit).then_some(Worst { joint, largest, limit, joints: 1 })
+            let all: Vec<Vec<f64>> = self.prepared.iter().map(|run| values(run, joint)).collect();
+            let limit = limit(joint);
+            let is_far = |run: &usize| largest(all[*run].clone()).is_some_and(|size| size > most * limit);
+            let far: Vec<usize> = (0..all.len()).filter(is_far).collect();
+            let run = far.first().copied().filter(|_| far.len() == 1 && all.len() > 1);
+            let largest = largest(all.concat())?;
+            (largest > most * limit).then_some(Worst { joint, largest, limit, joints: 1, run })
         });
         far.reduce(|a, b| {
             let joints = a.joints + b.joints;
@@ -164,7 +170,7 @@ impl Runs<'_> {
         (what, unit): (&str, &str),
         (of, column): (&str, Option<&String>),
     ) -> String {
-        let Worst { largest, limit, joints, .. } = *worst;
+        let Worst { largest, limit, joints, run, .. } = *worst;
         let times = largest / limit;
         let [largest, limit] = [largest, limit].map(|x| plain(x, 4));
         let column = column.map_or_else(String::new, |column| format!(" ({of} {column})"));
@@ -173,8 +179,14 @@ impl Runs<'_> {
             1 => ", and one more joint goes too far".to_owned(),
             others => format!(", and {others} more joints go too far"),
         };
+        let alone = run.map_or_else(String::new, |run| {
+            let name = &self.prepared[run].name;
+            format!(
+                ", in run {name} alone: --columns holds for all logs, bring this one to the others' units"
+            )
+        });
         format!(
-            "its {what}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}"
+            "its {what}{column} reach {largest} {unit}, {times:.1} times the described limit of {limit}{others}{alone}"
         )
     }
 }

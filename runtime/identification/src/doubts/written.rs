@@ -7,11 +7,11 @@ use super::super::friction::FrictionReport;
 use super::super::friction::joint_samples::kept;
 use super::super::methods::confidence::{LongRun, quantile};
 use super::super::methods::offset::{centre, mean};
-use super::super::numeric::digits::plain;
 use super::super::preparation::Filter;
 use super::super::result::{CONFIDENCE, FrictionResult, FrictionTerm};
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use std::ops::Range;
 

@@ -1,12 +1,12 @@
 //! Checks of the residual efforts against effects that the model lacks.
 
 use super::super::methods::offset::mean;
-use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
 use super::residuals::Forces;
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: a joint without a measured effort next to others that have one.
@@ -156,7 +156,7 @@ impl Checked<'_> {
                 "{:.0} % of the residual's variance is friction that grows with the load of the gear, by about {factor:.2} of it",
                 100.0 * share
             );
-            UNDER_LOAD.found(message).help("say --load-friction")
+            UNDER_LOAD.found(message).with("share of the load", factor, "").help("say --load-friction")
         })
     }
 

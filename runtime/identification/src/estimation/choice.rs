@@ -10,7 +10,7 @@ use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
-use super::result::{Offsets, WeightTried};
+use super::result::Offsets;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
 
@@ -30,7 +30,6 @@ pub(super) struct Chosen<'a> {
     /// Covariance of the logarithms of the gains.
     pub(super) log_gains: DMatrix<f64>,
     pub(super) centred: Centred<'a>,
-    pub(super) tried: Vec<WeightTried>,
 }
 
 /// Quantities that the choice may vary.
@@ -74,7 +73,7 @@ pub(super) fn choose<'a>(
         description: 1.0,
         trust: vec![1.0; layout.parameters],
     };
-    let mut chosen = Chosen { model, weighting, values: start, log_gains, centred, tried: Vec::new() };
+    let mut chosen = Chosen { model, weighting, values: start, log_gains, centred };
     chosen.reweight(prior)?;
     chosen.weigh_offsets(layout, sums, prior);
     chosen.choose_weight(prior, true)?;
@@ -125,11 +124,7 @@ impl Chosen<'_> {
             excess <= error
         };
         let index = if least { best } else { (best..WEIGHTS).take_while(near).last().unwrap_or(best) };
-        let equations = (self.centred.sums.samples * self.centred.layout.joints) as f64;
-        let tried =
-            grid().zip(&errors).map(|(weight, e)| WeightTried { weight, error: e.total() / equations });
-        self.tried = tried.collect();
-        self.weighting.description = self.tried[index].weight;
+        self.weighting.description = grid().nth(index).unwrap_or(1.0);
         Ok(())
     }
 
@@ -251,7 +246,6 @@ impl<'a> Chosen<'a> {
             values: Values { unknowns: DVector::zeros(layout.len()), gains: self.values.gains.clone() },
             log_gains: self.log_gains.clone(),
             centred: Centred::new(layout, sums, self.model.offsets, self.centred.zeros.clone()),
-            tried: Vec::new(),
         }
     }
 

@@ -5,7 +5,6 @@ use super::super::error::{IdentificationError, Result};
 use super::super::inertial::PER_BODY;
 use super::super::methods::confidence::quantile;
 use super::super::methods::library::smooth_sign;
-use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::fit::Solved;
@@ -16,6 +15,7 @@ use super::prior::Prior;
 use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
 use super::sensitivity::{JointSensitivity, Sensitivity};
 use super::settings::EstimationSettings;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 
@@ -92,7 +92,6 @@ impl Estimated<'_> {
             gravity: self.gravity,
             offsets: self.chosen.model.offsets,
             description_weight: self.chosen.weighting.description,
-            weights_tried: self.chosen.tried.clone(),
             effective_parameters: self.covariance.decided,
             parameter_covariance: self.parameter_covariance(),
             sensitivity: self.sensitivity(),

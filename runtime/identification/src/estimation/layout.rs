@@ -1,12 +1,12 @@
 //! Which unknown stands in which column, and which columns an equation of a joint has.
 
 use super::super::error::{IdentificationError, Result, require_length, require_samples};
-use super::super::numeric::digits::two_digits;
 use super::super::numeric::random::SplitMix64;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use super::result::Offsets;
+use gelenk_findings::digits::two_digits;
 use std::ops::Range;
 
 /// Widths of the Coulomb term that are tried, as shares of the joint's fast speed.

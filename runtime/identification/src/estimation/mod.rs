@@ -37,7 +37,6 @@ mod unit;
 
 pub use estimate::estimate;
 pub use result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
-pub use sensitivity::Sensitivity;
 pub use settings::EstimationSettings;
 pub(crate) use {
     described::described_ratio,

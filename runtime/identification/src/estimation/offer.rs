@@ -1,4 +1,4 @@
-//! When a hypothesis is offered: only where the error on held-out data falls clearly.
+//! Test of hypotheses: one is offered if it lowers the error on held-out data clearly.
 
 use super::fit::HeldOut;
 use gelenk_findings::Finding;
@@ -15,6 +15,7 @@ pub(super) const FALL: &str = "fall of the held-out error";
 
 /// R² below which a joint is hardly explained, and its sign is doubted.
 pub(super) const POOR: f64 = 0.5;
+
 /// Share of the held-out error by which a hypothesis is better; `None` unless it is clearly better.
 ///
 /// - residual sums of squares of the joints in the units of the same columns
@@ -27,6 +28,13 @@ pub(super) fn gain(own: &HeldOut, other: &HeldOut) -> Option<f64> {
 /// Whether a hypothesis raises the error of a joint by as much.
 pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
     own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + CLEARLY) * own)
+}
+
+/// [`gain`] of a fault that one joint has: it shows in the equation of this joint, so that the error of no other one falls more. If
+/// another one's falls more, the joint only lost weight, or takes up what the model lacks there.
+pub(super) fn gain_of_joint(joint: usize, own: &HeldOut, other: &HeldOut) -> Option<f64> {
+    let falls_most = |k: usize| other.rss[joint] * own.rss[k] <= other.rss[k] * own.rss[joint];
+    gain(own, other).filter(|_| (0..own.rss.len()).all(falls_most))
 }
 
 /// The finding with the share of [`gain`].

@@ -1,4 +1,4 @@
-//! The estimate from samples as it is returned.
+//! The returned estimate: parameters, joints and findings of a fit to samples.
 
 use super::super::run::PreparedRun;
 use super::estimated::{Estimated, JointFit};

@@ -5,15 +5,6 @@ use super::sensitivity::Sensitivity;
 use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
 
-/// Held-out error for one weight of the description.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct WeightTried {
-    /// λ.
-    pub weight: f64,
-    /// Sum over folds and joints of the squared residuals in units of their variance, per equation.
-    pub error: f64,
-}
-
 /// How offsets of the measured forces are estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offsets {
@@ -59,16 +50,14 @@ pub struct Estimate {
     pub gravity: Gravity,
     /// How offsets were estimated.
     pub offsets: Offsets,
-    /// Weight of the distance from the description, and the held-out errors it was chosen by.
+    /// Weight of the distance from the description.
     pub description_weight: f64,
-    /// Held-out error for each weight that was tried.
-    pub(crate) weights_tried: Vec<WeightTried>,
     /// How many combinations of the inertial parameters the data decide: the trace of `(H + λ R)⁻¹ H` over them.
     pub effective_parameters: f64,
     /// Covariance of the inertial parameters `[P × P]`: zero where the data may not change them.
     pub parameter_covariance: DMatrix<f64>,
     /// How well other inertial parameters would explain the data.
-    pub sensitivity: Sensitivity,
+    pub(crate) sensitivity: Sensitivity,
     /// Forces at the joints as measured, gains applied, `[run][joint][sample]` [N·m or N].
     pub measured: Vec<Vec<Vec<f64>>>,
     /// The model's forces, offsets included, in the same shape.

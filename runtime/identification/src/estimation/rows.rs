@@ -9,7 +9,8 @@ use super::loads::Loads;
 use super::result::Gravity;
 use std::ops::Range;
 
-/// Adds to the regressor at positions y: to the columns of the robot's parameters, and to further ones behind them.
+/// A function of positions y that changes the regressor there: the columns of the robot's parameters, and further columns behind
+/// them.
 pub(super) type More<'a> = &'a dyn Fn(&[f64], &mut [f64]);
 
 /// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
@@ -71,7 +72,7 @@ impl<'a> Rows<'a> {
         Self { rates, ..self }
     }
 
-    /// The same with what a hypothesis adds to the regressor.
+    /// These rows with a hypothesis' change of the regressor.
     pub(super) fn with_more(self, more: Option<More<'a>>) -> Self {
         let added = vec![0.0; more.map_or(0, |_| self.layout.joints * self.layout.parameters)];
         Self { more, added, ..self }

@@ -1,10 +1,11 @@
 //! How well the data are explained by inertial parameters near the estimate.
 
+use super::result::Estimate;
 use nalgebra::{DMatrix, DVector};
 
 /// Change of the residuals with the inertial parameters: the sums of squares are quadratic functions of them.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Sensitivity {
+pub(crate) struct Sensitivity {
     pub(super) joints: Vec<JointSensitivity>,
 }
 
@@ -21,7 +22,7 @@ pub(super) struct JointSensitivity {
     pub(super) variation: f64,
 }
 
-impl Sensitivity {
+impl Estimate {
     /// Loss of R² of each moving joint if the inertial parameters differ by `change` from the estimate and all else
     /// stays. A negative loss is a gain.
     #[must_use]
@@ -37,6 +38,6 @@ impl Sensitivity {
             };
             changed.iter().map(more).sum::<f64>() / joint.variation
         };
-        self.joints.iter().map(lost).filter(|lost| lost.is_finite()).collect()
+        self.sensitivity.joints.iter().map(lost).filter(|lost| lost.is_finite()).collect()
     }
 }

@@ -1,11 +1,11 @@
 //! Whether a spring at one joint explains the efforts better: a cable that the joint winds up, or a spring that balances an arm.
 
 use super::super::error::Result;
-use super::super::numeric::digits::plain;
 use super::choice::Chosen;
 use super::fit::fit;
-use super::offer::{HELD, gain, offered};
+use super::offer::{HELD, gain_of_joint, offered};
 use super::task::Task;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
 /// Trust with which the data alone choose the stiffness.
@@ -35,7 +35,7 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         for joint in layout.rubbing().filter(|joint| matches!(task.robot.subject(*joint), Subject::Joint(_)))
         {
             fitted.weighting.trust[count + joint] = FREE;
-            let share = gain(&own, &fitted.held_out(task.prior)?);
+            let share = gain_of_joint(joint, &own, &fitted.held_out(task.prior)?);
             fitted.weighting.trust[count + joint] = HELD;
             let most = clearest.map_or(0.0, |(_, most)| most);
             clearest = share.filter(|share| *share > most).map(|share| (joint, share)).or(clearest);
@@ -45,18 +45,18 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         let all = &fitted.centred.all;
         let solved = fit(&fitted.centred, all, &fitted.model, task.prior, &fitted.weighting, &fitted.values)?;
         let stiffness = solved.values.unknowns[count + joint];
-        Ok(Some(offered(finding(task, joint, stiffness), share)))
+        // A spring pulls back. What pushes away is something else that the model lacks.
+        Ok((stiffness > 0.0).then(|| offered(finding(task, joint, stiffness), share)))
     })
 }
 
 fn finding(task: &Task, joint: usize, stiffness: f64) -> Finding {
-    let (shown, unit) = (plain(stiffness.abs(), 3), task.robot.position_units()[joint]);
+    let (shown, unit) = (plain(stiffness, 3), task.robot.position_units()[joint]);
     let force = if unit == "m" { "N" } else { "N·m" };
-    let (side, change) = if stiffness > 0.0 { ("more", "add") } else { ("less", "subtract") };
     let message =
-        format!("the data are explained better with {shown} {force}/{unit} {side} stiffness than described");
+        format!("the data are explained better with {shown} {force}/{unit} more stiffness than described");
     let remedy = format!(
-        "if it has a spring, or a cable that pulls, {change} {shown} in its `spring = {{ stiffness = … }}`; otherwise check the load"
+        "if it has a spring, or a cable that pulls, add {shown} in its `spring = {{ stiffness = … }}`; otherwise check the load"
     );
     SPRING.found(message).with("stiffness", stiffness, "").of(task.robot.subject(joint)).help(remedy)
 }

@@ -1,4 +1,4 @@
-//! Data that all stages of an estimate share.
+//! Robot, runs and settings, which all stages of an estimate share.
 
 use super::super::error::Result;
 use super::super::robot::Robot;
@@ -45,9 +45,10 @@ impl Task<'_> {
         forces(&mut self.rows(), self.layout, self.runs, values, offsets)
     }
 
-    /// A result of the task with further parameters of all joints, and of the sums of moving samples.
+    /// Evaluates a function of this task with further parameters, and of its sums over moving samples.
     ///
-    /// - `count`, `more`: how many there are, and what they add to the regressor
+    /// - `count`: number of the further parameters
+    /// - `more`: change of the regressor, with their columns last
     pub(super) fn with_more<T>(
         &self,
         (count, more): (usize, More),

@@ -6,7 +6,6 @@
 
 use super::super::error::Result;
 use super::super::methods::confidence::quantile;
-use super::super::numeric::digits::plain;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
@@ -18,6 +17,7 @@ use super::normal::Factor;
 use super::offer::{HELD, gain, harms, offered};
 use super::result::Gravity;
 use super::task::Task;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};

@@ -5,9 +5,9 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
-use super::super::numeric::digits::plain;
 use super::super::robot::Robot;
 use super::super::run::Effort;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: bodies that need several times, or a fraction of, the described force at the joints that carry the robot.

@@ -82,7 +82,6 @@ impl<'a> Design<'a> {
         };
         Self {
             robot,
-            rows,
             // Friction that is described on joints cannot be told from that of shafts by all of its factors.
             independent: independent_columns(&rows, robot.parameter_names().len(), &states),
             columns: rows.parameter_names().len(),
@@ -104,6 +103,7 @@ impl<'a> Design<'a> {
                 .map(|(row, _)| row)
                 .collect(),
             sign_speeds: rows.speeds(&speeds).into_iter().map(|speed| SIGN_SHARE * speed).collect(),
+            rows,
         }
     }
 

@@ -29,15 +29,6 @@ impl FourierMotion {
         out
     }
 
-    /// y, ẏ, ÿ of the first `N` joints at time `t` (s).
-    ///
-    /// # Panics
-    /// Where the motion has fewer joints.
-    pub fn at<const N: usize>(&self, t: f64) -> [[f64; N]; 3] {
-        let joints: [[f64; 3]; N] = std::array::from_fn(|i| self.joint_at(i, t));
-        std::array::from_fn(|k| joints.map(|joint| joint[k]))
-    }
-
     /// y, ẏ, ÿ of all joints at time `t` (s).
     pub fn instant(&self, t: f64) -> Instant {
         let joints: Vec<[f64; 3]> = (0..self.center.len()).map(|i| self.joint_at(i, t)).collect();
@@ -45,7 +36,7 @@ impl FourierMotion {
     }
 
     /// The motion at `samples` evenly spaced times of a period.
-    pub fn instants(&self, samples: usize) -> Vec<Instant> {
+    pub(crate) fn instants(&self, samples: usize) -> Vec<Instant> {
         let step = self.period / samples as f64;
         (0..samples).map(|i| self.instant(step * i as f64)).collect()
     }

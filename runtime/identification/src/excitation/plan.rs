@@ -3,7 +3,7 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::pose::position_names;
 use super::super::robot::Robot;
-use super::super::shafts::{RobotRows, ShaftRows};
+use super::super::shafts::RobotRows;
 use super::approach::{Approach, require_posture};
 use super::chart::Chart;
 use super::columns::random_states;
@@ -88,9 +88,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let mut findings: Vec<Finding> = notes.into_iter().map(|note| ASSUMED.found(note)).collect();
     let states = random_states(&limits, &chart);
     require_driven(robot, &states)?;
-    let shafts = ShaftRows::of(robot);
-    let rows = RobotRows::new(robot, shafts.as_ref());
-    let design = Design::new(robot, rows, (&chart, &limits, &states), settings);
+    let design = Design::new(robot, RobotRows::of(robot), (&chart, &limits, &states), settings);
     progress(&format!(
         "searching a motion for {} base parameters and {} of friction",
         design.independent.len(),

@@ -263,7 +263,7 @@ mod tests {
         println!("condition {} from {}", found.score, found.start);
         assert!(found.start > 2.0 && found.score < 1.5);
         for i in 0..5000 {
-            let [y, v, a] = found.motion.at::<2>(0.002 * f64::from(i));
+            let [y, v, a] = found.motion.instant(0.002 * f64::from(i));
             for j in 0..2 {
                 let limit = LIMITS[j];
                 assert!(limit.position[0] - 1e-2 < y[j] && y[j] < limit.position[1] + 1e-2);
@@ -278,7 +278,7 @@ mod tests {
         let motion = Excitation::default().random_motion(2, &mut SplitMix64::new(3));
         for i in 0..50 {
             let t = 0.2 * f64::from(i);
-            let [before, now, after] = [t - 1e-5, t, t + 1e-5].map(|t| motion.at::<2>(t));
+            let [before, now, after] = [t - 1e-5, t, t + 1e-5].map(|t| motion.instant(t));
             for j in 0..2 {
                 assert!(((after[0][j] - before[0][j]) / 2e-5 - now[1][j]).abs() < 1e-6);
                 assert!(((after[1][j] - before[1][j]) / 2e-5 - now[2][j]).abs() < 1e-5);

@@ -5,7 +5,7 @@ use super::super::log::hexadecimal;
 use super::super::result::description::may_be_replaced;
 use super::super::run::Effort;
 use super::exact::Exact;
-use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
+use super::logs::{About, Doubt, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
 use gelenk_files::write_whole;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -14,7 +14,7 @@ use std::path::Path;
 /// First bytes of every version.
 const MAGIC: &[u8] = b"gelenk moments ";
 /// First line of this version.
-const FIRST_LINE: &[u8] = b"gelenk moments 2\n";
+const FIRST_LINE: &[u8] = b"gelenk moments 3\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
 /// Largest file that is read: that of a robot with some hundred joints.
@@ -37,9 +37,12 @@ impl LogMoments {
 
     /// Writes a file of moments, whole or not at all: a new file, an empty one, or one that holds moments.
     ///
+    /// - `description`: as for [`super::reduce()`]
+    ///
     /// # Errors
-    /// A file that holds something else, or that cannot be written.
-    pub fn write(&self, path: &Path) -> Result<()> {
+    /// Moments of another description, a file that holds something else, or that cannot be written.
+    pub fn write(&self, description: &[&[u8]], path: &Path) -> Result<()> {
+        self.require_description(description)?;
         let fault = |message: String| IdentificationError::File {
             place: path.display().to_string(),
             message: format!("cannot be written: {message}"),
@@ -53,16 +56,7 @@ impl LogMoments {
     /// The file's bytes: the same for the same logs, in whatever order they were added.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         let mut bytes = FIRST_LINE.to_vec();
-        self.about.write(&mut bytes);
-        count(self.logs.len(), &mut bytes);
-        self.logs.iter().for_each(|log| log.write(&mut bytes));
-        count(self.doubts.len(), &mut bytes);
-        self.doubts.iter().for_each(|doubt| doubt.write(&mut bytes));
-        self.joints.iter().for_each(|joint| joint.write(&mut bytes));
-        for share in &self.shares {
-            bytes.extend(share.samples.to_le_bytes());
-            share.joints.iter().for_each(|joint| joint.write(&mut bytes));
-        }
+        self.put(&mut bytes);
         let hash = Sha256::digest(&bytes);
         bytes.extend(hash);
         bytes
@@ -82,7 +76,7 @@ impl LogMoments {
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
-                "its moments are of another version than 2, which is all that this gelenk reads: reduce the logs again \
+                "its moments are of another version than 3, which is all that this gelenk reads: reduce the logs again \
                  with this gelenk",
             ));
         }
@@ -94,19 +88,10 @@ impl LogMoments {
         if content.len() < FIRST_LINE.len() || Sha256::digest(content).as_slice() != hash {
             return Err(altered());
         }
-        let mut reader = Reader { rest: &content[FIRST_LINE.len()..] };
-        let found = Self::parse(&mut reader).filter(|_| reader.rest.is_empty());
+        let mut rest = &content[FIRST_LINE.len()..];
+        let found = Self::take(&mut rest).filter(Self::is_consistent);
+        let found = found.filter(|_| rest.is_empty());
         found.ok_or_else(|| fault("its content contradicts itself: reduce its logs again"))
-    }
-
-    fn parse(reader: &mut Reader) -> Option<Self> {
-        let about = About::parse(reader)?;
-        let logs = reader.list(ReducedLog::parse)?;
-        let doubts = reader.list(Doubt::parse)?;
-        let joints: Option<Vec<_>> = about.widths.iter().map(|_| JointFacts::parse(reader)).collect();
-        let shares: Option<Vec<_>> = (0..SHARES).map(|_| Share::parse(reader, &about.widths)).collect();
-        let found = Self { about, logs, doubts, joints: joints?, shares: shares? };
-        found.is_consistent().then_some(found)
     }
 
     fn is_consistent(&self) -> bool {
@@ -116,231 +101,183 @@ impl LogMoments {
         let samples = self.logs.iter().map(|log| log.samples).try_fold(0, add);
         let in_shares = self.shares.iter().map(|share| share.samples).try_fold(0, add);
         let same = samples.is_some() && samples == in_shares;
-        logs_ascend && doubts_ascend && same && !self.logs.is_empty()
-    }
-}
-
-fn count(n: usize, bytes: &mut Vec<u8>) {
-    bytes.extend((n as u64).to_le_bytes());
-}
-
-fn text(content: &str, bytes: &mut Vec<u8>) {
-    count(content.len(), bytes);
-    bytes.extend(content.as_bytes());
-}
-
-fn floats(values: &[f64], bytes: &mut Vec<u8>) {
-    values.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
-}
-
-fn option(value: Option<f64>, bytes: &mut Vec<u8>) {
-    bytes.push(u8::from(value.is_some()));
-    floats(&[value.unwrap_or(0.0)], bytes);
-}
-
-fn exacts(values: &[Exact], bytes: &mut Vec<u8>) {
-    values.iter().for_each(|value| value.write(bytes));
-}
-
-/// Unread rest of the bytes. A read fails if too little is left; nothing is allocated beyond it.
-struct Reader<'a> {
-    rest: &'a [u8],
-}
-
-impl<'a> Reader<'a> {
-    fn take(&mut self, length: usize) -> Option<&'a [u8]> {
-        let (head, rest) = self.rest.split_at_checked(length)?;
-        self.rest = rest;
-        Some(head)
-    }
-
-    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.take(N)?.try_into().ok()
-    }
-
-    fn u8(&mut self) -> Option<u8> {
-        self.array().map(|[byte]| byte)
-    }
-
-    fn flag(&mut self) -> Option<bool> {
-        match self.u8()? {
-            0 => Some(false),
-            1 => Some(true),
-            _ => None,
-        }
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    fn count(&mut self) -> Option<usize> {
-        usize::try_from(self.u64()?).ok()
-    }
-
-    fn finite(&mut self) -> Option<f64> {
-        self.array().map(f64::from_le_bytes).filter(|x| x.is_finite())
-    }
-
-    fn option(&mut self) -> Option<Option<f64>> {
-        let (is_some, value) = (self.flag()?, self.finite()?);
-        Some(is_some.then_some(value))
-    }
-
-    fn text(&mut self) -> Option<String> {
-        let length = self.count()?;
-        String::from_utf8(self.take(length)?.to_vec()).ok()
-    }
-
-    fn exact(&mut self) -> Option<Exact> {
-        let [zeros, length] = self.array()?;
-        Exact::read(zeros, self.take(usize::from(length))?)
-    }
-
-    fn exacts<const N: usize>(&mut self) -> Option<[Exact; N]> {
-        let mut all = [Exact::default(); N];
-        for place in &mut all {
-            *place = self.exact()?;
-        }
-        Some(all)
-    }
-
-    fn list<T>(&mut self, parse: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
-        let length = self.count()?;
-        // Each entry takes at least a byte.
-        (length <= self.rest.len()).then(|| (0..length).map(|_| parse(self)).collect())?
-    }
-}
-
-impl About {
-    fn write(&self, bytes: &mut Vec<u8>) {
-        bytes.extend(self.description);
-        bytes.push(match self.effort {
-            Effort::Joint => 0,
-            Effort::Input => 1,
-            Effort::Current => 2,
-        });
-        bytes.push(u8::from(self.gravity_compensated));
-        option(self.bandwidth, bytes);
-        option(self.delay, bytes);
-        count(self.widths.len(), bytes);
-        self.widths.iter().for_each(|width| count(*width, bytes));
-    }
-
-    fn parse(reader: &mut Reader) -> Option<Self> {
-        Some(Self {
-            description: reader.array()?,
-            effort: match reader.u8()? {
-                0 => Effort::Joint,
-                1 => Effort::Input,
-                2 => Effort::Current,
-                _ => return None,
-            },
-            gravity_compensated: reader.flag()?,
-            bandwidth: reader.option()?,
-            delay: reader.option()?,
-            widths: reader.list(Reader::count)?,
-        })
-    }
-}
-
-impl ReducedLog {
-    fn write(&self, bytes: &mut Vec<u8>) {
-        text(&self.name, bytes);
-        bytes.extend(self.hash);
-        bytes.extend(self.content);
-        bytes.extend(self.samples.to_le_bytes());
-        let [least, largest] = self.delays;
-        floats(&[self.seconds, self.bandwidth, least, largest, self.correlation], bytes);
-    }
-
-    fn parse(reader: &mut Reader) -> Option<Self> {
-        Some(Self {
-            name: reader.text()?,
-            hash: reader.array::<HASH>()? as Hash,
-            content: reader.array::<HASH>()? as Hash,
-            samples: reader.u64()?,
-            seconds: reader.finite()?,
-            bandwidth: reader.finite()?,
-            delays: [reader.finite()?, reader.finite()?],
-            correlation: reader.finite()?,
-        })
-    }
-}
-
-impl Doubt {
-    fn write(&self, bytes: &mut Vec<u8>) {
-        // 0 is none.
-        bytes.extend(self.joint.map_or(0, |joint| joint + 1).to_le_bytes());
-        text(&self.kind, bytes);
-        bytes.extend(self.logs.to_le_bytes());
-        let (hash, name, sentence) = &self.first;
-        bytes.extend(hash);
-        text(name, bytes);
-        text(sentence, bytes);
-    }
-
-    fn parse(reader: &mut Reader) -> Option<Self> {
-        Some(Self {
-            joint: reader.array().map(u32::from_le_bytes)?.checked_sub(1),
-            kind: reader.text()?,
-            logs: reader.u64()?,
-            first: (reader.array()?, reader.text()?, reader.text()?),
-        })
-    }
-}
-
-impl JointFacts {
-    fn write(&self, bytes: &mut Vec<u8>) {
-        let [slowest, fastest] = self.velocities;
-        floats(&[self.span, slowest, fastest, self.largest_friction], bytes);
-        self.beyond.iter().for_each(|count| bytes.extend(count.to_le_bytes()));
-        exacts(&self.directions, bytes);
-    }
-
-    fn parse(reader: &mut Reader) -> Option<Self> {
-        Some(Self {
-            span: reader.finite()?,
-            velocities: [reader.finite()?, reader.finite()?],
-            largest_friction: reader.finite()?,
-            beyond: [reader.u64()?, reader.u64()?],
-            directions: reader.exacts()?,
-        })
+        let widths = &self.about.widths;
+        let sizes = self.joints.len() == widths.len() && self.shares.len() == SHARES;
+        let shares = self.shares.iter().all(|share| share.is_consistent(widths));
+        logs_ascend && doubts_ascend && same && sizes && shares && !self.logs.is_empty()
     }
 }
 
 impl Share {
-    fn parse(reader: &mut Reader, widths: &[usize]) -> Option<Self> {
-        let samples = reader.u64()?;
-        let widths = if samples == 0 { &[] } else { widths };
-        let joints: Option<Vec<_>> = widths.iter().map(|width| JointSums::parse(reader, *width)).collect();
-        Some(Self { samples, joints: joints? })
+    fn is_consistent(&self, widths: &[usize]) -> bool {
+        let widths = if self.samples == 0 { &[] } else { widths };
+        let mut joints = self.joints.iter().zip(widths);
+        self.joints.len() == widths.len() && joints.all(|(joint, width)| joint.is_consistent(*width))
     }
 }
 
 impl JointSums {
-    fn write(&self, bytes: &mut Vec<u8>) {
-        exacts(&[self.weight, self.lost[0], self.lost[1]], bytes);
-        exacts(&self.products, bytes);
+    /// A square is not negative, and no more is a weight. Without weight there is nothing: the effort of the joint is in no log.
+    fn is_consistent(&self, width: usize) -> bool {
+        let size = width.checked_add(1).and_then(|next| width.checked_mul(next));
+        if size.is_none_or(|size| size / 2 != self.products.len()) {
+            return false;
+        }
+        let squares = (0..width).map(|row| self.products[row * (row + 3) / 2]).chain(self.lost);
+        let is_empty = || self.products.iter().all(|product| product.value() == 0.0);
+        let weight = self.weight.value();
+        (weight > 0.0 || weight == 0.0 && is_empty())
+            && squares.into_iter().all(|square| square.value() >= 0.0)
     }
+}
 
-    fn parse(reader: &mut Reader, width: usize) -> Option<Self> {
-        let [weight, lost @ ..] = reader.exacts::<3>()?;
-        let mut products = Vec::new();
-        for row in 0..width {
-            for column in 0..=row {
-                let product = reader.exact()?;
-                // A square is not negative, and no more is a weight.
-                if row == column && product.value() < 0.0 {
-                    return None;
-                }
-                products.push(product);
+/// A value in the bytes of moments.
+trait Stored: Sized {
+    fn put(&self, bytes: &mut Vec<u8>);
+
+    /// Takes a value off the bytes; `None` if they hold none. Nothing is allocated beyond them.
+    fn take(rest: &mut &[u8]) -> Option<Self>;
+}
+
+/// Implements [`Stored`] for structs, field after field.
+macro_rules! stored {
+    ($($kind:ty { $($field:ident),* })*) => {$(
+        impl Stored for $kind {
+            fn put(&self, bytes: &mut Vec<u8>) {
+                $(self.$field.put(bytes);)*
+            }
+
+            fn take(rest: &mut &[u8]) -> Option<Self> {
+                Some(Self { $($field: Stored::take(rest)?),* })
             }
         }
-        // Without weight there is nothing: the effort of the joint is in no log.
-        let is_empty = || products.iter().all(|product| product.value() == 0.0);
-        let weighs = weight.value() > 0.0 || weight.value() == 0.0 && is_empty();
-        (weighs && lost.iter().all(|x| x.value() >= 0.0)).then_some(Self { weight, lost, products })
+    )*};
+}
+
+stored! {
+    LogMoments { about, logs, doubts, joints, shares }
+    About { description, effort, gravity_compensated, bandwidth, delay, widths }
+    ReducedLog { name, hash, content, samples, seconds, bandwidth, delays, correlation }
+    Doubt { joint, kind, logs, first }
+    JointFacts { span, velocities, largest_friction, beyond, directions }
+    Share { samples, joints }
+    JointSums { weight, lost, products }
+}
+
+impl Stored for u8 {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        bytes.push(*self);
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        rest.split_off_first().copied()
+    }
+}
+
+impl Stored for u64 {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.to_le_bytes().put(bytes);
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        Stored::take(rest).map(Self::from_le_bytes)
+    }
+}
+
+impl Stored for f64 {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.to_le_bytes().put(bytes);
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        Stored::take(rest).map(Self::from_le_bytes).filter(|x| x.is_finite())
+    }
+}
+
+/// Implements [`Stored`] for types that another one holds.
+macro_rules! stored_as {
+    ($($kind:ty as $other:ty: $there:expr, $back:expr;)*) => {$(
+        impl Stored for $kind {
+            fn put(&self, bytes: &mut Vec<u8>) {
+                let there: fn(&Self) -> $other = $there;
+                there(self).put(bytes);
+            }
+
+            fn take(rest: &mut &[u8]) -> Option<Self> {
+                let back: fn($other) -> Option<Self> = $back;
+                <$other>::take(rest).and_then(back)
+            }
+        }
+    )*};
+}
+
+/// Kinds of efforts by their numbers.
+const EFFORTS: [Effort; 3] = [Effort::Joint, Effort::Input, Effort::Current];
+
+stored_as! {
+    usize as u64: |n| *n as u64, |n| n.try_into().ok();
+    u32 as u64: |n| u64::from(*n), |n| n.try_into().ok();
+    bool as u8: |is| u8::from(*is), |byte| (byte < 2).then_some(byte == 1);
+    String as Vec<u8>: |text| text.clone().into_bytes(), |bytes| String::from_utf8(bytes).ok();
+    Effort as u8: |effort| EFFORTS.iter().position(|kind| kind == effort).unwrap_or_default() as u8,
+        |byte| EFFORTS.get(usize::from(byte)).copied();
+}
+
+impl<T: Stored, const N: usize> Stored for [T; N] {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.iter().for_each(|value| value.put(bytes));
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        let all: Option<Vec<T>> = (0..N).map(|_| T::take(rest)).collect();
+        all?.try_into().ok()
+    }
+}
+
+impl<T: Stored> Stored for Vec<T> {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.len().put(bytes);
+        self.iter().for_each(|value| value.put(bytes));
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        let length = usize::take(rest)?;
+        // Each entry takes at least a byte.
+        (length <= rest.len()).then(|| (0..length).map(|_| T::take(rest)).collect())?
+    }
+}
+
+impl<T: Stored> Stored for Option<T> {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.is_some().put(bytes);
+        self.iter().for_each(|value| value.put(bytes));
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        if bool::take(rest)? { T::take(rest).map(Some) } else { Some(None) }
+    }
+}
+
+impl<A: Stored, B: Stored, C: Stored> Stored for (A, B, C) {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.0.put(bytes);
+        self.1.put(bytes);
+        self.2.put(bytes);
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        Some((A::take(rest)?, B::take(rest)?, C::take(rest)?))
+    }
+}
+
+impl Stored for Exact {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.write(bytes);
+    }
+
+    fn take(rest: &mut &[u8]) -> Option<Self> {
+        let [zeros, length] = Stored::take(rest)?;
+        Self::read(zeros, rest.split_off(..usize::from(length))?)
     }
 }
 

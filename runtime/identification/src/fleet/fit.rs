@@ -12,7 +12,7 @@ use super::super::methods::moments::Moments;
 use super::super::methods::subset::seen_both_ways;
 use super::super::preparation::{Filter, PreparationReport};
 use super::super::robot::Robot;
-use super::super::shafts::{RobotRows, ShaftRows};
+use super::super::shafts::RobotRows;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share};
@@ -60,8 +60,7 @@ pub fn identify_moments(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     moments.require_description(description)?;
-    let shafts = ShaftRows::of(robot);
-    let rows = RobotRows::new(robot, shafts.as_ref());
+    let rows = RobotRows::of(robot);
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let columns = moments.columns(robot)?;
     let shares = moments.share_sums(&columns)?;
@@ -82,7 +81,7 @@ pub fn identify_moments(
         let Ok(report) = report else { continue };
         judge(&mut estimate.joints[*joint], &mut report.result);
     }
-    if let Some(shafts) = &shafts {
+    if let Some(shafts) = rows.of_shafts() {
         estimate.findings.splice(0..0, shafts.found(joints, &estimate));
     }
     estimate.findings.extend(moments.differences().into_iter().chain(moments.doubts()));
@@ -92,7 +91,7 @@ pub fn identify_moments(
         runs: Vec::new(),
         estimate,
         friction,
-        shafts,
+        shafts: rows.of_shafts().cloned(),
     })
 }
 
@@ -105,7 +104,7 @@ impl LogMoments {
     ///
     /// # Errors
     /// Another description.
-    pub fn require_description(&self, description: &[&[u8]]) -> Result<()> {
+    pub(super) fn require_description(&self, description: &[&[u8]]) -> Result<()> {
         if hexadecimal(&self.about.description) == hash_of(description) {
             return Ok(());
         }

@@ -131,7 +131,7 @@ impl LogMoments {
     }
 
     /// Samples of all logs.
-    pub fn samples(&self) -> u64 {
+    pub(super) fn samples(&self) -> u64 {
         self.logs.iter().map(|log| log.samples).sum()
     }
 
@@ -157,6 +157,21 @@ impl LogMoments {
     /// Shares with samples.
     pub fn shares(&self) -> usize {
         self.shares.iter().filter(|share| share.samples > 0).count()
+    }
+
+    /// The sum of moments with the place of each: whatever the order, it is the same bytes.
+    ///
+    /// # Errors
+    /// None of them, moments of different descriptions or options, and a log that is in two of them.
+    pub fn sum<E: From<IdentificationError>>(
+        parts: impl IntoIterator<Item = std::result::Result<(Self, String), E>>,
+    ) -> std::result::Result<Self, E> {
+        let mut sum = Sum::default();
+        for part in parts {
+            let (moments, place) = part?;
+            sum.add(moments, &place)?;
+        }
+        Ok(sum.total.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })?)
     }
 
     /// Adds moments that belong to the same robot and options.
@@ -230,9 +245,9 @@ fn add_all(sums: &mut [Exact], others: &[Exact]) -> Result<()> {
     })
 }
 
-/// A sum of moments in the making: whatever the order, it ends as the same bytes.
+/// A sum of moments in the making.
 #[derive(Debug, Default)]
-pub struct Sum {
+struct Sum {
     total: Option<LogMoments>,
     /// Where the first moments came from.
     first: String,
@@ -242,10 +257,7 @@ pub struct Sum {
 
 impl Sum {
     /// Adds moments that come from `place`.
-    ///
-    /// # Errors
-    /// Moments of another description, of other options, and a log that is there already.
-    pub fn add(&mut self, moments: LogMoments, place: &str) -> Result<()> {
+    fn add(&mut self, moments: LogMoments, place: &str) -> Result<()> {
         if let Some(total) = &self.total {
             require_same(&total.about, &moments.about, &self.first, place)?;
         } else {
@@ -264,14 +276,6 @@ impl Sum {
                 Ok(())
             }
         }
-    }
-
-    /// The sum.
-    ///
-    /// # Errors
-    /// Nothing was added.
-    pub fn total(self) -> Result<LogMoments> {
-        self.total.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })
     }
 }
 

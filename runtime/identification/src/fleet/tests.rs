@@ -2,12 +2,13 @@
 
 use super::super::error::Result;
 use super::super::estimation::{Columns, Gravity, RunPiece, Weighted};
+use super::super::friction::tests::band;
 use super::super::identify::{Identification, IdentificationSettings, identify};
 use super::super::numeric::random::SplitMix64;
 use super::super::result::FrictionLaw;
 use super::super::robot::{JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
-use super::{LogMoments, Sum, identify_moments, reduce};
+use super::{LogMoments, identify_moments, reduce};
 use gelenk_findings::{Severity, texts};
 use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
@@ -114,11 +115,7 @@ fn fleet() -> &'static (tempfile::TempDir, Vec<PathBuf>, Vec<LogMoments>) {
 }
 
 fn sum(parts: &[&LogMoments]) -> Result<LogMoments> {
-    let mut sum = Sum::default();
-    for (i, part) in parts.iter().enumerate() {
-        sum.add((*part).clone(), &format!("{i}.moments"))?;
-    }
-    sum.total()
+    LogMoments::sum(parts.iter().enumerate().map(|(i, part)| Ok(((*part).clone(), format!("{i}.moments")))))
 }
 
 fn merged(moments: &LogMoments, settings: &IdentificationSettings) -> Result<Identification> {
@@ -192,10 +189,10 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
         assert!((value.value - other.value).abs() < 4.0 * other.standard_error.max(1e-3));
     }
     let law = found.friction[0].report.as_ref().unwrap();
-    println!("{}", law.result.table());
+    println!("{}", law.result.formula());
     for (speed, truth) in [(1.0, viscous + coulomb), (-2.0, -2.0 * viscous - coulomb)] {
         let torque = law.result.law.torques(&[speed]).unwrap()[0];
-        let band = law.band(&[speed], 0.999).unwrap()[0];
+        let band = band(law, &[speed], 0.999)[0];
         assert!((torque - truth).abs() < band.max(0.02), "{torque} ± {band}, {truth}");
     }
     assert!(law.result.settings.contains(&"the Stribeck law needs samples: it was not tried".to_owned()));
@@ -368,7 +365,7 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     let few = merged(&few, &settings()).unwrap_err().to_string();
     assert!(few.contains("of 16 shares") && few.contains("add more logs"), "{few}");
     assert_eq!(
-        Sum::default().total().unwrap_err().to_string(),
+        sum(&[]).unwrap_err().to_string(),
         "the list of moments is empty: there is nothing to identify from"
     );
 }
@@ -381,13 +378,13 @@ fn files_that_are_something_else_are_refused_and_kept() {
     assert!(message(b"t,q1\n").contains("it holds no moments"));
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
-    newer[15] = b'3';
-    assert!(message(&newer).contains("another version than 2"));
-    let refused = all[0].write(&paths[0]).unwrap_err().to_string();
+    newer[15] = b'4';
+    assert!(message(&newer).contains("another version than 3"));
+    let refused = all[0].write(DESCRIPTION, &paths[0]).unwrap_err().to_string();
     assert!(refused.contains("it holds no moments; name another file"), "{refused}");
     let path = folder.path().join("one.moments");
-    all[1].write(&path).unwrap();
-    all[0].write(&path).unwrap();
+    all[1].write(DESCRIPTION, &path).unwrap();
+    all[0].write(DESCRIPTION, &path).unwrap();
     assert_eq!(LogMoments::read(&path).unwrap(), all[0]);
     assert!(LogMoments::read(&folder.path().join("nothing")).is_err());
 }
@@ -514,5 +511,5 @@ fn hold_the_truth(found: &Identification) -> [bool; 3] {
     let law = found.friction[0].report.as_ref().unwrap();
     let torque = law.result.law.torques(&[1.5]).unwrap()[0];
     let truth = 1.5 * viscous + coulomb * (5.0 * 1.5_f64).tanh();
-    [holds(1, mc), holds(9, j), (torque - truth).abs() <= law.band(&[1.5], 0.9).unwrap()[0]]
+    [holds(1, mc), holds(9, j), (torque - truth).abs() <= band(law, &[1.5], 0.9)[0]]
 }

@@ -8,10 +8,11 @@ use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
 
-/// Parts into which a single run is divided.
-const PARTS: usize = 10;
+/// Fewest samples that show a drift.
+const FEWEST: usize = 20;
 /// Probability of a chance result below which a trend is named.
 const NAMED_LEVEL: f64 = 0.01;
+
 /// The drift over a log; `None` where the law is zero or the samples are too few.
 ///
 /// - `gradients`: the law's derivatives by its coefficients, which have taken their part of a trend
@@ -22,7 +23,7 @@ pub(super) fn drift(
     residuals: &[f64],
 ) -> Option<Drift> {
     let m = law.len();
-    if m < 2 * PARTS {
+    if m < FEWEST {
         return None;
     }
     let left: Vec<f64> = data.torques.iter().zip(law).map(|(t, l)| t - l).collect();
@@ -35,18 +36,9 @@ pub(super) fn drift(
     let (time, moving) = (projection.residual(time), projection.residual(moving));
     let whole = 0..m;
     Some(Drift {
-        means: parts(data).into_iter().map(|rows| (rows.clone(), mean(&left[rows], None))).collect(),
         offset: trend(&time, &from_mean, &[whole])?,
         friction: trend(&moving, residuals, &runs(data))?,
     })
-}
-
-fn parts(data: &FrictionData) -> Vec<Range<usize>> {
-    let runs = runs(data);
-    if runs.len() > 1 {
-        return runs;
-    }
-    super::super::methods::moments::contiguous_blocks(data.velocities.len(), PARTS).collect()
 }
 
 /// Least squares on the law's columns.

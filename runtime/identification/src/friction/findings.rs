@@ -1,9 +1,9 @@
 //! Findings about a law on the way to it: doubts, and reasons to refuse it.
 
 use super::super::error::Result;
-use super::super::numeric::digits::plain;
 use super::super::result::FrictionLaw;
 use super::task::FrictionData;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: a law that explains less of left-out data than is asked for.

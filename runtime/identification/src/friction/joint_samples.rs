@@ -3,13 +3,13 @@
 use super::super::error::Result;
 use super::super::estimation::{Estimate, FEWEST_MOTIONS};
 use super::super::methods::offset::Offset;
-use super::super::numeric::digits::plain;
 use super::super::preparation::PreparationReport;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::{
     CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets,
 };
+use gelenk_findings::digits::plain;
 use std::ops::Range;
 
 /// Columns of one joint over all runs.

@@ -1,4 +1,4 @@
-//! The judgement of a law: its errors, what its residuals depend on, and limits of the description.
+//! Report on a friction law: its R², its drift over the log, and findings about its residuals and the described limits.
 
 use super::super::error::Result;
 use super::super::methods::offset::Offset;

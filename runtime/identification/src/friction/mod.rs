@@ -25,14 +25,15 @@ mod stribeck;
 mod task;
 mod terms;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
-pub use super::methods::filtered::{Filtered, FilteredRun};
+pub(crate) use super::methods::filtered::{Filtered, FilteredRun};
 pub use named::METHODS;
 pub use report::{Candidate, FrictionReport};
 pub use selection::{FrictionMethod, LambdaChoice};
 pub(crate) use shares::SharedFriction;
-pub use task::{CommonTerms, FrictionData, FrictionIdentification, Offsets};
+pub(crate) use task::CommonTerms;
+pub use task::{FrictionData, FrictionIdentification, Offsets};
 
 use super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,

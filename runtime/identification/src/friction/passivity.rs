@@ -5,10 +5,10 @@ use super::super::methods::constrained::{breaks, constrained_fit, face, nonnegat
 use super::super::methods::least_squares::{Reduced, Solution};
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
-use super::super::numeric::digits::plain;
 use super::super::numeric::spectrum::symmetric_eigenvalues;
 use super::findings::Findings;
 use gelenk_findings::Rule;
+use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
 
 /// Sees: a law by least squares that would drive the joint, or explode beyond the speeds in the data.

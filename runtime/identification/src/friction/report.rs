@@ -1,11 +1,9 @@
 //! The law of a joint with what it was chosen from.
 
-use super::super::error::Result;
-use super::super::methods::confidence::quantile;
 use super::super::methods::cross_validation::CrossValidation;
-use super::super::methods::subset::{ModelAverage, SubsetValidation};
+use super::super::methods::subset::SubsetValidation;
 use super::super::result::{FrictionResult, FrictionTerm};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// The law, and what it was chosen from.
 #[derive(Debug, Clone)]
@@ -26,9 +24,8 @@ pub struct FrictionReport {
     pub subsets: Option<SubsetValidation>,
     /// Bootstrap; none without draws.
     pub(crate) inclusion: Option<Vec<f64>>,
-    /// All subsets of the candidate terms, weighed; none for the Stribeck law and for libraries of more than
-    /// twelve terms.
-    pub(crate) average: Option<ModelAverage>,
+    /// Probabilities of the candidate terms; none for the Stribeck law and for libraries of more than twelve terms.
+    pub(crate) probabilities: Option<Vec<f64>>,
     /// Mean squared error over folds that were left out, and its standard error.
     pub(super) unseen_error: Option<[f64; 2]>,
     /// Torque minus offset minus law at the samples.
@@ -42,6 +39,8 @@ pub struct Candidate<'a> {
     pub basis: &'a str,
     /// Its coefficient, where the law has it.
     pub chosen: Option<&'a FrictionTerm>,
+    /// Ends of its interval at 95 %, where its error is known.
+    pub interval: Option<[f64; 2]>,
     /// Share of the bootstrap draws in which it was chosen.
     pub inclusion: Option<f64>,
     /// Its probability: the weight of all subsets of the candidates that have it.
@@ -52,9 +51,11 @@ impl FrictionReport {
     /// The terms of the law with its constant, then those that were left out. Friction under load is in neither.
     pub fn candidates(&self) -> Vec<Candidate<'_>> {
         let law = self.result.law.coefficients();
+        let t = self.result.interval_factor();
         let chosen = law.iter().chain(&self.result.constant).map(|term| Candidate {
             basis: &term.basis,
             chosen: Some(term),
+            interval: term.ends(t),
             inclusion: term.inclusion,
             probability: term.probability,
         });
@@ -63,8 +64,9 @@ impl FrictionReport {
         let others = others.map(|(i, basis)| Candidate {
             basis,
             chosen: None,
+            interval: None,
             inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
-            probability: self.average.as_ref().map(|average| average.inclusion[i]),
+            probability: self.probabilities.as_ref().map(|shares| shares[i]),
         });
         chosen.chain(others).collect()
     }
@@ -80,20 +82,9 @@ impl FrictionReport {
             validation: None,
             subsets: None,
             inclusion: None,
-            average: None,
+            probabilities: None,
             unseen_error: None,
             residuals,
         }
-    }
-
-    /// Half the width of the law's confidence band at `velocities`, at `level` (e.g. 0.95).
-    ///
-    /// # Errors
-    /// A level outside (0, 1), or no samples.
-    pub fn band(&self, velocities: &[f64], level: f64) -> Result<Vec<f64>> {
-        let t = quantile(level, self.result.freedom)?;
-        let gradients = self.result.law.gradients(velocities)?;
-        let width = |row: DVector<f64>| t * row.dot(&(&self.covariance * &row)).max(0.0).sqrt();
-        Ok(gradients.row_iter().map(|row| width(row.transpose())).collect())
     }
 }

@@ -8,7 +8,7 @@ use super::super::methods::moments::Moments;
 use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, requirements};
 use super::super::methods::thresholding::Thresholding;
-use super::super::numeric::digits::plain;
+use gelenk_findings::digits::plain;
 
 /// Which λ of a cross-validated path is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use super::held_out::held_out;
 use super::report::FrictionReport;
 use super::selection::FrictionMethod;
 use super::task::{FrictionData, FrictionIdentification};
-use super::terms::{Candidates, average};
+use super::terms::{Candidates, probabilities};
 use nalgebra::DVector;
 
 /// Friction data of one joint without its samples.
@@ -59,13 +59,13 @@ impl FrictionIdentification {
         let fitted = candidates.fitted(self, &mut findings)?;
         let (coefficients, active) = (&fitted.solution.coefficients, &fitted.solution.active);
         let errors = Errors::of_shares(&reduced, &data.shares, coefficients, active, &fitted.binding);
-        let average = average(&reduced, &errors)?;
+        let probable = probabilities(&reduced, &errors)?;
         let total: f64 = data.shares.iter().map(|share| share.energy(0)).sum();
         let unseen = held_out(shares(), total, fitted.way(), &mut findings);
         let held_out = unseen.and_then(|unseen| unseen.r_squared(data.lost));
         findings.judge(held_out, self.least_r_squared);
         data.require_limits(&mut findings);
-        let law = fitted.law(&library, &errors, average.as_ref());
+        let law = fitted.law(&library, &errors, probable.as_ref());
         let fastest = data.velocity_range.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
         findings.judge_unseen_speeds(&law, fastest)?;
         let result = FrictionResult {
@@ -73,7 +73,7 @@ impl FrictionIdentification {
             freedom: errors.freedom,
             ..data.result(law, reduced.moments(), coefficients, findings)
         };
-        fitted.complete(FrictionReport::alone(result, Vec::new()), &candidates, errors, average)
+        fitted.complete(FrictionReport::alone(result, Vec::new()), &candidates, errors, probable)
     }
 }
 

@@ -6,7 +6,6 @@ use super::super::methods::offset::centre;
 use super::super::methods::stribeck::{
     NAMES, Observed, StribeckFit, StribeckRegression, slower, stribeck_torque,
 };
-use super::super::numeric::digits::plain;
 use super::super::numeric::statistics::simplest;
 use super::super::result::FrictionLaw;
 use super::design::{folds, offset_ranges, offsets};
@@ -17,6 +16,7 @@ use super::judgement::Judged;
 use super::passivity::beyond;
 use super::report::FrictionReport;
 use super::task::{CommonTerms, FrictionData, FrictionIdentification, Offsets};
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;

@@ -38,9 +38,9 @@ pub struct FrictionData<'a> {
     /// Whether all runs share one offset.
     pub one_offset: bool,
     /// The filter that the torques passed: laws pass it too.
-    pub filtered: Option<&'a Filtered<'a>>,
+    pub(crate) filtered: Option<&'a Filtered<'a>>,
     /// Friction terms of the common estimate: the intervals are at least as wide as its own.
-    pub common: Option<&'a CommonTerms>,
+    pub(crate) common: Option<&'a CommonTerms>,
     /// Limits of the joint, where samples beyond them are to be noticed.
     pub limits: Option<JointLimits>,
     /// Source and hash of the log.
@@ -49,17 +49,24 @@ pub struct FrictionData<'a> {
     pub settings: &'a [String],
 }
 
+impl<'a> FrictionData<'a> {
+    /// Samples of a joint in N·m and rad/s, in one run.
+    pub fn of(joint: &'a str, velocities: &'a [f64], torques: &'a [f64]) -> Self {
+        Self { joint, unit: "N·m", velocity_unit: "rad/s", velocities, torques, ..Self::default() }
+    }
+}
+
 /// Friction by the common estimate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CommonTerms {
+pub(crate) struct CommonTerms {
     /// Terms in the velocity `v`.
-    pub bases: Vec<String>,
+    pub(crate) bases: Vec<String>,
     /// Their changes without the samples near rests and reversals.
-    pub margins: DVector<f64>,
+    pub(crate) margins: DVector<f64>,
     /// Covariance of the coefficients.
-    pub covariance: DMatrix<f64>,
+    pub(crate) covariance: DMatrix<f64>,
     /// Degrees of freedom of the covariance.
-    pub freedom: f64,
+    pub(crate) freedom: f64,
 }
 
 /// Meaning of a constant torque in the data.

@@ -5,7 +5,7 @@ use super::super::methods::ensemble::{bootstrap, inclusion};
 use super::super::methods::least_squares::{Reduced, Solution, Solver};
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
-use super::super::methods::subset::{Conditions, MOST_TERMS, ModelAverage, requirements};
+use super::super::methods::subset::{self, Conditions, MOST_TERMS, requirements};
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::design::{Design, folds};
 use super::errors::Errors;
@@ -49,14 +49,14 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let fitted = candidates.fitted(settings, &mut findings)?;
     let residuals = design.residuals(&fitted.solution.coefficients);
     let errors = Errors::of_samples(&design, &fitted.solution.active, &fitted.binding, &residuals)?;
-    let average = average(&reduced, &errors)?;
-    let law = fitted.law(&design.library, &errors, average.as_ref());
+    let probable = probabilities(&reduced, &errors)?;
+    let law = fitted.law(&design.library, &errors, probable.as_ref());
     let offsets = design.offsets(&data.torques_of(&law)?, &residuals);
     let total = variation(data, design.separate, &folds(data, settings.folds).concat());
     let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
     let judged = Judged { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
     let report = findings.report(settings, judged)?;
-    fitted.complete(report, &candidates, errors, average)
+    fitted.complete(report, &candidates, errors, probable)
 }
 
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
@@ -154,13 +154,13 @@ impl Candidates<'_> {
     }
 }
 
-/// All subsets of the terms, weighed, where they are few enough.
-pub(super) fn average(reduced: &Reduced, errors: &Errors) -> Result<Option<ModelAverage>> {
+/// Probabilities of the terms, where they are few enough.
+pub(super) fn probabilities(reduced: &Reduced, errors: &Errors) -> Result<Option<Vec<f64>>> {
     if reduced.moments().terms() > MOST_TERMS {
         return Ok(None);
     }
     let requirements = requirements(reduced.moments().names());
-    ModelAverage::new(reduced.moments(), 0, errors.effective_samples, &requirements).map(Some)
+    subset::probabilities(reduced.moments(), 0, errors.effective_samples, &requirements).map(Some)
 }
 
 impl Fitted {
@@ -169,15 +169,10 @@ impl Fitted {
         (&self.chosen.selection, self.rows.as_ref())
     }
 
-    pub(super) fn law(
-        &self,
-        library: &Library,
-        errors: &Errors,
-        average: Option<&ModelAverage>,
-    ) -> FrictionLaw {
+    pub(super) fn law(&self, library: &Library, errors: &Errors, probable: Option<&Vec<f64>>) -> FrictionLaw {
         let term = |(k, &i): (usize, &usize)| FrictionTerm {
             inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
-            probability: average.map(|a| a.inclusion[i]),
+            probability: probable.map(|shares| shares[i]),
             ..errors.term(k, &library.terms()[i], self.solution.coefficients[i])
         };
         FrictionLaw::Terms(self.solution.active.iter().enumerate().map(term).collect())
@@ -189,7 +184,7 @@ impl Fitted {
         report: FrictionReport,
         of: &Candidates,
         errors: Errors,
-        average: Option<ModelAverage>,
+        probabilities: Option<Vec<f64>>,
     ) -> Result<FrictionReport> {
         Ok(FrictionReport {
             terms: of.library.terms().to_vec(),
@@ -199,7 +194,7 @@ impl Fitted {
             validation: self.chosen.validation,
             subsets: self.chosen.subsets,
             inclusion: self.inclusion,
-            average,
+            probabilities,
             ..report
         })
     }

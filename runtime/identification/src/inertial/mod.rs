@@ -12,7 +12,8 @@ mod interior_point;
 mod pseudo_inertia;
 mod scaled;
 
-pub use pseudo_inertia::{PER_BODY, margin};
+pub(crate) use pseudo_inertia::PER_BODY;
+pub use pseudo_inertia::margin;
 pub(crate) use pseudo_inertia::{from_pseudo_inertia, pseudo_inertia};
 #[cfg(test)]
 pub(crate) use pseudo_inertia::{is_physically_consistent, tests as bodies};

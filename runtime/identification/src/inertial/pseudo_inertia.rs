@@ -4,7 +4,7 @@ use crate::numeric::spectrum::symmetric_eigenvalues;
 use nalgebra::{Matrix3, Matrix4};
 
 /// Parameters per body.
-pub const PER_BODY: usize = 10;
+pub(crate) const PER_BODY: usize = 10;
 
 /// Pseudo-inertia of ten parameters [kg, kg m, kg m²].
 pub(crate) fn pseudo_inertia(pi: &[f64; PER_BODY]) -> Matrix4<f64> {
@@ -50,7 +50,7 @@ pub(crate) fn is_physically_consistent(pi: &[f64; PER_BODY]) -> bool {
 /// The margin is positive exactly if the body can exist, and at most one. Rounding every parameter to a
 /// relative error well below a quarter of it leaves the body possible. A diagonal that is not positive gives
 /// `-∞`.
-pub fn margin(pi: &[f64; PER_BODY]) -> f64 {
+pub fn margin(pi: &[f64; 10]) -> f64 {
     let j = pseudo_inertia(pi);
     let d = j.diagonal();
     if d.iter().any(|&x| x <= 0.0 || !x.is_finite()) {

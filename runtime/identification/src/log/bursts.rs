@@ -1,8 +1,8 @@
 //! Rows that come in bursts: their times are those of arrival.
 
 use super::super::error::{IdentificationError, Result};
-use super::super::numeric::digits::plain;
 use super::super::numeric::statistics::median;
+use gelenk_findings::digits::plain;
 
 /// Share of steps that are pauses between bursts, and how many times longer than the usual step these are.
 const PAUSES: f64 = 0.02;

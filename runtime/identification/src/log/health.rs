@@ -1,6 +1,5 @@
 //! Checks of a log by its runs: joints that stood still, limits, units, columns that are not velocities.
 
-use super::super::numeric::digits::plain;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, Run};
@@ -8,6 +7,7 @@ use super::finding::{
     BEYOND_EFFORT, BEYOND_POSITION, BEYOND_SPEED, GEAR_DOUBTFUL, TURNS, VELOCITY_DISAGREES,
 };
 use super::units::are_minutes;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use std::f64::consts::{PI, TAU};
 

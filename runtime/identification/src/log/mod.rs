@@ -31,7 +31,8 @@ mod recording;
 #[cfg(test)]
 mod tests;
 
-pub use columns::{ColumnGuess, ColumnLabels, ColumnOptions, Labels};
+pub(crate) use columns::Labels;
+pub use columns::{ColumnGuess, ColumnOptions};
 pub use recording::{Recording, guess_columns, runs, runs_of};
 pub(crate) use recording::{hexadecimal, runs_noting};
 pub(crate) use units::{SEEN, are_minutes, unit_value};

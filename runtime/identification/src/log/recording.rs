@@ -27,7 +27,7 @@ pub struct Recording {
     /// Suspicious or repaired values.
     pub findings: Vec<Finding>,
     /// Names of the columns in the first log.
-    pub labels: Labels,
+    pub(crate) labels: Labels,
     /// The columns that were taken: one line for each quantity.
     pub columns: Vec<String>,
     /// Headers of columns that nothing uses.

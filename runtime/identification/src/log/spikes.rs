@@ -1,9 +1,9 @@
 //! Single efforts that are far beyond all others: values that a driver writes where it has none, and lost bits.
 
-use super::super::numeric::digits::plain;
 use super::super::numeric::statistics::quantile;
 use super::finding::OUTLIER;
 use gelenk_findings::Finding;
+use gelenk_findings::digits::plain;
 
 /// Share of the values at each end that the usual range leaves out.
 const OUTER: f64 = 0.01;

@@ -8,7 +8,6 @@ use super::super::numeric::statistics::{mean_with_error, simplest};
 use super::lasso::{Lasso, LassoPath, active_terms};
 use super::least_squares::{Reduced, Solution};
 use super::moments::{Moments, splits};
-use nalgebra::DVector;
 
 /// Cross-validated LASSO path.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,11 +55,6 @@ impl CrossValidation {
         let [mean_error, standard_error] = [0, 1].map(|k| errors.iter().map(|error| error[k]).collect());
         let path = lasso.path(&Moments::sum(folds)?, target, lambdas)?;
         Ok(Self { path, mean_error, standard_error, minimum, one_standard_error })
-    }
-
-    /// Coefficients on the path at `index`, e.g. [`Self::minimum`].
-    pub fn coefficients(&self, index: usize) -> DVector<f64> {
-        self.path.coefficients.column(index).into_owned()
     }
 }
 

@@ -10,20 +10,20 @@ use nalgebra::DMatrix;
 
 /// The filter of the torques, and the whole runs that samples were taken of.
 #[derive(Debug, Clone)]
-pub struct Filtered<'a> {
+pub(crate) struct Filtered<'a> {
     /// The filter.
-    pub filter: &'a Filter,
+    pub(crate) filter: &'a Filter,
     /// Runs in the order of the samples.
-    pub runs: Vec<FilteredRun<'a>>,
+    pub(crate) runs: Vec<FilteredRun<'a>>,
 }
 
 /// A run that samples were taken of.
 #[derive(Debug, Clone)]
-pub struct FilteredRun<'a> {
+pub(crate) struct FilteredRun<'a> {
     /// ẏ at all of its instants, evenly in time.
-    pub velocities: &'a [f64],
+    pub(crate) velocities: &'a [f64],
     /// Which of them are samples, ascending.
-    pub kept: Vec<usize>,
+    pub(crate) kept: Vec<usize>,
 }
 
 impl Filtered<'_> {

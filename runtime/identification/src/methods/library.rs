@@ -1,8 +1,8 @@
 //! The library Θ: terms as declared in a description, evaluated on channels.
 
 use super::super::error::{IdentificationError, Result, require_length};
-use super::super::numeric::digits::two_digits;
 use super::expression::{Kind, Program, Workspace};
+use gelenk_findings::digits::two_digits;
 use nalgebra::DMatrix;
 
 /// Candidate terms `θᵢ`, each an expression over named channels (`v`, `y`, a load torque, states and inputs).
@@ -56,7 +56,7 @@ impl Library {
     ///
     /// # Errors
     /// None in practice; the signature is that of [`Self::new`].
-    pub fn joint_friction() -> Result<Self> {
+    pub(crate) fn joint_friction() -> Result<Self> {
         let asymmetric = ["abs(v)", "abs(tanh(20*v))"].map(String::from);
         let terms: Vec<String> = Self::friction()?.terms.into_iter().chain(asymmetric).collect();
         Self::new(&terms, &["v"])
@@ -103,17 +103,9 @@ impl Library {
         &self.program
     }
 
-    /// Buffers for [`Self::row`].
-    pub fn workspace(&self) -> Workspace {
+    /// Buffers of its program.
+    pub(crate) fn workspace(&self) -> Workspace {
         self.program.workspace()
-    }
-
-    /// One row of Θ, without allocation.
-    ///
-    /// # Errors
-    /// Wrong lengths.
-    pub fn row(&self, channels: &[f64], workspace: &mut Workspace, out: &mut [f64]) -> Result<()> {
-        self.program.evaluate(channels, workspace, out)
     }
 
     /// The matrix Θ `[samples × terms]`.

@@ -5,7 +5,7 @@ pub(crate) mod constrained;
 pub mod cross_validation;
 pub mod differentiation;
 pub(crate) mod ensemble;
-pub mod expression;
+pub(crate) mod expression;
 pub(crate) mod filter;
 pub(crate) mod filtered;
 pub mod lasso;

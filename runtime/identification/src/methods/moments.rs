@@ -47,10 +47,12 @@ impl<'a> Samples<'a> {
     }
 
     /// Samples with a matrix Θ `[samples × terms]`.
-    ///
-    /// # Errors
-    /// As [`Self::from_columns`].
-    pub fn from_matrix(names: &[String], theta: &'a DMatrix<f64>, targets: Vec<&'a [f64]>) -> Result<Self> {
+    #[cfg(test)]
+    pub(crate) fn from_matrix(
+        names: &[String],
+        theta: &'a DMatrix<f64>,
+        targets: Vec<&'a [f64]>,
+    ) -> Result<Self> {
         let columns = theta.as_slice().chunks_exact(theta.nrows().max(1)).collect();
         Self::from_columns(names, columns, targets)
     }

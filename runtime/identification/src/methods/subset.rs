@@ -197,76 +197,43 @@ impl SubsetValidation {
     }
 }
 
-/// All subsets of a library, weighed by how well each explains the data for its size.
+/// Probability of each term: the weight of all subsets of a library that have it, the empty one among them.
 ///
-/// The weights are `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` (Schwarz 1978; Raftery 1995), n being the number
-/// of samples that would tell as much if their errors were independent.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ModelAverage {
-    /// Probability of each term: the weight of all subsets that have it.
-    pub inclusion: Vec<f64>,
-    /// Coefficients averaged over all subsets, zero where a subset lacks the term.
-    pub coefficients: Vec<f64>,
-    /// The heaviest subset.
-    pub best: Vec<usize>,
-    /// Its weight.
-    pub best_weight: f64,
-    /// n of the BIC.
-    pub effective_samples: f64,
-}
-
-impl ModelAverage {
-    /// Weighs all subsets, the empty one among them.
-    ///
-    /// - `effective_samples`: at most the number of samples; fewer where errors are correlated
-    ///
-    /// # Errors
-    /// More than [`MOST_TERMS`] terms, a target that is not there, or fewer than two effective samples.
-    pub(crate) fn new(
-        moments: &Moments,
-        target: usize,
-        effective_samples: f64,
-        requirements: &[Requirement],
-    ) -> Result<Self> {
-        let p = moments.terms();
-        let requirement = "all subsets are weighed for one to twelve terms";
-        require_setting("number of terms", p as f64, (1..=MOST_TERMS).contains(&p), requirement)?;
-        let n = effective_samples;
-        require_setting("effective samples", n, n >= 2.0, "at least two are needed")?;
-        if target >= moments.targets() {
-            require_length("targets", target + 1, moments.targets())?;
-        }
-        // An exact fit has no residual; what rounding leaves of the energy is the least.
-        let floor = 1e-14 * moments.energy(target).max(f64::MIN_POSITIVE);
-        let mut models: Vec<(f64, Vec<usize>, DVector<f64>)> = Vec::with_capacity(1 << p);
-        for active in subsets(p, requirements) {
-            let Some(coefficients) = fit(moments, target, &active) else { continue };
-            let residual = moments.residual(target, &coefficients).max(floor);
-            let bic = n * (residual / n).ln() + active.len() as f64 * n.ln();
-            models.push((bic, active, coefficients));
-        }
-        Ok(Self::weigh(&models, p, n))
+/// The weights are `exp(−BIC/2)` with `BIC = n ln(RSS/n) + k ln n` (Schwarz 1978; Raftery 1995).
+///
+/// - `n`: number of samples that would tell as much if their errors were independent
+///
+/// # Errors
+/// More than [`MOST_TERMS`] terms, a target that is not there, or fewer than two effective samples.
+pub(crate) fn probabilities(
+    moments: &Moments,
+    target: usize,
+    n: f64,
+    requirements: &[Requirement],
+) -> Result<Vec<f64>> {
+    let p = moments.terms();
+    let requirement = "all subsets are weighed for one to twelve terms";
+    require_setting("number of terms", p as f64, (1..=MOST_TERMS).contains(&p), requirement)?;
+    require_setting("effective samples", n, n >= 2.0, "at least two are needed")?;
+    if target >= moments.targets() {
+        require_length("targets", target + 1, moments.targets())?;
     }
-
-    fn weigh(models: &[(f64, Vec<usize>, DVector<f64>)], p: usize, effective_samples: f64) -> Self {
-        let least = models.iter().fold(f64::INFINITY, |a, m| a.min(m.0));
-        let weights: Vec<f64> = models.iter().map(|m| (-0.5 * (m.0 - least)).exp()).collect();
-        let total: f64 = weights.iter().sum();
-        let (mut inclusion, mut coefficients) = (vec![0.0; p], vec![0.0; p]);
-        let (mut best, mut best_weight) = (Vec::new(), 0.0);
-        for ((_, active, x), weight) in models.iter().zip(weights.iter().map(|w| w / total)) {
-            for &i in active {
-                inclusion[i] += weight;
-                coefficients[i] += weight * x[i];
-            }
-            if weight > best_weight {
-                (best, best_weight) = (active.clone(), weight);
-            }
-        }
-        // Shares that rounding adds up to a little more than one.
-        inclusion.iter_mut().for_each(|share| *share = share.min(1.0));
-        Self { inclusion, coefficients, best, best_weight, effective_samples }
+    // An exact fit has no residual; what rounding leaves of the energy is the least.
+    let floor = 1e-14 * moments.energy(target).max(f64::MIN_POSITIVE);
+    let models = subsets(p, requirements).filter_map(|active| {
+        let residual = moments.residual(target, &fit(moments, target, &active)?).max(floor);
+        Some((n * (residual / n).ln() + active.len() as f64 * n.ln(), active))
+    });
+    let models: Vec<(f64, Vec<usize>)> = models.collect();
+    let least = models.iter().fold(f64::INFINITY, |a, (bic, _)| a.min(*bic));
+    let (mut total, mut inclusion) = (0.0, vec![0.0; p]);
+    for (bic, active) in &models {
+        let weight = (-0.5 * (bic - least)).exp();
+        total += weight;
+        active.iter().for_each(|&i| inclusion[i] += weight);
     }
+    // Rounding may add shares up to a little more than one.
+    Ok(inclusion.into_iter().map(|weight| (weight / total).min(1.0)).collect())
 }
 
 /// None where the normal equations of a fold are singular.
@@ -373,14 +340,13 @@ mod tests {
     fn the_terms_that_made_the_data_are_probable_and_others_are_not() {
         let library = Library::friction().unwrap();
         let all = Moments::sum(&folds(&library, 0.3)).unwrap();
-        let average = ModelAverage::new(&all, 0, 5000.0, &[]).unwrap();
-        assert_eq!(average.best, [1, 4]);
-        for (i, probability) in average.inclusion.iter().enumerate() {
-            assert_eq!(*probability > 0.5, [1, 4].contains(&i), "{:?}", average.inclusion);
+        let probable = probabilities(&all, 0, 5000.0, &[]).unwrap();
+        for (i, probability) in probable.iter().enumerate() {
+            assert_eq!(*probability > 0.5, [1, 4].contains(&i), "{probable:?}");
         }
         // With few samples the terms that resemble each other share the probability.
-        let vague = ModelAverage::new(&all, 0, 20.0, &[]).unwrap();
-        assert!(vague.inclusion[4] < 0.7 && vague.inclusion[1] > 0.9, "{:?}", vague.inclusion);
+        let vague = probabilities(&all, 0, 20.0, &[]).unwrap();
+        assert!(vague[4] < 0.7 && vague[1] > 0.9, "{vague:?}");
     }
 
     /// Two orthogonal columns of 8 samples: the four BICs follow by hand.
@@ -390,7 +356,7 @@ mod tests {
         let y: Vec<f64> = (0..8).map(|i| [1.2, 0.4, 1.1, -0.1][i % 4]).collect();
         let names = ["a", "b"].map(String::from);
         let samples = Samples::from_columns(&names, vec![&one, &alternating], vec![&y]).unwrap();
-        let average = ModelAverage::new(&Moments::new(&samples).unwrap(), 0, 8.0, &[]).unwrap();
+        let probable = probabilities(&Moments::new(&samples).unwrap(), 0, 8.0, &[]).unwrap();
         let energy: f64 = y.iter().map(|y| y * y).sum();
         let gains =
             [&one, &alternating].map(|x| x.iter().zip(&y).map(|(x, y)| x * y).sum::<f64>().powi(2) / 8.0);
@@ -401,7 +367,7 @@ mod tests {
         };
         let [none, a, b, both] = [[false, false], [true, false], [false, true], [true, true]].map(weight);
         let expected = [(a + both) / (none + a + b + both), (b + both) / (none + a + b + both)];
-        for (found, expected) in average.inclusion.iter().zip(expected) {
+        for (found, expected) in probable.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
     }

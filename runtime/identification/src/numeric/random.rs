@@ -5,13 +5,13 @@
 
 /// Generator with 64 bits of state; `state += 0x9E3779B97F4A7C15` before each output.
 #[derive(Debug, Clone)]
-pub struct SplitMix64 {
+pub(crate) struct SplitMix64 {
     state: u64,
 }
 
 impl SplitMix64 {
     /// Starts the stream of `seed`.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self { state: seed }
     }
 
@@ -25,12 +25,12 @@ impl SplitMix64 {
     }
 
     /// Uniform in [0, 1), 53 bits.
-    pub fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         self.bits53() / TWO_53
     }
 
     /// Standard normal: `√(−2 ln u₁) cos 2π u₂`, two outputs of the stream each.
-    pub fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         let u1 = (self.bits53() + 1.0) / TWO_53;
         let u2 = self.bits53() / TWO_53;
         (-2.0 * u1.ln()).sqrt() * (2.0 * std::f64::consts::PI * u2).cos()

@@ -6,7 +6,7 @@ use crate::estimation::Uncertain;
 use crate::inertial::PER_BODY;
 use crate::inertial::consistent::ConsistentSolution;
 use crate::methods::confidence::quantile;
-use crate::numeric::digits::plain;
+use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, RowDVector};
 

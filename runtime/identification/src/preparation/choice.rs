@@ -25,7 +25,7 @@ const SHORT_PAUSE: f64 = 3.5;
 const SHORT_PERIOD: f64 = 0.2;
 
 /// Bandwidth that allows the pauses in spectra, before any is chosen [Hz].
-pub(super) const USUAL: f64 = 5.0;
+const USUAL: f64 = 5.0;
 
 /// Output samples for each period of the bandwidth.
 const OVERSAMPLING: f64 = 10.0;
@@ -112,7 +112,7 @@ impl<'a> Recorded<'a> {
         self.signals[0].positions.len()
     }
 
-    fn efforts(&self) -> usize {
+    pub(super) fn efforts(&self) -> usize {
         self.signals[0].efforts.len()
     }
 

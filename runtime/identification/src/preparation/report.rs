@@ -4,9 +4,9 @@ use super::super::error::{IdentificationError, Result};
 use super::super::methods::filter::Band;
 use super::super::robot::Robot;
 use super::super::run::Effort;
-use super::bandwidth::{from_positions, noise_share};
+use super::bandwidth::noise_share;
 use super::channel::Channel;
-use super::choice::{Recorded, USUAL};
+use super::choice::Recorded;
 use super::grid::Piece;
 use super::result::{Delay, JointPreparation, PreparationReport};
 use super::settings::PreparationSettings;
@@ -96,6 +96,8 @@ impl Recorded<'_> {
         let mut findings = self.of_runs(how);
         findings.extend(joints.iter().filter_map(noisy));
         findings.extend(self.held());
+        // Those of joints are with the joints.
+        findings.extend((self.joints()..self.efforts()).filter_map(|effort| self.fault(effort)));
         findings.extend(how.band.map(low_passed));
         findings.extend(delay_findings(&joints, |_| true));
         findings.extend(self.of_rests(smoothed));
@@ -110,7 +112,6 @@ impl Recorded<'_> {
     fn joint(&self, j: usize, how: &Smoothing, delays: &[Delay]) -> JointPreparation {
         let quality = &self.quality[j];
         let resolutions = self.signals.iter().map(|s| s.positions[j].resolution);
-        let own = from_positions(&[quality], self.lowest(USUAL).min(self.highest()), self.highest());
         JointPreparation {
             name: self.name(j),
             noise: quality.noise,
@@ -118,13 +119,13 @@ impl Recorded<'_> {
             hold: self.hold(|s| &s.positions[j]),
             moves: quality.moves,
             bandwidth: how.bandwidth,
-            own_bandwidth: own,
             acceleration_noise: noise_share(quality, how.bandwidth),
             delay: delays.get(j).map_or(0.0, |d| d.removed),
             fault: self.fault(j),
         }
     }
 
+    /// Why an effort cannot be used.
     fn fault(&self, j: usize) -> Option<Finding> {
         let fault = self.faults.get(j).cloned().flatten()?;
         let is_of_input = self.signals[0].effort != Effort::Joint;

@@ -47,8 +47,6 @@ pub struct JointPreparation {
     pub moves: bool,
     /// Half-amplitude frequency of the filter \[Hz\], the same for all joints.
     pub bandwidth: f64,
-    /// The bandwidth that this joint's positions alone ask for \[Hz\]; `None` at rest.
-    pub own_bandwidth: Option<f64>,
     /// Estimated share of noise in the power of ÿ.
     pub acceleration_noise: f64,
     /// Removed delay of the effort with the joint's number \[s\]; the common one if there is none.

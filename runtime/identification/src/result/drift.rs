@@ -1,8 +1,7 @@
 //! How friction and offsets change over a log: plain data.
 
-use super::super::numeric::digits::with_error;
+use gelenk_findings::digits::with_error;
 use gelenk_findings::{Finding, Rule};
-use std::ops::Range;
 
 /// Sees: an offset that changes from the beginning to the end of the logs.
 /// Matters: a constant no longer describes the offset of the sensor.
@@ -21,24 +20,22 @@ const NAMED_CHANGE: f64 = 0.02;
 
 /// A change from the first to the last sample, linear in the number of the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trend {
+pub(crate) struct Trend {
     /// Last minus first value.
-    pub change: f64,
+    pub(crate) change: f64,
     /// Standard error, for correlated residuals.
-    pub standard_error: f64,
+    pub(crate) standard_error: f64,
     /// Whether chance gives such a change in less than one of a hundred logs without a trend.
-    pub significant: bool,
+    pub(crate) significant: bool,
 }
 
 /// Residual torque over the log.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drift {
-    /// Runs, or parts of equal length of a single one, with the mean of torque minus law.
-    pub means: Vec<(Range<usize>, f64)>,
+pub(crate) struct Drift {
     /// Change of the constant torque [N·m or N].
-    pub offset: Trend,
+    pub(crate) offset: Trend,
     /// Change of the friction as a share of it: −0.1 where it falls by a tenth.
-    pub friction: Trend,
+    pub(crate) friction: Trend,
 }
 
 impl Drift {

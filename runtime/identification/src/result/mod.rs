@@ -5,11 +5,10 @@ use super::methods::confidence::quantile;
 use super::methods::library::Library;
 pub use super::methods::offset::Offset;
 use super::methods::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
-use super::numeric::digits::{plain, rounded, vanishes, with_error};
-pub use drift::{Drift, Trend};
+pub(crate) use drift::{Drift, Trend};
+use gelenk_findings::digits::{plain, rounded, vanishes, with_error};
 use gelenk_findings::{Finding, Severity};
 use nalgebra::DMatrix;
-use std::fmt::Write;
 
 pub mod description;
 mod drift;
@@ -112,7 +111,7 @@ impl FrictionLaw {
     }
 
     /// The law as one line of text, with the digits that a description gets.
-    pub fn formula(&self) -> String {
+    pub(crate) fn formula(&self) -> String {
         let terms: Vec<String> = match self {
             Self::Terms(terms) => {
                 terms.iter().map(|term| format!("{}*{}", term.written(), term.basis)).collect()
@@ -141,22 +140,10 @@ impl FrictionTerm {
         rounded(self.coefficient, self.written_error())
     }
 
-    /// A line of the table.
-    fn line(&self, name: &str, width: usize, t: f64) -> String {
-        let share = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{:.0} %", 100.0 * x));
-        format!(
-            "{name:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
-            with_error(self.coefficient, self.standard_error),
-            self.interval(t).unwrap_or_else(|| "-".into()),
-            share(self.inclusion),
-            share(self.probability)
-        )
-    }
-
     /// Ends of the interval; `None` where the error is not known.
     ///
     /// - `t`: half its width in standard errors, [`FrictionResult::interval_factor`]
-    pub fn ends(&self, t: f64) -> Option<[f64; 2]> {
+    pub(crate) fn ends(&self, t: f64) -> Option<[f64; 2]> {
         let error = self.standard_error.filter(|error| error.is_finite() && *error > 0.0)?;
         let half = self.reach.unwrap_or(t * error);
         Some([-half, half].map(|distance| self.coefficient + distance))
@@ -204,7 +191,7 @@ pub struct FrictionResult {
     /// The constant torque that repeats over the runs: it is written with the law. `None` where the runs do not tell it from zero.
     pub constant: Option<FrictionTerm>,
     /// A Stribeck law in physical words.
-    pub stribeck: Option<StribeckWords>,
+    pub(crate) stribeck: Option<StribeckWords>,
     /// The constant torque of each run beyond [`Self::constant`], which is not written; none where it belongs to the law.
     pub offsets: Vec<Offset>,
     /// Samples used.
@@ -223,7 +210,7 @@ pub struct FrictionResult {
     /// The same on folds that were left out; `None` where the samples are too few.
     pub held_out: Option<f64>,
     /// Change of the residual torque over the log; `None` if the samples are too few.
-    pub drift: Option<Drift>,
+    pub(crate) drift: Option<Drift>,
     /// File name and SHA-256 of the data.
     pub data: String,
     /// Settings in words: method, λ with its convention, selection, differentiation.
@@ -277,7 +264,7 @@ impl FrictionResult {
     }
 
     /// Half the width of the interval at 95 % in standard errors.
-    pub fn interval_factor(&self) -> f64 {
+    pub(crate) fn interval_factor(&self) -> f64 {
         let freedom = if self.freedom > 0.0 { self.freedom } else { 1e9 };
         quantile(CONFIDENCE, freedom).unwrap_or(f64::INFINITY)
     }
@@ -345,38 +332,11 @@ impl FrictionResult {
             }
         }
     }
-
-    /// A table for people.
-    pub fn table(&self) -> String {
-        let mut text = String::new();
-        let width = self.named().map(|(name, _)| name.chars().count()).fold(4, usize::max);
-        let [slowest, fastest] = self.velocity_range;
-        let _ = writeln!(
-            text,
-            "friction of {} [{}], {} samples, {slowest:.4} to {fastest:.4} {}",
-            self.joint, self.unit, self.samples, self.velocity_unit
-        );
-        let _ = writeln!(
-            text,
-            "{:<width$}  {:>22}  {:>26}  {:>9}  {:>11}",
-            "term", "coefficient", "95 % interval", "inclusion", "probability"
-        );
-        let t = self.interval_factor();
-        for (name, term) in self.named() {
-            let _ = writeln!(text, "{}", term.line(&name, width, t));
-        }
-        for line in self.summary_lines() {
-            let _ = writeln!(text, "{line}");
-        }
-        for finding in &self.findings {
-            let _ = writeln!(text, "{finding}");
-        }
-        text
-    }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::description::comment_lines;
     use super::*;
 
     pub(crate) fn example() -> FrictionResult {
@@ -409,15 +369,13 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_table_names_units_and_numbers() {
-        let table = example().table();
-        assert!(table.contains("friction of beta [N·m], 3000 samples, -0.7000 to 0.7100 rad/s"), "{table}");
-        let line = table.lines().nth(2).unwrap();
+    fn comments_name_units_and_numbers() {
+        let text = comment_lines(&example());
+        assert!(text.contains("velocities -0.7 to 0.71 rad/s; torque in N·m"), "{text}");
         // Student's quantile for 60 degrees of freedom is 2.000.
-        assert!(line.contains("76.556 ± 0.031") && line.contains("76.494 … 76.619"), "{table}");
-        assert!(line.contains("98 %") && line.ends_with("75 %"), "{table}");
-        assert!(table.contains("offset 0.503 ± 0.021 N·m, not part of the law"), "{table}");
-        assert!(table.contains("R² 0.9980 in the fit, 0.9971 on left-out data"), "{table}");
+        assert!(text.contains("v: 76.556 ± 0.031, 95 % interval 76.494 … 76.619"), "{text}");
+        assert!(text.contains("offset 0.503 ± 0.021 N·m, not part of the law"), "{text}");
+        assert!(text.contains("R² 0.9980 in the fit, 0.9971 on left-out data"), "{text}");
         // The formula has the digits of the resolution: what is written.
         assert_eq!(example().law.formula(), "76.5561*v - 3.9245*tanh(5*v)");
     }
@@ -426,10 +384,10 @@ pub(super) mod tests {
     fn a_refused_law_says_so_until_it_is_accepted() {
         let findings = vec![Finding::error("poor-law", "the law explains nothing")];
         let mut result = FrictionResult { findings, ..example() };
-        assert!(result.table().ends_with("error[poor-law]: the law explains nothing\n"));
+        assert!(comment_lines(&result).ends_with("# error[poor-law]: the law explains nothing\n"));
         result.accept();
         assert_eq!(result.refusals().count(), 0);
-        assert!(result.table().ends_with("warning[poor-law]: the law explains nothing\n"));
+        assert!(comment_lines(&result).ends_with("# warning[poor-law]: the law explains nothing\n"));
     }
 
     #[test]
@@ -443,7 +401,7 @@ pub(super) mod tests {
         for (a, b) in law.torques(&v).unwrap().iter().zip(by_formula.iter()) {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
-        let table = FrictionResult { law, ..example() }.table();
-        assert!(table.lines().count() == 10 && table.contains("a5"), "{table}");
+        let text = comment_lines(&FrictionResult { law, ..example() });
+        assert!(text.contains("# a5"), "{text}");
     }
 }

@@ -1,9 +1,9 @@
 //! Where friction was looked for if shafts take rows.
 
 use super::super::estimation::{Estimate, Uncertain};
-use super::super::numeric::digits::{plain, rounded};
 use super::super::robot::Robot;
 use super::ShaftRows;
+use gelenk_findings::digits::{plain, rounded};
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: drives that act on several joints.

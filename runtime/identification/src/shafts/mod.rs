@@ -17,11 +17,18 @@
 mod found;
 mod robot;
 mod rows;
-mod seats;
 #[cfg(test)]
 mod tests;
 
 pub use super::robot::{JointTerm, Shaft};
-pub use robot::RobotRows;
-pub use rows::ShaftRows;
-pub use seats::seats;
+pub(crate) use robot::RobotRows;
+pub(crate) use rows::ShaftRows;
+
+use super::robot::Robot;
+
+/// The robot as its estimate sees it: with shafts in place of some joints. Behind the inertial parameters stand the factors of
+/// the friction that is described on these joints.
+#[must_use]
+pub fn with_rows_of_shafts(robot: &dyn Robot) -> impl Robot + '_ {
+    RobotRows::of(robot)
+}

@@ -11,22 +11,31 @@ use gelenk_findings::Subject;
 ///
 /// Behind the inertial parameters stand the factors of the friction that is described on joints whose rows shafts take.
 /// Positions are those of the rows, but for robots with quaternions, whose positions stay those of the joints.
-#[derive(Clone, Copy)]
-pub struct RobotRows<'a> {
+#[derive(Clone)]
+pub(crate) struct RobotRows<'a> {
     robot: &'a dyn Robot,
-    rows: Option<&'a ShaftRows>,
+    rows: Option<ShaftRows>,
 }
 
 impl<'a> RobotRows<'a> {
-    /// - `rows`: those of the same robot, by [`ShaftRows::of`]
-    #[must_use]
-    pub fn new(robot: &'a dyn Robot, rows: Option<&'a ShaftRows>) -> Self {
+    /// The rows of a robot.
+    pub(crate) fn of(robot: &'a dyn Robot) -> Self {
+        Self { robot, rows: ShaftRows::of(robot) }
+    }
+
+    /// - `rows`: those of the same robot
+    pub(crate) fn new(robot: &'a dyn Robot, rows: Option<ShaftRows>) -> Self {
         Self { robot, rows }
+    }
+
+    /// The rows of shafts; none if joints keep theirs.
+    pub(crate) fn of_shafts(&self) -> Option<&ShaftRows> {
+        self.rows.as_ref()
     }
 
     /// Signals of the joints along the rows.
     pub(crate) fn along(&self, runs: Vec<PreparedRun>) -> Vec<PreparedRun> {
-        match self.rows {
+        match self.of_shafts() {
             Some(rows) => runs.into_iter().map(|run| rows.along(run)).collect(),
             None => runs,
         }
@@ -34,21 +43,21 @@ impl<'a> RobotRows<'a> {
 
     /// A motion of the joints at an instant along the rows.
     pub(crate) fn instant(&self, joints: &Instant) -> Instant {
-        self.rows.map_or_else(|| joints.clone(), |rows| rows.instant(joints))
+        self.of_shafts().map_or_else(|| joints.clone(), |rows| rows.instant(joints))
     }
 
     /// Largest speeds of the rows for those of the joints.
     pub(crate) fn speeds(&self, joints: &[f64]) -> Vec<f64> {
-        self.rows.map_or_else(|| joints.to_vec(), |rows| rows.speeds(joints))
+        self.of_shafts().map_or_else(|| joints.to_vec(), |rows| rows.speeds(joints))
     }
 
     /// The shafts.
-    pub(crate) fn shafts_of_rows(&self) -> &'a [Shaft] {
-        self.rows.map_or(&[], ShaftRows::shafts)
+    pub(crate) fn shafts_of_rows(&self) -> &[Shaft] {
+        self.of_shafts().map_or(&[], ShaftRows::shafts)
     }
 
     fn terms(&self) -> usize {
-        self.rows.map_or(0, |rows| rows.joint_terms().len())
+        self.of_shafts().map_or(0, |rows| rows.joint_terms().len())
     }
 
     /// Values of the joints' terms at a motion of the joints.
@@ -69,7 +78,7 @@ impl Robot for RobotRows<'_> {
     }
 
     fn subject(&self, row: usize) -> Subject {
-        let shaft = self.rows.and_then(|rows| rows.shaft(row));
+        let shaft = self.of_shafts().and_then(|rows| rows.shaft(row));
         shaft.map_or_else(|| self.robot.subject(row), |shaft| Subject::Shaft(shaft.name.clone()))
     }
 
@@ -100,14 +109,16 @@ impl Robot for RobotRows<'_> {
     fn parameter_names(&self) -> Vec<String> {
         let mut names = self.robot.parameter_names();
         let joints = self.robot.joint_names();
-        let terms = self.rows.map_or(&[][..], ShaftRows::joint_terms).iter();
+        let terms = self.of_shafts().map_or(&[][..], ShaftRows::joint_terms).iter();
         names.extend(terms.map(|term| format!("friction of {}: {}", joints[term.joint], term.basis)));
         names
     }
 
     fn parameters(&self) -> Vec<f64> {
         let mut values = self.robot.parameters();
-        values.extend(self.rows.map_or(&[][..], ShaftRows::joint_terms).iter().map(|term| term.coefficient));
+        values.extend(
+            self.of_shafts().map_or(&[][..], ShaftRows::joint_terms).iter().map(|term| term.coefficient),
+        );
         values
     }
 
@@ -121,7 +132,7 @@ impl Robot for RobotRows<'_> {
 
     fn input_matrix(&self) -> Vec<f64> {
         let joints = self.robot.input_matrix();
-        let Some(rows) = self.rows else { return joints };
+        let Some(rows) = self.of_shafts() else { return joints };
         let mut matrix = vec![0.0; joints.len()];
         rows.forces(&joints, self.robot.input_names().len(), &mut matrix);
         let largest = matrix.iter().fold(0.0_f64, |largest, b| largest.max(b.abs()));
@@ -139,7 +150,7 @@ impl Robot for RobotRows<'_> {
     }
 
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
-        let Some(rows) = self.rows else { return self.robot.input_forces(y, u, forces) };
+        let Some(rows) = self.of_shafts() else { return self.robot.input_forces(y, u, forces) };
         let mut joints = vec![0.0; forces.len()];
         self.robot.input_forces(&rows.positions(y), u, &mut joints);
         rows.forces(&joints, 1, forces);
@@ -151,7 +162,7 @@ impl Robot for RobotRows<'_> {
 
     fn speed_scales(&self) -> Vec<f64> {
         let rows = 0..self.robot.joint_names().len();
-        rows.map(|row| self.rows.map_or(1.0, |rows| rows.speed_scale(row))).collect()
+        rows.map(|row| self.of_shafts().map_or(1.0, |rows| rows.speed_scale(row))).collect()
     }
 
     fn own_inputs(&self) -> Vec<bool> {
@@ -176,7 +187,7 @@ impl Robot for RobotRows<'_> {
     }
 
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]) {
-        let Some(rows) = self.rows else { return self.robot.inertial_regressor(y, v, a, regressor) };
+        let Some(rows) = self.of_shafts() else { return self.robot.inertial_regressor(y, v, a, regressor) };
         let (joints, inertial) = (v.len(), rows.first_term());
         let [y, v, a] = [rows.positions(y), rows.joint_motion(v), rows.joint_motion(a)];
         let mut bodies = vec![0.0; joints * inertial];
@@ -194,7 +205,7 @@ impl Robot for RobotRows<'_> {
     }
 
     fn rigid_forces(&self, y: &[f64], v: &[f64], a: &[f64], forces: &mut [f64]) {
-        let Some(rows) = self.rows else { return self.robot.rigid_forces(y, v, a, forces) };
+        let Some(rows) = self.of_shafts() else { return self.robot.rigid_forces(y, v, a, forces) };
         let [y, v, a] = [rows.positions(y), rows.joint_motion(v), rows.joint_motion(a)];
         let mut of_joints = vec![0.0; forces.len()];
         self.robot.rigid_forces(&y, &v, &a, &mut of_joints);

@@ -10,7 +10,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The rows of the equations in `z = C y`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ShaftRows {
+pub(crate) struct ShaftRows {
     shafts: Vec<Shaft>,
     terms: Vec<JointTerm>,
     /// C.
@@ -25,7 +25,7 @@ pub struct ShaftRows {
 impl ShaftRows {
     /// The rows of a robot; `None` where no drive's shaft takes a row.
     #[must_use]
-    pub fn of(robot: &dyn Robot) -> Option<Self> {
+    pub(crate) fn of(robot: &dyn Robot) -> Option<Self> {
         let shafts = robot.shafts();
         let joints = robot.joint_names().len();
         let mut motion = DMatrix::identity(joints, joints);
@@ -49,7 +49,7 @@ impl ShaftRows {
 
     /// The shafts.
     #[must_use]
-    pub fn shafts(&self) -> &[Shaft] {
+    pub(crate) fn shafts(&self) -> &[Shaft] {
         &self.shafts
     }
 
@@ -69,13 +69,13 @@ impl ShaftRows {
     /// Friction that is described on joints whose rows shafts take. Its factors stand behind the inertial parameters of
     /// the estimate.
     #[must_use]
-    pub fn joint_terms(&self) -> &[JointTerm] {
+    pub(crate) fn joint_terms(&self) -> &[JointTerm] {
         &self.terms
     }
 
     /// Place of the factor of the first of these terms among the parameters of the estimate.
     #[must_use]
-    pub fn first_term(&self) -> usize {
+    pub(crate) fn first_term(&self) -> usize {
         self.parameters
     }
 

@@ -67,25 +67,9 @@ fn shaft(name: &str, joint: usize, ratios: [f64; 2]) -> Shaft {
 }
 
 #[test]
-fn shafts_take_the_rows_of_joints_without_drives() {
-    let differential = [vec![80.0, 80.0], vec![80.0, -80.0]];
-    assert_eq!(seats(&differential, &[true, true]), [Some(0), Some(1)]);
-    // A motor behind a joint that has a motor of its own, as in many wrists.
-    assert_eq!(seats(&[vec![32.0, 32.0]], &[false, true]), [Some(1)]);
-    // Three motors move two joints, and two turn alike.
-    assert_eq!(
-        seats(&[vec![1.0, 1.0], vec![1.0, -1.0], vec![1.0, 2.0]], &[true; 2]),
-        [Some(0), Some(1), None]
-    );
-    assert_eq!(seats(&[vec![1.0, 1.0], vec![2.0, 2.0]], &[true; 2]), [Some(0), None]);
-    assert_eq!(seats(&[vec![1.0, 1.0]], &[false; 2]), [None]);
-}
-
-#[test]
 fn a_differential_has_the_torques_of_its_motors_as_rows() {
     let robot = Masses(vec![shaft("left", 0, [10.0, 10.0]), shaft("right", 1, [10.0, -10.0])]);
-    let rows = ShaftRows::of(&robot).unwrap();
-    let shafts = RobotRows::new(&robot, Some(&rows));
+    let shafts = RobotRows::of(&robot);
     assert_eq!(shafts.joint_names(), ["left", "right"]);
     assert_eq!(shafts.input_matrix(), [1.0, 0.0, 0.0, 1.0]);
     assert_eq!(shafts.limits()[0].velocity, 40.0);
@@ -118,8 +102,7 @@ fn slopes_of_shafts_are_those_of_joints() {
 fn rows_of_shafts_are_called_shafts() {
     // A shaft that bears a joint's name, and a joint whose row no shaft takes.
     let robot = Masses(vec![shaft("two", 0, [10.0, 10.0])]);
-    let rows = ShaftRows::of(&robot).unwrap();
-    let shafts = RobotRows::new(&robot, Some(&rows));
+    let shafts = RobotRows::of(&robot);
     assert_eq!(shafts.subject(0), Subject::Shaft("two".into()));
     assert_eq!(shafts.subject(1), Subject::Joint("two".into()));
     assert!(ShaftRows::of(&Masses(Vec::new())).is_none());

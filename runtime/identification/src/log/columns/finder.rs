@@ -1,7 +1,6 @@
 //! The search for columns: by the user's pattern, or by the best family of headers.
 
 use super::super::super::error::{IdentificationError, Result};
-use super::super::super::numeric::digits::plain;
 use super::super::sheet::{Sheet, shortened};
 use super::super::units::{self, GRAD, Unit};
 use super::families::{Family, Targets, families};
@@ -10,6 +9,7 @@ use super::header::{Header, is_known, is_number, words};
 use super::pattern::{Chosen, ColumnOptions, Pattern, is_spellable};
 use super::robot::RobotColumns;
 use super::table::{Kind, Origin};
+use gelenk_findings::digits::plain;
 
 /// A sheet, the joints of a robot, and the line of the user.
 pub(super) struct Finder<'a> {

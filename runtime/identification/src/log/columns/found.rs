@@ -35,22 +35,22 @@ pub(in crate::log) struct Found {
 
 /// The names that a log has for the columns of a quantity, for messages and for `--columns`.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct ColumnLabels {
+pub(crate) struct ColumnLabels {
     /// Header of the column of each joint or input, or its number; `none` if the log has no such column.
-    pub columns: Vec<String>,
+    pub(crate) columns: Vec<String>,
     /// All of them as `--columns` takes them, as `q{}`.
-    pub pattern: String,
+    pub(crate) pattern: String,
 }
 
 /// The names that a log has for its columns.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Labels {
+pub(crate) struct Labels {
     /// The column of times; `row` if rows are counted.
-    pub time: String,
+    pub(crate) time: String,
     /// Positions of the joints.
-    pub positions: ColumnLabels,
+    pub(crate) positions: ColumnLabels,
     /// Efforts of the joints or inputs.
-    pub efforts: ColumnLabels,
+    pub(crate) efforts: ColumnLabels,
 }
 
 impl Found {

@@ -49,7 +49,7 @@ pub(super) struct Parts {
 const BASE_ALONE: &str =
     "no efforts of the joints: the rows of the base alone, and of joints without a drive, are fitted";
 
-/// Where to look if the table does not decide.
+/// End of messages about columns that the table does not decide.
 const HINT: &str = ". --columns '?' prints all columns as a line to edit";
 
 /// Finds the columns of a robot in a sheet.

@@ -24,7 +24,7 @@ mod mapping;
 mod guess;
 
 pub(super) use found::Column;
-pub use found::{ColumnLabels, Labels};
+pub(crate) use found::Labels;
 pub use guess::ColumnGuess;
 pub(super) use guess::guess;
 pub(super) use mapping::{Mapping, resolve};

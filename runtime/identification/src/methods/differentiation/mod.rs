@@ -6,7 +6,7 @@
 mod banded;
 mod total_variation;
 
-pub use total_variation::{Regularization, TotalVariation, TotalVariationResult};
+pub use total_variation::{Regularization, TotalVariation};
 
 use super::super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
@@ -39,7 +39,7 @@ pub fn quantization_noise(resolution: f64) -> f64 {
 ///
 /// # Errors
 /// The first of these that does not hold.
-pub fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
+fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     require_samples("differentiation", needed, signal.len())?;
     require_length("times of the signal", signal.len(), times.len())?;
     require_finite("time", times)?;
@@ -58,7 +58,7 @@ pub fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()
 }
 
 /// Root mean square of a difference.
-pub fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
+fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
@@ -67,7 +67,7 @@ pub fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
 ///
 /// # Errors
 /// As `explains`.
-pub fn by_discrepancy(
+fn by_discrepancy(
     mut explained: f64,
     mut beyond: f64,
     width: f64,
@@ -84,7 +84,7 @@ pub fn by_discrepancy(
 /// `σ √(1 + 2 √(2/n))`.
 ///
 /// Without the margin a log whose noise happens to be a little above σ would hardly be smoothed at all.
-pub fn residual_bound(sigma: f64, samples: usize) -> f64 {
+fn residual_bound(sigma: f64, samples: usize) -> f64 {
     sigma * (1.0 + 2.0 * (2.0 / samples as f64).sqrt()).sqrt()
 }
 
@@ -92,7 +92,7 @@ pub fn residual_bound(sigma: f64, samples: usize) -> f64 {
 ///
 /// # Errors
 /// [`IdentificationError::Setting`]
-pub fn require_noise(sigma: f64) -> Result<()> {
+fn require_noise(sigma: f64) -> Result<()> {
     require_setting(
         "noise σ",
         sigma,

@@ -38,7 +38,7 @@ pub enum Regularization {
 
 /// Result in the form of the functional: the smoothed signal and its derivative between the samples.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TotalVariationResult {
+pub(super) struct TotalVariationResult {
     /// Smoothed signal s at the samples.
     pub signal: Vec<f64>,
     /// `(sᵢ₊₁ − sᵢ)/Δtᵢ` between the samples, one fewer.
@@ -51,7 +51,7 @@ pub struct TotalVariationResult {
 
 impl TotalVariation {
     /// γ by hand, first derivative's variation, 20 iterations.
-    pub fn with_gamma(gamma: f64) -> Self {
+    pub(super) fn with_gamma(gamma: f64) -> Self {
         Self {
             order: 1,
             regularization: Regularization::Weight(gamma),
@@ -108,7 +108,7 @@ impl TotalVariation {
     ///
     /// # Errors
     /// As [`Self::differentiate`].
-    pub fn solve(&self, times: &[f64], signal: &[f64]) -> Result<TotalVariationResult> {
+    pub(super) fn solve(&self, times: &[f64], signal: &[f64]) -> Result<TotalVariationResult> {
         require_setting("order", self.order as f64, matches!(self.order, 1 | 2), "it must be 1 or 2")?;
         if let Some(epsilon) = self.epsilon {
             require_setting("ε", epsilon, epsilon > 0.0, "it must be positive")?;

@@ -15,7 +15,7 @@ use super::super::numeric::kernel::BLOCK;
 use arithmetic::{Operation, binary, power, unary};
 use compiler::Compiler;
 use gelenk_formula::Expression;
-pub use gelenk_formula::Kind;
+pub(crate) use gelenk_formula::Kind;
 
 /// Several expressions over the same channels, ready to be evaluated.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ pub(crate) struct Program {
 
 /// Intermediate values of compiled expressions: allocated once, reused for every block.
 #[derive(Debug, Clone)]
-pub struct Workspace {
+pub(crate) struct Workspace {
     registers: Vec<f64>,
 }
 
@@ -92,36 +92,6 @@ impl Program {
         &workspace.registers[register * BLOCK..register * BLOCK + n]
     }
 
-    /// Values at one sample, without allocation: `out[i]` is expression i.
-    ///
-    /// # Errors
-    /// [`IdentificationError::Shape`] if `channels` or `out` have the wrong length.
-    pub(crate) fn evaluate(
-        &self,
-        channels: &[f64],
-        workspace: &mut Workspace,
-        out: &mut [f64],
-    ) -> Result<()> {
-        require_length("values of the channels", self.channels, channels.len())?;
-        require_length("results of the expressions", self.len(), out.len())?;
-        for (i, operation) in self.operations.iter().enumerate() {
-            let (earlier, rest) = workspace.registers.split_at_mut(i * BLOCK);
-            let argument = |a: usize| &earlier[a * BLOCK..=a * BLOCK];
-            let out = &mut rest[..1];
-            match *operation {
-                Operation::Constant(_) => {}
-                Operation::Channel(c) => out[0] = channels[c],
-                Operation::Unary(f, a) => unary(f, argument(a), out),
-                Operation::Power(a, exponent) => power(argument(a), exponent, out),
-                Operation::Binary(f, a, b) => binary(f, argument(a), argument(b), out),
-            }
-        }
-        for (out, &(register, _)) in out.iter_mut().zip(&self.results) {
-            *out = workspace.registers[register * BLOCK];
-        }
-        Ok(())
-    }
-
     /// Values of all expressions at all samples, one vector per expression.
     ///
     /// # Errors
@@ -160,9 +130,7 @@ mod tests {
 
     fn value(text: &str, beta: f64, v: f64) -> f64 {
         let program = Program::new(&[text], &names()).unwrap();
-        let mut out = [0.0];
-        program.evaluate(&[beta, v], &mut program.workspace(), &mut out).unwrap();
-        out[0]
+        program.evaluate_columns(&[&[beta], &[v]]).unwrap()[0][0]
     }
 
     #[test]

@@ -4,8 +4,8 @@ use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
 use super::{Lasso, active_terms};
 use crate::error::{IdentificationError, Result, require_length, require_setting};
-use crate::numeric::digits::plain;
 use crate::numeric::spectrum::symmetric_eigen;
+use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
 
 pub(super) struct Problem {
@@ -76,7 +76,7 @@ impl Problem {
         w
     }
 
-    pub(super) fn solve(&self, lambda: f64, state: &mut State, settings: &Lasso) -> Result<(f64, usize)> {
+    pub(super) fn solve(&self, lambda: f64, state: &mut State, settings: &Lasso) -> Result<f64> {
         let bound = settings.tolerance * self.energy / (2.0 * self.samples);
         let mut gap = f64::INFINITY;
         for sweep in 1..=settings.max_sweeps {
@@ -86,7 +86,7 @@ impl Problem {
                 self.solve_on_support(lambda, state);
                 gap = self.gap(lambda, state);
                 if gap <= bound {
-                    return Ok((gap, sweep));
+                    return Ok(gap);
                 }
             }
         }

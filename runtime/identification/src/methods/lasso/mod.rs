@@ -54,8 +54,6 @@ pub struct LassoPath {
     pub coefficients: DMatrix<f64>,
     /// Duality gap of each solution: an upper bound of its distance to the optimal objective.
     pub gaps: Vec<f64>,
-    /// Sweeps needed.
-    pub sweeps: Vec<usize>,
 }
 
 impl Lasso {
@@ -103,15 +101,12 @@ impl Lasso {
             lambdas: lambdas.to_vec(),
             coefficients: DMatrix::zeros(moments.terms(), lambdas.len()),
             gaps: Vec::with_capacity(lambdas.len()),
-            sweeps: Vec::with_capacity(lambdas.len()),
         };
         let mut state = State::new(&problem);
         for (column, &lambda) in lambdas.iter().enumerate() {
             require_setting("λ", lambda, lambda >= 0.0, "it must be finite and not negative")?;
-            let (gap, sweeps) = problem.solve(lambda, &mut state, self)?;
+            path.gaps.push(problem.solve(lambda, &mut state, self)?);
             path.coefficients.set_column(column, &state.w);
-            path.gaps.push(gap);
-            path.sweeps.push(sweeps);
         }
         Ok(path)
     }
@@ -121,7 +116,12 @@ impl Lasso {
     /// # Errors
     /// [`IdentificationError::EverythingRemoved`] with the largest λ that keeps a term; else
     /// a negative λ, a zero target or term, or a gap that stays above the tolerance.
-    pub fn fit(&self, moments: &Moments, target: usize, lambda: f64) -> Result<(DVector<f64>, Vec<usize>)> {
+    pub(crate) fn fit(
+        &self,
+        moments: &Moments,
+        target: usize,
+        lambda: f64,
+    ) -> Result<(DVector<f64>, Vec<usize>)> {
         let path = self.path(moments, target, &[lambda])?;
         let coefficients = path.coefficients.column(0).into_owned();
         let active = active_terms(&coefficients);

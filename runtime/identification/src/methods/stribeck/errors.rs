@@ -5,8 +5,8 @@ use super::super::margin::change;
 use super::super::offset::centre;
 use super::law::{NAMES, StribeckFit};
 use super::refine::{Data, Normal, Observed};
-use crate::numeric::digits::plain;
 use crate::numeric::spectrum::symmetric_eigen;
+use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {

@@ -16,7 +16,7 @@ mod words;
 
 pub(crate) use law::{NAMES, slower, stribeck_gradient};
 pub use law::{StribeckFit, StribeckRegression, stribeck_torque};
-pub use words::{Estimate, StribeckWords};
+pub(crate) use words::StribeckWords;
 
 use super::super::error::{
     IdentificationError, Result, require_finite, require_length, require_samples, require_setting,

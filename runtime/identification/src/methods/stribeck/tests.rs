@@ -2,6 +2,7 @@
 
 use super::super::confidence::quantile;
 use super::super::filtered::{Filtered, FilteredRun};
+use super::words::Estimate;
 use super::*;
 use crate::methods::filter::Filter;
 use crate::numeric::random::SplitMix64;

@@ -1,21 +1,21 @@
 //! The Stribeck law in physical words.
 
 use super::law::StribeckFit;
-use crate::numeric::digits::with_error;
+use gelenk_findings::digits::with_error;
 
 /// A value with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub(crate) struct Estimate {
     /// The value.
-    pub value: f64,
+    pub(crate) value: f64,
     /// Its standard error; `None` where the data do not tell.
-    pub standard_error: Option<f64>,
+    pub(crate) standard_error: Option<f64>,
 }
 
 /// Physical meaning of a1 … a5. At speeds v beyond the step at zero, of width 1/a3, the law is
 /// `F_v v + F_c + (F_s − F_c) exp(−v/v_s)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StribeckWords {
+pub(crate) struct StribeckWords {
     /// Coulomb friction F_c = a2 [N·m or N].
     pub coulomb: Estimate,
     /// Static friction F_s = a2 + a4 [N·m or N]: the level that must be overcome to break away.

@@ -100,8 +100,8 @@ fn print(report: &PreparationReport) {
     println!("{:.3} Hz at {:.1} samples/s", report.filter.bandwidth(), report.sample_rate);
     for j in &report.joints {
         println!(
-            "{}: σ {:.2e} resolution {:.1e} hold {:.2} own {:.2?} Hz noise of ÿ {:.4} {:?}",
-            j.name, j.noise, j.resolution, j.hold, j.own_bandwidth, j.acceleration_noise, j.fault
+            "{}: σ {:.2e} resolution {:.1e} hold {:.2} noise of ÿ {:.4} {:?}",
+            j.name, j.noise, j.resolution, j.hold, j.acceleration_noise, j.fault
         );
     }
     for d in &report.delays {

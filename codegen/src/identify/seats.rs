@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-9;
 /// - `ratios`: motion of each shaft for a unit of motion of each joint
 /// - `free`: whether the row of a joint may be taken: it has no drive of its own
 #[must_use]
-pub fn seats(ratios: &[Vec<f64>], free: &[bool]) -> Vec<Option<usize>> {
+pub(super) fn seats(ratios: &[Vec<f64>], free: &[bool]) -> Vec<Option<usize>> {
     let joints = free.len();
     let mut rows = DMatrix::<f64>::identity(joints, joints);
     let mut free = free.to_vec();
@@ -31,4 +31,24 @@ pub fn seats(ratios: &[Vec<f64>], free: &[bool]) -> Vec<Option<usize>> {
         Some(taken)
     };
     ratios.iter().map(|shaft| if shaft.len() == joints { seat(shaft) } else { None }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shafts_take_the_rows_of_joints_without_drives() {
+        let differential = [vec![80.0, 80.0], vec![80.0, -80.0]];
+        assert_eq!(seats(&differential, &[true, true]), [Some(0), Some(1)]);
+        // A motor behind a joint that has a motor of its own, as in many wrists.
+        assert_eq!(seats(&[vec![32.0, 32.0]], &[false, true]), [Some(1)]);
+        // Three motors move two joints, and two turn alike.
+        assert_eq!(
+            seats(&[vec![1.0, 1.0], vec![1.0, -1.0], vec![1.0, 2.0]], &[true; 2]),
+            [Some(0), Some(1), None]
+        );
+        assert_eq!(seats(&[vec![1.0, 1.0], vec![2.0, 2.0]], &[true; 2]), [Some(0), None]);
+        assert_eq!(seats(&[vec![1.0, 1.0]], &[false; 2]), [None]);
+    }
 }
