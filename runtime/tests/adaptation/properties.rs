@@ -24,7 +24,7 @@ fn after(seconds: u32, mut joint: Simulated) -> (Simulated, Adaptation<1>) {
 
 #[test]
 fn intervals_hold_during_drift() {
-    let found = coverage(60, settings());
+    let found = coverage(1, 60, settings());
     let all = found.held.iter().sum::<f64>() / 10.0;
     println!("90 % intervals hold {:.1} %, {:?}", 100.0 * all, found.held);
     assert!((0.87..=0.93).contains(&all), "{all}");
