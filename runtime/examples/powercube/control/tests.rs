@@ -146,6 +146,32 @@ fn friction_is_followed_in_operation() {
     flipped(&adaptation::claim(&kept), &[0, 1, 2, 3]);
 }
 
+#[test]
+fn gears_that_warm_up_are_followed() {
+    let settings = AdaptationSettings::new(PERIOD);
+    let claim = |plant: changes::Change, settings| {
+        changes::warming_claim(&changes::warm_up(&reference(), (plant, settings), DURATION).unwrap())
+    };
+    let found = claim(changes::warming, settings);
+    println!("{:?}", found.criteria);
+    assert_eq!(found.verdict(), Verdict::Holds, "{:?}", found.criteria);
+    let kept = AdaptationSettings { drift_times: [1e12; 3], patience: 1e12, ..settings };
+    flipped(&claim(changes::warming, kept), &[0, 2]);
+    flipped(&claim(changes::unchanged, settings), &[1, 3]);
+}
+
+#[test]
+fn a_load_that_is_picked_up_is_found() {
+    let claim = |plant: changes::Change, heaviest| {
+        changes::load_claim(&changes::pick_up(&reference(), (plant, heaviest), DURATION).unwrap())
+    };
+    let found = claim(changes::picking_up, changes::HEAVIEST);
+    println!("{:?}", found.criteria);
+    assert_eq!(found.verdict(), Verdict::Holds, "{:?}", found.criteria);
+    flipped(&claim(changes::picking_up, 0.0), &[0, 2]);
+    flipped(&claim(changes::unchanged, changes::HEAVIEST), &[1, 3]);
+}
+
 /// Two runs give the same data to the last bit, times apart.
 #[test]
 fn experiments_repeat_themselves() {
