@@ -5,8 +5,8 @@ use super::law::{TERMS, dot, product, root};
 use gelenk_kernels::math::exp;
 use libm::log;
 
-/// Weight of the first noise, in samples.
-const FIRST_WEIGHT: f64 = 5.0;
+/// Weight of the first noise, in samples: a guess that is a hundred times too large would otherwise outlast the memory.
+const FIRST_WEIGHT: f64 = 1.0;
 /// Number of rates of drift.
 pub(super) const RATES: usize = 3;
 

@@ -43,7 +43,7 @@ impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize> TakesM
     }
 }
 
-/// Where the torques of a sample come from.
+/// Source of the torques of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TorqueSource {
     /// B u of the inputs that the loop wrote.

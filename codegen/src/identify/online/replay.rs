@@ -5,6 +5,7 @@ use gelenk_adaptation::{
     Measured, Prediction, Trust,
 };
 use gelenk_dynamics::dynamics::Limits;
+use gelenk_identification::numeric::statistics::median;
 use gelenk_identification::error::{IdentificationError, Result};
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
@@ -64,8 +65,7 @@ pub struct OnlineSample {
 impl JointReplay {
     /// Root mean square of the errors of the predictions by a law [N·m or N]; NaN without samples.
     pub fn error(&self, of: impl Fn(&OnlineSample) -> f64) -> f64 {
-        let squares: f64 = self.samples.iter().map(of).map(|error| error * error).sum();
-        (squares / self.samples.len() as f64).sqrt()
+        rms(self.samples.iter().map(of))
     }
 
     /// Time of the last change of the law that acts \[s\].
@@ -140,13 +140,13 @@ fn fault(place: impl Into<String>, message: impl Into<String>) -> Identification
 fn rate(runs: &[Run]) -> Result<f64> {
     let steps = |run: &Run| run.times.windows(2).map(|t| t[1] - t[0]).collect::<Vec<f64>>();
     let rate = 1.0
-        / median(runs.iter().flat_map(steps).collect())
+        / median(runs.iter().flat_map(steps))
             .ok_or(IdentificationError::Empty { what: "the log".into() })?;
     for run in runs {
         let steps = steps(run);
         let jitter = |step: &f64| step * rate - (step * rate).round().max(1.0);
         let irregular = steps.iter().filter(|step| jitter(step).abs() > LARGEST_JITTER).count();
-        let own = 1.0 / median(steps.clone()).unwrap_or(1.0 / rate);
+        let own = 1.0 / median(steps.iter().copied()).unwrap_or(1.0 / rate);
         if (own / rate - 1.0).abs() > OTHER_RATE {
             let message = format!(
                 "it has {own:.6} rows in a second, the logs as a whole {rate:.6}: replay logs of one rate"
@@ -164,11 +164,6 @@ fn rate(runs: &[Run]) -> Result<f64> {
     }
     let digits = RATE_DIGITS - 1;
     format!("{rate:.digits$e}").parse().map_err(|_| fault("the log", format!("{rate} rows in a second")))
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
@@ -194,12 +189,14 @@ fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
         let neighbours = steps.filter(|(_, t)| rate * (t[1] - t[0]) < 1.5);
         neighbours.map(|(y, _)| rate * (y[1] - y[0]))
     });
-    let (mut squares, mut count) = (0.0, 0.0);
-    for speed in speeds.filter(|speed| *speed != 0.0) {
-        squares += speed * speed;
-        count += 1.0;
-    }
-    if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 }
+    let moving = rms(speeds.filter(|speed| *speed != 0.0));
+    if moving.is_finite() { moving } else { 0.0 }
+}
+
+/// Root mean square; NaN without values.
+pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (squares, count) = values.fold((0.0, 0.0), |(squares, count), x| (squares + x * x, count + 1.0));
+    f64::sqrt(squares / count)
 }
 
 /// A robot in the estimator's places.

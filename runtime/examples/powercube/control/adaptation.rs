@@ -33,7 +33,6 @@ pub fn at_once() -> AdaptationSettings {
         time_constant: PERIOD,
         memory: 2.0,
         patience: 0.1,
-        rest: 0.003,
         ..AdaptationSettings::new(PERIOD)
     }
 }
