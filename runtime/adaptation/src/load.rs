@@ -55,7 +55,8 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
     /// # Errors
     /// [`AdaptationError::Load`].
     pub fn new(bounds: [[f64; 2]; P]) -> Result<Self, AdaptationError> {
-        let is_box = |[low, high]: &[f64; 2]| low.is_finite() && high.is_finite() && *low <= 0.0 && *high >= 0.0;
+        let is_box =
+            |[low, high]: &[f64; 2]| low.is_finite() && high.is_finite() && *low <= 0.0 && *high >= 0.0;
         if let Some(place) = bounds.iter().position(|bounds| !is_box(bounds)) {
             return Err(AdaptationError::Load(place));
         }

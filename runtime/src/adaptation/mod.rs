@@ -10,7 +10,7 @@ mod model;
 pub use carrying::Carrying;
 pub use controller::{Adaptive, TakesModel, TorqueSource};
 pub use gelenk_adaptation::{
-    Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointScale, JointState, LoadEstimator, LoadState, MOST_DELAY,
-    Magnitudes, Measured, Prediction, TERM_NAMES, TERMS, Trust, terms,
+    Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointScale, JointState, LoadEstimator,
+    LoadState, MOST_DELAY, Magnitudes, Measured, Prediction, TERM_NAMES, TERMS, Trust, terms,
 };
 pub use model::LearnedFriction;

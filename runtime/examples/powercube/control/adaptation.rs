@@ -31,7 +31,7 @@ pub fn at_once() -> AdaptationSettings {
     AdaptationSettings {
         drift_times: [4000.0, 400.0, 40.0],
         time_constant: PERIOD,
-        memory: 2.0,
+        memory: 4.0,
         patience: 0.1,
         ..AdaptationSettings::new(PERIOD)
     }

@@ -14,10 +14,10 @@ use gelenk_runtime::mpc::LtvMpc;
 use gelenk_runtime::trajectory::{Sample, Sampled, Trajectory};
 
 /// Time in which the gears warm up (s), and the factor of their viscous friction then.
-const WARM: f64 = 300.0;
+pub const WARM: f64 = 300.0;
 const WARM_FACTOR: f64 = 0.7;
 /// When the arm picks up its load (s), the load [kg], and the heaviest one that the estimator expects.
-const PICKED_UP: f64 = 60.0;
+const PICKED_UP: f64 = 30.0;
 const MASS: f64 = 1.0;
 pub const HEAVIEST: f64 = 2.0;
 /// Time that the estimate of the load has to follow (s), as that of claim 12.
@@ -213,14 +213,15 @@ fn friction(robot: &impl Dynamics<2, 2>) -> [f64; 2] {
 
 /// Gears that warm up.
 ///
+/// - `seconds`: of the run
 /// - `duration`: of the motion by which friction is identified before (s)
 pub fn warm_up(
     motion: &Sampled<2>,
-    (plant, settings): (Change, AdaptationSettings),
+    (plant, settings, seconds): (Change, AdaptationSettings, f64),
     duration: f64,
 ) -> Outcome<Compared<2>> {
     let initial = identify(arm(COLD), arm(COLD), duration)?;
-    let reference = Repeated { motion, duration: WARM };
+    let reference = Repeated { motion, duration: seconds };
     let controller = learning(initial, reference, settings)?;
     Compared::new(plant, initial, reference, (controller, |controller| friction(&controller.robot())))
 }
@@ -228,19 +229,20 @@ pub fn warm_up(
 /// A load that is picked up.
 ///
 /// - `heaviest`: of the loads that the estimator expects [kg]
-pub fn pick_up(
-    motion: &Sampled<2>,
-    (plant, heaviest): (Change, f64),
-    duration: f64,
-) -> Outcome<Compared<2>> {
+pub fn pick_up(motion: &Sampled<2>, (plant, heaviest): (Change, f64), duration: f64) -> Outcome<Compared<2>> {
     let initial = identify(arm(COLD), arm(COLD), duration)?;
     let reference = Repeated { motion, duration: 2.0 * PICKED_UP };
     let adaptive = learning(initial, reference, AdaptationSettings::new(PERIOD))?;
     let controller = Carrying::new(adaptive, [[0.0, heaviest]], |arm, [mass]| carrying(*arm, *mass))?;
-    Compared::new(plant, initial, reference, (controller, |controller| {
-        let state = controller.load().state();
-        [state.acting[0], state.half_widths[0]]
-    }))
+    Compared::new(
+        plant,
+        initial,
+        reference,
+        (controller, |controller| {
+            let state = controller.load().state();
+            [state.acting[0], state.half_widths[0]]
+        }),
+    )
 }
 
 pub fn warming_claim(compared: &Compared<2>) -> Claim {
@@ -252,7 +254,7 @@ pub fn warming_claim(compared: &Compared<2>) -> Claim {
         .criteria(claim, 0.0)
         .flipped_by("a law that may not change, or gears that stay cold")
         .remark("Over the whole five minutes, by the loop's estimator with its default settings. Not in the paper: it names the possibility.")
-        .shown_in("warming")
+        .shown_in("warm-gears")
 }
 
 pub fn load_claim(compared: &Compared<2>) -> Claim {
@@ -264,24 +266,27 @@ pub fn load_claim(compared: &Compared<2>) -> Claim {
         .criteria(claim, PICKED_UP + SETTLED)
         .flipped_by("an estimator without the parameter of the load, or hands that stay empty")
         .remark("From 6 s after the load is picked up. The estimator knows where a load is held, not its mass. Not in the paper: it names the possibility.")
-        .shown_in("load")
+        .shown_in("load-mass")
 }
 
 pub fn experiment(study: &Study) -> Outcome<Part> {
     let motion = arm::reference()?;
     let duration = study.pick(60.0, 30.0);
-    let warm = warm_up(&motion, (warming, AdaptationSettings::new(PERIOD)), duration)?;
+    let warm = warm_up(&motion, (warming, AdaptationSettings::new(PERIOD), WARM), duration)?;
     let load = pick_up(&motion, (picking_up, HEAVIEST), duration)?;
-    let table = Table::new("changes-table", "Errors of the feed-forward: root mean square of the torque at the joint that the feedback adds.")
-        .column("model", "model", "")
-        .column("span", "span", "")
-        .column("error β", "error β", "N m")
-        .column("error γ", "error γ", "N m");
+    let table = Table::new(
+        "changes-table",
+        "Errors of the feed-forward: root mean square of the torque at the joint that the feedback adds.",
+    )
+    .column("model", "model", "")
+    .column("span", "span", "")
+    .column("error β", "error β", "N m")
+    .column("error γ", "error γ", "N m");
     let table = warm.rows(table, "gears warm up: all 300 s", 0.0);
     let table = load.rows(table, "load: from the picking up on", PICKED_UP);
     let table = load.rows(table, "load: from 6 s later on", PICKED_UP + SETTLED);
     let section = Section::new("changes", "13, 14 · Gears that warm up, and a load")
-        .block(text("The arm moves along the published trajectory forth and back. Encoders have steps of 0.1 mrad, motor torques noise of 2 mN m (0.3 N m at the joint). Three predictive controllers run on the same plant: one keeps the friction that was identified before, one learns by the estimator of the control loop with its default settings, and one has the plant's own equations in each period. First the viscous friction of both joints falls by 30 % in five minutes. Then friction stays, and after a minute the fingers hold 1 kg."))
+        .block(text("The arm moves along the published trajectory forth and back. Encoders have steps of 0.1 mrad, motor torques noise of 2 mN m (0.3 N m at the joint). Three predictive controllers run on the same plant: one keeps the friction that was identified before, one learns by the estimator of the control loop with its default settings, and one has the plant's own equations in each period. First the viscous friction of both joints falls by 30 % in five minutes. Then friction stays, and after half a minute the fingers hold 1 kg."))
         .block(Block::Figure(warming_figure(&warm)))
         .block(Block::Figure(load_figure(&load)))
         .block(Block::Table(table));
@@ -289,7 +294,8 @@ pub fn experiment(study: &Study) -> Outcome<Part> {
 }
 
 fn warming_figure(compared: &Compared<2>) -> Figure {
-    let figure = Figure::new("warming", "Friction at 0.35 rad/s while the gears warm up; dashed, the plant's.");
+    let figure =
+        Figure::new("warm-gears", "Friction at 0.35 rad/s while the gears warm up; dashed, the plant's.");
     let times = compared.learning.rows.iter().step_by(10).map(|row| row.time);
     let truth: Vec<(f64, [f64; 2])> = times.map(|time| (time, friction(&warming(time)))).collect();
     JOINTS.into_iter().enumerate().fold(figure, |figure, (i, joint)| {
@@ -308,12 +314,15 @@ fn load_figure(compared: &Compared<2>) -> Figure {
     let errors = Plot::new("joint γ", show::time(), Axis::new("feedback", "N m"))
         .series("static", Marks::Line, compared.fixed.points(|row| row.gap(1)))
         .series("learned", Marks::Line, compared.learning.points(|row| row.gap(1)));
-    Figure::new("load", "Mass of the load with its 90 % interval, and the torque that the feedback adds at γ.")
-        .plot(
-            Plot::new("load", show::time(), Axis::new("mass", "kg"))
-                .series("learned", Marks::Line, compared.points(|[mass, _]| *mass))
-                .series("90 % interval", Marks::Dashed, [side(1.0), vec![[f64::NAN; 2]], side(-1.0)].concat())
-                .series("plant", Marks::Dashed, truth.to_vec()),
-        )
-        .plot(errors)
+    Figure::new(
+        "load-mass",
+        "Mass of the load with its 90 % interval, and the torque that the feedback adds at γ.",
+    )
+    .plot(
+        Plot::new("load", show::time(), Axis::new("mass", "kg"))
+            .series("learned", Marks::Line, compared.points(|[mass, _]| *mass))
+            .series("90 % interval", Marks::Dashed, [side(1.0), vec![[f64::NAN; 2]], side(-1.0)].concat())
+            .series("plant", Marks::Dashed, truth.to_vec()),
+    )
+    .plot(errors)
 }
