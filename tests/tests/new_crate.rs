@@ -86,7 +86,7 @@ fn a_new_crate_learns_friction() {
     let numbers: Vec<f64> = last.split_whitespace().map(|word| word.parse().expect("a number")).collect();
     for joint in numbers[1..].chunks(3) {
         let (learned, described) = (joint[0], joint[2]);
-        assert!((learned / described - 0.7).abs() < 0.02, "{printed}");
+        assert!((learned / described - 0.7).abs() < 0.05, "{printed}");
     }
     assert_eq!(numbers.len(), 7, "{last}");
 }

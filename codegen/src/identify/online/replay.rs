@@ -6,7 +6,6 @@ use gelenk_adaptation::{
 };
 use gelenk_dynamics::dynamics::Limits;
 use gelenk_identification::error::{IdentificationError, Result};
-use gelenk_identification::numeric::statistics::median;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
 use nalgebra::DMatrix;
@@ -143,12 +142,13 @@ fn fault(place: impl Into<String>, message: impl Into<String>) -> Identification
 fn rate(runs: &[Run]) -> Result<f64> {
     let steps = |run: &Run| run.times.windows(2).map(|t| t[1] - t[0]).collect::<Vec<f64>>();
     let rate = 1.0
-        / median(runs.iter().flat_map(steps)).ok_or(IdentificationError::Empty { what: "the log".into() })?;
+        / median(runs.iter().flat_map(steps).collect())
+            .ok_or(IdentificationError::Empty { what: "the log".into() })?;
     for run in runs {
         let steps = steps(run);
         let jitter = |step: &f64| step * rate - (step * rate).round().max(1.0);
         let irregular = steps.iter().filter(|step| jitter(step).abs() > LARGEST_JITTER).count();
-        let own = 1.0 / median(steps.iter().copied()).unwrap_or(1.0 / rate);
+        let own = 1.0 / median(steps.clone()).unwrap_or(1.0 / rate);
         if (own / rate - 1.0).abs() > OTHER_RATE {
             let message = format!(
                 "it has {own:.6} rows in a second, the logs as a whole {rate:.6}: replay logs of one rate"
@@ -166,6 +166,11 @@ fn rate(runs: &[Run]) -> Result<f64> {
     }
     let digits = RATE_DIGITS - 1;
     format!("{rate:.digits$e}").parse().map_err(|_| fault("the log", format!("{rate} rows in a second")))
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {

@@ -5,4 +5,4 @@ pub(crate) mod kernel;
 pub mod random;
 pub(crate) mod shifted;
 pub(crate) mod spectrum;
-pub mod statistics;
+pub(crate) mod statistics;
