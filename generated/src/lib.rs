@@ -104,7 +104,7 @@ pub mod powercube_alpha_parameters;
 
 /// The robot `powercube_parameters`.
 ///
-/// Schunk PowerCube arm reduced to the joints beta and gamma, all others held, with friction and gravity as free parameters.
+/// Schunk PowerCube arm reduced to the joints beta and gamma, all others held, with friction, gravity and the mass of a load as free parameters.
 /// Both axes are parallel and horizontal; y = 0 is upright; gamma is measured relative to the first link.
 /// Defaults are the published values, exact sign included.
 #[rustfmt::skip]

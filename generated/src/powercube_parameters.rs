@@ -4,7 +4,7 @@
 //
 // Robot: powercube_parameters
 //
-// Schunk PowerCube arm reduced to the joints beta and gamma, all others held, with friction and gravity as free parameters.
+// Schunk PowerCube arm reduced to the joints beta and gamma, all others held, with friction, gravity and the mass of a load as free parameters.
 // Both axes are parallel and horizontal; y = 0 is upright; gamma is measured relative to the first link.
 // Defaults are the published values, exact sign included.
 
@@ -134,6 +134,8 @@ pub struct Parameters {
     pub gamma_tanh_20: f64,
     /// Parameter `gamma_tanh_100` (N m); described as 8.342.
     pub gamma_tanh_100: f64,
+    /// mass between the fingers (kg); described as 0.0.
+    pub load: f64,
 }
 
 impl Parameters {
@@ -154,6 +156,7 @@ impl Parameters {
         gamma_tanh_10: 0.368,
         gamma_tanh_20: 0.0,
         gamma_tanh_100: 8.342,
+        load: 0.0,
     };
 }
 
@@ -184,19 +187,28 @@ pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 /// - `p`: free parameters
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
-/// Cost: 2 multiplications, 2 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 6 multiplications, 8 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
 #[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N], p: &Parameters) -> [[f64; N]; N] {
-    let _ = p;
     let (_, cos_gamma) = math::sin_cos(y[1]);
-    let t2 = cos_gamma * 0.6215099723999999;
-    let t3 = t2 + 2.3212965868565;
-    let t4 = cos_gamma * 0.31075498619999997;
-    let t5 = t4 + 0.6693697768564999;
-    [[t3, t5], [t5, 2.0261489768564998]]
+    let t2 = 0.5586 * p.load;
+    let t3 = 1.72641659 + t2;
+    let t4 = t3 * cos_gamma;
+    let t5 = t4 * 0.36;
+    let t6 = 0.31203396 * p.load;
+    let t7 = t6 + 2.0893903468565;
+    let t8 = 7.1576 + p.load;
+    let t9 = t8 * 0.0324;
+    let t10 = t9 + t7;
+    let t11 = t5 + t10;
+    let t12 = 0.18 * t4;
+    let t13 = t6 + 0.6693697768564999;
+    let t14 = t12 + t13;
+    let t15 = t6 + 2.0261489768564998;
+    [[t11, t14], [t14, t15]]
 }
 
 /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)`.
@@ -208,22 +220,25 @@ pub fn mass_matrix(y: &[f64; N], p: &Parameters) -> [[f64; N]; N] {
 /// - `p`: free parameters
 /// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
 ///
-/// Cost: 6 multiplications, 2 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 9 multiplications, 3 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
 /// Recursive Newton–Euler equations without gravity and accelerations.
 #[inline]
 #[must_use]
 pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
-    let _ = p;
     let (sin_gamma, _) = math::sin_cos(y[1]);
     let omega_gamma_z = v[0] + v[1];
     let t2 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t2;
+    let t3 = 0.5586 * p.load;
+    let t4 = 1.72641659 + t3;
+    let force_gamma_x = t4 * t2;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t5 = v[0] * v[0];
-    let acceleration_gamma_y = sin_gamma * t5;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let moment_beta_z = moment_gamma_z - force_beta_y;
+    let t7 = 0.18 * force_beta_y;
+    let t8 = v[0] * v[0];
+    let t9 = 0.18 * t8;
+    let acceleration_gamma_y = sin_gamma * t9;
+    let moment_gamma_z = t4 * acceleration_gamma_y;
+    let moment_beta_z = moment_gamma_z - t7;
     [moment_beta_z, moment_gamma_z]
 }
 
@@ -235,17 +250,22 @@ pub fn coriolis_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `p`: free parameters
 /// - returns `q_gravity: [N]`: positive where gravity drives the joint forwards; −∂V/∂y
 ///
-/// Cost: 4 multiplications, 2 additions, 0 divisions, 2 function calls (`sin_cos`).
+/// Cost: 6 multiplications, 5 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn gravity_forces(y: &[f64; N], p: &Parameters) -> [f64; N] {
     let angle_beta_gamma = y[0] + y[1];
     let ([sin_beta, sin_beta_gamma], [..]) = math::sin_cos_2(y[0], angle_beta_gamma);
+    let t3 = 7.1576 + p.load;
+    let t4 = 0.18 * t3;
+    let t5 = 0.33777 + t4;
+    let t6 = t5 * sin_beta;
+    let t7 = p.g * t6;
     let acceleration_gamma_y = p.g * sin_beta_gamma;
-    let moment_gamma_z = 1.72641659 * acceleration_gamma_y;
-    let t5 = 1.626138 * sin_beta;
-    let t6 = p.g * t5;
-    let moment_beta_z = t6 + moment_gamma_z;
+    let t9 = 0.5586 * p.load;
+    let t10 = 1.72641659 + t9;
+    let moment_gamma_z = t10 * acceleration_gamma_y;
+    let moment_beta_z = t7 + moment_gamma_z;
     [moment_beta_z, moment_gamma_z]
 }
 
@@ -336,7 +356,7 @@ pub fn friction_torques(v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `p`: free parameters
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
-/// Cost: 24 multiplications, 16 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
+/// Cost: 26 multiplications, 19 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
@@ -365,36 +385,41 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
     let t21 = t20 + t18;
     let t22 = t21 + t16;
     let t23 = t22 + t13;
+    let t24 = 7.1576 + p.load;
+    let t25 = 0.18 * t24;
+    let t26 = 0.33777 + t25;
+    let t27 = t26 * sin_beta;
+    let t28 = p.g * t27;
     let acceleration_gamma_y = p.g * sin_beta_gamma;
-    let moment_gamma_z = 1.72641659 * acceleration_gamma_y;
-    let t26 = 1.626138 * sin_beta;
-    let t27 = p.g * t26;
-    let moment_beta_z = t27 + moment_gamma_z;
-    let t29 = moment_beta_z - t23;
-    let t30 = v[1] * 100.0;
-    let t31 = math::tanh(t30);
-    let t32 = t31 * p.gamma_tanh_100;
-    let t33 = sign(v[1]);
-    let t34 = t33 * p.gamma_sign;
-    let t35 = v[1] * p.gamma_viscous;
-    let t36 = p.gamma_constant + t35;
-    let t37 = t36 + t34;
-    let t38 = t37 + t32;
-    let t39 = moment_gamma_z - t38;
-    let t40 = v[1] * 20.0;
-    let t41 = math::tanh(t40);
-    let t42 = t41 * p.gamma_tanh_20;
-    let t43 = v[1] * 10.0;
-    let t44 = math::tanh(t43);
-    let t45 = t44 * p.gamma_tanh_10;
-    let t46 = t45 + t42;
-    let t47 = v[1] * 5.0;
-    let t48 = math::tanh(t47);
-    let t49 = t48 * p.gamma_tanh_5;
-    let t50 = t49 + t46;
-    let t51 = t50 - t39;
-    let t52 = -t51;
-    [t29, t52]
+    let t30 = 0.5586 * p.load;
+    let t31 = 1.72641659 + t30;
+    let moment_gamma_z = t31 * acceleration_gamma_y;
+    let moment_beta_z = t28 + moment_gamma_z;
+    let t34 = moment_beta_z - t23;
+    let t35 = v[1] * 100.0;
+    let t36 = math::tanh(t35);
+    let t37 = t36 * p.gamma_tanh_100;
+    let t38 = sign(v[1]);
+    let t39 = t38 * p.gamma_sign;
+    let t40 = v[1] * p.gamma_viscous;
+    let t41 = p.gamma_constant + t40;
+    let t42 = t41 + t39;
+    let t43 = t42 + t37;
+    let t44 = moment_gamma_z - t43;
+    let t45 = v[1] * 20.0;
+    let t46 = math::tanh(t45);
+    let t47 = t46 * p.gamma_tanh_20;
+    let t48 = v[1] * 10.0;
+    let t49 = math::tanh(t48);
+    let t50 = t49 * p.gamma_tanh_10;
+    let t51 = t50 + t47;
+    let t52 = v[1] * 5.0;
+    let t53 = math::tanh(t52);
+    let t54 = t53 * p.gamma_tanh_5;
+    let t55 = t54 + t51;
+    let t56 = t55 - t44;
+    let t57 = -t56;
+    [t34, t57]
 }
 
 /// Bias forces `k − q_gravity`.
@@ -406,29 +431,35 @@ pub fn applied_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
 /// - `p`: free parameters
 /// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
 ///
-/// Cost: 11 multiplications, 5 additions, 0 divisions, 2 function calls (`sin_cos`).
+/// Cost: 14 multiplications, 8 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
 /// Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`.
 #[inline]
 #[must_use]
 pub fn bias_forces(y: &[f64; N], v: &[f64; N], p: &Parameters) -> [f64; N] {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = p.g * 5.555555555555555;
-    let acceleration_beta_x = cos_beta * t4;
-    let t6 = v[0] * v[0];
-    let t7 = acceleration_beta_x - t6;
-    let t8 = sin_gamma * t7;
-    let acceleration_beta_y = sin_beta * t4;
-    let t10 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t8 + t10;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
     let omega_gamma_z = v[0] + v[1];
-    let t14 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t14;
+    let t5 = omega_gamma_z * omega_gamma_z;
+    let t6 = 0.5586 * p.load;
+    let t7 = 1.72641659 + t6;
+    let force_gamma_x = t7 * t5;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t17 = 0.29270484 * acceleration_beta_y;
-    let t18 = t17 + force_beta_y;
-    let moment_beta_z = moment_gamma_z + t18;
+    let t10 = 0.18 * force_beta_y;
+    let t11 = 7.1576 + p.load;
+    let t12 = 0.18 * t11;
+    let t13 = 0.33777 + t12;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t15 = t13 * acceleration_beta_y;
+    let t16 = t15 + t10;
+    let t17 = v[0] * v[0];
+    let t18 = 0.18 * t17;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t20 = acceleration_beta_x - t18;
+    let t21 = sin_gamma * t20;
+    let t22 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t21 + t22;
+    let moment_gamma_z = t7 * acceleration_gamma_y;
+    let moment_beta_z = moment_gamma_z + t16;
     let minus_moment_beta_z = -moment_beta_z;
     let minus_moment_gamma_z = -moment_gamma_z;
     [minus_moment_beta_z, minus_moment_gamma_z]
@@ -460,7 +491,7 @@ pub fn input_matrix(p: &Parameters) -> [[f64; M]; N] {
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
 ///
-/// Cost: 32 multiplications, 20 additions, 0 divisions, 11 function calls (3 `sin_cos`, 8 other), 2 selections.
+/// Cost: 39 multiplications, 27 additions, 0 divisions, 11 function calls (3 `sin_cos`, 8 other), 2 selections.
 ///
 /// What the three have in common is computed once.
 ///
@@ -479,69 +510,83 @@ pub fn equations_of_motion(
         angle_beta_gamma,
         0.0,
     );
-    let t5 = cos_gamma * 0.6215099723999999;
-    let t6 = t5 + 2.3212965868565;
-    let t7 = 0.31075498619999997 * cos_gamma;
-    let t8 = t7 + 0.6693697768564999;
+    let t5 = 0.5586 * p.load;
+    let t6 = 1.72641659 + t5;
+    let t7 = t6 * cos_gamma;
+    let t8 = t7 * 0.36;
+    let t9 = 0.31203396 * p.load;
+    let t10 = t9 + 2.0893903468565;
+    let t11 = 7.1576 + p.load;
+    let t12 = t11 * 0.0324;
+    let t13 = t12 + t10;
+    let t14 = t8 + t13;
+    let t15 = 0.18 * t7;
+    let t16 = t9 + 0.6693697768564999;
+    let t17 = t15 + t16;
+    let t18 = t9 + 2.0261489768564998;
     let omega_gamma_z = v[0] + v[1];
-    let t10 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t10;
+    let t20 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = t6 * t20;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t13 = v[0] * v[0];
-    let acceleration_gamma_y = sin_gamma * t13;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let moment_beta_z = moment_gamma_z - force_beta_y;
-    let t17 = v[0] * 20.0;
-    let t18 = math::tanh(t17);
-    let t19 = t18 * p.beta_tanh_20;
-    let t20 = v[0] * 10.0;
-    let t21 = math::tanh(t20);
-    let t22 = t21 * p.beta_tanh_10;
-    let t23 = t22 + t19;
-    let t24 = v[0] * 5.0;
-    let t25 = math::tanh(t24);
-    let t26 = t25 * p.beta_tanh_5;
-    let t27 = t26 + t23;
-    let t28 = v[0] * 100.0;
-    let t29 = math::tanh(t28);
-    let t30 = t29 * p.beta_tanh_100;
-    let t31 = sign(v[0]);
-    let t32 = t31 * p.beta_sign;
-    let t33 = v[0] * p.beta_viscous;
-    let t34 = p.beta_constant + t33;
-    let t35 = t34 + t32;
-    let t36 = t35 + t30;
-    let t37 = t36 + t27;
+    let t23 = 0.18 * force_beta_y;
+    let t24 = v[0] * v[0];
+    let t25 = 0.18 * t24;
+    let acceleration_gamma_y = sin_gamma * t25;
+    let moment_gamma_z = t6 * acceleration_gamma_y;
+    let moment_beta_z = moment_gamma_z - t23;
+    let t29 = v[0] * 20.0;
+    let t30 = math::tanh(t29);
+    let t31 = t30 * p.beta_tanh_20;
+    let t32 = v[0] * 10.0;
+    let t33 = math::tanh(t32);
+    let t34 = t33 * p.beta_tanh_10;
+    let t35 = t34 + t31;
+    let t36 = v[0] * 5.0;
+    let t37 = math::tanh(t36);
+    let t38 = t37 * p.beta_tanh_5;
+    let t39 = t38 + t35;
+    let t40 = v[0] * 100.0;
+    let t41 = math::tanh(t40);
+    let t42 = t41 * p.beta_tanh_100;
+    let t43 = sign(v[0]);
+    let t44 = t43 * p.beta_sign;
+    let t45 = v[0] * p.beta_viscous;
+    let t46 = p.beta_constant + t45;
+    let t47 = t46 + t44;
+    let t48 = t47 + t42;
+    let t49 = t48 + t39;
+    let t50 = 0.18 * t11;
+    let t51 = 0.33777 + t50;
+    let t52 = t51 * sin_beta;
+    let t53 = p.g * t52;
     let acceleration_gamma_y_2 = p.g * sin_beta_gamma;
-    let moment_gamma_z_2 = 1.72641659 * acceleration_gamma_y_2;
-    let t40 = 1.626138 * sin_beta;
-    let t41 = p.g * t40;
-    let moment_beta_z_2 = t41 + moment_gamma_z_2;
-    let t43 = moment_beta_z_2 - t37;
-    let t44 = v[1] * 100.0;
-    let t45 = math::tanh(t44);
-    let t46 = t45 * p.gamma_tanh_100;
-    let t47 = sign(v[1]);
-    let t48 = t47 * p.gamma_sign;
-    let t49 = v[1] * p.gamma_viscous;
-    let t50 = p.gamma_constant + t49;
-    let t51 = t50 + t48;
-    let t52 = t51 + t46;
-    let t53 = moment_gamma_z_2 - t52;
-    let t54 = v[1] * 20.0;
-    let t55 = math::tanh(t54);
-    let t56 = t55 * p.gamma_tanh_20;
-    let t57 = v[1] * 10.0;
-    let t58 = math::tanh(t57);
-    let t59 = t58 * p.gamma_tanh_10;
-    let t60 = t59 + t56;
-    let t61 = v[1] * 5.0;
-    let t62 = math::tanh(t61);
-    let t63 = t62 * p.gamma_tanh_5;
-    let t64 = t63 + t60;
-    let t65 = t64 - t53;
-    let t66 = -t65;
-    ([[t6, t8], [t8, 2.0261489768564998]], [moment_beta_z, moment_gamma_z], [t43, t66])
+    let moment_gamma_z_2 = t6 * acceleration_gamma_y_2;
+    let moment_beta_z_2 = t53 + moment_gamma_z_2;
+    let t57 = moment_beta_z_2 - t49;
+    let t58 = v[1] * 100.0;
+    let t59 = math::tanh(t58);
+    let t60 = t59 * p.gamma_tanh_100;
+    let t61 = sign(v[1]);
+    let t62 = t61 * p.gamma_sign;
+    let t63 = v[1] * p.gamma_viscous;
+    let t64 = p.gamma_constant + t63;
+    let t65 = t64 + t62;
+    let t66 = t65 + t60;
+    let t67 = moment_gamma_z_2 - t66;
+    let t68 = v[1] * 20.0;
+    let t69 = math::tanh(t68);
+    let t70 = t69 * p.gamma_tanh_20;
+    let t71 = v[1] * 10.0;
+    let t72 = math::tanh(t71);
+    let t73 = t72 * p.gamma_tanh_10;
+    let t74 = t73 + t70;
+    let t75 = v[1] * 5.0;
+    let t76 = math::tanh(t75);
+    let t77 = t76 * p.gamma_tanh_5;
+    let t78 = t77 + t74;
+    let t79 = t78 - t67;
+    let t80 = -t79;
+    ([[t14, t17], [t17, t18]], [moment_beta_z, moment_gamma_z], [t57, t80])
 }
 
 /// Inverse dynamics: the joint forces of a motion.
@@ -554,7 +599,7 @@ pub fn equations_of_motion(
 /// - `p`: free parameters
 /// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
 ///
-/// Cost: 39 multiplications, 28 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
+/// Cost: 47 multiplications, 35 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
 ///
@@ -568,86 +613,101 @@ pub fn inverse_dynamics(
     p: &Parameters,
 ) -> [f64; N] {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = p.g * 5.555555555555555;
-    let acceleration_beta_y = sin_beta * t4;
-    let t6 = a[0] - acceleration_beta_y;
-    let t7 = cos_gamma * t6;
-    let acceleration_beta_x = cos_beta * t4;
-    let t9 = v[0] * v[0];
-    let t10 = acceleration_beta_x - t9;
-    let t11 = sin_gamma * t10;
-    let acceleration_gamma_y = t11 - t7;
-    let t13 = 0.31075498619999997 * acceleration_gamma_y;
-    let t14 = a[0] + a[1];
-    let t15 = t14 * 0.6608899068565;
-    let moment_gamma_z = t13 - t15;
-    let force_gamma_y = 0.31075498619999997 * t14;
-    let t18 = cos_gamma * force_gamma_y;
-    let t19 = a[1] * 0.00847987;
-    let t20 = a[0] * 0.29514761000000006;
-    let t21 = t20 + t19;
-    let t22 = t18 + t21;
+    let t4 = 7.1576 + p.load;
+    let t5 = t4 * 0.0324;
+    let t6 = 0.04850918500000001 + t5;
+    let t7 = a[0] * t6;
+    let t8 = a[1] * 0.00847987;
+    let t9 = a[0] * 0.014732185;
+    let t10 = t9 + t8;
+    let t11 = t7 + t10;
+    let t12 = 0.18 * t4;
+    let t13 = 0.33777 + t12;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t15 = t13 * acceleration_beta_y;
+    let t16 = t15 - t11;
+    let t17 = 0.5586 * p.load;
+    let t18 = 1.72641659 + t17;
+    let t19 = a[0] + a[1];
+    let force_gamma_y = t18 * t19;
+    let t21 = cos_gamma * force_gamma_y;
     let omega_gamma_z = v[0] + v[1];
-    let t24 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t24;
-    let t26 = sin_gamma * force_gamma_x;
-    let t27 = t26 - t22;
-    let t28 = 0.29270484 * acceleration_beta_y;
-    let t29 = t28 + t27;
-    let moment_beta_z = moment_gamma_z + t29;
-    let t31 = v[0] * 20.0;
-    let t32 = math::tanh(t31);
-    let t33 = t32 * p.beta_tanh_20;
-    let t34 = v[0] * 10.0;
-    let t35 = math::tanh(t34);
-    let t36 = t35 * p.beta_tanh_10;
-    let t37 = t36 + t33;
-    let t38 = v[0] * 5.0;
-    let t39 = math::tanh(t38);
-    let t40 = t39 * p.beta_tanh_5;
-    let t41 = t40 + t37;
-    let t42 = v[0] * p.beta_viscous;
-    let t43 = p.beta_constant + t42;
-    let t44 = a[0] * 1.36525907;
-    let t45 = t44 + t43;
-    let t46 = sign(v[0]);
-    let t47 = t46 * p.beta_sign;
-    let t48 = t47 + t45;
-    let t49 = v[0] * 100.0;
+    let t23 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = t18 * t23;
+    let t25 = sin_gamma * force_gamma_x;
+    let t26 = t25 - t21;
+    let t27 = 0.18 * t26;
+    let t28 = t27 + t16;
+    let t29 = a[0] * 0.18;
+    let t30 = acceleration_beta_y - t29;
+    let t31 = cos_gamma * t30;
+    let t32 = v[0] * v[0];
+    let t33 = 0.18 * t32;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t35 = acceleration_beta_x - t33;
+    let t36 = sin_gamma * t35;
+    let acceleration_gamma_y = t36 + t31;
+    let t38 = t18 * acceleration_gamma_y;
+    let t39 = 0.31203396 * p.load;
+    let t40 = 0.6508591710064999 + t39;
+    let t41 = t40 * t19;
+    let t42 = 0.01003073585 * t19;
+    let t43 = t41 + t42;
+    let moment_gamma_z = t38 - t43;
+    let moment_beta_z = moment_gamma_z + t28;
+    let t46 = v[0] * 20.0;
+    let t47 = math::tanh(t46);
+    let t48 = t47 * p.beta_tanh_20;
+    let t49 = v[0] * 10.0;
     let t50 = math::tanh(t49);
-    let t51 = t50 * p.beta_tanh_100;
+    let t51 = t50 * p.beta_tanh_10;
     let t52 = t51 + t48;
-    let t53 = t52 + t41;
-    let t54 = moment_beta_z - t53;
-    let t55 = v[1] * 20.0;
-    let t56 = math::tanh(t55);
-    let t57 = t56 * p.gamma_tanh_20;
-    let t58 = v[1] * 10.0;
-    let t59 = math::tanh(t58);
-    let t60 = t59 * p.gamma_tanh_10;
-    let t61 = t60 + t57;
-    let t62 = v[1] * 5.0;
-    let t63 = math::tanh(t62);
-    let t64 = t63 * p.gamma_tanh_5;
-    let t65 = t64 + t61;
-    let t66 = v[1] * p.gamma_viscous;
-    let t67 = p.gamma_constant + t66;
-    let t68 = a[0] * 0.00847987;
-    let t69 = a[1] * 1.36525907;
-    let t70 = t69 + t68;
-    let t71 = t70 + t67;
-    let t72 = sign(v[1]);
-    let t73 = t72 * p.gamma_sign;
-    let t74 = t73 + t71;
-    let t75 = v[1] * 100.0;
-    let t76 = math::tanh(t75);
-    let t77 = t76 * p.gamma_tanh_100;
-    let t78 = t77 + t74;
-    let t79 = t78 + t65;
-    let t80 = moment_gamma_z - t79;
-    let t81 = -t54;
-    let t82 = -t80;
-    [t81, t82]
+    let t53 = v[0] * 5.0;
+    let t54 = math::tanh(t53);
+    let t55 = t54 * p.beta_tanh_5;
+    let t56 = t55 + t52;
+    let t57 = v[0] * p.beta_viscous;
+    let t58 = p.beta_constant + t57;
+    let t59 = a[0] * 1.36525907;
+    let t60 = t59 + t58;
+    let t61 = sign(v[0]);
+    let t62 = t61 * p.beta_sign;
+    let t63 = t62 + t60;
+    let t64 = v[0] * 100.0;
+    let t65 = math::tanh(t64);
+    let t66 = t65 * p.beta_tanh_100;
+    let t67 = t66 + t63;
+    let t68 = t67 + t56;
+    let t69 = moment_beta_z - t68;
+    let t70 = v[1] * 20.0;
+    let t71 = math::tanh(t70);
+    let t72 = t71 * p.gamma_tanh_20;
+    let t73 = v[1] * 10.0;
+    let t74 = math::tanh(t73);
+    let t75 = t74 * p.gamma_tanh_10;
+    let t76 = t75 + t72;
+    let t77 = v[1] * 5.0;
+    let t78 = math::tanh(t77);
+    let t79 = t78 * p.gamma_tanh_5;
+    let t80 = t79 + t76;
+    let t81 = v[1] * p.gamma_viscous;
+    let t82 = p.gamma_constant + t81;
+    let t83 = a[0] * 0.00847987;
+    let t84 = a[1] * 1.36525907;
+    let t85 = t84 + t83;
+    let t86 = t85 + t82;
+    let t87 = sign(v[1]);
+    let t88 = t87 * p.gamma_sign;
+    let t89 = t88 + t86;
+    let t90 = v[1] * 100.0;
+    let t91 = math::tanh(t90);
+    let t92 = t91 * p.gamma_tanh_100;
+    let t93 = t92 + t89;
+    let t94 = t93 + t80;
+    let t95 = moment_gamma_z - t94;
+    let t96 = -t69;
+    let t97 = -t95;
+    [t96, t97]
 }
 
 /// Forward dynamics: the accelerations that inputs cause.
@@ -660,7 +720,7 @@ pub fn inverse_dynamics(
 /// - `p`: free parameters
 /// - returns `ÿ: [N]`: accelerations
 ///
-/// Cost: 41 multiplications, 26 additions, 1 division, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
+/// Cost: 47 multiplications, 33 additions, 2 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
 ///
@@ -674,86 +734,99 @@ pub fn forward_dynamics(
     p: &Parameters,
 ) -> [f64; N] {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = p.g * 5.555555555555555;
-    let acceleration_beta_x = cos_beta * t4;
-    let t6 = v[0] * v[0];
-    let t7 = acceleration_beta_x - t6;
-    let t8 = sin_gamma * t7;
-    let acceleration_beta_y = sin_beta * t4;
-    let t10 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t8 + t10;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
     let omega_gamma_z = v[0] + v[1];
-    let t14 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t14;
+    let t5 = omega_gamma_z * omega_gamma_z;
+    let t6 = 0.5586 * p.load;
+    let t7 = 1.72641659 + t6;
+    let force_gamma_x = t7 * t5;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t17 = 0.29270484 * acceleration_beta_y;
-    let t18 = t17 + force_beta_y;
-    let moment_beta_z = moment_gamma_z + t18;
-    let t20 = v[0] * 20.0;
-    let t21 = math::tanh(t20);
-    let t22 = t21 * p.beta_tanh_20;
-    let t23 = v[0] * 10.0;
-    let t24 = math::tanh(t23);
-    let t25 = t24 * p.beta_tanh_10;
-    let t26 = t25 + t22;
-    let t27 = v[0] * 5.0;
-    let t28 = math::tanh(t27);
-    let t29 = t28 * p.beta_tanh_5;
-    let t30 = t29 + t26;
-    let t31 = v[0] * p.beta_viscous;
-    let t32 = p.beta_constant + t31;
-    let t33 = u[0] * 161.0;
-    let t34 = t33 - t32;
-    let t35 = sign(v[0]);
-    let t36 = t35 * p.beta_sign;
-    let t37 = t36 - t34;
-    let t38 = v[0] * 100.0;
-    let t39 = math::tanh(t38);
-    let t40 = t39 * p.beta_tanh_100;
-    let t41 = t40 + t37;
-    let t42 = t41 + t30;
-    let t43 = moment_beta_z - t42;
-    let t44 = v[1] * 20.0;
+    let t10 = 0.18 * force_beta_y;
+    let t11 = 7.1576 + p.load;
+    let t12 = 0.18 * t11;
+    let t13 = 0.33777 + t12;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t15 = t13 * acceleration_beta_y;
+    let t16 = t15 + t10;
+    let t17 = v[0] * v[0];
+    let t18 = 0.18 * t17;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t20 = acceleration_beta_x - t18;
+    let t21 = sin_gamma * t20;
+    let t22 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t21 + t22;
+    let moment_gamma_z = t7 * acceleration_gamma_y;
+    let moment_beta_z = moment_gamma_z + t16;
+    let t26 = v[0] * 20.0;
+    let t27 = math::tanh(t26);
+    let t28 = t27 * p.beta_tanh_20;
+    let t29 = v[0] * 10.0;
+    let t30 = math::tanh(t29);
+    let t31 = t30 * p.beta_tanh_10;
+    let t32 = t31 + t28;
+    let t33 = v[0] * 5.0;
+    let t34 = math::tanh(t33);
+    let t35 = t34 * p.beta_tanh_5;
+    let t36 = t35 + t32;
+    let t37 = v[0] * p.beta_viscous;
+    let t38 = p.beta_constant + t37;
+    let t39 = u[0] * 161.0;
+    let t40 = t39 - t38;
+    let t41 = sign(v[0]);
+    let t42 = t41 * p.beta_sign;
+    let t43 = t42 - t40;
+    let t44 = v[0] * 100.0;
     let t45 = math::tanh(t44);
-    let t46 = t45 * p.gamma_tanh_20;
-    let t47 = v[1] * 10.0;
-    let t48 = math::tanh(t47);
-    let t49 = t48 * p.gamma_tanh_10;
-    let t50 = t49 + t46;
-    let t51 = v[1] * 5.0;
-    let t52 = math::tanh(t51);
-    let t53 = t52 * p.gamma_tanh_5;
-    let t54 = t53 + t50;
-    let t55 = v[1] * p.gamma_viscous;
-    let t56 = p.gamma_constant + t55;
-    let t57 = u[1] * 161.0;
-    let t58 = t57 - t56;
-    let t59 = sign(v[1]);
-    let t60 = t59 * p.gamma_sign;
-    let t61 = t60 - t58;
-    let t62 = v[1] * 100.0;
-    let t63 = math::tanh(t62);
-    let t64 = t63 * p.gamma_tanh_100;
-    let t65 = t64 + t61;
-    let t66 = t65 + t54;
-    let t67 = moment_gamma_z - t66;
-    let t68 = cos_gamma * 0.31075498619999997;
-    let t69 = t68 + 0.6693697768564999;
-    let t70 = t69 * 0.4935471238405507;
-    let t71 = t70 * t67;
-    let t72 = t71 - t43;
-    let t73 = t69 * t70;
-    let t74 = cos_gamma * 0.6215099723999999;
-    let t75 = t74 + 2.3212965868565;
-    let t76 = t75 - t73;
-    let inverse_d_beta = 1.0 / t76;
-    let t78 = inverse_d_beta * t72;
-    let t79 = t70 * t78;
-    let t80 = 0.4935471238405507 * t67;
-    let t81 = t80 + t79;
-    let t82 = -t78;
-    [t82, t81]
+    let t46 = t45 * p.beta_tanh_100;
+    let t47 = t46 + t43;
+    let t48 = t47 + t36;
+    let t49 = moment_beta_z - t48;
+    let t50 = v[1] * 20.0;
+    let t51 = math::tanh(t50);
+    let t52 = t51 * p.gamma_tanh_20;
+    let t53 = v[1] * 10.0;
+    let t54 = math::tanh(t53);
+    let t55 = t54 * p.gamma_tanh_10;
+    let t56 = t55 + t52;
+    let t57 = v[1] * 5.0;
+    let t58 = math::tanh(t57);
+    let t59 = t58 * p.gamma_tanh_5;
+    let t60 = t59 + t56;
+    let t61 = v[1] * p.gamma_viscous;
+    let t62 = p.gamma_constant + t61;
+    let t63 = u[1] * 161.0;
+    let t64 = t63 - t62;
+    let t65 = sign(v[1]);
+    let t66 = t65 * p.gamma_sign;
+    let t67 = t66 - t64;
+    let t68 = v[1] * 100.0;
+    let t69 = math::tanh(t68);
+    let t70 = t69 * p.gamma_tanh_100;
+    let t71 = t70 + t67;
+    let t72 = t71 + t60;
+    let t73 = moment_gamma_z - t72;
+    let t74 = t7 * cos_gamma;
+    let t75 = 0.18 * t74;
+    let t76 = 0.31203396 * p.load;
+    let t77 = t76 + 0.6693697768564999;
+    let t78 = t75 + t77;
+    let t79 = t76 + 2.0261489768564998;
+    let inverse_d_gamma = 1.0 / t79;
+    let t81 = inverse_d_gamma * t78;
+    let t82 = t81 * t73;
+    let t83 = t82 - t49;
+    let t84 = t78 * t81;
+    let t85 = t74 * 0.36;
+    let t86 = t76 + 2.0893903468565;
+    let t87 = t11 * 0.0324;
+    let t88 = t87 + t86;
+    let t89 = t85 + t88;
+    let t90 = t84 - t89;
+    let inverse_d_beta = 1.0 / t90;
+    let t92 = inverse_d_beta * t83;
+    let t93 = t81 * t92;
+    let t94 = inverse_d_gamma * t73;
+    let t95 = t94 - t93;
+    [t92, t95]
 }
 
 /// Mass matrix and bias forces at once.
@@ -766,7 +839,7 @@ pub fn forward_dynamics(
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
 ///
-/// Cost: 13 multiplications, 7 additions, 0 divisions, 2 function calls (`sin_cos`).
+/// Cost: 19 multiplications, 14 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
 /// What both have in common is computed once.
 #[inline]
@@ -777,29 +850,42 @@ pub fn mass_matrix_and_bias_forces(
     p: &Parameters,
 ) -> ([[f64; N]; N], [f64; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = cos_gamma * 0.6215099723999999;
-    let t5 = t4 + 2.3212965868565;
-    let t6 = cos_gamma * 0.31075498619999997;
-    let t7 = t6 + 0.6693697768564999;
-    let t8 = p.g * 5.555555555555555;
-    let acceleration_beta_x = cos_beta * t8;
-    let t10 = v[0] * v[0];
-    let t11 = acceleration_beta_x - t10;
-    let t12 = sin_gamma * t11;
-    let acceleration_beta_y = sin_beta * t8;
-    let t14 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t12 + t14;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
+    let t4 = 0.5586 * p.load;
+    let t5 = 1.72641659 + t4;
+    let t6 = t5 * cos_gamma;
+    let t7 = t6 * 0.36;
+    let t8 = 0.31203396 * p.load;
+    let t9 = t8 + 2.0893903468565;
+    let t10 = 7.1576 + p.load;
+    let t11 = t10 * 0.0324;
+    let t12 = t11 + t9;
+    let t13 = t7 + t12;
+    let t14 = 0.18 * t6;
+    let t15 = t8 + 0.6693697768564999;
+    let t16 = t14 + t15;
+    let t17 = t8 + 2.0261489768564998;
     let omega_gamma_z = v[0] + v[1];
-    let t18 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t18;
+    let t19 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = t5 * t19;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t21 = 0.29270484 * acceleration_beta_y;
-    let t22 = t21 + force_beta_y;
-    let moment_beta_z = moment_gamma_z + t22;
+    let t22 = 0.18 * force_beta_y;
+    let t23 = 0.18 * t10;
+    let t24 = 0.33777 + t23;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t26 = t24 * acceleration_beta_y;
+    let t27 = t26 + t22;
+    let t28 = v[0] * v[0];
+    let t29 = 0.18 * t28;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t31 = acceleration_beta_x - t29;
+    let t32 = sin_gamma * t31;
+    let t33 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t32 + t33;
+    let moment_gamma_z = t5 * acceleration_gamma_y;
+    let moment_beta_z = moment_gamma_z + t27;
     let minus_moment_beta_z = -moment_beta_z;
     let minus_moment_gamma_z = -moment_gamma_z;
-    ([[t5, t7], [t7, 2.0261489768564998]], [minus_moment_beta_z, minus_moment_gamma_z])
+    ([[t13, t16], [t16, t17]], [minus_moment_beta_z, minus_moment_gamma_z])
 }
 
 /// Inverse dynamics with its Jacobians.
@@ -814,7 +900,7 @@ pub fn mass_matrix_and_bias_forces(
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 ///
-/// Cost: 76 multiplications, 52 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
+/// Cost: 87 multiplications, 59 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -831,150 +917,168 @@ pub fn inverse_dynamics_derivatives(
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
     let t4 = a[1] * 0.00847987;
-    let t5 = a[0] * 0.29514761000000006;
+    let t5 = a[0] * 0.014732185;
     let t6 = t5 + t4;
     let t7 = a[0] * 1.36525907;
     let t8 = t7 + t6;
     let t9 = v[0] * p.beta_viscous;
     let t10 = p.beta_constant + t9;
     let t11 = t10 + t8;
-    let t12 = sign(v[0]);
-    let t13 = t12 * p.beta_sign;
-    let t14 = t13 + t11;
+    let t12 = 7.1576 + p.load;
+    let t13 = t12 * 0.0324;
+    let t14 = 0.04850918500000001 + t13;
+    let t15 = a[0] * t14;
+    let t16 = t15 + t11;
+    let t17 = sign(v[0]);
+    let t18 = t17 * p.beta_sign;
+    let t19 = t18 + t16;
+    let t20 = v[0] * 100.0;
+    let t21 = math::tanh(t20);
+    let t22 = t21 * p.beta_tanh_100;
+    let t23 = t22 + t19;
+    let t24 = 0.5586 * p.load;
+    let t25 = 1.72641659 + t24;
+    let t26 = a[0] + a[1];
+    let t27 = t25 * t26;
+    let t28 = cos_gamma * t27;
     let omega_gamma_z = v[0] + v[1];
-    let t16 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t16;
-    let t18 = sin_gamma * force_gamma_x;
-    let t19 = a[0] + a[1];
-    let t20 = 0.31075498619999997 * t19;
-    let t21 = cos_gamma * t20;
-    let t22 = t18 - t21;
-    let t23 = t22 - t14;
-    let t24 = v[0] * 100.0;
-    let t25 = math::tanh(t24);
-    let t26 = t25 * p.beta_tanh_100;
-    let t27 = v[0] * 20.0;
-    let t28 = math::tanh(t27);
-    let t29 = t28 * p.beta_tanh_20;
-    let t30 = t29 + t26;
-    let t31 = t23 - t30;
-    let t32 = v[0] * 10.0;
-    let t33 = math::tanh(t32);
-    let t34 = t33 * p.beta_tanh_10;
-    let t35 = v[0] * 5.0;
-    let t36 = math::tanh(t35);
-    let t37 = t36 * p.beta_tanh_5;
-    let t38 = t37 + t34;
-    let t39 = p.g * 5.555555555555555;
-    let acceleration_beta_y = sin_beta * t39;
-    let t41 = 0.29270484 * acceleration_beta_y;
-    let t42 = t41 - t38;
-    let t43 = t42 + t31;
-    let t44 = a[0] - acceleration_beta_y;
-    let t45 = cos_gamma * t44;
-    let acceleration_beta_x = cos_beta * t39;
-    let t47 = v[0] * v[0];
-    let t48 = acceleration_beta_x - t47;
-    let t49 = sin_gamma * t48;
-    let t50 = t49 - t45;
-    let t51 = 0.31075498619999997 * t50;
-    let t52 = 0.6608899068565 * t19;
-    let t53 = t51 - t52;
-    let t54 = t53 + t43;
-    let t55 = v[1] * 20.0;
-    let t56 = math::tanh(t55);
-    let t57 = t56 * p.gamma_tanh_20;
-    let t58 = v[1] * 10.0;
-    let t59 = math::tanh(t58);
-    let t60 = t59 * p.gamma_tanh_10;
-    let t61 = t60 + t57;
-    let t62 = v[1] * 5.0;
-    let t63 = math::tanh(t62);
-    let t64 = t63 * p.gamma_tanh_5;
-    let t65 = t64 + t61;
-    let t66 = v[1] * p.gamma_viscous;
-    let t67 = p.gamma_constant + t66;
-    let t68 = a[0] * 0.00847987;
-    let t69 = a[1] * 1.36525907;
-    let t70 = t69 + t68;
-    let t71 = t70 + t67;
-    let t72 = sign(v[1]);
-    let t73 = t72 * p.gamma_sign;
-    let t74 = t73 + t71;
-    let t75 = v[1] * 100.0;
-    let t76 = math::tanh(t75);
-    let t77 = t76 * p.gamma_tanh_100;
-    let t78 = t77 + t74;
-    let t79 = t78 + t65;
-    let t80 = t53 - t79;
-    let t81 = cos_gamma * acceleration_beta_x;
-    let t82 = sin_gamma * acceleration_beta_y;
-    let t83 = t82 - t81;
-    let t84 = 0.31075498619999997 * t83;
-    let t85 = 0.29270484 * acceleration_beta_x;
-    let t86 = t85 - t84;
-    let t87 = sin_gamma * t44;
-    let t88 = cos_gamma * t48;
-    let t89 = t88 + t87;
-    let t90 = 0.31075498619999997 * t89;
-    let t91 = cos_gamma * force_gamma_x;
-    let t92 = sin_gamma * t20;
-    let t93 = t91 + t92;
-    let t94 = t93 + t90;
-    let t95 = t28 * t28;
-    let t96 = 1.0 - t95;
-    let t97 = 20.0 * t96;
-    let t98 = p.beta_tanh_20 * t97;
-    let t99 = t33 * t33;
-    let t100 = 1.0 - t99;
-    let t101 = 10.0 * t100;
-    let t102 = p.beta_tanh_10 * t101;
-    let t103 = t102 + t98;
-    let t104 = t36 * t36;
-    let t105 = 1.0 - t104;
-    let t106 = 5.0 * t105;
-    let t107 = p.beta_tanh_5 * t106;
-    let t108 = t107 + t103;
-    let t109 = t25 * t25;
-    let t110 = 1.0 - t109;
-    let t111 = 100.0 * t110;
-    let t112 = p.beta_tanh_100 * t111;
-    let t113 = omega_gamma_z * 0.6215099723999999;
-    let t114 = sin_gamma * t113;
-    let t115 = t114 - p.beta_viscous;
-    let t116 = v[0] + v[0];
-    let t117 = sin_gamma * t116;
-    let t118 = 0.31075498619999997 * t117;
-    let t119 = t118 - t115;
-    let t120 = t112 + t119;
-    let t121 = t120 + t108;
-    let t122 = t56 * t56;
-    let t123 = 1.0 - t122;
-    let t124 = 20.0 * t123;
-    let t125 = p.gamma_tanh_20 * t124;
-    let t126 = t59 * t59;
-    let t127 = 1.0 - t126;
-    let t128 = 10.0 * t127;
-    let t129 = p.gamma_tanh_10 * t128;
-    let t130 = t129 + t125;
-    let t131 = t63 * t63;
-    let t132 = 1.0 - t131;
-    let t133 = 5.0 * t132;
-    let t134 = p.gamma_tanh_5 * t133;
-    let t135 = t134 + t130;
-    let t136 = t76 * t76;
-    let t137 = 1.0 - t136;
-    let t138 = 100.0 * t137;
-    let t139 = p.gamma_tanh_100 * t138;
-    let t140 = p.gamma_viscous + t139;
-    let t141 = t140 + t135;
-    let t142 = -t54;
-    let t143 = -t80;
-    let t144 = -t86;
-    let t145 = -t94;
-    let t146 = -t90;
-    let t147 = -t114;
-    ([t142, t143], [[t144, t145], [t84, t146]], [[t121, t147], [t118, t141]])
+    let t30 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = t25 * t30;
+    let t32 = sin_gamma * force_gamma_x;
+    let t33 = t32 - t28;
+    let t34 = 0.18 * t33;
+    let t35 = t34 - t23;
+    let t36 = 0.18 * t12;
+    let t37 = 0.33777 + t36;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t39 = t37 * acceleration_beta_y;
+    let t40 = v[0] * 5.0;
+    let t41 = math::tanh(t40);
+    let t42 = t41 * p.beta_tanh_5;
+    let t43 = t39 - t42;
+    let t44 = v[0] * 20.0;
+    let t45 = math::tanh(t44);
+    let t46 = t45 * p.beta_tanh_20;
+    let t47 = v[0] * 10.0;
+    let t48 = math::tanh(t47);
+    let t49 = t48 * p.beta_tanh_10;
+    let t50 = t49 + t46;
+    let t51 = t50 - t43;
+    let t52 = t51 - t35;
+    let t53 = a[0] * 0.18;
+    let t54 = acceleration_beta_y - t53;
+    let t55 = cos_gamma * t54;
+    let t56 = v[0] * v[0];
+    let t57 = 0.18 * t56;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t59 = acceleration_beta_x - t57;
+    let t60 = sin_gamma * t59;
+    let t61 = t60 + t55;
+    let t62 = t25 * t61;
+    let t63 = 0.31203396 * p.load;
+    let t64 = 0.6508591710064999 + t63;
+    let t65 = t64 * t26;
+    let t66 = 0.01003073585 * t26;
+    let t67 = t65 + t66;
+    let t68 = t62 - t67;
+    let t69 = t68 - t52;
+    let t70 = v[1] * 20.0;
+    let t71 = math::tanh(t70);
+    let t72 = t71 * p.gamma_tanh_20;
+    let t73 = v[1] * 10.0;
+    let t74 = math::tanh(t73);
+    let t75 = t74 * p.gamma_tanh_10;
+    let t76 = t75 + t72;
+    let t77 = v[1] * 5.0;
+    let t78 = math::tanh(t77);
+    let t79 = t78 * p.gamma_tanh_5;
+    let t80 = t79 + t76;
+    let t81 = v[1] * p.gamma_viscous;
+    let t82 = p.gamma_constant + t81;
+    let t83 = a[0] * 0.00847987;
+    let t84 = a[1] * 1.36525907;
+    let t85 = t84 + t83;
+    let t86 = t85 + t82;
+    let t87 = sign(v[1]);
+    let t88 = t87 * p.gamma_sign;
+    let t89 = t88 + t86;
+    let t90 = v[1] * 100.0;
+    let t91 = math::tanh(t90);
+    let t92 = t91 * p.gamma_tanh_100;
+    let t93 = t92 + t89;
+    let t94 = t93 + t80;
+    let t95 = t68 - t94;
+    let t96 = cos_gamma * acceleration_beta_x;
+    let t97 = sin_gamma * acceleration_beta_y;
+    let t98 = t97 - t96;
+    let t99 = t25 * t98;
+    let t100 = t37 * acceleration_beta_x;
+    let t101 = t100 - t99;
+    let t102 = sin_gamma * t27;
+    let t103 = cos_gamma * force_gamma_x;
+    let t104 = t103 + t102;
+    let t105 = 0.18 * t104;
+    let t106 = sin_gamma * t54;
+    let t107 = cos_gamma * t59;
+    let t108 = t107 - t106;
+    let t109 = t25 * t108;
+    let t110 = t109 + t105;
+    let t111 = t45 * t45;
+    let t112 = 1.0 - t111;
+    let t113 = 20.0 * t112;
+    let t114 = p.beta_tanh_20 * t113;
+    let t115 = t48 * t48;
+    let t116 = 1.0 - t115;
+    let t117 = 10.0 * t116;
+    let t118 = p.beta_tanh_10 * t117;
+    let t119 = t118 + t114;
+    let t120 = t41 * t41;
+    let t121 = 1.0 - t120;
+    let t122 = 5.0 * t121;
+    let t123 = p.beta_tanh_5 * t122;
+    let t124 = t123 + t119;
+    let t125 = omega_gamma_z + omega_gamma_z;
+    let t126 = t25 * t125;
+    let t127 = sin_gamma * t126;
+    let t128 = 0.18 * t127;
+    let t129 = t128 - p.beta_viscous;
+    let t130 = v[0] * 0.36;
+    let t131 = sin_gamma * t130;
+    let t132 = t25 * t131;
+    let t133 = t132 - t129;
+    let t134 = t21 * t21;
+    let t135 = 1.0 - t134;
+    let t136 = 100.0 * t135;
+    let t137 = p.beta_tanh_100 * t136;
+    let t138 = t137 + t133;
+    let t139 = t138 + t124;
+    let t140 = t71 * t71;
+    let t141 = 1.0 - t140;
+    let t142 = 20.0 * t141;
+    let t143 = p.gamma_tanh_20 * t142;
+    let t144 = t74 * t74;
+    let t145 = 1.0 - t144;
+    let t146 = 10.0 * t145;
+    let t147 = p.gamma_tanh_10 * t146;
+    let t148 = t147 + t143;
+    let t149 = t78 * t78;
+    let t150 = 1.0 - t149;
+    let t151 = 5.0 * t150;
+    let t152 = p.gamma_tanh_5 * t151;
+    let t153 = t152 + t148;
+    let t154 = t91 * t91;
+    let t155 = 1.0 - t154;
+    let t156 = 100.0 * t155;
+    let t157 = p.gamma_tanh_100 * t156;
+    let t158 = p.gamma_viscous + t157;
+    let t159 = t158 + t153;
+    let t160 = -t69;
+    let t161 = -t95;
+    let t162 = -t101;
+    let t163 = -t110;
+    let t164 = -t109;
+    let t165 = -t128;
+    ([t160, t161], [[t162, t163], [t99, t164]], [[t139, t165], [t132, t159]])
 }
 
 /// Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.
@@ -990,7 +1094,7 @@ pub fn inverse_dynamics_derivatives(
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 ///
-/// Cost: 77 multiplications, 55 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
+/// Cost: 91 multiplications, 68 additions, 0 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -1011,158 +1115,185 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
     let t4 = a[1] * 0.00847987;
-    let t5 = a[0] * 0.29514761000000006;
+    let t5 = a[0] * 0.014732185;
     let t6 = t5 + t4;
     let t7 = a[0] * 1.36525907;
     let t8 = t7 + t6;
     let t9 = v[0] * p.beta_viscous;
     let t10 = p.beta_constant + t9;
     let t11 = t10 + t8;
-    let t12 = sign(v[0]);
-    let t13 = t12 * p.beta_sign;
-    let t14 = t13 + t11;
+    let t12 = 7.1576 + p.load;
+    let t13 = t12 * 0.0324;
+    let t14 = 0.04850918500000001 + t13;
+    let t15 = a[0] * t14;
+    let t16 = t15 + t11;
+    let t17 = sign(v[0]);
+    let t18 = t17 * p.beta_sign;
+    let t19 = t18 + t16;
+    let t20 = v[0] * 100.0;
+    let t21 = math::tanh(t20);
+    let t22 = t21 * p.beta_tanh_100;
+    let t23 = t22 + t19;
+    let t24 = 0.5586 * p.load;
+    let t25 = 1.72641659 + t24;
+    let t26 = a[0] + a[1];
+    let t27 = t25 * t26;
+    let t28 = cos_gamma * t27;
     let omega_gamma_z = v[0] + v[1];
-    let t16 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t16;
-    let t18 = sin_gamma * force_gamma_x;
-    let t19 = a[0] + a[1];
-    let t20 = 0.31075498619999997 * t19;
-    let t21 = cos_gamma * t20;
-    let t22 = t18 - t21;
-    let t23 = t22 - t14;
-    let t24 = v[0] * 100.0;
-    let t25 = math::tanh(t24);
-    let t26 = t25 * p.beta_tanh_100;
-    let t27 = v[0] * 20.0;
-    let t28 = math::tanh(t27);
-    let t29 = t28 * p.beta_tanh_20;
-    let t30 = t29 + t26;
-    let t31 = t23 - t30;
-    let t32 = v[0] * 10.0;
-    let t33 = math::tanh(t32);
-    let t34 = t33 * p.beta_tanh_10;
-    let t35 = v[0] * 5.0;
-    let t36 = math::tanh(t35);
-    let t37 = t36 * p.beta_tanh_5;
-    let t38 = t37 + t34;
-    let t39 = p.g * 5.555555555555555;
-    let acceleration_beta_y = sin_beta * t39;
-    let t41 = 0.29270484 * acceleration_beta_y;
-    let t42 = t41 - t38;
-    let t43 = t42 + t31;
-    let t44 = a[0] - acceleration_beta_y;
-    let t45 = cos_gamma * t44;
-    let acceleration_beta_x = cos_beta * t39;
-    let t47 = v[0] * v[0];
-    let t48 = acceleration_beta_x - t47;
-    let t49 = sin_gamma * t48;
-    let t50 = t49 - t45;
-    let t51 = 0.31075498619999997 * t50;
-    let t52 = 0.6608899068565 * t19;
-    let t53 = t51 - t52;
-    let t54 = t53 + t43;
-    let t55 = v[1] * 20.0;
-    let t56 = math::tanh(t55);
-    let t57 = t56 * p.gamma_tanh_20;
-    let t58 = v[1] * 10.0;
-    let t59 = math::tanh(t58);
-    let t60 = t59 * p.gamma_tanh_10;
-    let t61 = t60 + t57;
-    let t62 = v[1] * 5.0;
-    let t63 = math::tanh(t62);
-    let t64 = t63 * p.gamma_tanh_5;
-    let t65 = t64 + t61;
-    let t66 = v[1] * p.gamma_viscous;
-    let t67 = p.gamma_constant + t66;
-    let t68 = a[0] * 0.00847987;
-    let t69 = a[1] * 1.36525907;
-    let t70 = t69 + t68;
-    let t71 = t70 + t67;
-    let t72 = sign(v[1]);
-    let t73 = t72 * p.gamma_sign;
-    let t74 = t73 + t71;
-    let t75 = v[1] * 100.0;
-    let t76 = math::tanh(t75);
-    let t77 = t76 * p.gamma_tanh_100;
-    let t78 = t77 + t74;
-    let t79 = t78 + t65;
-    let t80 = t53 - t79;
-    let t81 = cos_gamma * acceleration_beta_x;
-    let t82 = sin_gamma * acceleration_beta_y;
-    let t83 = t82 - t81;
-    let t84 = 0.31075498619999997 * t83;
-    let t85 = 0.29270484 * acceleration_beta_x;
-    let t86 = t85 - t84;
-    let t87 = sin_gamma * t44;
-    let t88 = cos_gamma * t48;
-    let t89 = t88 + t87;
-    let t90 = 0.31075498619999997 * t89;
-    let t91 = cos_gamma * force_gamma_x;
-    let t92 = sin_gamma * t20;
-    let t93 = t91 + t92;
-    let t94 = t93 + t90;
-    let t95 = t28 * t28;
-    let t96 = 1.0 - t95;
-    let t97 = 20.0 * t96;
-    let t98 = p.beta_tanh_20 * t97;
-    let t99 = t33 * t33;
-    let t100 = 1.0 - t99;
-    let t101 = 10.0 * t100;
-    let t102 = p.beta_tanh_10 * t101;
-    let t103 = t102 + t98;
-    let t104 = t36 * t36;
-    let t105 = 1.0 - t104;
-    let t106 = 5.0 * t105;
-    let t107 = p.beta_tanh_5 * t106;
-    let t108 = t107 + t103;
-    let t109 = t25 * t25;
-    let t110 = 1.0 - t109;
-    let t111 = 100.0 * t110;
-    let t112 = p.beta_tanh_100 * t111;
-    let t113 = omega_gamma_z * 0.6215099723999999;
-    let t114 = sin_gamma * t113;
-    let t115 = t114 - p.beta_viscous;
-    let t116 = v[0] + v[0];
-    let t117 = sin_gamma * t116;
-    let t118 = 0.31075498619999997 * t117;
-    let t119 = t118 - t115;
-    let t120 = t112 + t119;
-    let t121 = t120 + t108;
-    let t122 = t56 * t56;
-    let t123 = 1.0 - t122;
-    let t124 = 20.0 * t123;
-    let t125 = p.gamma_tanh_20 * t124;
-    let t126 = t59 * t59;
-    let t127 = 1.0 - t126;
-    let t128 = 10.0 * t127;
-    let t129 = p.gamma_tanh_10 * t128;
-    let t130 = t129 + t125;
-    let t131 = t63 * t63;
-    let t132 = 1.0 - t131;
-    let t133 = 5.0 * t132;
-    let t134 = p.gamma_tanh_5 * t133;
-    let t135 = t134 + t130;
-    let t136 = t76 * t76;
-    let t137 = 1.0 - t136;
-    let t138 = 100.0 * t137;
-    let t139 = p.gamma_tanh_100 * t138;
-    let t140 = p.gamma_viscous + t139;
-    let t141 = t140 + t135;
-    let t142 = 0.31075498619999997 * cos_gamma;
-    let t143 = t142 + 2.3212965868565;
-    let t144 = t142 + t143;
-    let t145 = t142 + 0.6693697768564999;
-    let t146 = -t54;
-    let t147 = -t80;
-    let t148 = -t86;
-    let t149 = -t94;
-    let t150 = -t90;
-    let t151 = -t114;
+    let t30 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = t25 * t30;
+    let t32 = sin_gamma * force_gamma_x;
+    let t33 = t32 - t28;
+    let t34 = 0.18 * t33;
+    let t35 = t34 - t23;
+    let t36 = 0.18 * t12;
+    let t37 = 0.33777 + t36;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t39 = t37 * acceleration_beta_y;
+    let t40 = v[0] * 5.0;
+    let t41 = math::tanh(t40);
+    let t42 = t41 * p.beta_tanh_5;
+    let t43 = t39 - t42;
+    let t44 = v[0] * 20.0;
+    let t45 = math::tanh(t44);
+    let t46 = t45 * p.beta_tanh_20;
+    let t47 = v[0] * 10.0;
+    let t48 = math::tanh(t47);
+    let t49 = t48 * p.beta_tanh_10;
+    let t50 = t49 + t46;
+    let t51 = t50 - t43;
+    let t52 = t51 - t35;
+    let t53 = a[0] * 0.18;
+    let t54 = acceleration_beta_y - t53;
+    let t55 = cos_gamma * t54;
+    let t56 = v[0] * v[0];
+    let t57 = 0.18 * t56;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t59 = acceleration_beta_x - t57;
+    let t60 = sin_gamma * t59;
+    let t61 = t60 + t55;
+    let t62 = t25 * t61;
+    let t63 = 0.31203396 * p.load;
+    let t64 = 0.6508591710064999 + t63;
+    let t65 = t64 * t26;
+    let t66 = 0.01003073585 * t26;
+    let t67 = t65 + t66;
+    let t68 = t62 - t67;
+    let t69 = t68 - t52;
+    let t70 = v[1] * 20.0;
+    let t71 = math::tanh(t70);
+    let t72 = t71 * p.gamma_tanh_20;
+    let t73 = v[1] * 10.0;
+    let t74 = math::tanh(t73);
+    let t75 = t74 * p.gamma_tanh_10;
+    let t76 = t75 + t72;
+    let t77 = v[1] * 5.0;
+    let t78 = math::tanh(t77);
+    let t79 = t78 * p.gamma_tanh_5;
+    let t80 = t79 + t76;
+    let t81 = v[1] * p.gamma_viscous;
+    let t82 = p.gamma_constant + t81;
+    let t83 = a[0] * 0.00847987;
+    let t84 = a[1] * 1.36525907;
+    let t85 = t84 + t83;
+    let t86 = t85 + t82;
+    let t87 = sign(v[1]);
+    let t88 = t87 * p.gamma_sign;
+    let t89 = t88 + t86;
+    let t90 = v[1] * 100.0;
+    let t91 = math::tanh(t90);
+    let t92 = t91 * p.gamma_tanh_100;
+    let t93 = t92 + t89;
+    let t94 = t93 + t80;
+    let t95 = t68 - t94;
+    let t96 = cos_gamma * acceleration_beta_x;
+    let t97 = sin_gamma * acceleration_beta_y;
+    let t98 = t97 - t96;
+    let t99 = t25 * t98;
+    let t100 = t37 * acceleration_beta_x;
+    let t101 = t100 - t99;
+    let t102 = sin_gamma * t27;
+    let t103 = cos_gamma * force_gamma_x;
+    let t104 = t103 + t102;
+    let t105 = 0.18 * t104;
+    let t106 = sin_gamma * t54;
+    let t107 = cos_gamma * t59;
+    let t108 = t107 - t106;
+    let t109 = t25 * t108;
+    let t110 = t109 + t105;
+    let t111 = t45 * t45;
+    let t112 = 1.0 - t111;
+    let t113 = 20.0 * t112;
+    let t114 = p.beta_tanh_20 * t113;
+    let t115 = t48 * t48;
+    let t116 = 1.0 - t115;
+    let t117 = 10.0 * t116;
+    let t118 = p.beta_tanh_10 * t117;
+    let t119 = t118 + t114;
+    let t120 = t41 * t41;
+    let t121 = 1.0 - t120;
+    let t122 = 5.0 * t121;
+    let t123 = p.beta_tanh_5 * t122;
+    let t124 = t123 + t119;
+    let t125 = omega_gamma_z + omega_gamma_z;
+    let t126 = t25 * t125;
+    let t127 = sin_gamma * t126;
+    let t128 = 0.18 * t127;
+    let t129 = t128 - p.beta_viscous;
+    let t130 = v[0] * 0.36;
+    let t131 = sin_gamma * t130;
+    let t132 = t25 * t131;
+    let t133 = t132 - t129;
+    let t134 = t21 * t21;
+    let t135 = 1.0 - t134;
+    let t136 = 100.0 * t135;
+    let t137 = p.beta_tanh_100 * t136;
+    let t138 = t137 + t133;
+    let t139 = t138 + t124;
+    let t140 = t71 * t71;
+    let t141 = 1.0 - t140;
+    let t142 = 20.0 * t141;
+    let t143 = p.gamma_tanh_20 * t142;
+    let t144 = t74 * t74;
+    let t145 = 1.0 - t144;
+    let t146 = 10.0 * t145;
+    let t147 = p.gamma_tanh_10 * t146;
+    let t148 = t147 + t143;
+    let t149 = t78 * t78;
+    let t150 = 1.0 - t149;
+    let t151 = 5.0 * t150;
+    let t152 = p.gamma_tanh_5 * t151;
+    let t153 = t152 + t148;
+    let t154 = t91 * t91;
+    let t155 = 1.0 - t154;
+    let t156 = 100.0 * t155;
+    let t157 = p.gamma_tanh_100 * t156;
+    let t158 = p.gamma_viscous + t157;
+    let t159 = t158 + t153;
+    let t160 = t25 * cos_gamma;
+    let t161 = 0.18 * t160;
+    let t162 = t13 + 1.42850044;
+    let t163 = t161 + t162;
+    let t164 = 0.18 * cos_gamma;
+    let t165 = t25 * t164;
+    let t166 = t63 + 0.6608899068565;
+    let t167 = t165 + t166;
+    let t168 = t167 + t163;
+    let t169 = t63 + 0.6693697768564999;
+    let t170 = t161 + t169;
+    let t171 = 0.00847987 + t167;
+    let t172 = t63 + 2.0261489768564998;
+    let t173 = -t69;
+    let t174 = -t95;
+    let t175 = -t101;
+    let t176 = -t110;
+    let t177 = -t109;
+    let t178 = -t128;
     (
-        [t146, t147],
-        [[t148, t149], [t84, t150]],
-        [[t121, t151], [t118, t141]],
-        [[t144, t145], [t145, 2.0261489768564998]],
+        [t173, t174],
+        [[t175, t176], [t99, t177]],
+        [[t139, t178], [t132, t159]],
+        [[t168, t170], [t171, t172]],
     )
 }
 
@@ -1179,7 +1310,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix(
 /// - returns `∂ÿ/∂ẏ: [N × N]`: row i = acceleration i
 /// - returns `M⁻¹: [N × N]`: symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B
 ///
-/// Cost: 97 multiplications, 61 additions, 1 division, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
+/// Cost: 107 multiplications, 68 additions, 2 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -1199,186 +1330,204 @@ pub fn forward_dynamics_derivatives(
     p: &Parameters,
 ) -> ([f64; N], [[f64; N]; N], [[f64; N]; N], [[f64; N]; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = cos_gamma * 0.31075498619999997;
-    let t5 = t4 + 0.6693697768564999;
-    let t6 = t5 * 0.4935471238405507;
-    let t7 = t5 * t6;
-    let t8 = cos_gamma * 0.6215099723999999;
-    let t9 = t8 + 2.3212965868565;
-    let t10 = t9 - t7;
-    let inverse_d_beta = 1.0 / t10;
-    let t12 = t6 * inverse_d_beta;
-    let t13 = v[1] * 20.0;
-    let t14 = math::tanh(t13);
-    let t15 = t14 * p.gamma_tanh_20;
-    let t16 = v[1] * 10.0;
-    let t17 = math::tanh(t16);
-    let t18 = t17 * p.gamma_tanh_10;
-    let t19 = t18 + t15;
-    let t20 = v[1] * 5.0;
-    let t21 = math::tanh(t20);
-    let t22 = t21 * p.gamma_tanh_5;
-    let t23 = t22 + t19;
-    let t24 = v[1] * p.gamma_viscous;
-    let t25 = p.gamma_constant + t24;
-    let t26 = u[1] * 161.0;
-    let t27 = t26 - t25;
-    let t28 = sign(v[1]);
-    let t29 = t28 * p.gamma_sign;
-    let t30 = t29 - t27;
-    let t31 = v[1] * 100.0;
+    let t4 = 0.5586 * p.load;
+    let t5 = 1.72641659 + t4;
+    let t6 = t5 * cos_gamma;
+    let t7 = 0.18 * t6;
+    let t8 = 0.31203396 * p.load;
+    let t9 = t8 + 0.6693697768564999;
+    let t10 = t7 + t9;
+    let t11 = t8 + 2.0261489768564998;
+    let inverse_d_gamma = 1.0 / t11;
+    let t13 = inverse_d_gamma * t10;
+    let t14 = t10 * t13;
+    let t15 = t6 * 0.36;
+    let t16 = t8 + 2.0893903468565;
+    let t17 = 7.1576 + p.load;
+    let t18 = t17 * 0.0324;
+    let t19 = t18 + t16;
+    let t20 = t15 + t19;
+    let t21 = t14 - t20;
+    let inverse_d_beta = 1.0 / t21;
+    let t23 = t13 * inverse_d_beta;
+    let t24 = v[1] * 20.0;
+    let t25 = math::tanh(t24);
+    let t26 = t25 * p.gamma_tanh_20;
+    let t27 = v[1] * 10.0;
+    let t28 = math::tanh(t27);
+    let t29 = t28 * p.gamma_tanh_10;
+    let t30 = t29 + t26;
+    let t31 = v[1] * 5.0;
     let t32 = math::tanh(t31);
-    let t33 = t32 * p.gamma_tanh_100;
+    let t33 = t32 * p.gamma_tanh_5;
     let t34 = t33 + t30;
-    let t35 = t34 + t23;
-    let t36 = p.g * 5.555555555555555;
-    let acceleration_beta_x = cos_beta * t36;
-    let t38 = v[0] * v[0];
-    let t39 = acceleration_beta_x - t38;
-    let t40 = sin_gamma * t39;
-    let acceleration_beta_y = sin_beta * t36;
-    let t42 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t40 + t42;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let t45 = moment_gamma_z - t35;
-    let t46 = t12 * t45;
+    let t35 = v[1] * p.gamma_viscous;
+    let t36 = p.gamma_constant + t35;
+    let t37 = u[1] * 161.0;
+    let t38 = t37 - t36;
+    let t39 = sign(v[1]);
+    let t40 = t39 * p.gamma_sign;
+    let t41 = t40 - t38;
+    let t42 = v[1] * 100.0;
+    let t43 = math::tanh(t42);
+    let t44 = t43 * p.gamma_tanh_100;
+    let t45 = t44 + t41;
+    let t46 = t45 + t34;
+    let t47 = v[0] * v[0];
+    let t48 = 0.18 * t47;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t50 = acceleration_beta_x - t48;
+    let t51 = sin_gamma * t50;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t53 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t51 + t53;
+    let moment_gamma_z = t5 * acceleration_gamma_y;
+    let t56 = moment_gamma_z - t46;
+    let t57 = t23 * t56;
     let omega_gamma_z = v[0] + v[1];
-    let t48 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t48;
+    let t59 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = t5 * t59;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t51 = 0.29270484 * acceleration_beta_y;
-    let t52 = t51 + force_beta_y;
-    let moment_beta_z = moment_gamma_z + t52;
-    let t54 = v[0] * 20.0;
-    let t55 = math::tanh(t54);
-    let t56 = t55 * p.beta_tanh_20;
-    let t57 = v[0] * 10.0;
-    let t58 = math::tanh(t57);
-    let t59 = t58 * p.beta_tanh_10;
-    let t60 = t59 + t56;
-    let t61 = v[0] * 5.0;
-    let t62 = math::tanh(t61);
-    let t63 = t62 * p.beta_tanh_5;
-    let t64 = t63 + t60;
-    let t65 = v[0] * p.beta_viscous;
-    let t66 = p.beta_constant + t65;
-    let t67 = u[0] * 161.0;
-    let t68 = t67 - t66;
-    let t69 = sign(v[0]);
-    let t70 = t69 * p.beta_sign;
-    let t71 = t70 - t68;
-    let t72 = v[0] * 100.0;
-    let t73 = math::tanh(t72);
-    let t74 = t73 * p.beta_tanh_100;
-    let t75 = t74 + t71;
-    let t76 = t75 + t64;
-    let t77 = moment_beta_z - t76;
-    let t78 = inverse_d_beta * t77;
-    let t79 = t78 - t46;
-    let t80 = t6 * t12;
-    let t81 = 0.4935471238405507 + t80;
-    let t82 = t81 * t45;
-    let t83 = t12 * t77;
-    let t84 = t83 - t82;
-    let t85 = cos_gamma * acceleration_beta_x;
-    let t86 = sin_gamma * acceleration_beta_y;
-    let t87 = t86 - t85;
-    let t88 = 0.31075498619999997 * t87;
-    let t89 = t12 * t88;
-    let t90 = 0.29270484 * acceleration_beta_x;
-    let t91 = t90 - t88;
+    let t62 = 0.18 * force_beta_y;
+    let t63 = 0.18 * t17;
+    let t64 = 0.33777 + t63;
+    let t65 = t64 * acceleration_beta_y;
+    let t66 = t65 + t62;
+    let moment_beta_z = moment_gamma_z + t66;
+    let t68 = v[0] * 20.0;
+    let t69 = math::tanh(t68);
+    let t70 = t69 * p.beta_tanh_20;
+    let t71 = v[0] * 10.0;
+    let t72 = math::tanh(t71);
+    let t73 = t72 * p.beta_tanh_10;
+    let t74 = t73 + t70;
+    let t75 = v[0] * 5.0;
+    let t76 = math::tanh(t75);
+    let t77 = t76 * p.beta_tanh_5;
+    let t78 = t77 + t74;
+    let t79 = v[0] * p.beta_viscous;
+    let t80 = p.beta_constant + t79;
+    let t81 = u[0] * 161.0;
+    let t82 = t81 - t80;
+    let t83 = sign(v[0]);
+    let t84 = t83 * p.beta_sign;
+    let t85 = t84 - t82;
+    let t86 = v[0] * 100.0;
+    let t87 = math::tanh(t86);
+    let t88 = t87 * p.beta_tanh_100;
+    let t89 = t88 + t85;
+    let t90 = t89 + t78;
+    let t91 = moment_beta_z - t90;
     let t92 = inverse_d_beta * t91;
-    let t93 = t92 + t89;
-    let t94 = acceleration_beta_y - t79;
-    let t95 = sin_gamma * t94;
-    let t96 = cos_gamma * t39;
-    let t97 = t96 - t95;
-    let t98 = 0.31075498619999997 * t97;
-    let t99 = cos_gamma * force_gamma_x;
-    let t100 = t99 + t98;
-    let t101 = t79 - t84;
-    let t102 = 0.31075498619999997 * t101;
-    let t103 = sin_gamma * t102;
-    let t104 = t103 + t100;
-    let t105 = inverse_d_beta * t104;
-    let t106 = t12 * t98;
-    let t107 = t105 - t106;
-    let t108 = t81 * t88;
-    let t109 = t12 * t91;
-    let t110 = t109 + t108;
-    let t111 = t12 * t104;
-    let t112 = t81 * t98;
-    let t113 = t111 - t112;
-    let t114 = t55 * t55;
-    let t115 = 1.0 - t114;
-    let t116 = 20.0 * t115;
-    let t117 = p.beta_tanh_20 * t116;
-    let t118 = t58 * t58;
-    let t119 = 1.0 - t118;
-    let t120 = 10.0 * t119;
-    let t121 = p.beta_tanh_10 * t120;
-    let t122 = t121 + t117;
-    let t123 = t62 * t62;
-    let t124 = 1.0 - t123;
-    let t125 = 5.0 * t124;
-    let t126 = p.beta_tanh_5 * t125;
-    let t127 = t126 + t122;
-    let t128 = t73 * t73;
-    let t129 = 1.0 - t128;
-    let t130 = 100.0 * t129;
-    let t131 = p.beta_tanh_100 * t130;
-    let t132 = 0.6215099723999999 * omega_gamma_z;
-    let t133 = sin_gamma * t132;
-    let t134 = p.beta_viscous - t133;
-    let t135 = v[0] + v[0];
-    let t136 = sin_gamma * t135;
-    let t137 = 0.31075498619999997 * t136;
-    let t138 = t137 + t134;
-    let t139 = t131 + t138;
-    let t140 = t139 + t127;
-    let t141 = inverse_d_beta * t140;
-    let t142 = t12 * t137;
-    let t143 = t142 - t141;
-    let t144 = t14 * t14;
-    let t145 = 1.0 - t144;
-    let t146 = 20.0 * t145;
-    let t147 = p.gamma_tanh_20 * t146;
-    let t148 = t17 * t17;
-    let t149 = 1.0 - t148;
-    let t150 = 10.0 * t149;
-    let t151 = p.gamma_tanh_10 * t150;
-    let t152 = t151 + t147;
-    let t153 = t21 * t21;
-    let t154 = 1.0 - t153;
-    let t155 = 5.0 * t154;
-    let t156 = p.gamma_tanh_5 * t155;
-    let t157 = t156 + t152;
-    let t158 = t32 * t32;
-    let t159 = 1.0 - t158;
-    let t160 = 100.0 * t159;
-    let t161 = p.gamma_tanh_100 * t160;
-    let t162 = p.gamma_viscous + t161;
-    let t163 = t162 + t157;
-    let t164 = t12 * t163;
-    let t165 = inverse_d_beta * t133;
-    let t166 = t165 + t164;
-    let t167 = t81 * t137;
-    let t168 = t12 * t140;
-    let t169 = t167 - t168;
-    let t170 = t81 * t163;
-    let t171 = t12 * t133;
-    let t172 = t171 + t170;
-    let t173 = -t84;
-    let t174 = -t110;
-    let t175 = -t113;
-    let t176 = -t169;
-    let t177 = -t172;
-    let t178 = -t12;
+    let t93 = t92 - t57;
+    let t94 = t13 * t23;
+    let t95 = inverse_d_gamma - t94;
+    let t96 = t95 * t56;
+    let t97 = t23 * t91;
+    let t98 = t97 + t96;
+    let t99 = cos_gamma * acceleration_beta_x;
+    let t100 = sin_gamma * acceleration_beta_y;
+    let t101 = t100 - t99;
+    let t102 = t5 * t101;
+    let t103 = t102 * t23;
+    let t104 = t64 * acceleration_beta_x;
+    let t105 = t104 - t102;
+    let t106 = t105 * inverse_d_beta;
+    let t107 = t106 + t103;
+    let t108 = t93 - t98;
+    let t109 = t5 * t108;
+    let t110 = sin_gamma * t109;
+    let t111 = cos_gamma * force_gamma_x;
+    let t112 = t111 - t110;
+    let t113 = 0.18 * t112;
+    let t114 = 0.18 * t93;
+    let t115 = acceleration_beta_y + t114;
+    let t116 = sin_gamma * t115;
+    let t117 = cos_gamma * t50;
+    let t118 = t117 - t116;
+    let t119 = t5 * t118;
+    let t120 = t119 + t113;
+    let t121 = inverse_d_beta * t120;
+    let t122 = t23 * t119;
+    let t123 = t121 - t122;
+    let t124 = t102 * t95;
+    let t125 = t105 * t23;
+    let t126 = t125 - t124;
+    let t127 = t23 * t120;
+    let t128 = t95 * t119;
+    let t129 = t127 + t128;
+    let t130 = v[0] * 0.36;
+    let t131 = sin_gamma * t130;
+    let t132 = t5 * t131;
+    let t133 = t132 * t23;
+    let t134 = t69 * t69;
+    let t135 = 1.0 - t134;
+    let t136 = 20.0 * t135;
+    let t137 = p.beta_tanh_20 * t136;
+    let t138 = t72 * t72;
+    let t139 = 1.0 - t138;
+    let t140 = 10.0 * t139;
+    let t141 = p.beta_tanh_10 * t140;
+    let t142 = t141 + t137;
+    let t143 = t76 * t76;
+    let t144 = 1.0 - t143;
+    let t145 = 5.0 * t144;
+    let t146 = p.beta_tanh_5 * t145;
+    let t147 = t146 + t142;
+    let t148 = omega_gamma_z + omega_gamma_z;
+    let t149 = t5 * t148;
+    let t150 = sin_gamma * t149;
+    let t151 = 0.18 * t150;
+    let t152 = p.beta_viscous - t151;
+    let t153 = t132 + t152;
+    let t154 = t87 * t87;
+    let t155 = 1.0 - t154;
+    let t156 = 100.0 * t155;
+    let t157 = p.beta_tanh_100 * t156;
+    let t158 = t157 + t153;
+    let t159 = t158 + t147;
+    let t160 = inverse_d_beta * t159;
+    let t161 = t160 - t133;
+    let t162 = t25 * t25;
+    let t163 = 1.0 - t162;
+    let t164 = 20.0 * t163;
+    let t165 = p.gamma_tanh_20 * t164;
+    let t166 = t28 * t28;
+    let t167 = 1.0 - t166;
+    let t168 = 10.0 * t167;
+    let t169 = p.gamma_tanh_10 * t168;
+    let t170 = t169 + t165;
+    let t171 = t32 * t32;
+    let t172 = 1.0 - t171;
+    let t173 = 5.0 * t172;
+    let t174 = p.gamma_tanh_5 * t173;
+    let t175 = t174 + t170;
+    let t176 = t43 * t43;
+    let t177 = 1.0 - t176;
+    let t178 = 100.0 * t177;
+    let t179 = p.gamma_tanh_100 * t178;
+    let t180 = p.gamma_viscous + t179;
+    let t181 = t180 + t175;
+    let t182 = t23 * t181;
+    let t183 = t151 * inverse_d_beta;
+    let t184 = t183 + t182;
+    let t185 = t132 * t95;
+    let t186 = t23 * t159;
+    let t187 = t186 + t185;
+    let t188 = t95 * t181;
+    let t189 = t151 * t23;
+    let t190 = t189 - t188;
+    let t191 = -t93;
+    let t192 = -t107;
+    let t193 = -t123;
+    let t194 = -t184;
+    let t195 = -t187;
+    let minus_inverse_d_beta = -inverse_d_beta;
     (
-        [t79, t173],
-        [[t93, t107], [t174, t175]],
-        [[t143, t166], [t176, t177]],
-        [[inverse_d_beta, t178], [t178, t81]],
+        [t191, t98],
+        [[t192, t193], [t126, t129]],
+        [[t161, t194], [t195, t190]],
+        [[minus_inverse_d_beta, t23], [t23, t95]],
     )
 }
 
@@ -1404,7 +1553,7 @@ pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 /// - returns `B_x: [N × M]`: ∂ÿ/∂u, row i = acceleration i
 /// - returns `c: [N]`: affine remainder ÿ − A\_y y − A\_v ẏ − B\_x u
 ///
-/// Cost: 112 multiplications, 73 additions, 1 division, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
+/// Cost: 122 multiplications, 80 additions, 2 divisions, 10 function calls (2 `sin_cos`, 8 other), 2 selections.
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
@@ -1424,19 +1573,25 @@ pub fn linearize(
     p: &Parameters,
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let [t6, inverse_d_beta, t12, acceleration_beta_y, t19, t22, t24, t26, t29, t33, t44,
-    t47, t49] = linearize_body_1([sin_beta, cos_beta, sin_gamma, cos_gamma], v, u, p);
-    let [t88, t97, t100, t107, t110, t113, t133, t137, t140] = linearize_body_2(
+    let [t5, inverse_d_beta, t23, acceleration_beta_x, acceleration_beta_y, t29, t32,
+    t34, t36, t38, t40, t43, t47, t49] = linearize_body_1(
+        [sin_beta, cos_beta, sin_gamma, cos_gamma],
+        v,
+        p,
+    );
+    let [t58, t98, t104, t107, t123, t126, t129, t132, t133, t147, t149] = linearize_body_2(
         [
             sin_gamma,
             cos_gamma,
-            t6,
+            t5,
             inverse_d_beta,
-            t12,
+            t23,
+            acceleration_beta_x,
             acceleration_beta_y,
-            t19,
-            t22,
-            t47,
+            t29,
+            t32,
+            t34,
+            t38,
             t49,
         ],
         v,
@@ -1445,22 +1600,25 @@ pub fn linearize(
     );
     linearize_body_3(
         [
+            sin_gamma,
             inverse_d_beta,
-            t12,
-            t24,
-            t26,
-            t29,
-            t33,
-            t44,
-            t88,
-            t97,
-            t100,
+            t23,
+            t36,
+            t38,
+            t40,
+            t43,
+            t47,
+            t58,
+            t98,
+            t104,
             t107,
-            t110,
-            t113,
+            t123,
+            t126,
+            t129,
+            t132,
             t133,
-            t137,
-            t140,
+            t147,
+            t149,
         ],
         y,
         v,
@@ -1478,67 +1636,67 @@ fn linearize_body_1(
     cos_gamma,
     ]: [f64; 4],
     v: &[f64; N],
-    u: &[f64; M],
     p: &Parameters,
-) -> [f64; 13] {
-    let t4 = cos_gamma * 0.31075498619999997;
-    let t5 = t4 + 0.6693697768564999;
-    let t6 = t5 * 0.4935471238405507;
-    let t7 = t5 * t6;
-    let t8 = cos_gamma * 0.6215099723999999;
-    let t9 = t8 + 2.3212965868565;
-    let t10 = t9 - t7;
-    let inverse_d_beta = 1.0 / t10;
-    let t12 = t6 * inverse_d_beta;
-    let t13 = p.g * 5.555555555555555;
-    let acceleration_beta_x = cos_beta * t13;
-    let t15 = cos_gamma * acceleration_beta_x;
-    let acceleration_beta_y = sin_beta * t13;
-    let t17 = sin_gamma * acceleration_beta_y;
-    let t18 = t17 - t15;
-    let t19 = 0.31075498619999997 * t18;
-    let t20 = t12 * t19;
-    let t21 = 0.29270484 * acceleration_beta_x;
-    let t22 = t21 - t19;
-    let t23 = inverse_d_beta * t22;
-    let t24 = t23 + t20;
-    let t25 = v[1] * 20.0;
-    let t26 = math::tanh(t25);
-    let t27 = t26 * p.gamma_tanh_20;
-    let t28 = v[1] * 10.0;
-    let t29 = math::tanh(t28);
-    let t30 = t29 * p.gamma_tanh_10;
-    let t31 = t30 + t27;
-    let t32 = v[1] * 5.0;
-    let t33 = math::tanh(t32);
-    let t34 = t33 * p.gamma_tanh_5;
-    let t35 = t34 + t31;
-    let t36 = v[1] * p.gamma_viscous;
-    let t37 = p.gamma_constant + t36;
-    let t38 = u[1] * 161.0;
-    let t39 = t38 - t37;
-    let t40 = sign(v[1]);
-    let t41 = t40 * p.gamma_sign;
-    let t42 = t41 - t39;
-    let t43 = v[1] * 100.0;
-    let t44 = math::tanh(t43);
-    let t45 = t44 * p.gamma_tanh_100;
-    let t46 = t45 + t42;
-    let t47 = t46 + t35;
-    let t48 = v[0] * v[0];
-    let t49 = acceleration_beta_x - t48;
+) -> [f64; 14] {
+    let t4 = 0.5586 * p.load;
+    let t5 = 1.72641659 + t4;
+    let t6 = t5 * cos_gamma;
+    let t7 = 0.18 * t6;
+    let t8 = 0.31203396 * p.load;
+    let t9 = t8 + 0.6693697768564999;
+    let t10 = t7 + t9;
+    let t11 = t8 + 2.0261489768564998;
+    let inverse_d_gamma = 1.0 / t11;
+    let t13 = inverse_d_gamma * t10;
+    let t14 = t10 * t13;
+    let t15 = t6 * 0.36;
+    let t16 = t8 + 2.0893903468565;
+    let t17 = 7.1576 + p.load;
+    let t18 = t17 * 0.0324;
+    let t19 = t18 + t16;
+    let t20 = t15 + t19;
+    let t21 = t14 - t20;
+    let inverse_d_beta = 1.0 / t21;
+    let t23 = t13 * inverse_d_beta;
+    let acceleration_beta_x = p.g * cos_beta;
+    let t25 = cos_gamma * acceleration_beta_x;
+    let acceleration_beta_y = p.g * sin_beta;
+    let t27 = sin_gamma * acceleration_beta_y;
+    let t28 = t27 - t25;
+    let t29 = t5 * t28;
+    let t30 = t29 * t23;
+    let t31 = 0.18 * t17;
+    let t32 = 0.33777 + t31;
+    let t33 = t32 * acceleration_beta_x;
+    let t34 = t33 - t29;
+    let t35 = t34 * inverse_d_beta;
+    let t36 = t35 + t30;
+    let t37 = t13 * t23;
+    let t38 = inverse_d_gamma - t37;
+    let t39 = v[1] * 20.0;
+    let t40 = math::tanh(t39);
+    let t41 = t40 * p.gamma_tanh_20;
+    let t42 = v[1] * 10.0;
+    let t43 = math::tanh(t42);
+    let t44 = t43 * p.gamma_tanh_10;
+    let t45 = t44 + t41;
+    let t46 = v[1] * 5.0;
+    let t47 = math::tanh(t46);
+    let t48 = t47 * p.gamma_tanh_5;
+    let t49 = t48 + t45;
     [
-        t6,
+        t5,
         inverse_d_beta,
-        t12,
+        t23,
+        acceleration_beta_x,
         acceleration_beta_y,
-        t19,
-        t22,
-        t24,
-        t26,
         t29,
-        t33,
-        t44,
+        t32,
+        t34,
+        t36,
+        t38,
+        t40,
+        t43,
         t47,
         t49,
     ]
@@ -1549,111 +1707,122 @@ fn linearize_body_1(
 fn linearize_body_2(
     [sin_gamma,
     cos_gamma,
-    t6,
+    t5,
     inverse_d_beta,
-    t12,
+    t23,
+    acceleration_beta_x,
     acceleration_beta_y,
-    t19,
-    t22,
-    t47,
+    t29,
+    t32,
+    t34,
+    t38,
     t49,
-    ]: [f64; 10],
+    ]: [f64; 12],
     v: &[f64; N],
     u: &[f64; M],
     p: &Parameters,
-) -> [f64; 9] {
-    let t50 = sin_gamma * t49;
-    let t51 = cos_gamma * acceleration_beta_y;
-    let acceleration_gamma_y = t50 + t51;
-    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
-    let t54 = moment_gamma_z - t47;
-    let t55 = t12 * t54;
+) -> [f64; 11] {
+    let t50 = v[1] * p.gamma_viscous;
+    let t51 = p.gamma_constant + t50;
+    let t52 = u[1] * 161.0;
+    let t53 = t52 - t51;
+    let t54 = sign(v[1]);
+    let t55 = t54 * p.gamma_sign;
+    let t56 = t55 - t53;
+    let t57 = v[1] * 100.0;
+    let t58 = math::tanh(t57);
+    let t59 = t58 * p.gamma_tanh_100;
+    let t60 = t59 + t56;
+    let t61 = t60 + t49;
+    let t62 = v[0] * v[0];
+    let t63 = 0.18 * t62;
+    let t64 = acceleration_beta_x - t63;
+    let t65 = sin_gamma * t64;
+    let t66 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t65 + t66;
+    let moment_gamma_z = t5 * acceleration_gamma_y;
+    let t69 = moment_gamma_z - t61;
+    let t70 = t38 * t69;
     let omega_gamma_z = v[0] + v[1];
-    let t57 = omega_gamma_z * omega_gamma_z;
-    let force_gamma_x = 0.31075498619999997 * t57;
+    let t72 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = t5 * t72;
     let force_beta_y = sin_gamma * force_gamma_x;
-    let t60 = 0.29270484 * acceleration_beta_y;
-    let t61 = t60 + force_beta_y;
-    let moment_beta_z = moment_gamma_z + t61;
-    let t63 = v[0] * 20.0;
-    let t64 = math::tanh(t63);
-    let t65 = t64 * p.beta_tanh_20;
-    let t66 = v[0] * 10.0;
-    let t67 = math::tanh(t66);
-    let t68 = t67 * p.beta_tanh_10;
-    let t69 = t68 + t65;
-    let t70 = v[0] * 5.0;
-    let t71 = math::tanh(t70);
-    let t72 = t71 * p.beta_tanh_5;
-    let t73 = t72 + t69;
-    let t74 = v[0] * p.beta_viscous;
-    let t75 = p.beta_constant + t74;
-    let t76 = u[0] * 161.0;
-    let t77 = t76 - t75;
-    let t78 = sign(v[0]);
-    let t79 = t78 * p.beta_sign;
-    let t80 = t79 - t77;
-    let t81 = v[0] * 100.0;
-    let t82 = math::tanh(t81);
-    let t83 = t82 * p.beta_tanh_100;
-    let t84 = t83 + t80;
-    let t85 = t84 + t73;
-    let t86 = moment_beta_z - t85;
-    let t87 = inverse_d_beta * t86;
-    let t88 = t87 - t55;
-    let t89 = acceleration_beta_y - t88;
-    let t90 = sin_gamma * t89;
-    let t91 = cos_gamma * t49;
-    let t92 = t91 - t90;
-    let t93 = 0.31075498619999997 * t92;
-    let t94 = cos_gamma * force_gamma_x;
-    let t95 = t94 + t93;
-    let t96 = t6 * t12;
-    let t97 = 0.4935471238405507 + t96;
-    let t98 = t97 * t54;
-    let t99 = t12 * t86;
-    let t100 = t99 - t98;
-    let t101 = t88 - t100;
-    let t102 = 0.31075498619999997 * t101;
-    let t103 = sin_gamma * t102;
-    let t104 = t103 + t95;
-    let t105 = inverse_d_beta * t104;
-    let t106 = t12 * t93;
-    let t107 = t105 - t106;
-    let t108 = t97 * t19;
-    let t109 = t12 * t22;
-    let t110 = t109 + t108;
-    let t111 = t12 * t104;
-    let t112 = t97 * t93;
-    let t113 = t111 - t112;
-    let t114 = t64 * t64;
-    let t115 = 1.0 - t114;
-    let t116 = 20.0 * t115;
-    let t117 = p.beta_tanh_20 * t116;
-    let t118 = t67 * t67;
-    let t119 = 1.0 - t118;
-    let t120 = 10.0 * t119;
-    let t121 = p.beta_tanh_10 * t120;
-    let t122 = t121 + t117;
-    let t123 = t71 * t71;
-    let t124 = 1.0 - t123;
-    let t125 = 5.0 * t124;
-    let t126 = p.beta_tanh_5 * t125;
-    let t127 = t126 + t122;
-    let t128 = t82 * t82;
-    let t129 = 1.0 - t128;
-    let t130 = 100.0 * t129;
-    let t131 = p.beta_tanh_100 * t130;
-    let t132 = 0.6215099723999999 * omega_gamma_z;
-    let t133 = sin_gamma * t132;
-    let t134 = p.beta_viscous - t133;
-    let t135 = v[0] + v[0];
-    let t136 = sin_gamma * t135;
-    let t137 = 0.31075498619999997 * t136;
-    let t138 = t137 + t134;
-    let t139 = t131 + t138;
-    let t140 = t139 + t127;
-    [t88, t97, t100, t107, t110, t113, t133, t137, t140]
+    let t75 = 0.18 * force_beta_y;
+    let t76 = t32 * acceleration_beta_y;
+    let t77 = t76 + t75;
+    let moment_beta_z = moment_gamma_z + t77;
+    let t79 = v[0] * 20.0;
+    let t80 = math::tanh(t79);
+    let t81 = t80 * p.beta_tanh_20;
+    let t82 = v[0] * 10.0;
+    let t83 = math::tanh(t82);
+    let t84 = t83 * p.beta_tanh_10;
+    let t85 = t84 + t81;
+    let t86 = v[0] * 5.0;
+    let t87 = math::tanh(t86);
+    let t88 = t87 * p.beta_tanh_5;
+    let t89 = t88 + t85;
+    let t90 = v[0] * p.beta_viscous;
+    let t91 = p.beta_constant + t90;
+    let t92 = u[0] * 161.0;
+    let t93 = t92 - t91;
+    let t94 = sign(v[0]);
+    let t95 = t94 * p.beta_sign;
+    let t96 = t95 - t93;
+    let t97 = v[0] * 100.0;
+    let t98 = math::tanh(t97);
+    let t99 = t98 * p.beta_tanh_100;
+    let t100 = t99 + t96;
+    let t101 = t100 + t89;
+    let t102 = moment_beta_z - t101;
+    let t103 = t23 * t102;
+    let t104 = t103 + t70;
+    let t105 = t23 * t69;
+    let t106 = inverse_d_beta * t102;
+    let t107 = t106 - t105;
+    let t108 = t107 - t104;
+    let t109 = t5 * t108;
+    let t110 = sin_gamma * t109;
+    let t111 = cos_gamma * force_gamma_x;
+    let t112 = t111 - t110;
+    let t113 = 0.18 * t112;
+    let t114 = 0.18 * t107;
+    let t115 = acceleration_beta_y + t114;
+    let t116 = sin_gamma * t115;
+    let t117 = cos_gamma * t64;
+    let t118 = t117 - t116;
+    let t119 = t5 * t118;
+    let t120 = t119 + t113;
+    let t121 = inverse_d_beta * t120;
+    let t122 = t23 * t119;
+    let t123 = t121 - t122;
+    let t124 = t29 * t38;
+    let t125 = t34 * t23;
+    let t126 = t125 - t124;
+    let t127 = t23 * t120;
+    let t128 = t38 * t119;
+    let t129 = t127 + t128;
+    let t130 = v[0] * 0.36;
+    let t131 = sin_gamma * t130;
+    let t132 = t5 * t131;
+    let t133 = t132 * t23;
+    let t134 = t80 * t80;
+    let t135 = 1.0 - t134;
+    let t136 = 20.0 * t135;
+    let t137 = p.beta_tanh_20 * t136;
+    let t138 = t83 * t83;
+    let t139 = 1.0 - t138;
+    let t140 = 10.0 * t139;
+    let t141 = p.beta_tanh_10 * t140;
+    let t142 = t141 + t137;
+    let t143 = t87 * t87;
+    let t144 = 1.0 - t143;
+    let t145 = 5.0 * t144;
+    let t146 = p.beta_tanh_5 * t145;
+    let t147 = t146 + t142;
+    let t148 = omega_gamma_z + omega_gamma_z;
+    let t149 = t5 * t148;
+    [t58, t98, t104, t107, t123, t126, t129, t132, t133, t147, t149]
 }
 
 /// Part 3 of `linearize` from sines, cosines and what earlier parts made.
@@ -1663,98 +1832,110 @@ fn linearize_body_2(
     reason = "blocks of fixed size need no type of their own"
 )]
 fn linearize_body_3(
-    [inverse_d_beta,
-    t12,
-    t24,
-    t26,
-    t29,
-    t33,
-    t44,
-    t88,
-    t97,
-    t100,
+    [sin_gamma,
+    inverse_d_beta,
+    t23,
+    t36,
+    t38,
+    t40,
+    t43,
+    t47,
+    t58,
+    t98,
+    t104,
     t107,
-    t110,
-    t113,
+    t123,
+    t126,
+    t129,
+    t132,
     t133,
-    t137,
-    t140,
-    ]: [f64; 16],
+    t147,
+    t149,
+    ]: [f64; 19],
     y: &[f64; N],
     v: &[f64; N],
     u: &[f64; M],
     p: &Parameters,
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
-    let t141 = inverse_d_beta * t140;
-    let t142 = t12 * t137;
-    let t143 = t142 - t141;
-    let t144 = t26 * t26;
-    let t145 = 1.0 - t144;
-    let t146 = 20.0 * t145;
-    let t147 = p.gamma_tanh_20 * t146;
-    let t148 = t29 * t29;
-    let t149 = 1.0 - t148;
-    let t150 = 10.0 * t149;
-    let t151 = p.gamma_tanh_10 * t150;
-    let t152 = t151 + t147;
-    let t153 = t33 * t33;
-    let t154 = 1.0 - t153;
-    let t155 = 5.0 * t154;
-    let t156 = p.gamma_tanh_5 * t155;
-    let t157 = t156 + t152;
-    let t158 = t44 * t44;
-    let t159 = 1.0 - t158;
-    let t160 = 100.0 * t159;
-    let t161 = p.gamma_tanh_100 * t160;
-    let t162 = p.gamma_viscous + t161;
-    let t163 = t162 + t157;
-    let t164 = t12 * t163;
-    let t165 = inverse_d_beta * t133;
-    let t166 = t165 + t164;
-    let t167 = t97 * t137;
-    let t168 = t12 * t140;
-    let t169 = t167 - t168;
-    let t170 = t97 * t163;
-    let t171 = t12 * t133;
-    let t172 = t171 + t170;
-    let t173 = 161.0 * inverse_d_beta;
-    let t174 = 161.0 * t12;
-    let t175 = 161.0 * t97;
-    let t176 = y[1] * t107;
-    let t177 = v[1] * t166;
-    let t178 = v[0] * t143;
-    let t179 = t178 + t177;
-    let t180 = y[0] * t24;
-    let t181 = t180 + t179;
-    let t182 = u[1] * t174;
-    let t183 = u[0] * t173;
-    let t184 = t183 - t182;
-    let t185 = t184 - t88;
-    let t186 = t185 + t181;
-    let t187 = t176 + t186;
-    let t188 = y[1] * t113;
-    let t189 = v[1] * t172;
-    let t190 = v[0] * t169;
-    let t191 = t190 + t189;
-    let t192 = y[0] * t110;
-    let t193 = t192 + t191;
-    let t194 = u[1] * t175;
-    let t195 = u[0] * t174;
-    let t196 = t195 - t194;
-    let t197 = t196 - t100;
-    let t198 = t197 + t193;
-    let t199 = t188 + t198;
-    let t200 = -t110;
-    let t201 = -t113;
-    let t202 = -t169;
-    let t203 = -t172;
-    let t204 = -t174;
-    let t205 = -t187;
+    let t150 = sin_gamma * t149;
+    let t151 = 0.18 * t150;
+    let t152 = p.beta_viscous - t151;
+    let t153 = t132 + t152;
+    let t154 = t98 * t98;
+    let t155 = 1.0 - t154;
+    let t156 = 100.0 * t155;
+    let t157 = p.beta_tanh_100 * t156;
+    let t158 = t157 + t153;
+    let t159 = t158 + t147;
+    let t160 = inverse_d_beta * t159;
+    let t161 = t160 - t133;
+    let t162 = t40 * t40;
+    let t163 = 1.0 - t162;
+    let t164 = 20.0 * t163;
+    let t165 = p.gamma_tanh_20 * t164;
+    let t166 = t43 * t43;
+    let t167 = 1.0 - t166;
+    let t168 = 10.0 * t167;
+    let t169 = p.gamma_tanh_10 * t168;
+    let t170 = t169 + t165;
+    let t171 = t47 * t47;
+    let t172 = 1.0 - t171;
+    let t173 = 5.0 * t172;
+    let t174 = p.gamma_tanh_5 * t173;
+    let t175 = t174 + t170;
+    let t176 = t58 * t58;
+    let t177 = 1.0 - t176;
+    let t178 = 100.0 * t177;
+    let t179 = p.gamma_tanh_100 * t178;
+    let t180 = p.gamma_viscous + t179;
+    let t181 = t180 + t175;
+    let t182 = t23 * t181;
+    let t183 = t151 * inverse_d_beta;
+    let t184 = t183 + t182;
+    let t185 = t132 * t38;
+    let t186 = t23 * t159;
+    let t187 = t186 + t185;
+    let t188 = t38 * t181;
+    let t189 = t151 * t23;
+    let t190 = t189 - t188;
+    let t191 = 161.0 * inverse_d_beta;
+    let t192 = 161.0 * t23;
+    let t193 = 161.0 * t38;
+    let t194 = y[1] * t123;
+    let t195 = v[1] * t184;
+    let t196 = v[0] * t161;
+    let t197 = t196 - t195;
+    let t198 = y[0] * t36;
+    let t199 = t198 - t197;
+    let t200 = u[1] * t192;
+    let t201 = u[0] * t191;
+    let t202 = t201 - t200;
+    let t203 = t107 - t202;
+    let t204 = t203 - t199;
+    let t205 = t194 - t204;
+    let t206 = y[1] * t129;
+    let t207 = v[1] * t190;
+    let t208 = v[0] * t187;
+    let t209 = t208 - t207;
+    let t210 = y[0] * t126;
+    let t211 = t210 - t209;
+    let t212 = u[1] * t193;
+    let t213 = u[0] * t192;
+    let t214 = t213 + t212;
+    let t215 = t104 - t214;
+    let t216 = t215 - t211;
+    let t217 = t206 - t216;
+    let t218 = -t36;
+    let t219 = -t123;
+    let t220 = -t184;
+    let t221 = -t187;
+    let t222 = -t191;
+    let t223 = -t217;
     (
-        [[t24, t107], [t200, t201]],
-        [[t143, t166], [t202, t203]],
-        [[t173, t204], [t204, t175]],
-        [t205, t199],
+        [[t218, t219], [t126, t129]],
+        [[t161, t220], [t221, t190]],
+        [[t222, t192], [t192, t193]],
+        [t205, t223],
     )
 }
 
@@ -1783,7 +1964,7 @@ fn linearize_each<const W: usize>(
         let (mut sines, mut cosines) = ([Group([0.0; W]); 2], [Group([0.0; W]); 2]);
         math::sin_cos_lanes(&angles[0].0, &mut sines[0].0, &mut cosines[0].0);
         math::sin_cos_lanes(&angles[1].0, &mut sines[1].0, &mut cosines[1].0);
-        let mut values_1 = [Group([0.0; W]); 13];
+        let mut values_1 = [Group([0.0; W]); 14];
         for lane in 0..W {
             let values = linearize_body_1(
                 [
@@ -1793,7 +1974,6 @@ fn linearize_each<const W: usize>(
                     cosines[1].0[lane],
                 ],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-                &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
                 p,
             );
             values_1[0].0[lane] = values[0];
@@ -1809,8 +1989,9 @@ fn linearize_each<const W: usize>(
             values_1[10].0[lane] = values[10];
             values_1[11].0[lane] = values[11];
             values_1[12].0[lane] = values[12];
+            values_1[13].0[lane] = values[13];
         }
-        let mut values_2 = [Group([0.0; W]); 9];
+        let mut values_2 = [Group([0.0; W]); 11];
         for lane in 0..W {
             let values = linearize_body_2(
                 [
@@ -1822,8 +2003,10 @@ fn linearize_each<const W: usize>(
                     values_1[3].0[lane],
                     values_1[4].0[lane],
                     values_1[5].0[lane],
-                    values_1[11].0[lane],
-                    values_1[12].0[lane],
+                    values_1[6].0[lane],
+                    values_1[7].0[lane],
+                    values_1[9].0[lane],
+                    values_1[13].0[lane],
                 ],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
                 &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
@@ -1838,17 +2021,20 @@ fn linearize_each<const W: usize>(
             values_2[6].0[lane] = values[6];
             values_2[7].0[lane] = values[7];
             values_2[8].0[lane] = values[8];
+            values_2[9].0[lane] = values[9];
+            values_2[10].0[lane] = values[10];
         }
         for lane in 0..W {
             let (result_1, result_2, result_3, result_4) = linearize_body_3(
                 [
+                    sines[1].0[lane],
                     values_1[1].0[lane],
                     values_1[2].0[lane],
-                    values_1[6].0[lane],
-                    values_1[7].0[lane],
                     values_1[8].0[lane],
                     values_1[9].0[lane],
                     values_1[10].0[lane],
+                    values_1[11].0[lane],
+                    values_1[12].0[lane],
                     values_2[0].0[lane],
                     values_2[1].0[lane],
                     values_2[2].0[lane],
@@ -1858,6 +2044,8 @@ fn linearize_each<const W: usize>(
                     values_2[6].0[lane],
                     values_2[7].0[lane],
                     values_2[8].0[lane],
+                    values_2[9].0[lane],
+                    values_2[10].0[lane],
                 ],
                 &[y[0].0[W * group + lane], y[1].0[W * group + lane]],
                 &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
@@ -1966,34 +2154,46 @@ pub fn linearize_lanes_avx512(
 /// - `p`: free parameters
 /// - returns `T`: energy (J)
 ///
-/// Cost: 13 multiplications, 9 additions, 0 divisions, 1 function call (`sin_cos`).
+/// Cost: 20 multiplications, 15 additions, 0 divisions, 1 function call (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn kinetic_energy(y: &[f64; N], v: &[f64; N], p: &Parameters) -> f64 {
-    let _ = p;
     let (_, cos_gamma) = math::sin_cos(y[1]);
-    let t2 = v[0] + v[1];
-    let force_gamma_y = 0.31075498619999997 * t2;
-    let t4 = cos_gamma * force_gamma_y;
-    let t5 = v[1] * 0.00847987;
-    let t6 = v[0] * 0.29514761000000006;
-    let t7 = t6 + t5;
-    let t8 = t7 + t4;
-    let acceleration_gamma_y = v[0] * cos_gamma;
-    let t10 = 0.31075498619999997 * acceleration_gamma_y;
-    let t11 = t2 * 0.6608899068565;
-    let moment_gamma_z = t10 + t11;
-    let moment_beta_z = moment_gamma_z + t8;
-    let t14 = v[0] * 1.36525907;
-    let t15 = t14 + moment_beta_z;
-    let t16 = v[0] * t15;
-    let t17 = v[0] * 0.00847987;
-    let t18 = v[1] * 1.36525907;
-    let t19 = t18 + t17;
-    let t20 = moment_gamma_z + t19;
-    let t21 = v[1] * t20;
-    let t22 = t21 + t16;
-    0.5 * t22
+    let t2 = 7.1576 + p.load;
+    let t3 = t2 * 0.0324;
+    let t4 = 0.04850918500000001 + t3;
+    let t5 = v[0] * t4;
+    let t6 = v[1] * 0.00847987;
+    let t7 = v[0] * 0.014732185;
+    let t8 = t7 + t6;
+    let t9 = t5 + t8;
+    let t10 = 0.5586 * p.load;
+    let t11 = 1.72641659 + t10;
+    let t12 = v[0] + v[1];
+    let force_gamma_y = t11 * t12;
+    let t14 = cos_gamma * force_gamma_y;
+    let t15 = 0.18 * t14;
+    let t16 = t15 + t9;
+    let t17 = 0.31203396 * p.load;
+    let t18 = 0.6508591710064999 + t17;
+    let t19 = t18 * t12;
+    let t20 = 0.01003073585 * t12;
+    let t21 = t19 + t20;
+    let t22 = v[0] * 0.18;
+    let acceleration_gamma_y = cos_gamma * t22;
+    let t24 = t11 * acceleration_gamma_y;
+    let moment_gamma_z = t24 + t21;
+    let moment_beta_z = moment_gamma_z + t16;
+    let t27 = v[0] * 1.36525907;
+    let t28 = t27 + moment_beta_z;
+    let t29 = v[0] * t28;
+    let t30 = v[0] * 0.00847987;
+    let t31 = v[1] * 1.36525907;
+    let t32 = t31 + t30;
+    let t33 = moment_gamma_z + t32;
+    let t34 = v[1] * t33;
+    let t35 = t34 + t29;
+    0.5 * t35
 }
 
 /// Potential energy of gravity.
@@ -2005,18 +2205,23 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N], p: &Parameters) -> f64 {
 /// - returns `V`: energy (J), of the moving bodies, zero with their masses at the height of the base frame;
 ///   springs not included
 ///
-/// Cost: 5 multiplications, 2 additions, 0 divisions, 2 function calls (`sin_cos`).
+/// Cost: 7 multiplications, 5 additions, 0 divisions, 2 function calls (`sin_cos`).
 #[inline]
 #[must_use]
 pub fn potential_energy(y: &[f64; N], p: &Parameters) -> f64 {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let t4 = 1.72641659 * cos_gamma;
-    let t5 = 1.626138 + t4;
-    let t6 = cos_beta * t5;
-    let t7 = 1.72641659 * sin_gamma;
-    let t8 = sin_beta * t7;
-    let t9 = t6 - t8;
-    p.g * t9
+    let t4 = 0.5586 * p.load;
+    let t5 = 1.72641659 + t4;
+    let t6 = t5 * cos_gamma;
+    let t7 = 7.1576 + p.load;
+    let t8 = 0.18 * t7;
+    let t9 = 0.33777 + t8;
+    let t10 = t9 + t6;
+    let t11 = cos_beta * t10;
+    let t12 = t5 * sin_gamma;
+    let t13 = sin_beta * t12;
+    let t14 = t11 - t13;
+    p.g * t14
 }
 
 /// Inertial parameters π, the columns of `inertial_regressor`. For each link, in the order of the coordinates and
@@ -2055,7 +2260,7 @@ pub const INERTIAL_PARAMETER_NAMES: [&str; 22] = [
 /// - `p`: free parameters
 /// - returns `π: [22]`: in the order of `INERTIAL_PARAMETER_NAMES`
 ///
-/// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
+/// Cost: 2 multiplications, 3 additions, 0 divisions, 0 function calls.
 #[inline]
 #[must_use]
 pub fn inertial_parameters(p: &Parameters) -> [f64; 22] {
@@ -2066,7 +2271,6 @@ pub fn inertial_parameters(p: &Parameters) -> [f64; 22] {
 
 /// `inertial_parameters` with its results written in place; nothing of what stood there is read.
 pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 22]) {
-    let _ = p;
     pi[0] = 3.3777;
     pi[1] = 0.0;
     pi[2] = 0.0;
@@ -2077,18 +2281,23 @@ pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 22]) {
     pi[7] = 0.0;
     pi[8] = 0.0;
     pi[9] = 0.0294117;
-    pi[10] = 7.1576;
     pi[11] = 0.0;
     pi[12] = 0.0;
-    pi[13] = 1.72641659;
-    pi[14] = 0.6608899068565;
     pi[15] = 0.0;
-    pi[16] = 0.6608899068565;
     pi[17] = 0.0;
     pi[18] = 0.0;
     pi[19] = 0.0200614717;
     pi[20] = 5.267e-5;
     pi[21] = 5.267e-5;
+    let t0 = 7.1576 + p.load;
+    pi[10] = t0;
+    let t1 = 0.5586 * p.load;
+    let t2 = 1.72641659 + t1;
+    pi[13] = t2;
+    let t3 = 0.31203396 * p.load;
+    let t4 = t3 + 0.6608899068565;
+    pi[14] = t4;
+    pi[16] = t4;
 }
 
 /// Regressor `W` of the inertial parameters.
@@ -2558,9 +2767,9 @@ pub const SUBSTEPS: usize = 8;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: 3395 multiplications, 3448 additions, 4 divisions, 10 function calls (2 `sin_cos`, 8 other), 2
-/// selections, one call of `linearize` included. That is with 18 halvings of the period; without any it is 821
-/// multiplications and 766 additions.
+/// Cost: 3405 multiplications, 3455 additions, 5 divisions, 10 function calls (2 `sin_cos`, 8 other), 2
+/// selections, one call of `linearize` included. That is with 18 halvings of the period; without any it is 831
+/// multiplications and 773 additions.
 ///
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
 /// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
@@ -2597,7 +2806,7 @@ pub fn discretize(
 /// - returns `y⁺: [N]`: coordinates after the period
 /// - returns `ẏ⁺: [N]`: velocities after the period
 ///
-/// Cost: 1536 multiplications, 1056 additions, 129 divisions, 320 function calls (64 `sin_cos`, 256 other), 64
+/// Cost: 1728 multiplications, 1280 additions, 161 divisions, 320 function calls (64 `sin_cos`, 256 other), 64
 /// selections, 32 calls of `forward_dynamics` included.
 ///
 /// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
@@ -2631,7 +2840,7 @@ pub fn step(
 /// - returns `∂x⁺/∂x: [2 × 2 × N × N]`: blocks ((∂y⁺/∂y, ∂y⁺/∂ẏ), (∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ))
 /// - returns `∂x⁺/∂u: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 ///
-/// Cost: 7072 multiplications, 6016 additions, 129 divisions, 320 function calls (64 `sin_cos`, 256 other), 64
+/// Cost: 7392 multiplications, 6240 additions, 161 divisions, 320 function calls (64 `sin_cos`, 256 other), 64
 /// selections, 32 calls of `linearize` included.
 ///
 /// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.

@@ -1,8 +1,10 @@
 //! Coverage of the intervals of friction that drifts, and faults: seeded robots with Coulomb friction and stiction.
 //!
 //! ```text
-//! cargo run --release --example warming -- 1000
+//! cargo run --release --example warming -- 1000 1
 //! ```
+//!
+//! The second argument is the seed of the first robot.
 
 #[path = "support/faulty.rs"]
 mod faulty;
@@ -14,10 +16,11 @@ mod warming;
 use gelenk_runtime::adaptation::AdaptationSettings;
 
 fn main() {
-    let count = std::env::args().nth(1).and_then(|count| count.parse().ok()).unwrap_or(100);
-    let found = warming::coverage(count, AdaptationSettings::new(warming::PERIOD));
+    let argument = |place: usize| std::env::args().nth(place).and_then(|number| number.parse().ok());
+    let (count, first) = (argument(1).unwrap_or(100), argument(2).unwrap_or(1));
+    let found = warming::coverage(first, count, AdaptationSettings::new(warming::PERIOD));
     let all = found.held.iter().sum::<f64>() / 10.0;
-    println!("{count} joints: 90 % intervals hold {:.1} %", 100.0 * all);
+    println!("{count} joints from seed {first} on: 90 % intervals hold {:.1} %", 100.0 * all);
     println!("  by instant: {:.1?} %", found.held.map(|held| 100.0 * held));
     println!("  half width over friction {:.1} %", 100.0 * found.width);
     let [learned, described] = found.errors.map(|error| 100.0 * error);

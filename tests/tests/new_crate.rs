@@ -65,6 +65,32 @@ fn a_new_crate_builds_and_simulates() {
     assert!(renamed.contains(says), "{renamed}");
 }
 
+/// The simulated robot of the program has 70 % of the described friction.
+#[test]
+fn a_new_crate_learns_friction() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let made = folder.path().join("warm-arm");
+    let options = ["--online-friction", "--version", env!("CARGO_PKG_VERSION")];
+    success(
+        &Command::new(program()).arg("new").arg(&made).args(options).output().expect("the program starts"),
+    );
+    use_published(&made);
+    lock_like_here(&made);
+    let build = aloud(&made, &["build"]);
+    success(&build);
+    let said = text(&build.stderr);
+    assert!(!said.contains("warning"), "warnings greet a new user: {said}");
+    let printed = success(&cargo(&made, &["run"]));
+    println!("{printed}");
+    let last = printed.lines().rev().nth(1).expect("lines").replace('±', "");
+    let numbers: Vec<f64> = last.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+    for joint in numbers[1..].chunks(3) {
+        let (learned, described) = (joint[0], joint[2]);
+        assert!((learned / described - 0.7).abs() < 0.05, "{printed}");
+    }
+    assert_eq!(numbers.len(), 7, "{last}");
+}
+
 /// The files and commands of docs/tutorial.md, in its order: the identified law tracks ten times better than the guess.
 #[test]
 fn the_tutorial_identifies_friction_and_controls_with_it() {

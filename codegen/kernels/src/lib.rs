@@ -6,5 +6,6 @@
 #![no_std]
 
 pub mod discrete_time;
+pub mod hash;
 pub mod manifold;
 pub mod math;

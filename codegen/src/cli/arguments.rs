@@ -233,6 +233,9 @@ pub(super) struct New {
     /// Make a project in Python instead: a simulation over NumPy arrays
     #[arg(long)]
     pub(super) python: bool,
+    /// Let the program learn the friction of the robot while it moves
+    #[arg(long, conflicts_with_all = ["c", "python", "ros2", "base", "feet"])]
+    pub(super) online_friction: bool,
     /// Describe the robot of this URDF or MJCF [default: an arm of two joints]
     #[arg(long, visible_alias = "mjcf", value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,

@@ -107,7 +107,7 @@ fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), 
         return Ok((Project::c(robot.floats), None));
     }
     if arguments.ros2 {
-        robot.require_efforts()?;
+        robot.require_efforts("the controllers for ros2_control command")?;
         let name = ros_name(name(&arguments.folder)?)?;
         return Ok((Project::ros2(&name, &robot.joints), Some(name)));
     }
@@ -116,7 +116,12 @@ fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), 
         return Ok((Project::python(&source.requirement()?, robot.floats), None));
     }
     let name = name(&arguments.folder)?;
-    Ok((Project::rust(manifest(&name, &source), robot), Some(name)))
+    let manifest = manifest(&name, &source);
+    if arguments.online_friction {
+        robot.require_efforts("a program that learns friction commands")?;
+        return Ok((Project::online_friction(manifest, robot), Some(name)));
+    }
+    Ok((Project::rust(manifest, robot), Some(name)))
 }
 
 /// Makes the folder, which must not exist: only then may it be removed again.

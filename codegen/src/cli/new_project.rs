@@ -30,6 +30,16 @@ impl Project {
                 "build.rs generates its equations, src/main.rs simulates it",
             ),
         };
+        Self::of_crate(manifest, robot, main, made)
+    }
+
+    /// A crate whose program learns friction.
+    pub(super) fn online_friction(manifest: String, robot: &Robot) -> Self {
+        let made = "build.rs generates its equations, src/main.rs moves it and learns its friction";
+        Self::of_crate(manifest, robot, include_str!("template/main_online_friction.rs").to_owned(), made)
+    }
+
+    fn of_crate(manifest: String, robot: &Robot, main: String, made: &'static str) -> Self {
         Self {
             files: vec![
                 ("Cargo.toml", manifest),

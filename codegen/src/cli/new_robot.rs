@@ -38,8 +38,10 @@ pub(super) struct Robot {
 }
 
 impl Robot {
-    /// Fails where an effort cannot be commanded for each coordinate, as the controllers for ros2_control do.
-    pub(super) fn require_efforts(&self) -> Result<(), Failure> {
+    /// Fails where an effort cannot be commanded for each coordinate.
+    ///
+    /// - `who`: what commands them, with its verb
+    pub(super) fn require_efforts(&self, who: &str) -> Result<(), Failure> {
         let (fault, remedy) = match (self.floats, self.joints.is_empty(), self.passive.first()) {
             (true, ..) => (
                 "its base moves freely, or it has a ball".to_owned(),
@@ -51,9 +53,7 @@ impl Robot {
             }
             _ => return Ok(()),
         };
-        Err(Failure::Usage(format!(
-            "the controllers for ros2_control command an effort for each joint, but {fault}\n  = help: {remedy}"
-        )))
+        Err(Failure::Usage(format!("{who} an effort for each joint, but {fault}\n  = help: {remedy}")))
     }
 }
 

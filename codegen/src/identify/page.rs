@@ -327,7 +327,7 @@ fn preparation(found: &Identification) -> Table {
 }
 
 /// Every k-th point.
-fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+pub(super) fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let step = points.len().div_ceil(MOST_POINTS).max(1);
     points.into_iter().step_by(step).collect()
 }

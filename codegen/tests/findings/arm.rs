@@ -280,11 +280,15 @@ fn moments_and_loads_say_what_was_noticed() {
         |name: &str, rows: &[Row]| fs::write(folder.path().join(name), written(&named(), rows)).unwrap();
     write("one.csv", &good[..450]);
     write("two.csv", &[&late[450..700], &late[699..]].concat());
+    let sprung = r#"extends = "arm.toml"
+joints = [{ name = "lift", spring = { stiffness = 40 } }]"#;
+    fs::write(folder.path().join("sprung.toml"), sprung).unwrap();
     let commands = [
         ("reduce", vec!["arm.toml", "--reduce", "one.csv", "two.csv", "--output", "all.moments"]),
         ("merge", vec!["arm.toml", "--merge", "all.moments", "--output", "found.toml"]),
         ("twice", vec!["arm.toml", "one.csv", "one.csv"]),
         ("payload", vec!["arm.toml", "one.csv", "--payload", "two.csv", "--output", "load.toml"]),
+        ("stiff", vec!["sprung.toml", "one.csv"]),
         ("plan", vec!["arm.toml", "--plan", "--seconds", "4", "--rate", "50"]),
     ];
     assert_said("moments", &said(folder.path(), &commands));

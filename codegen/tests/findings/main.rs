@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 mod arm;
+mod online;
 mod shared;
 
 use std::fmt::Write as _;

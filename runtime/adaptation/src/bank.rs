@@ -5,34 +5,34 @@ use super::law::{TERMS, dot, product, root};
 use gelenk_kernels::math::exp;
 use libm::log;
 
-/// Weight of the first noise, in samples.
-const FIRST_WEIGHT: f64 = 5.0;
+/// Weight of the first noise, in samples: a guess that is a hundred times too large would otherwise outlast the memory.
+const FIRST_WEIGHT: f64 = 1.0;
 /// Number of rates of drift.
 pub(super) const RATES: usize = 3;
 
 /// Mean and covariance of the terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Gaussian {
-    pub mean: [f64; TERMS],
-    pub covariance: [[f64; TERMS]; TERMS],
+pub(super) struct Gaussian<const K: usize = TERMS> {
+    pub mean: [f64; K],
+    pub covariance: [[f64; K]; K],
 }
 
-impl Gaussian {
+impl<const K: usize> Gaussian<K> {
     /// N(0, diag(variances)).
-    pub(super) fn prior(variances: &[f64; TERMS]) -> Self {
+    pub(super) fn prior(variances: &[f64; K]) -> Self {
         let row = |i: usize| core::array::from_fn(|j| if i == j { variances[i] } else { 0.0 });
-        Self { mean: [0.0; TERMS], covariance: core::array::from_fn(row) }
+        Self { mean: [0.0; K], covariance: core::array::from_fn(row) }
     }
 
     /// `δ ← δ + N(0, share · V)`. No variance exceeds that of the prior V: rows and columns are scaled, so the covariance stays
     /// positive semidefinite.
-    fn widen(&mut self, share: f64, prior: &[f64; TERMS]) {
-        for i in 0..TERMS {
+    pub(super) fn widen(&mut self, share: f64, prior: &[f64; K]) {
+        for i in 0..K {
             let wider = self.covariance[i][i] + share * prior[i];
             self.covariance[i][i] = wider;
             if wider > prior[i] {
                 let factor = root(prior[i] / wider);
-                for j in 0..TERMS {
+                for j in 0..K {
                     self.covariance[i][j] *= factor;
                     self.covariance[j][i] *= factor;
                 }
@@ -41,15 +41,15 @@ impl Gaussian {
     }
 
     /// Variance of `φᵀ δ`.
-    pub(super) fn variance(&self, phi: &[f64; TERMS]) -> f64 {
+    pub(super) fn variance(&self, phi: &[f64; K]) -> f64 {
         dot(&product(&self.covariance, phi), phi).max(0.0)
     }
 
     /// Takes `φᵀ δ + N(0, noise)`, measured with the error `error` of the prediction.
-    fn update(&mut self, phi: &[f64; TERMS], error: f64, noise: f64) {
+    pub(super) fn update(&mut self, phi: &[f64; K], error: f64, noise: f64) {
         let direction = product(&self.covariance, phi);
         let total = dot(&direction, phi).max(0.0) + noise;
-        for i in 0..TERMS {
+        for i in 0..K {
             self.mean[i] += direction[i] * error / total;
             for j in 0..=i {
                 let value = self.covariance[i][j] - direction[i] * direction[j] / total;

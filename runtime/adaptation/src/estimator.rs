@@ -6,6 +6,7 @@ use super::law::{JointScale, TERMS, root, terms};
 use super::settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
 use super::trust::Trust;
 use gelenk_dynamics::dynamics::Dynamics;
+use gelenk_kernels::hash::fnv1a;
 
 /// Measurements of a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +15,7 @@ pub struct Measured<const N: usize> {
     pub positions: Option<[f64; N]>,
     /// Torques of the drives at the joints over the period before [N m or N].
     pub torques: [f64; N],
-    /// Tells of each joint whether its torque was at a limit: what the drive made then is not known.
+    /// True for each joint whose torque was at a limit: the drive's own torque is then unknown.
     pub saturated: [bool; N],
     /// Periods since the last call.
     pub periods: u32,
@@ -43,13 +44,13 @@ pub struct JointState {
     pub learned: [f64; TERMS],
     /// Half of the 90 % interval of each term.
     pub half_widths: [f64; TERMS],
-    /// Tells of each term whether the data have shown more than the prior. The others are frozen.
+    /// True for each term whose variance is below half of the prior's. The others are frozen.
     pub is_excited: [bool; TERMS],
     /// δ of the law that acts.
     pub acting: [f64; TERMS],
-    /// Which law acts.
+    /// The law that acts.
     pub trust: Trust,
-    /// Time since which it does (s).
+    /// Time of the last change of `trust` (s).
     pub since: f64,
     /// Root mean square of the one-step prediction errors, described and learned [N m or N]; NaN before the first sample.
     pub errors: [f64; 2],
@@ -291,6 +292,8 @@ const USUAL: f64 = 0.1;
 impl Magnitudes {
     /// The scale of joint `joint`; `None` if speed or torque is unknown.
     ///
+    /// A drive does not reach a speed at which friction is larger than its effort: the largest speed is then the one below it.
+    ///
     /// - `friction`: described friction of the joint at velocities of all joints
     #[must_use]
     pub fn scale<const N: usize>(
@@ -304,17 +307,20 @@ impl Magnitudes {
             velocities[joint] = v;
             friction(&velocities).abs()
         };
-        let described = at(self.speed).max(at(-self.speed));
+        let is_reached = |v: &f64| at(*v).max(at(-v)) <= self.effort;
+        let mut speeds = (1..=STEPS).rev().map(|k| self.speed * f64::from(k) / f64::from(STEPS));
+        let speed = speeds.find(is_reached).unwrap_or(self.speed);
+        let described = at(speed).max(at(-speed));
         let torque = if described > 0.0 { described } else { USUAL * self.effort };
-        let possible = [self.speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
+        let possible = [speed, torque].iter().all(|x| x.is_finite() && *x > 0.0);
         let slope = |k: i32| {
-            let v = 2.0 * self.speed * f64::from(k) / f64::from(STEPS);
+            let v = 2.0 * speed * f64::from(k) / f64::from(STEPS);
             at(v).min(at(-v)) / v
         };
         let least = (1..=STEPS).map(slope).fold(f64::INFINITY, f64::min);
         possible.then_some(JointScale {
             torque,
-            speed: self.speed,
+            speed,
             least_slope: if described > 0.0 { least } else { 0.0 },
             range: if self.range.is_finite() && self.range > 0.0 {
                 self.range
@@ -326,9 +332,8 @@ impl Magnitudes {
     }
 }
 
-/// FNV-1a over the bits of forces.
+/// Hash of the bits of forces.
 fn fingerprint<const N: usize>(forces: &DescribedForces<N>) -> u64 {
     let numbers = forces.forces.iter().chain(&forces.friction);
-    let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    fnv1a(numbers.flat_map(|x| x.to_bits().to_le_bytes()))
 }

@@ -7,19 +7,19 @@ pub(super) const SIGNALS: usize = TERMS + 2;
 
 /// Two equal poles, 1/(τ s + 1)², in discrete time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LowPass {
-    pub states: [[f64; SIGNALS]; 2],
+pub(super) struct LowPass<const S: usize = SIGNALS> {
+    pub states: [[f64; S]; 2],
 }
 
-impl LowPass {
-    pub(super) const ZERO: Self = Self { states: [[0.0; SIGNALS]; 2] };
+impl<const S: usize> LowPass<S> {
+    pub(super) const ZERO: Self = Self { states: [[0.0; S]; 2] };
 
     /// Filters one sample of all signals.
     ///
     /// - `weight`: of the new sample, T/(T + τ)
-    pub(super) fn take(&mut self, signals: &[f64; SIGNALS], weight: f64) -> [f64; SIGNALS] {
+    pub(super) fn take(&mut self, signals: &[f64; S], weight: f64) -> [f64; S] {
         let [first, second] = &mut self.states;
-        for i in 0..SIGNALS {
+        for i in 0..S {
             first[i] += weight * (signals[i] - first[i]);
             second[i] += weight * (first[i] - second[i]);
         }

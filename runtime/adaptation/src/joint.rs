@@ -8,7 +8,7 @@ use super::settings::AdaptationSettings;
 use super::trust::{Comparison, Trust};
 
 /// Standard deviations beyond which a residual is not explained by the law and its noise.
-const GATE: f64 = 4.0;
+pub(super) const GATE: f64 = 4.0;
 /// Standard deviation of the noise before the first sample, as a share of the friction at the largest speed.
 const FIRST_NOISE: f64 = 0.1;
 /// Least variance of the noise, as a share of the square of the same friction: that of numbers with seven digits.
@@ -20,7 +20,7 @@ const REPEATED: u32 = 5;
 /// Time constants of the filter between samples.
 const STRIDE: f64 = 3.0;
 /// Two-sided 90 % quantile of the normal distribution.
-const QUANTILE: f64 = 1.645;
+pub(super) const QUANTILE: f64 = 1.645;
 
 /// Numbers of the settings for one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]

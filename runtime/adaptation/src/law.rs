@@ -82,12 +82,12 @@ pub(super) fn smooth_sign(x: f64) -> f64 {
 }
 
 #[inline]
-pub(super) fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {
+pub(super) fn dot<const K: usize>(a: &[f64; K], b: &[f64; K]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `C x`.
 #[inline]
-pub(super) fn product(c: &[[f64; TERMS]; TERMS], x: &[f64; TERMS]) -> [f64; TERMS] {
+pub(super) fn product<const K: usize>(c: &[[f64; K]; K], x: &[f64; K]) -> [f64; K] {
     core::array::from_fn(|i| dot(&c[i], x))
 }

@@ -19,6 +19,8 @@
 //! 5. **Trust.** The learned law acts while its prediction errors are smaller than the described law's (Dawid, 1984), within a box,
 //!    projected to laws that dissipate ([`JointScale::admissible`]).
 //!
+//! On request a [`LoadEstimator`] learns the parameters of a load from the torques that the acting friction leaves.
+//!
 //! `gelenk-runtime` makes it an option of the loop under the same name, and `gelenk identify --online` replays a log.
 //!
 //! # Limits
@@ -40,6 +42,7 @@ mod estimator;
 mod filter;
 mod joint;
 mod law;
+mod load;
 mod nested;
 mod persistent;
 mod settings;
@@ -48,5 +51,6 @@ mod trust;
 pub use estimator::{Adaptation, DescribedForces, JointState, Magnitudes, Measured};
 pub use joint::Prediction;
 pub use law::{JointScale, TERM_NAMES, TERMS, terms};
+pub use load::{LoadEstimator, LoadState};
 pub use settings::{AdaptationError, AdaptationSettings, MOST_DELAY};
 pub use trust::Trust;

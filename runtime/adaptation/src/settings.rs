@@ -89,6 +89,9 @@ pub enum AdaptationError {
         /// The allowed values.
         needed: &'static str,
     },
+    /// The box of a load's parameter is empty or unlimited, or does not have 0.
+    #[error("parameter {0} of the load is between numbers that are not finite or have no 0 between them")]
+    Load(usize),
     /// The description lacks the magnitudes of a joint.
     #[error(
         "joint {} has no finite limit of the speed, or neither friction nor a finite effort: nothing says how large its friction may \

@@ -10,7 +10,7 @@ const CONTRADICTED: f64 = 0.5;
 /// law within the box explains much of it.
 const UNEXPLAINED: f64 = 0.5;
 
-/// Why a joint follows which law.
+/// The law that acts at a joint, with the reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trust {
     /// Too few samples yet: the described law acts.

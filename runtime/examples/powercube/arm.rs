@@ -72,6 +72,7 @@ pub fn arm([beta, gamma]: [Friction; 2]) -> Arm {
     Arm {
         parameters: Parameters {
             g: Parameters::DESCRIBED.g,
+            load: 0.0,
             beta_constant: beta[0],
             beta_viscous: beta[1],
             beta_sign: beta[2],
@@ -93,6 +94,12 @@ pub fn arm([beta, gamma]: [Friction; 2]) -> Arm {
 /// The same arm with gravity off by a share: 0.08 makes a model that is 8 % too heavy.
 pub fn heavier(mut arm: Arm, share: f64) -> Arm {
     arm.parameters.g *= 1.0 + share;
+    arm
+}
+
+/// The same arm with a mass between its fingers [kg].
+pub fn carrying(mut arm: Arm, mass: f64) -> Arm {
+    arm.parameters.load = mass;
     arm
 }
 

@@ -222,11 +222,13 @@ pub struct Coverage {
 }
 
 /// Runs `count` robots of one joint each.
-pub fn coverage(count: u64, settings: AdaptationSettings) -> Coverage {
+///
+/// - `first`: seed of the first one
+pub fn coverage(first: u64, count: u64, settings: AdaptationSettings) -> Coverage {
     let mut result = Coverage { held: [0.0; 10], width: 0.0, errors: [0.0; 2], learned: 0.0 };
     let share = 1.0 / count as f64;
-    for seed in 0..count {
-        let mut joint = Simulated::new(1 + seed);
+    for seed in first..first + count {
+        let mut joint = Simulated::new(seed);
         let mut adaptation = joint.estimator(settings);
         for k in 1..=30_000 {
             joint.step(&mut adaptation);

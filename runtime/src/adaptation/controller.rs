@@ -43,7 +43,7 @@ impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize> TakesM
     }
 }
 
-/// Where the torques of a sample come from.
+/// Source of the torques of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TorqueSource {
     /// B u of the inputs that the loop wrote.
@@ -55,7 +55,7 @@ pub enum TorqueSource {
 
 /// A controller with a model whose friction is learned while the robot moves.
 ///
-/// It is an option of the loop: whoever does not wrap a controller learns nothing. Before each step of the inner controller, the
+/// It is an option of the loop: a controller that is not wrapped learns nothing. Before each step of the inner controller, the
 /// estimator takes the last measurement, and the model takes the laws that act. They change with the time constant
 /// [`AdaptationSettings::blending`], so the input has no jump.
 ///
@@ -133,7 +133,13 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         self.robot.clone().with_laws(&self.adaptation)
     }
 
-    fn learn(&mut self, cycle: &Cycle<N, M>) {
+    /// Goes on with another described robot, whose friction and input matrix are the same.
+    pub(super) fn set_robot(&mut self, robot: D) {
+        self.robot.set_robot(robot);
+    }
+
+    /// Takes the last measurement; returns positions, velocities and accelerations of the sample, if there is one.
+    pub(super) fn learn(&mut self, cycle: &Cycle<N, M>) -> Option<[[f64; N]; 3]> {
         let of_inputs = |row: &[f64; M]| row.iter().zip(&cycle.last_inputs).map(|(b, u)| b * u).sum();
         let torques = match self.source {
             TorqueSource::Inputs => Some(self.matrix.each_ref().map(of_inputs)),
@@ -150,7 +156,24 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
             periods: cycle.periods,
         };
         let robot = self.robot.robot();
-        self.adaptation.step(&measured, |y, v, a| DescribedForces::of(robot, y, v, a));
+        let mut motion = None;
+        self.adaptation.step(&measured, |y, v, a| {
+            motion = Some([*y, *v, *a]);
+            DescribedForces::of(robot, y, v, a)
+        });
+        motion
+    }
+}
+
+impl<C, D, const N: usize, const M: usize> Adaptive<C, D, N, M>
+where
+    D: Dynamics<N, M> + Clone,
+    C: Controller<N, M> + TakesModel<LearnedFriction<D, N, M>>,
+{
+    /// The step of the controller with the laws that act.
+    pub(super) fn control(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+        self.inner.take_model(self.robot()).map_err(|_| ControllerFault::NotFinite)?;
+        self.inner.step(cycle)
     }
 }
 
@@ -166,8 +189,7 @@ where
 
     fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
         self.learn(cycle);
-        self.inner.take_model(self.robot()).map_err(|_| ControllerFault::NotFinite)?;
-        self.inner.step(cycle)
+        self.control(cycle)
     }
 
     fn planned(&self, periods: u32) -> Option<[f64; M]> {

@@ -58,6 +58,10 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         &self.robot
     }
 
+    pub(super) fn set_robot(&mut self, robot: D) {
+        self.robot = robot;
+    }
+
     /// The same with the laws that act now.
     #[must_use]
     pub fn with_laws(mut self, adaptation: &Adaptation<N>) -> Self {

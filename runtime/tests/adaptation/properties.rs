@@ -2,7 +2,7 @@
 
 use super::warming::{Drift, PERIOD, Simulated, coverage};
 use gelenk_runtime::adaptation::{
-    Adaptation, AdaptationError, AdaptationSettings, JointState, Measured, TERMS, Trust,
+    Adaptation, AdaptationError, AdaptationSettings, JointState, LoadEstimator, Measured, TERMS, Trust,
 };
 
 fn settings() -> AdaptationSettings {
@@ -24,7 +24,7 @@ fn after(seconds: u32, mut joint: Simulated) -> (Simulated, Adaptation<1>) {
 
 #[test]
 fn intervals_hold_during_drift() {
-    let found = coverage(60, settings());
+    let found = coverage(1, 60, settings());
     let all = found.held.iter().sum::<f64>() / 10.0;
     println!("90 % intervals hold {:.1} %, {:?}", 100.0 * all, found.held);
     assert!((0.87..=0.93).contains(&all), "{all}");
@@ -209,6 +209,42 @@ fn what_was_learned_is_saved_and_restored() {
     assert_eq!(wrong(|numbers| numbers[4] *= 2.0), AdaptationError::Origin("time constant"));
     assert_eq!(wrong(|numbers| numbers[9] = f64::NAN), AdaptationError::Number(6));
     assert!(matches!(wrong(|numbers| numbers.truncate(5)), AdaptationError::Length { found: 5, .. }));
+}
+
+/// Inertia and weight of a load, two parameters of one joint: picked up, then put down.
+#[test]
+fn a_load_is_learned_and_forgotten() {
+    let mut joint = Simulated::new(21);
+    joint.drift = Drift::NONE;
+    let empty = joint.clone();
+    let mut adaptation = empty.estimator(settings());
+    let most = [empty.inertia, 10.0 * empty.inertia];
+    let mut load = LoadEstimator::<1, 2>::new(most.map(|most| [0.0, most])).unwrap();
+    for share in [0.0, 0.4, 0.0] {
+        let truth = most.map(|most| share * most);
+        (joint.inertia, joint.gravity) = (empty.inertia + truth[0], empty.gravity + truth[1]);
+        for _ in 0..6000 {
+            let (period, acting) = (joint.period(), *load.acting());
+            let mut columns = None;
+            let (positions, torques) = (Some([period.position]), [period.torque]);
+            let measured = Measured { positions, torques, saturated: [false], periods: 1 };
+            adaptation.step(&measured, |y, v, a| {
+                columns = Some([[a[0], y[0].sin()]]);
+                let mut forces = empty.forces(y[0], v[0], a[0]);
+                forces.forces[0] += acting[0] * a[0] + acting[1] * y[0].sin();
+                forces
+            });
+            load.step(columns.as_ref(), &adaptation);
+        }
+        let state = load.state();
+        println!("{truth:?}: {state:?}");
+        let held = |k: usize| (state.learned[k] - truth[k]).abs() < 2.0 * state.half_widths[k];
+        assert!((0..2).all(held), "{truth:?}: {state:?}");
+        let is_found = state.half_widths[1] < 0.1 * most[1] && state.trust == Trust::Learned;
+        assert!(share == 0.0 || is_found, "{state:?}");
+    }
+    let error = LoadEstimator::<1, 1>::new([[1.0, 2.0]]).unwrap_err();
+    assert_eq!(error, AdaptationError::Load(0));
 }
 
 #[test]

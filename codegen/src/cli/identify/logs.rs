@@ -34,7 +34,7 @@ use crate::wording::{list, quoted};
 /// Sees: wrenches of the description that no log has.
 /// Matters: they are taken as zero.
 /// Example: a wrench at the tool.
-/// Fixture: `codegen/tests/drawn_forces.rs`.
+/// Fixture: `codegen/tests/findings/online.rs`.
 const WRENCHES: Rule = Rule::note("wrenches-zero");
 
 /// Sees: described friction that is not looked for.

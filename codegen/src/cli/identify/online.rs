@@ -16,6 +16,7 @@ use super::super::{print, report};
 use super::logs::{command, settings};
 use super::read::{read, say};
 use crate::identify::{DescribedForces, InterpretedRobot, OnlineJoint, Replay, online_page, replay};
+use crate::wording::list;
 
 /// Replays logs through the estimator of the loop: prints laws, intervals, trust and errors of predictions, and writes the page.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
@@ -28,7 +29,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let delay = -arguments.delay.unwrap_or(0.0);
     let found = replay(&robot, &|y, v, a| forces.at(y, v, a), &recording.runs, delay);
     let found = print::after(found, &recording.findings)?;
-    let joints = learned(&found, &robot);
+    let (joints, unlearned) = (learned(&found, &robot), unlearned(&found, &robot));
     let files = match &arguments.report {
         Some(folder) => {
             let page = online_page(&loaded.model.name, &joints, &command(arguments));
@@ -37,10 +38,9 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         None => Vec::new(),
     };
     match format {
-        Format::Json => print::json(&as_json((&found, &joints), &recording.findings, &files)),
-        Format::Text => {
-            print::out(&as_text(&joints, &recording.findings, &files)).map(|()| ExitCode::SUCCESS)
-        }
+        Format::Json => print::json(&as_json((&found, &joints, &unlearned), &recording.findings, &files)),
+        Format::Text => print::out(&as_text((&joints, &unlearned), &recording.findings, &files))
+            .map(|()| ExitCode::SUCCESS),
     }
 }
 
@@ -50,7 +50,17 @@ fn learned(found: &Replay, robot: &InterpretedRobot) -> Vec<OnlineJoint> {
     learned.map(|(name, unit, replay)| OnlineJoint::new(name, unit, replay)).collect()
 }
 
-fn as_text(joints: &[OnlineJoint], findings: &[Finding], files: &[PathBuf]) -> String {
+/// Names of the joints that are not learned.
+fn unlearned(found: &Replay, robot: &InterpretedRobot) -> Vec<String> {
+    let named = robot.joint_names().into_iter().zip(&found.joints);
+    named.filter(|(_, replay)| replay.is_none()).map(|(name, _)| name).collect()
+}
+
+fn as_text(
+    (joints, unlearned): (&[OnlineJoint], &[String]),
+    findings: &[Finding],
+    files: &[PathBuf],
+) -> String {
     let mut text = print::lines(findings);
     let head = ["joint", "acts", "since s", "described", "learned", "batch", "hindsight", "learned/batch"];
     let row = |joint: &OnlineJoint| {
@@ -73,6 +83,10 @@ fn as_text(joints: &[OnlineJoint], findings: &[Finding], files: &[PathBuf]) -> S
             names.into_iter().chain(values).chain([shown.to_owned()]).collect::<Vec<_>>()
         })
     });
+    if !unlearned.is_empty() {
+        let names = list(unlearned.iter().map(String::as_str));
+        text.extend(["\nnot learned, without an input or without efforts in all rows: ", &names, "\n"]);
+    }
     text.push_str("\nterms that are added to the described friction, with 90 % intervals:\n");
     text.push_str(&table(&head, rows));
     text.extend(files.iter().map(|file| format!("wrote {}\n", file.display())));
@@ -84,7 +98,11 @@ fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-fn as_json((found, joints): (&Replay, &[OnlineJoint]), findings: &[Finding], files: &[PathBuf]) -> Value {
+fn as_json(
+    (found, joints, unlearned): (&Replay, &[OnlineJoint], &[String]),
+    findings: &[Finding],
+    files: &[PathBuf],
+) -> Value {
     let one = |joint: &OnlineJoint| {
         let (replay, state) = (&joint.replay, &joint.replay.state);
         let terms = TERM_NAMES.iter().enumerate().map(|(k, term)| {
@@ -118,6 +136,7 @@ fn as_json((found, joints): (&Replay, &[OnlineJoint]), findings: &[Finding], fil
         "period": found.settings.period,
         "delay": found.settings.delay,
         "joints": joints.iter().map(one).collect::<Value>(),
+        "unlearned": unlearned,
         "findings": print::findings(findings),
     })
 }

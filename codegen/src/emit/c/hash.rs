@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::header;
+use gelenk_kernels::hash::fnv1a;
 
 /// Stands for the number in the texts that are hashed.
 const VALUE: &str = "HASH_OF_THIS_TEXT";
@@ -22,12 +23,7 @@ pub(super) fn check(context: &Context<'_>) -> String {
 ///
 /// The comment is not hashed, since it holds the paths of a command line.
 pub(super) fn stamped<const COUNT: usize>(context: &Context<'_>, texts: [String; COUNT]) -> [String; COUNT] {
-    let value = format!("0x{:016x}ULL", fnv(texts.iter().flat_map(|text| text.bytes())));
+    let value = format!("0x{:016x}ULL", fnv1a(texts.iter().flat_map(|text| text.bytes())));
     let top = header::top(context);
     texts.map(|text| format!("{top}{}", text.replace(VALUE, &value)))
-}
-
-/// FNV-1a with 64 bits (Fowler, Noll and Vo 1991).
-fn fnv(bytes: impl Iterator<Item = u8>) -> u64 {
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

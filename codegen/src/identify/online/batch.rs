@@ -3,7 +3,7 @@
 //! A fit is the mean of the terms given the samples, `A δ = Σ φ r/σ²` with `A = Σ φ φᵀ/σ² + V⁻¹`: the estimator's prior V, without drift, for
 //! its noise σ². It takes the samples that the estimator took. Errors are those of all samples.
 
-use super::replay::{JointReplay, OnlineSample};
+use super::replay::{JointReplay, OnlineSample, rms};
 use gelenk_adaptation::TERMS;
 use nalgebra::{DMatrix, DVector};
 
@@ -52,7 +52,7 @@ fn best(
 ) -> Option<BatchLaw> {
     let laws = tried.map(|(terms, window)| {
         let errors = errors(terms, window);
-        let error = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        let error = rms(errors.iter().copied());
         BatchLaw { terms, window, errors, error }
     });
     laws.filter(|law| law.error.is_finite()).min_by(|a, b| a.error.total_cmp(&b.error))

@@ -3,14 +3,13 @@
 use gelenk_findings::digits::significant;
 use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Table, text};
 
+use super::super::page::thinned;
 use super::batch::{BatchLaw, best_causal, best_in_hindsight};
 use super::replay::{JointReplay, OnlineSample};
 use gelenk_adaptation::TERM_NAMES;
 
 /// Time over which errors are averaged in the figure \[s\].
 const SMOOTHING: f64 = 5.0;
-/// Most points of a curve; of longer ones every k-th is drawn.
-const MOST_POINTS: usize = 1500;
 
 /// A joint of a replay, with the batch laws that it is compared with.
 #[derive(Debug, Clone)]
@@ -112,11 +111,6 @@ fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]
         [sample.time, ((sums[i + 1] - sums[first]).max(0.0) / (i + 1 - first) as f64).sqrt()]
     };
     samples.iter().enumerate().map(point).collect()
-}
-
-fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
-    points.into_iter().step_by(step).collect()
 }
 
 fn errors(joints: &[OnlineJoint]) -> Table {

@@ -1,16 +1,19 @@
 //! Rows of a log as measurements of the loop.
 
 use gelenk_adaptation::{
-    Adaptation, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY, Magnitudes,
-    Measured, Prediction, Trust,
+    Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY,
+    Magnitudes, Measured, Prediction, Trust,
 };
 use gelenk_dynamics::dynamics::Limits;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_identification::{IdentificationError, Result};
+use nalgebra::DMatrix;
 
 /// Most joints and inputs of a robot: the places of the estimator. Those without a joint are not learned.
 const MOST: usize = 32;
+/// Singular values below this share of the largest entry count as zero, as in the loop.
+const RANK_TOLERANCE: f64 = 1e-12;
 /// Significant digits of the rate of a log, which clocks and printed times disturb.
 const RATE_DIGITS: usize = 6;
 /// Rates of two runs differ by more than clocks do.
@@ -64,8 +67,7 @@ pub struct OnlineSample {
 impl JointReplay {
     /// Root mean square of the errors of the predictions by a law [N·m or N]; NaN without samples.
     pub fn error(&self, of: impl Fn(&OnlineSample) -> f64) -> f64 {
-        let squares: f64 = self.samples.iter().map(of).map(|error| error * error).sum();
-        (squares / self.samples.len() as f64).sqrt()
+        rms(self.samples.iter().map(of))
     }
 
     /// Time of the last change of the law that acts \[s\].
@@ -194,12 +196,14 @@ fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
         let neighbours = steps.filter(|(_, t)| rate * (t[1] - t[0]) < 1.5);
         neighbours.map(|(y, _)| rate * (y[1] - y[0]))
     });
-    let (mut squares, mut count) = (0.0, 0.0);
-    for speed in speeds.filter(|speed| *speed != 0.0) {
-        squares += speed * speed;
-        count += 1.0;
-    }
-    if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 }
+    let moving = rms(speeds.filter(|speed| *speed != 0.0));
+    if moving.is_finite() { moving } else { 0.0 }
+}
+
+/// Root mean square; NaN without values.
+pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (squares, count) = values.fold((0.0, 0.0), |(squares, count), x| (squares + x * x, count + 1.0));
+    f64::sqrt(squares / count)
 }
 
 /// A robot in the estimator's places.
@@ -240,6 +244,9 @@ impl<'a> Described<'a> {
         let mut matrix = [[0.0; MOST]; MOST];
         for (row, entries) in matrix.iter_mut().zip(robot.input_matrix().chunks(inputs.max(1))) {
             row[..inputs].copy_from_slice(entries);
+        }
+        if !loads_each(&matrix, [joints, inputs]) {
+            return Err(fault("the robot", AdaptationError::Inputs.to_string()));
         }
         let limits = robot.limits();
         let ends = ends(robot, &limits, &matrix);
@@ -330,6 +337,15 @@ impl<'a> Described<'a> {
         let saturated = |joint: usize| (0..MOST).any(|j| self.matrix[joint][j] != 0.0 && at_limit(j));
         (std::array::from_fn(of_inputs), std::array::from_fn(saturated))
     }
+}
+
+/// True if the inputs load each joint that has one without the others, as the loop needs it.
+fn loads_each(matrix: &[[f64; MOST]; MOST], [joints, inputs]: [usize; 2]) -> bool {
+    let matrix = DMatrix::from_fn(joints, inputs, |i, j| matrix[i][j]);
+    let Ok(inverse) = matrix.clone().pseudo_inverse(RANK_TOLERANCE * matrix.amax()) else { return false };
+    let reached = &matrix * inverse;
+    let is_own = |k: usize| (0..joints).all(|i| (reached[(i, k)] - f64::from(u8::from(i == k))).abs() < 1e-9);
+    inputs > 0 && (0..joints).all(|k| matrix.row(k).amax() == 0.0 || is_own(k))
 }
 
 /// Lowest and highest inputs that motors and joints bear for a short time.

@@ -31,15 +31,14 @@ pub fn at_once() -> AdaptationSettings {
     AdaptationSettings {
         drift_times: [4000.0, 400.0, 40.0],
         time_constant: PERIOD,
-        memory: 2.0,
+        memory: 4.0,
         patience: 0.1,
-        rest: 0.003,
         ..AdaptationSettings::new(PERIOD)
     }
 }
 
 /// Friction with its viscous part and the rest, each times its own factor.
-fn with_factors(friction: &Friction, [viscous, dry]: [f64; 2]) -> Friction {
+pub fn with_factors(friction: &Friction, [viscous, dry]: [f64; 2]) -> Friction {
     let mut changed = friction.scaled(dry);
     changed.0[1] = viscous * friction.0[1];
     changed
@@ -96,7 +95,7 @@ impl Modelled for Learning<'_> {
     }
 }
 
-fn options(model: &Arm) -> MpcOptions<2, 2> {
+pub fn options(model: &Arm) -> MpcOptions<2, 2> {
     let mut options = run::options(model, PERIOD);
     options.observer.encoder_noise = [quantization_noise(ENCODER_STEP); 2];
     options

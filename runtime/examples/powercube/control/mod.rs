@@ -1,6 +1,7 @@
-//! Experiments in which the arm is controlled: claims 1 to 4, and 10 to 12.
+//! Experiments in which the arm is controlled: claims 1 to 4, and 10 to 14.
 
 mod adaptation;
+mod changes;
 mod gap;
 mod identified;
 mod limits;
@@ -24,4 +25,5 @@ pub const EXPERIMENTS: &[Experiment] = &[
     ("limits as constraints", limits::experiment),
     ("time", timing::experiment),
     ("friction that changes", adaptation::experiment),
+    ("gears that warm up, and a load", changes::experiment),
 ];

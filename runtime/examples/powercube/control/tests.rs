@@ -138,12 +138,38 @@ fn the_worst_period_takes_few_iterations() {
 
 #[test]
 fn friction_is_followed_in_operation() {
-    let expected = [(5.26, 0.1), (39.7, 0.2), (3.88, 0.1), (58.2, 0.2)];
+    let expected = [(2.72, 0.1), (165.0, 0.2), (4.06, 0.1), (115.0, 0.2)];
     holds(adaptation::experiment, Verdict::Holds, &expected);
     // A law that may not change.
     let settings = AdaptationSettings { drift_times: [1e12; 3], patience: 1e12, ..adaptation::at_once() };
     let kept = adaptation::adaptation(&reference(), settings, DURATION).unwrap();
     flipped(&adaptation::claim(&kept), &[0, 1, 2, 3]);
+}
+
+#[test]
+fn gears_that_warm_up_are_followed() {
+    let settings = AdaptationSettings::new(PERIOD);
+    let claim = |plant: changes::Change, settings, seconds| {
+        changes::warming_claim(&changes::warm_up(&reference(), (plant, settings, seconds), DURATION).unwrap())
+    };
+    let found = claim(changes::warming, settings, changes::WARM);
+    println!("{:?}", found.criteria);
+    assert_eq!(found.verdict(), Verdict::Holds, "{:?}", found.criteria);
+    let kept = AdaptationSettings { drift_times: [1e12; 3], patience: 1e12, ..settings };
+    flipped(&claim(changes::warming, kept, changes::WARM), &[0, 2]);
+    flipped(&claim(changes::unchanged, settings, 60.0), &[1, 3]);
+}
+
+#[test]
+fn a_load_that_is_picked_up_is_found() {
+    let claim = |plant: changes::Change, heaviest| {
+        changes::load_claim(&changes::pick_up(&reference(), (plant, heaviest), DURATION).unwrap())
+    };
+    let found = claim(changes::picking_up, changes::HEAVIEST);
+    println!("{:?}", found.criteria);
+    assert_eq!(found.verdict(), Verdict::Holds, "{:?}", found.criteria);
+    flipped(&claim(changes::picking_up, 0.0), &[0, 2]);
+    flipped(&claim(changes::unchanged, changes::HEAVIEST), &[1, 3]);
 }
 
 /// Two runs give the same data to the last bit, times apart.

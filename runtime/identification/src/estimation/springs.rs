@@ -45,18 +45,37 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         let all = &fitted.centred.all;
         let solved = fit(&fitted.centred, all, &fitted.model, task.prior, &fitted.weighting, &fitted.values)?;
         let stiffness = solved.values.unknowns[count + joint];
-        // A spring pulls back. What pushes away is something else that the model lacks.
-        Ok((stiffness > 0.0).then(|| offered(finding(task, joint, stiffness), share)))
+        // A spring pulls back. A force that pushes away is one only if most of it takes away the described spring.
+        let pulls_back = stiffness + 2.0 * described_stiffness(task, joint) > 0.0;
+        Ok(pulls_back.then(|| offered(finding(task, joint, stiffness), share)))
     })
 }
 
+/// Slope of the described forces without those of bodies over the position of a joint, where the first run begins [N·m/rad or N/m].
+fn described_stiffness(task: &Task, joint: usize) -> f64 {
+    const STEP: f64 = 1e-3;
+    let robot = task.robot;
+    let (parameters, n) = (robot.parameters(), task.layout.joints);
+    let (zero, mut forces, mut regressor) = (vec![0.0; n], vec![0.0; n], vec![0.0; n * parameters.len()]);
+    let mut force = |shift: f64| {
+        let mut y: Vec<f64> = task.runs.iter().take(1).flat_map(|run| &run.positions).map(|q| q[0]).collect();
+        y[joint] += shift;
+        robot.rigid_forces(&y, &zero, &zero, &mut forces);
+        robot.inertial_regressor(&y, &zero, &zero, &mut regressor);
+        let row = &regressor[joint * parameters.len()..][..parameters.len()];
+        forces[joint] - row.iter().zip(&parameters).map(|(w, value)| w * value).sum::<f64>()
+    };
+    (force(STEP) - force(-STEP)) / (2.0 * STEP)
+}
+
 fn finding(task: &Task, joint: usize, stiffness: f64) -> Finding {
-    let (shown, unit) = (plain(stiffness, 3), task.robot.position_units()[joint]);
+    let (shown, unit) = (plain(stiffness.abs(), 3), task.robot.position_units()[joint]);
     let force = if unit == "m" { "N" } else { "N·m" };
+    let (side, change) = if stiffness > 0.0 { ("more", "add") } else { ("less", "subtract") };
     let message =
-        format!("the data are explained better with {shown} {force}/{unit} more stiffness than described");
+        format!("the data are explained better with {shown} {force}/{unit} {side} stiffness than described");
     let remedy = format!(
-        "if it has a spring, or a cable that pulls, add {shown} in its `spring = {{ stiffness = … }}`; otherwise check the load"
+        "if it has a spring, or a cable that pulls, {change} {shown} in its `spring = {{ stiffness = … }}`; otherwise check the load"
     );
     SPRING.found(message).with("stiffness", stiffness, "").of(task.robot.subject(joint)).help(remedy)
 }

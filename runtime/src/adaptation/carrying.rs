@@ -1,0 +1,85 @@
+//! A controller whose model follows a learned load.
+
+use super::controller::{Adaptive, TakesModel};
+use super::model::LearnedFriction;
+use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate};
+use crate::dynamics::Dynamics;
+use gelenk_adaptation::{AdaptationError, LoadEstimator};
+
+/// A controller that learns friction, and P parameters of a load.
+///
+/// The parameters are those of the robot's model on which torques depend linearly, e.g. a mass at the tool. The columns
+/// of [`LoadEstimator`] are differences of inverse dynamics, P + 1 in a period. The model takes the load that acts before each step.
+#[derive(Debug, Clone)]
+pub struct Carrying<C, D, const N: usize, const M: usize, const P: usize> {
+    adaptive: Adaptive<C, D, N, M>,
+    load: LoadEstimator<N, P>,
+    empty: D,
+    loaded: fn(&D, &[f64; P]) -> D,
+}
+
+impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize, const P: usize> Carrying<C, D, N, M, P> {
+    /// A controller that learns friction, with a load.
+    ///
+    /// - `bounds`: least and largest value of each parameter, with 0 between them
+    /// - `loaded`: the robot with a load; friction and input matrix do not depend on it
+    ///
+    /// # Errors
+    /// [`AdaptationError::Load`].
+    pub fn new(
+        adaptive: Adaptive<C, D, N, M>,
+        bounds: [[f64; 2]; P],
+        loaded: fn(&D, &[f64; P]) -> D,
+    ) -> Result<Self, AdaptationError> {
+        let empty = adaptive.robot().robot().clone();
+        Ok(Self { adaptive, load: LoadEstimator::new(bounds)?, empty, loaded })
+    }
+
+    /// The controller that learns friction.
+    pub fn adaptive(&self) -> &Adaptive<C, D, N, M> {
+        &self.adaptive
+    }
+
+    /// The estimator of the load.
+    pub fn load(&self) -> &LoadEstimator<N, P> {
+        &self.load
+    }
+
+    /// Torques at the joints of a unit of each parameter.
+    fn columns(&self, [y, v, a]: &[[f64; N]; 3]) -> [[f64; P]; N] {
+        let of_load = |load: &[f64; P]| (self.loaded)(&self.empty, load).inverse_dynamics(y, v, a);
+        let empty = of_load(&[0.0; P]);
+        let units: [[f64; N]; P] =
+            core::array::from_fn(|k| of_load(&core::array::from_fn(|l| f64::from(u8::from(l == k)))));
+        core::array::from_fn(|i| core::array::from_fn(|k| units[k][i] - empty[i]))
+    }
+}
+
+impl<C, D, const N: usize, const M: usize, const P: usize> Controller<N, M> for Carrying<C, D, N, M, P>
+where
+    D: Dynamics<N, M> + Clone,
+    C: Controller<N, M> + TakesModel<LearnedFriction<D, N, M>>,
+{
+    fn reset(&mut self, positions: &[f64; N], inputs: &[f64; M]) {
+        self.adaptive.reset(positions, inputs);
+    }
+
+    fn step(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
+        let columns = self.adaptive.learn(cycle).map(|motion| self.columns(&motion));
+        self.load.step(columns.as_ref(), self.adaptive.adaptation());
+        self.adaptive.set_robot((self.loaded)(&self.empty, self.load.acting()));
+        self.adaptive.control(cycle)
+    }
+
+    fn planned(&self, periods: u32) -> Option<[f64; M]> {
+        self.adaptive.planned(periods)
+    }
+
+    fn estimate(&self) -> Option<Estimate<N>> {
+        self.adaptive.estimate()
+    }
+
+    fn warm_up(&mut self, next: &Cycle<N, M>) {
+        self.adaptive.warm_up(next);
+    }
+}
