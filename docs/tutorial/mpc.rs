@@ -3,11 +3,14 @@
 use gelenk_runtime::control_loop::{
     ControlLoop, JointGains, JointPd, LoopSettings, VirtualClock, log_to_file,
 };
-use gelenk_runtime::dynamics::{Discretizable, LimitRows, PhaseSpace};
+use gelenk_runtime::dynamics::Predictable;
 use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, RestToRest, Trajectory};
 use gelenk_runtime::transport::InProcess;
+
+use std::error::Error;
+use std::process::ExitCode;
 
 gelenk_runtime::include_model!(mod arm);
 gelenk_runtime::include_model!(mod robot);
@@ -17,9 +20,9 @@ gelenk_runtime::dynamics!(struct Robot = robot);
 gelenk_runtime::dynamics!(struct Identified = robot_identified_control);
 
 /// Moves the arm by LTV-MPC, writes a log, and returns the largest tracking error (rad).
-fn track<D>(model: D, path: &str) -> Result<f64, Box<dyn std::error::Error>>
+fn track<D>(model: D, path: &str) -> Result<f64, Box<dyn Error>>
 where
-    D: Discretizable<2, 2> + PhaseSpace<4> + LimitRows<0> + Copy,
+    D: Predictable<2, 2, 4> + Copy,
 {
     let start = [-0.4, 0.3];
     let motion = RestToRest::new(start, [0.4, -0.2], 4.0)?;
@@ -49,7 +52,17 @@ where
     Ok((0..=200).map(error).fold(0.0, f64::max))
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let guessed = track(Robot, "guessed.csv")?;
     let identified = track(Identified, "identified.csv")?;
     println!("largest error: guessed {:.2} mrad, identified {:.2} mrad", 1e3 * guessed, 1e3 * identified);

@@ -7,12 +7,25 @@ use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Trajectory};
 use gelenk_runtime::transport::InProcess;
 
+use std::error::Error;
+use std::process::ExitCode;
+
 gelenk_runtime::include_model!(mod arm);
 gelenk_runtime::include_model!(mod robot);
 gelenk_runtime::dynamics!(struct Arm = arm);
 gelenk_runtime::dynamics!(struct Robot = robot);
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let columns =
         Columns { time: "t", positions: ["q_beta", "q_gamma"], velocities: Some(["dq_beta", "dq_gamma"]) };
     let motion = Recording::<2>::open("plan.csv", &columns)?.raw()?;

@@ -74,7 +74,10 @@ fn part() -> (usize, usize) {
     let Ok(text) = std::env::var("GELENK_CHAINS") else { return (1, 1) };
     let numbers =
         text.split_once('/').and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
-    numbers.filter(|(part, parts)| (1..=*parts).contains(part)).expect("GELENK_CHAINS is as 3/20")
+    match numbers {
+        Some((part, parts)) if (1..=parts).contains(&part) => (part, parts),
+        _ => panic!("GELENK_CHAINS is {text}; it must be as 3/20"),
+    }
 }
 
 /// Compares functions of all chains, each in one state.

@@ -50,7 +50,7 @@ Examples:
   gelenk new my_arm                            a crate to begin with
   gelenk schema                                the keys of a description, for editors
 
-Exit codes: 0 success, 1 the description is at fault or the output is stale, 2 wrong command line.";
+Exit codes: 0 success, 1 the description is at fault or the output is stale, 2 wrong command line, 3 internal error.";
 
 const GENERATE_EXAMPLES: &str = "\
 Examples:
@@ -69,7 +69,7 @@ Examples:
 
 Notes name what the format does not hold. A file that gelenk has not written is not written over.
 
-Exit codes: 0 success, 1 the description is at fault or the file cannot be written, 2 wrong command line.";
+Exit codes: 0 success, 1 the description is at fault or the file cannot be written, 2 wrong command line, 3 internal error.";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -88,14 +88,14 @@ Examples:
   gelenk new my_arm --c                          a project in C; --python: in Python
   gelenk new my_arm --ros2 --urdf arm.urdf       a ROS 2 package with controllers
 
-Exit codes: 0 success, 1 the folder exists or cannot be made, or the file is at fault, 2 wrong command line.";
+Exit codes: 0 success, 1 the folder exists or cannot be made, or the file is at fault, 2 wrong command line, 3 internal error.";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
   gelenk report models/powercube.toml            writes report/powercube/index.html
   gelenk report arm.urdf --output /tmp/arm
 
-Exit codes: 0 success, 1 the description is at fault or the self-check fails, 2 wrong command line.";
+Exit codes: 0 success, 1 the description is at fault or the self-check fails, 2 wrong command line, 3 internal error.";
 
 const SCHEMA_EXAMPLES: &str = "\
 Examples:
@@ -121,7 +121,7 @@ Examples:
 In --columns, {} is a joint's number and {name} its name. Of a floating joint, place is x, y, z, and
 wxyz or xyzw is the quaternion.
 
-Exit codes: 0 success, 1 a file is at fault or the data explain nothing, 2 wrong command line.";
+Exit codes: 0 success, 1 a file is at fault or the data explain nothing, 2 wrong command line, 3 internal error.";
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {

@@ -58,7 +58,7 @@ fn note_skipped(harmless: Vec<(String, (Span, usize))>, report: &mut Report) {
     let counts = harmless.iter();
     let counts = counts.map(|(what, (_, count))| format!("{count} {what}"));
     let counts = counts.collect::<Vec<_>>().join(", ");
-    let message = format!("skipped: {counts}; they do not enter the dynamics");
+    let message = format!("skipped: {counts}; no known part of them enters the dynamics");
     report.note(Some(first), "skipped", message);
 }
 

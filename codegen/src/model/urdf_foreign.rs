@@ -12,7 +12,7 @@ struct Effect {
 
 const IDLE: &[&str] = &["0", "0.0", "false"];
 
-const EFFECTS: [Effect; 9] = [
+const EFFECTS: [Effect; 10] = [
     Effect {
         words: &ROTORS,
         idle: IDLE,
@@ -35,6 +35,11 @@ const EFFECTS: [Effect; 9] = [
         idle: IDLE,
         text: "forces between links were skipped; in a TOML file `[[forces]]` with `between = [\"a\", \"b\"]` and \
             `law = \"1200*(l - 0.3) + 40*dl\"` says them",
+    },
+    Effect {
+        words: &["buoyancy", "hydrodynamics", "liftdrag", "aerodynamics", "winddrag"],
+        idle: &["false"],
+        text: "forces of a medium were skipped; in a TOML file `[[forces]]` says those that act along a line",
     },
     Effect {
         words: &["loopjoint", "ballconstraint", "connect", "weld", "distanceconstraint"],

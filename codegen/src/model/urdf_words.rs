@@ -45,6 +45,11 @@ impl Reader<'_> {
             let is_joint = tag == "joint" && inner.children().any(|end| end.has_tag_name("child"));
             let word = if is_joint { "loop_joint" } else { tag };
             is_known |= self.foreign_word(inner, word, value_of(inner), self.span(inner));
+            // `<param name="rotor_inertia">0.1</param>`, `<plugin name="gz::sim::systems::Buoyancy"/>`
+            if let Some(name) = inner.attribute("name").filter(|_| ["param", "plugin"].contains(&tag)) {
+                let node = inner.parent_element().unwrap_or(inner);
+                is_known |= self.foreign_word(node, name, value_of(inner), self.span(inner));
+            }
             for attribute in inner.attributes() {
                 let span = Span::new(self.source, attribute.range());
                 is_known |= self.foreign_word(inner, attribute.name(), attribute.value(), span);

@@ -66,6 +66,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The smallest eigenvalue of `M_ij / √(M_ii M_jj)` at a seeded state, a number without unit: masses and inertias may differ
 /// by any factor.
+#[expect(clippy::disallowed_methods, reason = "the matrix is finite, and of a robot with joints")]
 fn least_eigenvalue(robot: &Robot<'_>, function: &Function, seed: u64) -> Option<f64> {
     let arguments = self_test::arguments(robot.model, function, seed);
     let arguments: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();

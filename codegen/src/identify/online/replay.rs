@@ -340,12 +340,19 @@ impl<'a> Described<'a> {
 }
 
 /// True if the inputs load each joint that has one without the others, as the loop needs it.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the matrix is finite, as readers of descriptions see to, and not empty"
+)]
 fn loads_each(matrix: &[[f64; MOST]; MOST], [joints, inputs]: [usize; 2]) -> bool {
+    if joints == 0 || inputs == 0 {
+        return false;
+    }
     let matrix = DMatrix::from_fn(joints, inputs, |i, j| matrix[i][j]);
     let Ok(inverse) = matrix.clone().pseudo_inverse(RANK_TOLERANCE * matrix.amax()) else { return false };
     let reached = &matrix * inverse;
     let is_own = |k: usize| (0..joints).all(|i| (reached[(i, k)] - f64::from(u8::from(i == k))).abs() < 1e-9);
-    inputs > 0 && (0..joints).all(|k| matrix.row(k).amax() == 0.0 || is_own(k))
+    (0..joints).all(|k| matrix.row(k).amax() == 0.0 || is_own(k))
 }
 
 /// Lowest and highest inputs that motors and joints bear for a short time.

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::super::description::{
-    DriveChoice, DriveDescription, FollowsDescription, Name, SharedDriveDescription, WrenchInputDescription,
+    DriveChoice, DriveDescription, FollowsDescription, JointDescription, Name, SharedDriveDescription,
+    WrenchInputDescription,
 };
 use super::super::{FrictionTerm, Input, MotorTorque};
 use super::files::{Element, Given};
@@ -93,6 +94,9 @@ impl<'a> Reader<'_, 'a> {
             let numbers = given.and_then(|given| self.numbers(given, key));
             numbers.and_then(|numbers| numbers.value.first().copied()).unwrap_or(0.0)
         });
+        if armature != 0.0 && self.is_branched(&sum) {
+            self.notes.remark(Remark::TendonBranches, element.span(), owner);
+        }
         let friction = if self.options.no_friction { Vec::new() } else { friction(viscous, dry) };
         let is_plain = armature == 0.0 && friction.is_empty();
         if !is_plain && !sum.is_empty() {
@@ -104,6 +108,23 @@ impl<'a> Reader<'_, 'a> {
         if let Some(name) = name {
             sums.insert(name.value, sum);
         }
+    }
+
+    /// Whether two joints of a sum are on different branches.
+    fn is_branched(&self, sum: &Sum) -> bool {
+        let joints = || sum.iter().map(|part| part.joint.value.as_str());
+        joints().any(|a| joints().any(|b| !self.carries(a, b) && !self.carries(b, a)))
+    }
+
+    /// Whether a joint moves another one, or itself.
+    fn carries(&self, joint: &str, other: &str) -> bool {
+        let joints = &self.robot.joints;
+        let parent = |at: &&JointDescription| {
+            let link = at.parent.as_ref()?;
+            joints.iter().find(|joint| joint.child.as_ref().is_some_and(|child| child.value == link.value))
+        };
+        let last = joints.iter().find(|joint| joint.name.value == other);
+        std::iter::successors(last, parent).any(|at| at.name.value == joint)
     }
 
     fn actuator(&mut self, placed: &Placed<'a>, sums: &Sums) {

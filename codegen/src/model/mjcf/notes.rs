@@ -21,6 +21,7 @@ pub(super) enum Remark {
     Servo,
     SpringDamper,
     StartPose,
+    TendonBranches,
     TendonForce,
 }
 
@@ -42,6 +43,7 @@ impl notes::Remark for Remark {
             Self::Servo => "servo-as-torque",
             Self::SpringDamper => "spring-damper",
             Self::StartPose => "start-pose",
+            Self::TendonBranches => "tendon-branches",
             Self::TendonForce => "tendon-skipped",
         }
     }
@@ -86,6 +88,9 @@ impl notes::Remark for Remark {
             }
             Self::StartPose => {
                 "the place and attitude where free bodies begin were left out: their positions count in the world"
+            }
+            Self::TendonBranches => {
+                "tendons with an armature couple joints of different branches in M; MuJoCo leaves these entries out"
             }
             Self::TendonForce => "springs, limits and spatial paths of tendons were left out",
         }
