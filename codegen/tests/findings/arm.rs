@@ -278,6 +278,7 @@ fn moments_and_loads_say_what_was_noticed() {
     let late = record(folder.path(), "truth.toml", 0.02, true);
     let write =
         |name: &str, rows: &[Row]| fs::write(folder.path().join(name), written(&named(), rows)).unwrap();
+    write("all.csv", &good);
     write("one.csv", &good[..450]);
     write("two.csv", &[&late[450..700], &late[699..]].concat());
     let sprung = r#"extends = "arm.toml"
@@ -288,7 +289,7 @@ joints = [{ name = "lift", spring = { stiffness = 40 } }]"#;
         ("merge", vec!["arm.toml", "--merge", "all.moments", "--output", "found.toml"]),
         ("twice", vec!["arm.toml", "one.csv", "one.csv"]),
         ("payload", vec!["arm.toml", "one.csv", "--payload", "two.csv", "--output", "load.toml"]),
-        ("stiff", vec!["sprung.toml", "one.csv"]),
+        ("stiff", vec!["sprung.toml", "all.csv"]),
         ("plan", vec!["arm.toml", "--plan", "--seconds", "4", "--rate", "50"]),
     ];
     assert_said("moments", &said(folder.path(), &commands));

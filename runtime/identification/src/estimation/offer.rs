@@ -30,11 +30,10 @@ pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
     own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + CLEARLY) * own)
 }
 
-/// [`gain`] of a fault that one joint has: it shows in the equation of this joint, so that the error of no other one falls more. If
-/// another one's falls more, the joint only lost weight, or takes up what the model lacks there.
+/// [`gain`] of a fault that one joint has: it shows in the equation of this joint, so that its own error falls clearly. If the errors
+/// of other joints fall alone, the joint only lost weight, or takes up what the model lacks there.
 pub(super) fn gain_of_joint(joint: usize, own: &HeldOut, other: &HeldOut) -> Option<f64> {
-    let falls_most = |k: usize| other.rss[joint] * own.rss[k] <= other.rss[k] * own.rss[joint];
-    gain(own, other).filter(|_| (0..own.rss.len()).all(falls_most))
+    gain(own, other).filter(|_| other.rss[joint] < (1.0 - CLEARLY) * own.rss[joint])
 }
 
 /// The finding with the share of [`gain`].
