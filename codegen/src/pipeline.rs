@@ -118,6 +118,8 @@ fn generate_from(
     if options.emit.companions.contains(&Companion::Casadi) {
         functions.extend(tools::by_parameters(&model, &functions));
     }
+    #[cfg(test)]
+    wrong_functions::spoil(&mut functions);
     verify::verify(&model, &functions)?;
     let notes = snapping::priced(notes, description, &read_options, &functions);
     let (mut lanes, obstacles) = lanes.possible(&functions, options.emit.math);
@@ -279,5 +281,34 @@ fn selection<'a>(model: &'a Model, options: &'a GenerateOptions) -> &'a [String]
     match options.functions.is_empty() {
         true => &model.options.functions,
         false => &options.functions,
+    }
+}
+
+/// Functions that a test makes wrong, as an error of the derivation would.
+#[cfg(test)]
+pub(crate) mod wrong_functions {
+    use std::cell::Cell;
+
+    use crate::functions::function::Function;
+    use crate::program::Operation;
+
+    thread_local!(static ARE_WANTED: Cell<bool> = const { Cell::new(false) });
+
+    /// Runs something with wrong functions in each [`generate`](super::generate) of this thread.
+    pub(crate) fn during<T>(run: impl FnOnce() -> T) -> T {
+        ARE_WANTED.set(true);
+        let result = run();
+        ARE_WANTED.set(false);
+        result
+    }
+
+    /// Replaces every sum by a difference.
+    pub(super) fn spoil(functions: &mut [Function]) {
+        let instructions = functions.iter_mut().flat_map(|function| &mut function.program.instructions);
+        for instruction in instructions.filter(|_| ARE_WANTED.get()) {
+            if let Operation::Add(a, b) = instruction.operation {
+                instruction.operation = Operation::Subtract(a, b);
+            }
+        }
     }
 }

@@ -28,15 +28,22 @@ const STATE: [f64; 2] = [0.3, -0.5];
 
 /// Pinocchio, whose parser reads the attribute, and the gradient of the potential energy by complex steps.
 #[test]
-fn a_quaternion_of_an_origin_is_read() {
+fn quaternions_of_origins_and_limits_of_decelerations_are_read() {
     let (model, notes) = load("quat_joint_origin.urdf", &ReadOptions::default());
     assert!(notes.is_empty(), "{notes}");
     let loads = value(&model, "gravity_forces", &[&STATE]);
     for (load, expected) in loads.iter().zip([3.380_296, 0.307_478]) {
         assert!((load + expected).abs() < 1e-6, "{loads:?}");
     }
+    // The attitude of an inertia acts on M alone. NumPy, with the Jacobians of the centres of mass; without the attitude the first
+    // entry is 0.194660076.
+    let mass = value(&model, "mass_matrix", &[&STATE]);
+    for (entry, expected) in mass.iter().zip([0.195_533_193, -0.007_898_243, -0.007_898_243, 0.009]) {
+        assert!((entry - expected).abs() < 1e-9, "{mass:?}");
+    }
+    // The smaller one of acceleration and deceleration.
     let limits = model.joints().next().unwrap().limits;
-    assert_eq!([limits.acceleration, limits.jerk], [Some(5.0), Some(50.0)]);
+    assert_eq!([limits.acceleration, limits.jerk], [Some(4.0), Some(50.0)]);
 }
 
 /// Drake; Pinocchio's 0.174246 with 80² · 1.2e-4.

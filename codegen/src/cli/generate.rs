@@ -441,9 +441,16 @@ fn no_workspace() -> Failure {
 
 #[cfg(test)]
 mod tests {
+    use super::super::arguments::{Arguments, Command};
     use super::super::choices::Reading;
+    use super::super::failure::INTERNAL;
     use super::*;
+    use crate::diagnostic::Diagnostic;
+    use crate::pipeline::wrong_functions;
+    use crate::verify;
+    use clap::Parser;
     use gelenk_formula::Hold;
+    use std::ffi::OsString;
 
     #[test]
     fn the_command_makes_the_same_file_again() {
@@ -478,5 +485,29 @@ mod tests {
         for folder in [".", "./"] {
             assert_eq!(shown(Path::new(folder), None), ".");
         }
+    }
+
+    #[test]
+    fn a_wrong_function_refuses_the_module() {
+        let folder = tempfile::tempdir().unwrap();
+        let description = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/two_arm.toml");
+        let words = ["gelenk", "generate", description.to_str().unwrap(), "--output"];
+        let words = words.map(OsString::from).into_iter().chain([folder.path().join("arm.rs").into()]);
+        let arguments = Arguments::parse_from(words);
+        let Command::Generate(arguments) = arguments.command else { panic!("another command") };
+        let run = || generate(&arguments, Format::Json);
+        let failure = wrong_functions::during(run).unwrap_err();
+        let Failure::Descriptions(all) = &failure else { panic!("{failure:?}") };
+        let problems: Vec<&Diagnostic> = all.iter().flat_map(Diagnostics::entries).collect();
+        assert!(problems.iter().all(|problem| problem.code == verify::INTERNAL), "{problems:?}");
+        assert!(
+            all[0]
+                .to_string()
+                .contains(concat!("please report it with the description at ", env!("CARGO_PKG_REPOSITORY")))
+        );
+        assert_eq!(failure.say(Format::Json), INTERNAL);
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0, "something is written");
+        run().unwrap();
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
     }
 }

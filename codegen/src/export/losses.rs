@@ -72,9 +72,11 @@ impl Losses {
             (Effect::Refusal, ..) => Diagnostic::warning(code, says(&entry)),
             _ => Diagnostic::note(code, says(&entry)),
         };
+        let is_refused = others.iter().any(|entry| entry.0 == Effect::Refusal);
         let mut notes: Vec<Diagnostic> = others.into_iter().map(note).collect();
         notes.extend(difference.map(|difference| {
             let causes = match causes.is_empty() {
+                true if is_refused => "other programs refuse it as well".to_owned(),
                 true => "this program knows no cause, please report it".to_owned(),
                 false => causes.iter().map(says).collect::<Vec<_>>().join("; "),
             };

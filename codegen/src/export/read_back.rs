@@ -6,7 +6,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{Model, ReadOptions, from_mjcf, from_urdf};
 use crate::random::Random;
 use crate::verify::mass_and_bias;
-use crate::wording::{list, three_digits};
+use crate::wording::{list, telling};
 use gelenk_formula::Formula;
 
 /// Relative difference up to which both are the same.
@@ -75,18 +75,15 @@ fn differing(model: &Model, places: &[usize], own: &[Vec<f64>; 2], other: &[Vec<
     let ([i, j], own, found, share) = entries.max_by(|a, b| a.3.total_cmp(&b.3))?;
     if share > SAME {
         let at = list([joints[i], joints[j]].into_iter().take(if i == j { 1 } else { 2 }));
-        return Some(format!("M has {} instead of {} at {at}", three_digits(found), three_digits(own)));
+        let [found, own] = telling([found, own], |[found, own]| found != own);
+        return Some(format!("M has {found} instead of {own} at {at}"));
     }
     let size = mass.iter().chain(bias).fold(f64::MIN_POSITIVE, |most, x| most.max(x.abs()));
     let forces = (0..n).map(|i| (i, bias[i], other[1][places[i]]));
     let (i, own, found) = forces.max_by(|a, b| (a.2 - a.1).abs().total_cmp(&(b.2 - b.1).abs()))?;
     let text = || {
-        format!(
-            "the bias force is {} instead of {} at `{}`",
-            three_digits(found),
-            three_digits(own),
-            joints[i]
-        )
+        let [found, own] = telling([found, own], |[found, own]| found != own);
+        format!("the bias force is {found} instead of {own} at `{}`", joints[i])
     };
     ((found - own).abs() > SAME * size).then(text)
 }

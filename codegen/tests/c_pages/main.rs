@@ -34,6 +34,10 @@ fn module(robot: &str, functions: &str) -> tempfile::TempDir {
 
 fn generate(robot: &str, functions: &str, folder: &Path) {
     let description = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../models/{robot}.toml"));
+    generate_from(&description, functions, folder);
+}
+
+fn generate_from(description: &Path, functions: &str, folder: &Path) {
     let output = Command::new(env!("CARGO_BIN_EXE_gelenk"))
         .args(["generate", "--language", "c", "--functions", functions, "--output", "."])
         .arg(description)
@@ -64,6 +68,73 @@ fn the_block_for_simulink_computes_what_the_module_computes() {
     let Some(said) = compile(folder.path(), line) else { return };
     assert_eq!(said, "");
     assert!(Command::new(folder.path().join("call")).status().unwrap().success());
+}
+
+/// The lines that the first program of the page prints for a robot: names, efforts and their units.
+fn printed(folder: &Path, robot: &str, program: &str) -> Option<Vec<(String, f64, String)>> {
+    fs::write(folder.join("main.c"), program).unwrap();
+    let line = format!("cc -std=c99 -Wall -Wextra -Werror -pedantic -O2 main.c {robot}.c -o hold");
+    assert_eq!(compile(folder, &line)?, "");
+    let output = Command::new(folder.join("hold")).output().unwrap();
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    let line = |line: &str| {
+        let (name, rest) = line.split_once(": ").unwrap();
+        let (effort, unit) = rest.split_once(' ').unwrap();
+        (name.to_owned(), effort.parse().unwrap(), unit.to_owned())
+    };
+    Some(text.lines().map(line).collect())
+}
+
+#[test]
+fn the_first_program_prints_the_numbers_of_the_page() {
+    let folder = module("ur5", "inverse_dynamics");
+    let program = block("int main(void)");
+    assert_eq!(PAGE.split("```c\n").nth(1).unwrap().split("```").next(), Some(program));
+    let Some(printed) = printed(folder.path(), "ur5", program) else { return };
+    let prose = PAGE.split_whitespace().collect::<Vec<_>>().join(" ").replace('−', "-");
+    let told = prose.split_once(" N m for the second and the third joint").unwrap().0;
+    let (told, third) = told.rsplit_once(" and ").unwrap();
+    let second = told.rsplit_once(' ').unwrap().1;
+    assert_eq!(printed.len(), 6);
+    assert!(printed.iter().all(|(.., unit)| unit == "N m"), "{printed:?}");
+    for ((name, effort, _), told) in printed[1..].iter().zip([second, third]) {
+        assert_eq!(format!("{effort:.3}"), told, "{name}");
+    }
+}
+
+/// Two links whose motors take currents. Horizontal links are held by −(1 · 0.2 + 2 · 0.4) g and −2 · 0.1 g.
+const CURRENTS: &str = r#"
+name = "currents"
+joints = [
+    { name = "shoulder", axis = [0, 1, 0], drive = { gear_ratio = 80, rotor_inertia = 6e-5, motor_constant = 0.05 } },
+    { name = "elbow", axis = [0, 1, 0], origin = { xyz = [0, 0, 0.3] }, drive = { gear_ratio = 50, motor_constant = 0.03 } },
+]
+bodies = [
+    { link = "shoulder", mass = 1, center_of_mass = [0, 0, 0.2], inertia = 0.01 },
+    { link = "elbow", mass = 2, center_of_mass = [0, 0, 0.1], inertia = 0.01 },
+]
+"#;
+
+#[test]
+fn the_first_program_prints_torques_of_a_robot_whose_inputs_are_currents() {
+    let folder = tempfile::tempdir().unwrap();
+    let description = folder.path().join("currents.toml");
+    fs::write(&description, CURRENTS).unwrap();
+    generate_from(&description, "inverse_dynamics", folder.path());
+    let header = fs::read_to_string(folder.path().join("currents.h")).unwrap();
+    let source = fs::read_to_string(folder.path().join("currents.c")).unwrap();
+    let mut units = header.lines().chain(source.lines()).filter(|line| line.contains("CURRENTS_INPUT_UNITS"));
+    assert!(units.any(|line| line.contains("{\"A\", \"A\"}")), "{header}{source}");
+    let y = "{0.0, -1.57, 1.57, 0.0, 0.5, 0.0}";
+    let program = block("int main(void)");
+    assert!(program.contains(y), "{program}");
+    let program =
+        program.replace(y, "{1.5707963267948966, 0.0}").replace("ur5", "currents").replace("UR5", "CURRENTS");
+    let Some(printed) = printed(folder.path(), "currents", &program) else { return };
+    let expected = [("shoulder", -9.81), ("elbow", -1.962)];
+    let expected = expected.map(|(name, effort)| (name.to_owned(), effort, "N m".to_owned()));
+    assert_eq!(printed, expected);
 }
 
 const MATH: &str = "double fabs(double); double sqrt(double);\n\
