@@ -8,7 +8,8 @@ use crate::support::example::program;
 use crate::support::plant_process::PlantProcess;
 use crate::support::robot::{END, LIMITS, PowerCube, START, Watched, law, motion, pd, settings};
 use gelenk_runtime::control_loop::{
-    ControlLoop, End, FeedForwardPd, LoopReport, LoopSettings, MonotonicClock, StopReason, VirtualClock,
+    ControlLoop, End, FeedForwardPd, LoopReport, LoopSettings, MonotonicClock, Refusal, StopReason,
+    VirtualClock,
 };
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::transport::datagram::TrueState;
@@ -121,6 +122,23 @@ fn three_periods_of_silence_are_bridged_longer_ones_stop() {
         assert_eq!(report.end, end, "{report}");
         assert_stopped_safely(&mut link);
     }
+}
+
+/// The operating system refuses the datagrams to a port that no program has open.
+#[test]
+fn a_loop_does_not_start_without_a_plant() {
+    let address = start(&[]).kill();
+    let report = run(&mut connect(address));
+    assert_eq!(report.end, End::Refused(Refusal::Transport(TransportError::NoAnswer)), "{report}");
+    let tries = u64::from(settings(RATE).start_periods) + 1;
+    let errors = report.counts.transport_errors;
+    assert!(errors >= tries && report.counts.missing == 0, "{report}");
+    assert_eq!((report.counts.periods, report.brakes), (0, Brakes::Unknown), "{report}");
+    let text = report.to_string();
+    let reason = "refused to start: nobody answers: check that the robot's side runs, its address, and that it has the \
+                  same version; brakes unknown: look at the robot";
+    assert!(text.starts_with(reason), "{text}");
+    assert!(text.contains(&format!("{errors} transport errors")), "{text}");
 }
 
 /// The plant dies in the middle of the motion; a new one comes up after the loop gave up, braked, and stays

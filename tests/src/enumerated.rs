@@ -104,17 +104,23 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// Two joints with parallel axes, of types by their names.
+    /// Joints of types by their names.
+    ///
+    /// - `first`: the number of the first direction; each further joint has the next one. Numbers from 0 to 5 have all directions
+    ///   and all origins, and the six numbers behind them have the directions with other origins.
     ///
     /// # Panics
     /// There is no such type.
-    pub fn parallel(types: [&str; 2], roles: [Role; 2]) -> Self {
-        let named = |name: &str| TYPES.iter().find(|of| of.name == name).expect("a type");
+    pub fn placed(types: &[&str], roles: &[Role], first: usize) -> Self {
+        let named = |name: &&str| TYPES.iter().find(|of| of.name == *name).expect("a type");
+        let numbers = first..first + types.len() - 1;
         Self {
-            types: types.map(named).to_vec(),
+            types: types.iter().map(named).collect(),
             roles: roles.to_vec(),
-            directions: vec![0],
-            origins: vec![Origin::Along],
+            directions: numbers.clone().map(|number| number % DIRECTIONS.len()).collect(),
+            origins: numbers
+                .map(|number| Origin::ALL[(number + number / DIRECTIONS.len() + 1) % 3])
+                .collect(),
             has_forces: false,
         }
     }

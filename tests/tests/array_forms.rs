@@ -17,7 +17,7 @@ use gelenk_codegen::model::{Model, ReadOptions, read};
 use gelenk_codegen::module::Module;
 use gelenk_codegen::program::interpret::interpret;
 use gelenk_tests::compiler::{clippy, rustc};
-use gelenk_tests::enumerated::{Chain, Role};
+use gelenk_tests::enumerated::{Chain, DIRECTIONS, Role};
 use gelenk_tests::literature::{GENERAL, chain, right_angles};
 use gelenk_tests::quaternion_model::with_quaternions;
 use gelenk_tests::random_model::{
@@ -43,7 +43,8 @@ struct Robot {
 }
 
 /// Chains of all lengths of padding, and random trees with sliding joints, rotors, parameters and coordinates
-/// out of order, some with joints that follow others, with helical joints, and with quaternions; pairs of parallel axes.
+/// out of order, some with joints that follow others, with helical joints, and with quaternions; chains in
+/// every direction and origin.
 fn robots(fused: bool) -> Vec<Robot> {
     let down = [0.0, 0.0, -9.81];
     let chains = [1, 2, 5, 13].map(|count| chain(&right_angles(count), down));
@@ -54,14 +55,17 @@ fn robots(fused: bool) -> Vec<Robot> {
     let floating = (0..3).zip(kinds);
     let floating = floating.map(|(seed, kind)| with_quaternions(kind(seed, 5), seed));
     let models = chains.into_iter().chain([chain(&GENERAL, down)]).chain(trees).chain(coupled).chain(helical);
-    let pairs = [
-        ["revolute", "spherical"],
-        ["spherical", "revolute"],
-        ["universal", "floating"],
-        ["helical", "planar"],
+    // Together all directions and origins.
+    let placed: [(&[&str], usize); 4] = [
+        (&["revolute", "spherical", "revolute"], 0),
+        (&["spherical", "revolute"], 2),
+        (&["universal", "floating"], 3),
+        (&["helical", "planar", "prismatic"], 4),
     ];
-    let parallel = pairs.map(|types| Chain::parallel(types, [Role::Free; 2]).model(1));
-    let models = models.chain(floating).chain(parallel);
+    let others = if fused { DIRECTIONS.len() } else { 0 };
+    let placed = placed
+        .map(|(types, first)| Chain::placed(types, &vec![Role::Free; types.len()], first + others).model(1));
+    let models = models.chain(floating).chain(placed);
     let in_loops = models.enumerate();
     let in_loops =
         in_loops.map(|(index, model)| robot(&format!("robot_{index}"), model, fused, Form::Arrays, &NAMES));

@@ -287,19 +287,20 @@ fn robots_with_driven_joints_compute_the_same_bits() {
     compare(&module, Scalar::F64, false, &compilers, &others);
 }
 
-/// Chains whose axes are parallel: loops over the joints, and frames.
+/// Chains in every direction and origin: loops over the joints, and frames.
 #[test]
 fn chains_of_every_kind_of_motion_compute_the_same_bits() {
     let compilers: Vec<Compiler> = c_compilers().into_iter().take(1).collect();
     let folder = tempfile::tempdir().expect("a folder");
-    for (types, roles) in [
-        (["revolute", "spherical"], [Role::Free; 2]),
-        (["universal", "floating"], [Role::Free; 2]),
-        (["helical", "cylindrical"], [Role::Follows, Role::Free]),
-        (["planar", "prismatic"], [Role::Driven, Role::Free]),
-    ] {
+    let chains: [(&[&str], &[Role], usize); 4] = [
+        (&["revolute", "spherical", "revolute"], &[Role::Free; 3], 0),
+        (&["universal", "floating"], &[Role::Free; 2], 2),
+        (&["helical", "cylindrical"], &[Role::Follows, Role::Free], 3),
+        (&["planar", "prismatic", "prismatic"], &[Role::Driven, Role::Free, Role::Free], 4),
+    ];
+    for (types, roles, first) in chains {
         let path = folder.path().join("chain.toml");
-        std::fs::write(&path, Chain::parallel(types, roles).text(1)).expect("a description");
+        std::fs::write(&path, Chain::placed(types, roles, first).text(1)).expect("a description");
         let functions = ["frames", "inverse_dynamics", "forward_dynamics_derivatives", "linearize"];
         let module = derive(&path, &functions, Form::Arrays, false);
         compare(&module, Scalar::F64, false, &compilers, &[]);
