@@ -109,7 +109,7 @@ pub struct FrictionIdentification {
 }
 
 impl FrictionIdentification {
-    /// [`Library::joint_friction`], thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks,
+    /// the default library, thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks,
     /// passive, refused below a held-out R² of 0.05.
     ///
     /// # Errors
