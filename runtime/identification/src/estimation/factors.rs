@@ -9,7 +9,7 @@ use super::super::run::Effort;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
 use super::normal::Model;
-use super::offer::{POOR, gain_of_joint, offered};
+use super::offer::{POOR, gain, offered};
 use super::prior::Prior;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -69,7 +69,7 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     for joint in layout.rubbing() {
         let own = factors.error(joint, 1.0)?;
         let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
-        let Some(share) = gain_of_joint(joint, &own, &other).filter(|_| explains(chosen, &other)) else {
+        let Some(share) = gain(&own, &other).filter(|_| explains(chosen, &other)) else {
             continue;
         };
         if clearest.is_none_or(|(.., most)| share > most) {
