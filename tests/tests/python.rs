@@ -33,7 +33,7 @@ const UR5: [&str; 8] = [
 fn rust_values() -> Value {
     let mut rng = Rng::with_seed(1604);
     let mut calls = calls("ur5", &UR5, &[], &mut rng);
-    let described: Vec<f64> = [9.81; 15].iter().map(|x| x * (0.5 + rng.f64())).collect();
+    let described: Vec<f64> = [9.81; 16].iter().map(|x| x * (0.5 + rng.f64())).collect();
     calls.extend(self::calls("powercube_parameters", &[], &described, &mut rng));
     calls.extend(steps(&mut rng));
     Value::Array(calls)

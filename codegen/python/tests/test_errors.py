@@ -42,7 +42,7 @@ def test_parameters_are_known_by_name(powercube: gelenk.Robot, arm: gelenk.Robot
         arm.pack_parameters(g=1.0)
     with pytest.raises(TypeError, match="parameter `g` holds complex128"):
         powercube.gravity_forces(ZERO, g=1j)
-    with pytest.raises(ValueError, match=r"`parameters` has the shape \(2,\), expected \(\.\.\., 15\): g, beta_constant"):
+    with pytest.raises(ValueError, match=r"`parameters` has the shape \(2,\), expected \(\.\.\., 16\): g, beta_constant"):
         powercube.gravity_forces(ZERO, parameters=ZERO)
     with pytest.raises(ValueError, match=r"do not broadcast: `g` \(2,\), `gamma_sign` \(3,\)"):
         powercube.pack_parameters(g=ZERO, gamma_sign=np.zeros(3))

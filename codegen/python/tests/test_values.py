@@ -227,7 +227,7 @@ def test_parameters_are_keywords(powercube: gelenk.Robot, tmp_path: Path) -> Non
     assert np.array_equal(both.a_y[0], described.linearize(y, v, a).a_y)
     assert powercube.default_parameters["g"] == 9.80665
     many = powercube.pack_parameters(g=np.array([[1.0], [2.0]]), gamma_sign=np.arange(3))
-    assert many.shape == (2, 3, 15)
+    assert many.shape == (2, 3, 16)
     assert powercube.gravity_forces(y, parameters=many).shape == (2, 3, 2)
 
 
