@@ -12,8 +12,8 @@
 use crate::dynamics::{Dynamics, Named, plain_entries};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
-use crate::pseudo_inverse::{dot, pseudo_inverse};
 use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
+use gelenk_dynamics::pseudo_inverse::{dot, pseudo_inverse};
 use thiserror::Error;
 
 /// Inputs for a state, and what they cannot make.

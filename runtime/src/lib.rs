@@ -134,7 +134,6 @@ pub mod mpc;
 mod no_std;
 #[cfg(feature = "std")]
 pub mod plant;
-mod pseudo_inverse;
 pub mod qp;
 pub mod trajectory;
 #[cfg(feature = "std")]

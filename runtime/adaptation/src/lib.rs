@@ -40,6 +40,7 @@ mod bank;
 mod correlation;
 mod estimator;
 mod filter;
+mod inputs;
 mod joint;
 mod law;
 mod load;
@@ -49,6 +50,7 @@ mod settings;
 mod trust;
 
 pub use estimator::{Adaptation, DescribedForces, JointState, Magnitudes, Measured};
+pub use inputs::input_inverse;
 pub use joint::Prediction;
 pub use law::{JointScale, TERM_NAMES, TERMS, terms};
 pub use load::{LoadEstimator, LoadState};

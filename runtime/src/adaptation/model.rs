@@ -4,8 +4,7 @@ use crate::dynamics::{
     Differentiable, Discretizable, Dynamics, ForceDerivatives, ForceDerivativesAndMass, InputLimits,
     LimitRows, Limits, Linearization, PhaseSpace,
 };
-use crate::pseudo_inverse::pseudo_inverse;
-use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, terms};
+use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, input_inverse, terms};
 
 /// Steps of the numerical derivative of friction, as shares of the velocity, of at least 1.
 const STEP: f64 = 1e-6;
@@ -41,12 +40,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
     /// [`AdaptationError::Inputs`] for robots with inputs at frames or driven joints, and with a learned joint that the inputs cannot
     /// load without the others.
     pub fn new(robot: D, adaptation: &Adaptation<N>) -> Result<Self, AdaptationError> {
-        let matrix = robot.drive_matrix();
-        let inverse = pseudo_inverse(&matrix).ok_or(AdaptationError::Inputs)?;
-        let reached = |i: usize, k: usize| (0..M).map(|j| matrix[i][j] * inverse[j][k]).sum::<f64>();
-        let is_own = |k: usize| (0..N).all(|i| (reached(i, k) - f64::from(u8::from(i == k))).abs() < 1e-9);
-        let own = (0..N).all(|k| adaptation.scales()[k].is_none() || is_own(k));
-        if robot.drives() != M || !robot.driven_motion().is_empty() || !own {
+        let inverse = input_inverse(&robot.drive_matrix(), |joint| adaptation.scales()[joint].is_some())?;
+        if robot.drives() != M || !robot.driven_motion().is_empty() {
             return Err(AdaptationError::Inputs);
         }
         let rests = core::array::from_fn(|i| adaptation.rest(i));

@@ -1,19 +1,16 @@
 //! Rows of a log as measurements of the loop.
 
 use gelenk_adaptation::{
-    Adaptation, AdaptationError, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY,
-    Magnitudes, Measured, Prediction, Trust,
+    Adaptation, AdaptationSettings, DescribedForces, JointScale, JointState, MOST_DELAY, Magnitudes,
+    Measured, Prediction, Trust, input_inverse,
 };
 use gelenk_dynamics::dynamics::Limits;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_identification::{IdentificationError, Result};
-use nalgebra::DMatrix;
 
 /// Most joints and inputs of a robot: the places of the estimator. Those without a joint are not learned.
 const MOST: usize = 32;
-/// Singular values below this share of the largest entry count as zero, as in the loop.
-const RANK_TOLERANCE: f64 = 1e-12;
 /// Significant digits of the rate of a log, which clocks and printed times disturb.
 const RATE_DIGITS: usize = 6;
 /// Rates of two runs differ by more than clocks do.
@@ -245,9 +242,8 @@ impl<'a> Described<'a> {
         for (row, entries) in matrix.iter_mut().zip(robot.input_matrix().chunks(inputs.max(1))) {
             row[..inputs].copy_from_slice(entries);
         }
-        if !loads_each(&matrix, [joints, inputs]) {
-            return Err(fault("the robot", AdaptationError::Inputs.to_string()));
-        }
+        let has_input = |joint: usize| matrix[joint].iter().any(|b| *b != 0.0);
+        input_inverse(&matrix, has_input).map_err(|error| fault("the robot", error.to_string()))?;
         let limits = robot.limits();
         let ends = ends(robot, &limits, &matrix);
         let known = |effort: usize| runs.iter().all(|run| run.efforts[effort].iter().all(|u| u.is_finite()));
@@ -337,22 +333,6 @@ impl<'a> Described<'a> {
         let saturated = |joint: usize| (0..MOST).any(|j| self.matrix[joint][j] != 0.0 && at_limit(j));
         (std::array::from_fn(of_inputs), std::array::from_fn(saturated))
     }
-}
-
-/// True if the inputs load each joint that has one without the others, as the loop needs it.
-#[expect(
-    clippy::disallowed_methods,
-    reason = "the matrix is finite, as readers of descriptions see to, and not empty"
-)]
-fn loads_each(matrix: &[[f64; MOST]; MOST], [joints, inputs]: [usize; 2]) -> bool {
-    if joints == 0 || inputs == 0 {
-        return false;
-    }
-    let matrix = DMatrix::from_fn(joints, inputs, |i, j| matrix[i][j]);
-    let Ok(inverse) = matrix.clone().pseudo_inverse(RANK_TOLERANCE * matrix.amax()) else { return false };
-    let reached = &matrix * inverse;
-    let is_own = |k: usize| (0..joints).all(|i| (reached[(i, k)] - f64::from(u8::from(i == k))).abs() < 1e-9);
-    (0..joints).all(|k| matrix.row(k).amax() == 0.0 || is_own(k))
 }
 
 /// Lowest and highest inputs that motors and joints bear for a short time.

@@ -1,7 +1,7 @@
 //! The pseudo-inverse of a small matrix, without allocation.
 
-#[cfg(not(feature = "std"))]
-use crate::no_std::*;
+use gelenk_kernels::math::sqrt;
+
 /// Singular values below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
 
@@ -13,9 +13,8 @@ const MOST_SWEEPS: usize = 40;
 ///
 /// One-sided Jacobi rotations make the columns of B V orthogonal (Hestenes 1958; Golub and Van Loan 2013, section
 /// 8.6.3): `B = U Σ Vᵀ`, `B⁺ = V Σ⁻² (B V)ᵀ`.
-pub(crate) fn pseudo_inverse<const N: usize, const M: usize>(
-    matrix: &[[f64; M]; N],
-) -> Option<[[f64; N]; M]> {
+#[must_use]
+pub fn pseudo_inverse<const N: usize, const M: usize>(matrix: &[[f64; M]; N]) -> Option<[[f64; N]; M]> {
     let largest = matrix.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
     if largest == 0.0 || !matrix.iter().flatten().all(|x| x.is_finite()) {
         return None;
@@ -47,13 +46,13 @@ fn sweep<const N: usize, const M: usize>(columns: &mut [[f64; N]; M], rotation: 
         for q in p + 1..M {
             let (a, b) = (dot(&columns[p], &columns[p]), dot(&columns[q], &columns[q]));
             let c = dot(&columns[p], &columns[q]);
-            if c.abs() <= f64::EPSILON * (a * b).sqrt() {
+            if c.abs() <= f64::EPSILON * sqrt(a * b) {
                 continue;
             }
             has_turned = true;
             let slope = (b - a) / (2.0 * c);
-            let tangent = slope.signum() / (slope.abs() + (1.0 + slope * slope).sqrt());
-            let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+            let tangent = slope.signum() / (slope.abs() + sqrt(1.0 + slope * slope));
+            let cosine = 1.0 / sqrt(1.0 + tangent * tangent);
             turn(columns, [p, q], cosine, cosine * tangent);
             turn(rotation, [p, q], cosine, cosine * tangent);
         }
@@ -74,7 +73,9 @@ fn turn<const L: usize, const M: usize>(
     }
 }
 
-pub(crate) fn dot<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
+/// `aᵀ b`.
+#[must_use]
+pub fn dot<const L: usize>(a: &[f64; L], b: &[f64; L]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
