@@ -2,7 +2,7 @@
 
 use super::adaptation::{options, with_factors};
 use super::identified::identify;
-use super::run::{Faster, Ltv, Modelled, Run, Setup, drive};
+use super::run::{Ltv, Modelled, Run, Setup, drive};
 use super::show;
 use crate::arm::{self, Arm, Friction, JOINTS, PERIOD, Regime, arm, carrying};
 use crate::study::{Outcome, Part, Study};
@@ -20,8 +20,6 @@ const WARM_FACTOR: f64 = 0.7;
 const PICKED_UP: f64 = 30.0;
 const MASS: f64 = 1.0;
 pub const HEAVIEST: f64 = 2.0;
-/// Pace of the motion with a load, relative to the published one.
-const WITH_LOAD: f64 = 1.0;
 /// Time that the estimate of the load has to follow (s), as that of claim 12.
 const SETTLED: f64 = 6.0;
 /// Largest error of the feed-forward, relative to that of a controller that knows the plant.
@@ -35,7 +33,7 @@ const COLD: [Friction; 2] = [Friction::B, Friction::C];
 /// The published motion forth and back, over and over.
 #[derive(Clone, Copy)]
 pub struct Repeated<'t> {
-    motion: Faster<'t>,
+    motion: &'t Sampled<2>,
     duration: f64,
 }
 
@@ -224,7 +222,7 @@ pub fn warm_up(
     duration: f64,
 ) -> Outcome<Compared<2>> {
     let initial = identify(arm(COLD), arm(COLD), duration)?;
-    let reference = Repeated { motion: Faster { motion, factor: 1.0 }, duration: seconds };
+    let reference = Repeated { motion, duration: seconds };
     let controller = learning(initial, reference, settings)?;
     Compared::new(plant, initial, reference, (controller, |controller| friction(&controller.robot())))
 }
@@ -234,7 +232,7 @@ pub fn warm_up(
 /// - `heaviest`: of the loads that the estimator expects [kg]
 pub fn pick_up(motion: &Sampled<2>, (plant, heaviest): (Change, f64), duration: f64) -> Outcome<Compared<2>> {
     let initial = identify(arm(COLD), arm(COLD), duration)?;
-    let reference = Repeated { motion: Faster { motion, factor: WITH_LOAD }, duration: 2.0 * PICKED_UP };
+    let reference = Repeated { motion, duration: 2.0 * PICKED_UP };
     let adaptive = learning(initial, reference, AdaptationSettings::new(PERIOD))?;
     let controller = Carrying::new(adaptive, [[0.0, heaviest]], |arm, [mass]| carrying(*arm, *mass))?;
     Compared::new(

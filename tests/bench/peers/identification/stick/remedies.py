@@ -26,15 +26,12 @@ MOST = 0.01
 def remedies(job):
     gelenk, work, kind, seed = job
     name = f"{kind}_{seed}"
-    log, out = work / f"{name}.csv", work / f"{name}.found.json"
+    log = work / f"{name}.csv"
     if not log.exists():
         simulate(Simulator(work), work, kind, seed)
-    if not out.exists():
-        command = [gelenk, "identify", "arm4.urdf", log.name, "-o", f"{name}.toml", "--format", "json"]
-        run = subprocess.run(command, cwd=work, capture_output=True, text=True)
-        found = json.loads(run.stdout)["findings"] if run.returncode == 0 else [dict(code="refused", text=run.stderr)]
-        out.write_text(json.dumps(found))
-    found = json.loads(out.read_text())
+    command = [gelenk, "identify", "arm4.urdf", log.name, "-o", f"{name}.toml", "--format", "json"]
+    run = subprocess.run(command, cwd=work, capture_output=True, text=True)
+    found = json.loads(run.stdout)["findings"] if run.returncode == 0 else [dict(code="refused", text=run.stderr)]
     offered = [x for x in found if x["code"] == "refused" or any(v["name"] == FALL for v in x["values"])]
     return kind, name, offered
 
@@ -42,7 +39,7 @@ def remedies(job):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--gelenk", default="gelenk", help="the program")
-    parser.add_argument("--work", default="build", type=pathlib.Path, help="folder of logs and findings; those that it has are kept")
+    parser.add_argument("--work", default="build", type=pathlib.Path, help="folder of logs; those that it has are kept")
     parser.add_argument("--kinds", default=",".join(KINDS), help="kinds, separated by commas")
     parser.add_argument("--seeds", default="7-31", help="seeds, as 0-6 or 0,3")
     parser.add_argument("--jobs", default=1, type=int, help="logs at once")
