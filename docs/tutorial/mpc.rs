@@ -1,5 +1,8 @@
 //! LTV-MPC on the arm, with the guessed and with the identified friction.
 
+use std::error::Error;
+use std::process::ExitCode;
+
 use gelenk_runtime::control_loop::{
     ControlLoop, JointGains, JointPd, LoopSettings, VirtualClock, log_to_file,
 };
@@ -8,9 +11,6 @@ use gelenk_runtime::mpc::{LtvMpc, MpcOptions};
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, RestToRest, Trajectory};
 use gelenk_runtime::transport::InProcess;
-
-use std::error::Error;
-use std::process::ExitCode;
 
 gelenk_runtime::include_model!(mod arm);
 gelenk_runtime::include_model!(mod robot);

@@ -1,14 +1,14 @@
 //! Moves the arm along plan.csv and writes log.csv.
 
+use std::error::Error;
+use std::process::ExitCode;
+
 use gelenk_runtime::control_loop::{
     ControlLoop, FeedForwardPd, JointGains, JointPd, LoopSettings, VirtualClock, log_to_file,
 };
 use gelenk_runtime::plant::{Plant, PlantOptions};
 use gelenk_runtime::trajectory::{Columns, Recording, Trajectory};
 use gelenk_runtime::transport::InProcess;
-
-use std::error::Error;
-use std::process::ExitCode;
 
 gelenk_runtime::include_model!(mod arm);
 gelenk_runtime::include_model!(mod robot);

@@ -2,6 +2,7 @@
 //! friction than the description, as with warm gears.
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive};
 use gelenk_runtime::control_loop::{Controller, Cycle, FeedForwardPd, JointGains, JointPd};
@@ -25,7 +26,17 @@ const PRINTED: u32 = 500;
 /// Share of the described friction that the simulated robot lacks.
 const LESS: f64 = 0.3;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let motion = Sampled::of(&sine().motion()?, PERIOD)?;
     let start = motion.sample(0.0).positions;
     let gains = JointGains::from_bandwidth(&Robot, &start, 20.0, 0.8);

@@ -109,8 +109,8 @@ pub struct FrictionIdentification {
 }
 
 impl FrictionIdentification {
-    /// the default library, thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks,
-    /// passive, refused below a held-out R² of 0.05.
+    /// The usual terms of a joint, thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks; the law is
+    /// passive, and refused below a held-out R² of 0.05.
     ///
     /// # Errors
     /// None in practice; the signature is that of [`Library::new`].
