@@ -42,7 +42,7 @@ fn values_far_beyond_the_limits_are_refused_with_their_unit() {
         arm.record_as("arm.toml", "log.csv", Recorded { factors, ..RIGHT });
         let said = arm.refuses(&["limited.toml", "log.csv", "--output", "refused.toml"]);
         let error = said.split("error[far-beyond-limits]: ").nth(1).unwrap();
-        assert!(error.contains(remedy) && error.contains("times the described limit"), "{factors:?}: {said}");
+        assert!(error.contains(remedy) && error.contains("the described limits are"), "{factors:?}: {said}");
         assert!(error.contains("(column `") || error.contains("(slopes of column `q_"), "{said}");
     }
     // The command that is named mends it.

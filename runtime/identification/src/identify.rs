@@ -1,6 +1,6 @@
 //! From logs to an identified robot, in one call.
 
-use super::doubts::range::far_beyond;
+use super::doubts::limits::beyond;
 use super::doubts::written::{self, Written};
 use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, repeated_motions};
@@ -156,7 +156,7 @@ fn identified(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Identification> {
     let (recording, prepared, mut preparation) = read_and_prepare(robot, logs, settings, noted, progress)?;
-    let beyond = beyond_range(robot, &recording, &prepared, settings.accept_poor)?;
+    let beyond = beyond_limits(robot, &recording, &prepared, settings.accept_poor)?;
     let rows = RobotRows::of(robot);
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let prepared = rows.along(prepared);
@@ -302,21 +302,21 @@ pub(crate) fn read_and_prepare(
     Ok((recording, prepared, preparation))
 }
 
-/// Values far beyond the described limits that are accepted.
+/// Values beyond the described limits.
 ///
 /// # Errors
-/// Those that are not.
-pub(crate) fn beyond_range(
+/// Those far beyond that are not accepted.
+pub(crate) fn beyond_limits(
     robot: &dyn Robot,
     recording: &Recording,
     prepared: &[PreparedRun],
     accept_poor: bool,
 ) -> Result<Vec<Finding>> {
-    let beyond = far_beyond(robot, recording, prepared);
-    if beyond.is_empty() || accept_poor {
-        return Ok(beyond.into_iter().map(Finding::accepted).collect());
+    let findings = beyond(robot, recording, prepared);
+    if accept_poor || findings.iter().all(|finding| finding.severity != Severity::Error) {
+        return Ok(findings.into_iter().map(Finding::accepted).collect());
     }
-    Err(IdentificationError::Found { findings: beyond })
+    Err(IdentificationError::Found { findings })
 }
 
 /// A joint whose efforts cannot be used keeps what is described; where no joint has others, nothing is left to do.

@@ -1,6 +1,6 @@
 //! How well an identified robot predicts logs that it was not identified from.
 
-use super::doubts::range::far_beyond;
+use super::doubts::limits::beyond;
 use super::doubts::written::Written;
 use super::error::Result;
 use super::estimation::Gravity;
@@ -73,7 +73,7 @@ pub fn validate(
     }
     let preparation = found.preparation.settings_alike(&settings.preparation);
     let (prepared, report) = prepare_as(&recording.runs, robot, &preparation, &found.preparation.filter)?;
-    far_beyond(robot, &recording, &prepared).into_iter().for_each(|found| say(&found.accepted()));
+    beyond(robot, &recording, &prepared).into_iter().for_each(|found| say(&found.accepted()));
     let rows = RobotRows::new(robot, found.shafts.clone());
     let prepared = rows.along(prepared);
     let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;

@@ -30,12 +30,6 @@ pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
     own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + CLEARLY) * own)
 }
 
-/// [`gain`] of a fault that one joint has: it shows in the equation of this joint, so that its own error falls clearly. If the errors
-/// of other joints fall alone, the joint only lost weight, or takes up what the model lacks there.
-pub(super) fn gain_of_joint(joint: usize, own: &HeldOut, other: &HeldOut) -> Option<f64> {
-    gain(own, other).filter(|_| other.rss[joint] < (1.0 - CLEARLY) * own.rss[joint])
-}
-
 /// The finding with the share of [`gain`].
 pub(super) fn offered(finding: Finding, share: f64) -> Finding {
     let percent = 100.0 * share;

@@ -3,7 +3,7 @@
 use super::super::error::Result;
 use super::choice::Chosen;
 use super::fit::fit;
-use super::offer::{HELD, gain_of_joint, offered};
+use super::offer::{HELD, gain, offered};
 use super::task::Task;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
@@ -35,7 +35,7 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         for joint in layout.rubbing().filter(|joint| matches!(task.robot.subject(*joint), Subject::Joint(_)))
         {
             fitted.weighting.trust[count + joint] = FREE;
-            let share = gain_of_joint(joint, &own, &fitted.held_out(task.prior)?);
+            let share = gain(&own, &fitted.held_out(task.prior)?);
             fitted.weighting.trust[count + joint] = HELD;
             let most = clearest.map_or(0.0, |(_, most)| most);
             clearest = share.filter(|share| *share > most).map(|share| (joint, share)).or(clearest);

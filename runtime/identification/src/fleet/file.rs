@@ -14,7 +14,7 @@ use std::path::Path;
 /// First bytes of every version.
 const MAGIC: &[u8] = b"gelenk moments ";
 /// First line of this version.
-const FIRST_LINE: &[u8] = b"gelenk moments 3\n";
+const FIRST_LINE: &[u8] = b"gelenk moments 4\n";
 /// Bytes of a SHA-256.
 const HASH: usize = 32;
 /// Largest file that is read: that of a robot with some hundred joints.
@@ -76,7 +76,7 @@ impl LogMoments {
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
-                "its moments are of another version than 3, which is all that this gelenk reads: reduce the logs again \
+                "its moments are of another version than 4, which is all that this gelenk reads: reduce the logs again \
                  with this gelenk",
             ));
         }
@@ -159,7 +159,7 @@ stored! {
     About { description, effort, gravity_compensated, bandwidth, delay, widths }
     ReducedLog { name, hash, content, samples, seconds, bandwidth, delays, correlation }
     Doubt { joint, kind, logs, first }
-    JointFacts { span, velocities, largest_friction, beyond, directions }
+    JointFacts { span, velocities, directions }
     Share { samples, joints }
     JointSums { weight, lost, products }
 }

@@ -297,8 +297,6 @@ impl JointMoments<'_> {
             shares: self.shares.iter().map(|share| self.moments(share, &library)).collect(),
             lost: self.gain.powi(2) * lost,
             velocity_range: self.facts.velocities,
-            largest_torque: self.facts.largest_friction,
-            beyond: self.facts.beyond,
         };
         let report =
             settings.friction.identify_shares(&shared).map_err(|error| vec![NO_FIT.found(error.to_string())]);

@@ -90,10 +90,6 @@ pub(super) struct JointFacts {
     /// Largest range of positions in a run [rad or m].
     pub(super) span: f64,
     pub(super) velocities: [f64; 2],
-    /// Largest friction torque by the fit to its log.
-    pub(super) largest_friction: f64,
-    /// Samples whose speed, and whose friction, is beyond the described limit.
-    pub(super) beyond: [u64; 2],
     /// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, not centred.
     pub(super) directions: [Exact; 4],
 }
@@ -214,10 +210,6 @@ impl JointFacts {
         self.span = self.span.max(other.span);
         self.velocities =
             [self.velocities[0].min(other.velocities[0]), self.velocities[1].max(other.velocities[1])];
-        self.largest_friction = self.largest_friction.max(other.largest_friction);
-        for (count, other) in self.beyond.iter_mut().zip(other.beyond) {
-            *count = count.saturating_add(other);
-        }
         add_all(&mut self.directions, &other.directions)
     }
 }

@@ -6,7 +6,7 @@ use super::super::estimation::{
     robust_deviation,
 };
 use super::super::identify::{
-    IdentificationSettings, beyond_range, faults, left_of_delays, of_signals, read_and_prepare,
+    IdentificationSettings, beyond_limits, faults, left_of_delays, of_signals, read_and_prepare,
 };
 use super::super::methods::moments::contiguous_blocks;
 use super::super::preparation::PreparationReport;
@@ -56,7 +56,7 @@ pub fn reduce(
     let read = read_and_prepare(robot, &logs, settings, &mut noted, progress);
     noted.iter().for_each(|finding| progress(&finding.to_string()));
     let (recording, runs, mut preparation) = read?;
-    let beyond = beyond_range(robot, &recording, &runs, settings.accept_poor)?;
+    let beyond = beyond_limits(robot, &recording, &runs, settings.accept_poor)?;
     require_all_efforts(robot, &preparation)?;
     let rows = RobotRows::of(robot);
     let (robot, runs): (&dyn Robot, _) = (&rows, rows.along(runs));
@@ -197,28 +197,17 @@ impl<'a> Fitted<'a> {
     }
 
     fn facts(&self, robot: &dyn Robot) -> Result<Vec<JointFacts>> {
-        let (limits, scales) = (robot.limits(), robot.speed_scales());
+        let scales = robot.speed_scales();
         let fact = |joint: usize| -> Result<JointFacts> {
-            let limits = limits[joint];
-            let mut facts = JointFacts {
-                span: 0.0,
-                velocities: [f64::MAX, f64::MIN],
-                largest_friction: 0.0,
-                beyond: [0, 0],
-                directions: [Exact::default(); 4],
-            };
-            for (run, friction) in self.runs.iter().zip(&self.estimate.friction) {
-                let samples = || stretches(self.estimate, run, joint).into_iter().flatten();
-                let moving = |column: &[f64]| samples().map(|i| column[i]).collect::<Vec<f64>>();
+            let mut facts =
+                JointFacts { span: 0.0, velocities: [f64::MAX, f64::MIN], directions: [Exact::default(); 4] };
+            for run in self.runs {
                 let y = &run.positions[joint];
-                let [v, torque] = [&run.velocities[joint], &friction[joint]].map(|column| moving(column));
-                let beyond =
-                    |values: &[f64], limit: f64| values.iter().filter(|x| x.abs() > limit).count() as u64;
+                let samples = stretches(self.estimate, run, joint).into_iter().flatten();
+                let v: Vec<f64> = samples.map(|i| run.velocities[joint][i]).collect();
                 facts.add(&JointFacts {
                     span: extreme(y)[1] - extreme(y)[0],
                     velocities: extreme(&v),
-                    largest_friction: torque.iter().fold(0.0, |a, x| a.max(x.abs())),
-                    beyond: [beyond(&v, limits.velocity), beyond(&torque, limits.effort)],
                     directions: directions(&v, scales[joint])?,
                 })?;
             }

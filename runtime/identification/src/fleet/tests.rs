@@ -378,8 +378,8 @@ fn files_that_are_something_else_are_refused_and_kept() {
     assert!(message(b"t,q1\n").contains("it holds no moments"));
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
-    newer[15] = b'4';
-    assert!(message(&newer).contains("another version than 3"));
+    newer[15] = b'5';
+    assert!(message(&newer).contains("another version than 4"));
     let refused = all[0].write(DESCRIPTION, &paths[0]).unwrap_err().to_string();
     assert!(refused.contains("it holds no moments; name another file"), "{refused}");
     let path = folder.path().join("one.moments");

@@ -12,12 +12,6 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `friction/tests.rs`.
 const POOR_LAW: Rule = Rule::error("poor-law");
 
-/// Sees: speeds or friction beyond the described limits in a part of the samples.
-/// Matters: the columns are another joint's, or in another unit.
-/// Example: rpm taken as rad/s.
-/// Fixture: `friction/tests.rs`.
-const BEYOND_LIMIT: Rule = Rule::error("data-beyond-limit");
-
 /// Sees: a log that shows a small part of the described speeds.
 /// Matters: the law is a guess beyond.
 /// Example: a motion of 0.1 rad/s of a joint that may move at 3.
@@ -29,9 +23,6 @@ const SLOW_LOG: Rule = Rule::warning("slow-log");
 /// Example: a steep term of a slow log.
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
-
-/// Share of samples beyond a limit of the description above which the data do not fit the joint.
-const BEYOND_LIMITS: f64 = 0.01;
 
 /// Part of the described speed that a log shows at least where nothing is said.
 const SMALL_PART: f64 = 0.1;
@@ -78,22 +69,6 @@ impl<'a> Findings<'a> {
         );
         let remedy = "record motion with more speed and reversals, or leave the described friction as it is";
         self.add(POOR_LAW.found(message).help(remedy));
-    }
-
-    /// Doubts a law whose data lie beyond a described limit; refuses it where they lie so far beyond that their unit is another one.
-    /// Limits are rounded, and drives exceed them.
-    pub(super) fn judge_limit(&mut self, what: &str, share: f64, [limit, largest]: [f64; 2], unit: &str) {
-        if share > BEYOND_LIMITS {
-            let message = format!(
-                "{:.1} % of the {what} exceed the described limit of {} {unit}, up to {}",
-                100.0 * share,
-                plain(limit, 4),
-                plain(largest, 4)
-            );
-            let remedy = "the log's columns or units are not this joint's (--columns), or the description's limits are wrong";
-            let found = BEYOND_LIMIT.found(message).help(remedy);
-            self.add(if largest > ABSURD * limit { found } else { found.accepted() });
-        }
     }
 
     /// Doubts a law that takes more than the described effort at a speed that the joint may have and that the data do not show;

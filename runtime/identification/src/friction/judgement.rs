@@ -37,7 +37,6 @@ impl Findings<'_> {
         let total = variation(data, separate, &[whole]);
         let held_out = judged.unseen.as_ref().and_then(|unseen| unseen.r_squared(0.0));
         self.judge(held_out, settings.least_r_squared);
-        self.check_limits();
         self.judge_unseen_speeds(&judged.law, data.fastest())?;
         let rms = (total / judged.residuals.len() as f64).sqrt();
         let law = &judged.law;
@@ -67,20 +66,6 @@ impl Findings<'_> {
         };
         let unseen_error = judged.unseen.as_ref().map(Unseen::error);
         Ok(FrictionReport { unseen_error, ..FrictionReport::alone(result, judged.residuals) })
-    }
-
-    fn check_limits(&mut self) {
-        let Some(limits) = self.data.limits else { return };
-        let data = self.data;
-        let quantities = [
-            ("speeds", data.velocities, limits.velocity, data.velocity_unit),
-            ("friction torques", data.torques, limits.effort, data.unit),
-        ];
-        for (what, values, limit, unit) in quantities {
-            let share = values.iter().filter(|x| x.abs() > limit).count() as f64 / values.len() as f64;
-            let largest = values.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-            self.judge_limit(what, share, [limit, largest], unit);
-        }
     }
 }
 

@@ -27,10 +27,6 @@ pub(crate) struct SharedFriction<'a> {
     pub(crate) lost: f64,
     /// Least and largest ẏ.
     pub(crate) velocity_range: [f64; 2],
-    /// Largest friction torque.
-    pub(crate) largest_torque: f64,
-    /// Samples whose speed, and whose torque, is beyond the described limit.
-    pub(crate) beyond: [u64; 2],
 }
 
 impl FrictionIdentification {
@@ -64,7 +60,6 @@ impl FrictionIdentification {
         let unseen = held_out(shares(), total, fitted.way(), &mut findings);
         let held_out = unseen.and_then(|unseen| unseen.r_squared(data.lost));
         findings.judge(held_out, self.least_r_squared);
-        data.require_limits(&mut findings);
         let law = fitted.law(&library, &errors, probable.as_ref());
         let fastest = data.velocity_range.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
         findings.judge_unseen_speeds(&law, fastest)?;
@@ -102,19 +97,6 @@ impl SharedFriction<'_> {
             settings,
             findings,
             ..FrictionResult::default()
-        }
-    }
-
-    fn require_limits(&self, findings: &mut Findings) {
-        let Some(limits) = self.about.limits else { return };
-        let samples: usize = self.shares.iter().map(Moments::samples).sum();
-        let fastest = self.velocity_range.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
-        let kinds = [
-            ("speeds", self.beyond[0], limits.velocity, self.about.velocity_unit, fastest),
-            ("friction torques", self.beyond[1], limits.effort, self.about.unit, self.largest_torque),
-        ];
-        for (what, count, limit, unit, largest) in kinds {
-            findings.judge_limit(what, count as f64 / samples.max(1) as f64, [limit, largest], unit);
         }
     }
 }

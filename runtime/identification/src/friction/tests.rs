@@ -246,37 +246,6 @@ fn a_law_that_explains_nothing_is_refused() {
     }
 }
 
-#[test]
-fn samples_far_beyond_the_described_limits_are_refused() {
-    let (v, torque) = samples(|v| 20.0 * v, 0.05);
-    let settings = FrictionIdentification { draws: 0, ..FrictionIdentification::new().unwrap() };
-    let with = |velocity: f64, effort: f64, severity: Severity| {
-        let limits = JointLimits { position: [-3.0, 3.0], velocity, effort };
-        let data = FrictionData {
-            velocities: &v,
-            torques: &torque,
-            limits: Some(limits),
-            ..FrictionData::default()
-        };
-        texts(&settings.identify(&data).unwrap().result.findings, severity).join("; ")
-    };
-    let exceeds = |said: String, what: &str, limit: f64| {
-        said.contains("[data-beyond-limit]")
-            && said.contains(&format!("of the {what} exceed the described limit of {limit}"))
-    };
-    assert_eq!(with(1.1, 30.0, Severity::Error), "");
-    assert_eq!(with(f64::INFINITY, f64::INFINITY, Severity::Error), "");
-    assert!(exceeds(with(0.1, 30.0, Severity::Error), "speeds", 0.1));
-    assert!(exceeds(with(1.1, 2.0, Severity::Error), "friction torques", 2.0));
-    // A limit that is exceeded a little is a rounded one.
-    for (velocity, effort, what, limit) in
-        [(0.97, 30.0, "speeds", 0.97), (1.1, 19.4, "friction torques", 19.4)]
-    {
-        assert_eq!(with(velocity, effort, Severity::Error), "");
-        assert!(exceeds(with(velocity, effort, Severity::Warning), what, limit));
-    }
-}
-
 /// R² by explicit fits to all folds but one, of least squares with a constant by QR.
 #[test]
 fn r_squared_is_centred_and_on_data_that_were_left_out() {

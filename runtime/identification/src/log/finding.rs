@@ -50,24 +50,6 @@ pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 /// Fixture: `spikes` in `codegen/tests/findings/arm.rs`.
 pub(super) const OUTLIER: Rule = Rule::note("outliers");
 
-/// Sees: positions beyond the described limits.
-/// Matters: they may be in another unit, or another joint's.
-/// Example: degrees without a unit in the header.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
-pub(super) const BEYOND_POSITION: Rule = Rule::note("beyond-position-limits");
-
-/// Sees: speeds beyond the described limit.
-/// Matters: positions or times may be in another unit.
-/// Example: times in minutes.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
-pub(super) const BEYOND_SPEED: Rule = Rule::note("beyond-speed-limit");
-
-/// Sees: efforts beyond the described limit.
-/// Matters: they may be in another unit, or on the other side of the gears.
-/// Example: efforts in mN m.
-/// Fixture: `joints_that_look_wrong_are_named` in `log/tests/styles.rs`.
-pub(super) const BEYOND_EFFORT: Rule = Rule::note("beyond-effort-limit");
-
 /// Sees: efforts that carry the described weight only if a gear's ratio is applied, or is not.
 /// Matters: every result would be wrong by the ratio.
 /// Example: a column `u1` with torques behind a gear of 100.

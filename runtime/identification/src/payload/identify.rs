@@ -3,7 +3,7 @@
 use super::{Payload, PayloadSettings, estimate};
 use crate::error::Result;
 use crate::estimation::described_ratio;
-use crate::identify::{IdentificationSettings, beyond_range, read_and_prepare};
+use crate::identify::{IdentificationSettings, beyond_limits, read_and_prepare};
 use crate::log::Recording;
 use crate::robot::Robot;
 use crate::run::PreparedRun;
@@ -57,8 +57,8 @@ fn compared(
     let preparation = report.settings_alike(&settings.preparation);
     let alike = IdentificationSettings { preparation, ..settings.clone() };
     let (loaded, runs_with, _) = read_and_prepare(robot, with, &alike, noted, progress)?;
-    noted.extend(beyond_range(robot, &empty, &runs_without, settings.accept_poor)?);
-    noted.extend(beyond_range(robot, &loaded, &runs_with, settings.accept_poor)?);
+    noted.extend(beyond_limits(robot, &empty, &runs_without, settings.accept_poor)?);
+    noted.extend(beyond_limits(robot, &loaded, &runs_with, settings.accept_poor)?);
     noted.extend(unit_doubts(robot, [&runs_without, &runs_with], settings.accept_poor)?);
     progress("comparing the logs without and with the load");
     let payload = estimate(robot, &runs_without, &runs_with, load)?;

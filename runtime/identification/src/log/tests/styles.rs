@@ -1,5 +1,7 @@
 //! Styles of logs: the same motion, as different programs write it.
 
+use super::super::super::doubts::limits::beyond;
+use super::super::super::preparation::{PreparationSettings, prepare_all};
 use super::super::super::robot::FollowerLimits;
 use super::super::super::run::Effort;
 use super::super::{ColumnOptions, Recording, runs_of};
@@ -265,7 +267,9 @@ fn found(
     let columns = Some(columns.to_owned()).filter(|c| !c.is_empty());
     let options = ColumnOptions { columns, ..ColumnOptions::default() };
     let recording = runs_of(text.as_bytes(), "log.csv", robot, &options).unwrap();
-    recording.findings.iter().map(|f| (f.code, f.to_string())).collect()
+    let (prepared, _) = prepare_all(&recording.runs, None, &PreparationSettings::default()).unwrap();
+    let beyond = beyond(robot, &recording, &prepared);
+    recording.findings.iter().chain(&beyond).map(|f| (f.code, f.to_string())).collect()
 }
 
 #[test]
@@ -273,14 +277,20 @@ fn joints_that_look_wrong_are_named() {
     let robot = Fake::numbered(2);
     assert_eq!(found(&robot, "", |_, _| {}), []);
     type Change = fn(usize, &mut [[f64; 3]; 2]);
-    let cases: [(&str, Change, &[&str], &str); 6] = [
+    let cases: [(&str, Change, &[&str], &str); 7] = [
         (
             "degrees",
             |_, j| j[0].iter_mut().take(2).for_each(|x| *x *= DEG),
-            &["beyond-position-limits", "beyond-speed-limit"],
-            "they would fit in deg: --columns 'position=…[deg]'",
+            &["far-beyond-limits"],
+            "they look like deg: --columns 'position=q{}[deg]'",
         ),
-        ("effort", |_, j| j[1][2] *= 1000.0, &["beyond-effort-limit"], "its limit is 100:"),
+        (
+            "position",
+            |_, j| j[1][0] *= 4.5,
+            &["velocity-disagrees", "beyond-limits", "beyond-limits"],
+            "limits are -3 and 3",
+        ),
+        ("effort", |_, j| j[1][2] *= 1000.0, &["far-beyond-limits"], "they may be in Ncm"),
         ("sign", |_, j| j[0][1] = -j[0][1], &["velocity-disagrees"], "the opposite sign of the slope"),
         (
             "velocity unit",
@@ -327,7 +337,7 @@ fn turns_are_unwrapped() {
     robot.limits[0].position = [-3.5, 3.5];
     assert_eq!(
         found(&robot, "", wrapped).iter().map(|f| f.0).collect::<Vec<_>>(),
-        ["turns", "beyond-position-limits"]
+        ["turns", "beyond-limits"]
     );
 }
 
@@ -466,10 +476,11 @@ fn joints_that_follow_beyond_their_limits_are_named() {
     assert_eq!(found(&rod([-1.5, 1.9], 4.1), "", |_, _| {}), []);
     let far = found(&rod([-1.5, 1.0], 4.1), "", |_, _| {});
     assert_eq!(far.len(), 1, "{far:?}");
-    assert_eq!(far[0].0, "beyond-position-limits");
-    assert!(far[0].1.contains("joint rod: the joints that it follows take it from -0.79"), "{far:?}");
+    assert_eq!(far[0].0, "beyond-limits");
+    let from = "joint rod: its positions (by the joints that it follows) go from -0.7";
+    assert!(far[0].1.contains(from), "{far:?}");
     let fast = found(&rod([-1.5, 1.9], 2.0), "", |_, _| {});
     assert_eq!(fast.len(), 1, "{fast:?}");
-    assert_eq!(fast[0].0, "beyond-speed-limit");
-    assert!(fast[0].1.ends_with("its limit is 2"), "{fast:?}");
+    assert_eq!(fast[0].0, "beyond-limits");
+    assert!(fast[0].1.ends_with("the described limits are -2 and 2"), "{fast:?}");
 }
