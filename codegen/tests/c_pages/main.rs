@@ -160,14 +160,36 @@ fn the_task_for_freertos_compiles() {
     }
 }
 
+/// The hash in the module of the robot `currents`.
+fn hashed(folder: &Path, description: &str, options: &[&str]) -> u64 {
+    fs::write(folder.join("currents.toml"), description).unwrap();
+    let mut gelenk = Command::new(env!("CARGO_BIN_EXE_gelenk"));
+    gelenk.args(["generate", "currents.toml", "--output", "."]).args(options).current_dir(folder);
+    assert!(gelenk.status().unwrap().success());
+    let file = folder.join(if options.contains(&"c") { "currents.h" } else { "currents.rs" });
+    let text = fs::read_to_string(file).unwrap();
+    let line = text.lines().find(|line| line.contains("HASH")).unwrap();
+    let digits = line.split_once("0x").unwrap().1.replace('_', "");
+    u64::from_str_radix(digits.trim_end_matches(['U', 'L', ';']), 16).unwrap()
+}
+
 #[test]
-fn a_source_refuses_the_header_of_another_generation() {
-    let folder = module("ur5", "inverse_dynamics");
-    let source = fs::read(folder.path().join("ur5.c")).unwrap();
-    generate("ur5", "mass_matrix", folder.path());
-    fs::write(folder.path().join("ur5.c"), source).unwrap();
-    let Some(said) = compile(folder.path(), "cc -std=c99 -c ur5.c") else { return };
-    assert!(said.contains("ur5.h and ur5.c were not generated together"), "{said}");
+fn a_hash_tells_robots_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_c = |description: &str, functions: &str| {
+        let options = ["--language", "c", "--functions", functions];
+        hashed(folder.path(), description, &options)
+    };
+    let one = in_c(CURRENTS, "inverse_dynamics");
+    assert_eq!(in_c(CURRENTS, "mass_matrix"), one);
+    assert_eq!(in_c(&format!("# A comment.\n{CURRENTS}"), "mass_matrix"), one);
+    assert_eq!(hashed(folder.path(), CURRENTS, &[]), one);
+    assert_ne!(hashed(folder.path(), CURRENTS, &["--smooth-sign", "50"]), one);
+    let source = fs::read(folder.path().join("currents.c")).unwrap();
+    assert_ne!(in_c(&CURRENTS.replace("mass = 2", "mass = 2.0000001"), "mass_matrix"), one);
+    fs::write(folder.path().join("currents.c"), source).unwrap();
+    let Some(said) = compile(folder.path(), "cc -std=c99 -c currents.c") else { return };
+    assert!(said.contains("currents.h and currents.c were not generated together"), "{said}");
 }
 
 /// The bytes of stack of each function with all that it calls, from gcc's graph of calls.
