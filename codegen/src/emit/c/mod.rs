@@ -38,6 +38,7 @@ mod python;
 mod results;
 mod signature;
 mod source;
+mod stack;
 mod statements;
 mod straight;
 

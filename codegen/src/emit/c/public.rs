@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use super::context::Context;
-use super::{comment, signature};
+use super::{comment, signature, stack};
 use crate::emit::documentation::{self, Labels, argument_shape};
 use crate::functions::function::Function;
 
@@ -17,6 +17,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str
             .collect(),
         has_parameters: context.has_parameters(),
         results: signature::result_labels(&body),
+        stack: Some(stack::of_function(context, function)),
     };
     let documentation = comment::documentation(&documentation::of_function(function, &labels));
     format!("{documentation}{}\n", signature::head(&body, name, ";"))
