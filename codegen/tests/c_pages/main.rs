@@ -253,7 +253,10 @@ fn the_stack_of_calls_is_near_that_of_the_header() {
         for (function, (is_bound, estimate)) in estimates(&header) {
             let kilobytes = found[&function] as f64 / 1000.0;
             let is_near = (0.5..=2.0).contains(&(kilobytes / estimate));
-            assert!(if is_bound { kilobytes < estimate } else { is_near }, "{function}: {kilobytes}, {estimate}");
+            assert!(
+                if is_bound { kilobytes < estimate } else { is_near },
+                "{function}: {kilobytes}, {estimate}"
+            );
             compared += usize::from(!is_bound);
         }
     }

@@ -1,7 +1,7 @@
 //! The header of a module: what its users see.
 
 use super::context::Context;
-use super::{comment, constants, discrete_time, lanes, parameters, positions, public};
+use super::{comment, constants, discrete_time, lanes, parameters, positions, public, stack};
 use crate::emit::header;
 
 /// The text of `<name>.h`.
@@ -14,7 +14,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     items.extend(constants::entry_type(context));
     for (function, name) in module.functions.iter().zip(&context.functions) {
         items.extend(function.constants.iter().map(|constant| constants::declaration(context, constant)));
-        items.push(public::declaration(context, function, name));
+        items.push(public::declaration(context, function, name, stack::of_function(context, function)));
         items.extend(lanes::declaration(context, function));
     }
     items.extend(module.substeps.iter().map(|constant| constants::declaration(context, constant)));
