@@ -14,6 +14,9 @@ pub const N: usize = 2;
 /// Number of inputs.
 pub const M: usize = 2;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xa675_1d49_1b67_8246;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["shoulder", "elbow"];
 

@@ -12,6 +12,9 @@ pub const N: usize = 2;
 /// Number of inputs.
 pub const M: usize = 1;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x07ab_35d8_a264_589e;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["cart", "pole"];
 

@@ -15,6 +15,9 @@ pub const N: usize = 4;
 /// Number of inputs.
 pub const M: usize = 4;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xaf06_4bb9_243a_4d2f;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["shoulder", "elbow", "wrist_pitch", "wrist_roll"];
 

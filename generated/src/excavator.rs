@@ -15,6 +15,9 @@ pub const N: usize = 4;
 /// Number of inputs.
 pub const M: usize = 4;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xdb8e_c678_bef0_21fd;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["swing", "boom", "stick", "bucket"];
 

@@ -16,6 +16,9 @@ pub const N: usize = 18;
 /// Number of inputs.
 pub const M: usize = 12;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x9f7c_4357_e812_be34;
+
 /// Number of position entries.
 pub const NY: usize = 19;
 

@@ -15,6 +15,9 @@ pub const N: usize = 2;
 /// Number of inputs.
 pub const M: usize = 2;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x839f_343b_815a_1273;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["wrist", "left_knuckle"];
 

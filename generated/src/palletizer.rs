@@ -16,6 +16,9 @@ pub const N: usize = 4;
 /// Number of inputs.
 pub const M: usize = 4;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x91c2_965f_a767_1e2b;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["turret", "lower_arm", "crank", "tool"];
 

@@ -13,6 +13,9 @@ pub const N: usize = 2;
 /// Number of inputs.
 pub const M: usize = 2;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xd51e_f83f_bd11_6671;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["beta", "gamma"];
 

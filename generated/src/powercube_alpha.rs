@@ -12,6 +12,9 @@ pub const N: usize = 1;
 /// Number of inputs.
 pub const M: usize = 1;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xe870_7743_cd61_58da;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["alpha"];
 

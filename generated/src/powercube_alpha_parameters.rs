@@ -13,6 +13,9 @@ pub const N: usize = 1;
 /// Number of inputs.
 pub const M: usize = 1;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x139f_c615_5226_87a3;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["alpha"];
 

@@ -14,6 +14,9 @@ pub const N: usize = 2;
 /// Number of inputs.
 pub const M: usize = 2;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xc2c2_1429_7a5a_d473;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["beta", "gamma"];
 

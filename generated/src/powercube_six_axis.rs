@@ -13,6 +13,9 @@ pub const N: usize = 6;
 /// Number of inputs.
 pub const M: usize = 6;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x208d_31fd_ff82_8aad;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = [
     "alpha",

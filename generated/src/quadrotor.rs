@@ -14,6 +14,9 @@ pub const N: usize = 6;
 /// Number of inputs.
 pub const M: usize = 4;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xec3c_1c77_9be9_d765;
+
 /// Number of position entries.
 pub const NY: usize = 7;
 

@@ -15,6 +15,9 @@ pub const N: usize = 2;
 /// Number of inputs.
 pub const M: usize = 2;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x7687_272d_4a56_c761;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = ["shoulder", "elbow"];
 

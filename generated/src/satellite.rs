@@ -13,6 +13,9 @@ pub const N: usize = 12;
 /// Number of inputs.
 pub const M: usize = 3;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0xa5b2_77ad_c8d6_2100;
+
 /// Number of position entries.
 pub const NY: usize = 14;
 

@@ -15,6 +15,9 @@ pub const N: usize = 5;
 /// Number of inputs.
 pub const M: usize = 5;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x90a0_71e7_b16e_2478;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = [
     "shoulder",

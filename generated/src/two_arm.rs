@@ -12,6 +12,9 @@ pub const N: usize = 7;
 /// Number of inputs.
 pub const M: usize = 7;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x8f82_f7da_231e_b3e5;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = [
     "torso",

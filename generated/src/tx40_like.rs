@@ -15,6 +15,9 @@ pub const N: usize = 6;
 /// Number of inputs.
 pub const M: usize = 6;
 
+/// Hash of the description and of the version of gelenk, the same in every language.
+pub const HASH: u64 = 0x1736_3a40_62e1_c05e;
+
 /// Names of the joints, in the order of the coordinates.
 pub const JOINT_NAMES: [&str; N] = [
     "joint_1",

@@ -231,6 +231,20 @@ def test_parameters_are_keywords(powercube: gelenk.Robot, tmp_path: Path) -> Non
     assert powercube.gravity_forces(y, parameters=many).shape == (2, 3, 2)
 
 
+def test_blocks_of_discretize_make_the_matrices_of_the_guide() -> None:
+    ur5 = gelenk.load(MODELS / "ur5.toml", functions=["gravity_forces", "discretize", "step"])
+    y, v = 0.3 * np.arange(6.0), np.zeros(6)
+    u = -ur5.gravity_forces(y)
+    a_d, b_d, _ = ur5.discretize(y, v, u, 1e-3)
+    A, B = np.block([list(row) for row in a_d]), np.concatenate(b_d)
+    assert A.shape == (12, 12) and B.shape == (12, 6)
+    # Near an equilibrium the hold is the derivative of `step`.
+    for step in 1e-4 * np.eye(18):
+        x, w = np.split(step, [12])
+        ends = [np.concatenate(ur5.step(y + s * x[:6], v + s * x[6:], u + s * w, 1e-3)) for s in (1, -1)]
+        np.testing.assert_allclose(ends[0] - ends[1], 2 * (A @ x + B @ w), rtol=0, atol=1e-9)
+
+
 def test_a_joint_without_drives_has_empty_inputs(tmp_path: Path) -> None:
     file = tmp_path / "pendulum.toml"
     file.write_text(

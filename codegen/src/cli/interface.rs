@@ -94,6 +94,7 @@ fn value(value: &ConstantValue) -> (&'static str, Value) {
     let numbers = |numbers: &[f64]| -> Value { numbers.iter().map(|&x| number(x)).collect() };
     match value {
         ConstantValue::Count(count) => ("count", json!(count)),
+        ConstantValue::Hash(hash) => ("count", json!(hash)),
         ConstantValue::Names(_, names) => ("names", json!(names)),
         ConstantValue::Indices(_, indices) => ("indices", json!(indices)),
         ConstantValue::Pairs(pairs) => ("indices", json!(pairs)),

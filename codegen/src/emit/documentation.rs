@@ -26,6 +26,8 @@ pub(super) struct Labels {
     pub(super) has_parameters: bool,
     /// ``returns `M: [N × N]` ``
     pub(super) results: Vec<String>,
+    /// A sentence next to the operations, or none.
+    pub(super) stack: Option<String>,
 }
 
 /// A length in documentation.
@@ -63,7 +65,7 @@ pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
         let meaning = function.results.get(i).map_or("", String::as_str);
         blocks.push(Block::Item(sentence([label, meaning, ""])));
     }
-    blocks.push(Block::Paragraph(format!("Cost: {}.", function.cost())));
+    blocks.push(cost(&format!("Cost: {}.", function.cost()), labels));
     blocks.extend(function.notes.iter().cloned().map(Block::Paragraph));
     blocks
 }
@@ -85,7 +87,7 @@ pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Ve
     for (result, label) in composed.results.iter().zip(&labels.results) {
         blocks.push(Block::Item(sentence([label, result.meaning, ""])));
     }
-    blocks.push(Block::Paragraph(composed.cost_text.clone()));
+    blocks.push(cost(&composed.cost_text, labels));
     blocks.extend(
         function.notes(composed.has_quaternions).iter().map(|&note| Block::Paragraph(note.to_owned())),
     );
@@ -133,6 +135,11 @@ pub(super) fn of_parameter(parameter: &Parameter, plain: impl Fn(&str) -> String
         _ => format!(" ({})", plain(&parameter.unit)),
     };
     format!("{}{unit}; described as {:?}.", meaning.trim_end_matches('.'), parameter.default)
+}
+
+fn cost(text: &str, labels: &Labels) -> Block {
+    let sentences = std::iter::once(text).chain(labels.stack.as_deref());
+    Block::Paragraph(sentences.collect::<Vec<_>>().join(" "))
 }
 
 fn parameters(labels: &Labels) -> Option<Block> {

@@ -91,6 +91,8 @@ pub struct Constant {
 pub enum ConstantValue {
     /// `usize`
     Count(usize),
+    /// `u64`
+    Hash(u64),
     /// `[&str; n]`
     Names(Dimension, Vec<String>),
     /// `[usize; n]`

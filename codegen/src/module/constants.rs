@@ -6,11 +6,13 @@ pub(super) use quaternions::joint_positions;
 
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::Dimension;
-use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model};
+use crate::model::{Actuator, Dependent, Drive, ForceInput, Input, Joint, Model, Options};
 use gelenk_formula::Formula;
+use gelenk_kernels::hash::fnv1a;
 
 /// Names of all constants that a module can have, except those of its functions.
-pub const NAMES: [&str; 47] = [
+pub const NAMES: [&str; 48] = [
+    "HASH",
     "NY",
     "JOINTS",
     "JOINT_KINDS",
@@ -64,7 +66,8 @@ pub const NAMES: [&str; 47] = [
 pub(super) fn all(model: &Model) -> Vec<Constant> {
     let joints: Vec<&Joint> = model.joints().collect();
     let inputs: Vec<Actuator<'_>> = model.inputs().collect();
-    let mut constants = quaternions::sizes(model);
+    let mut constants = vec![hash(model)];
+    constants.extend(quaternions::sizes(model));
     constants.extend(names(model, &joints, &inputs));
     constants.extend(joint_limits(&joints));
     constants.extend(dependent(model));
@@ -74,6 +77,14 @@ pub(super) fn all(model: &Model) -> Vec<Constant> {
     constants.push(friction_jumps(model));
     constants.extend(gravity(model));
     constants
+}
+
+/// The hash of a robot: it tells which model a controller ran, whatever functions its module has.
+fn hash(model: &Model) -> Constant {
+    let options = Options { functions: vec![], lanes: vec![], ..model.options.clone() };
+    let text = format!("{} {:?}", env!("CARGO_PKG_VERSION"), Model { options, ..model.clone() });
+    let summary = "Hash of the description and of the version of gelenk, the same in every language.";
+    constant("HASH", summary, ConstantValue::Hash(fnv1a(text.bytes())))
 }
 
 /// The list of a module's functions, for macros that take those that there are.

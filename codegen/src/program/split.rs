@@ -132,7 +132,7 @@ fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
     cuts
 }
 
-/// For each instruction, how many values made before it are read by it or later.
+/// For each instruction and for the end, how many values made before it are read by it or later.
 fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
     let len = program.instructions.len();
     let mut last_read: Vec<Option<usize>> = vec![None; len];
@@ -155,5 +155,10 @@ fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
         *alive += step;
         Some(usize::try_from(*alive).unwrap_or(0))
     });
-    running.take(len).collect()
+    running.take(len + 1).collect()
+}
+
+/// The largest number of values that are alive at once; results are alive to the end.
+pub(crate) fn most_alive(program: &Program, flow: &Flow) -> usize {
+    alive_before(program, flow).into_iter().max().unwrap_or(0)
 }

@@ -85,6 +85,32 @@ fn controllers_for_ros2_control_compute_what_the_module_computes() {
     }
 }
 
+/// A controller has no value for a parameter that stays free.
+#[test]
+fn a_controller_of_a_robot_with_free_parameters_does_not_compile() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2");
+    let folder = tempfile::tempdir().unwrap();
+    let robot = here.join("palletizer.urdf");
+    let made = gelenk(folder.path(), &["new", "pallets", "--ros2", "--urdf", robot.to_str().unwrap()]);
+    assert!(made.status.success(), "{}", said(&made));
+    let package = folder.path().join("pallets");
+    let load = "\n[[bodies]]\nname = \"load\"\nlink = \"gripper\"\nmass = { free = 2 }\n";
+    let description = fs::read_to_string(package.join("robot.toml")).unwrap();
+    fs::write(package.join("robot.toml"), description + load).unwrap();
+    let generated = gelenk(&package, &["generate", "robot.toml", "--language", "c", "--output", "built"]);
+    assert!(generated.status.success(), "{}", said(&generated));
+    let compiled = Command::new("g++")
+        .args(["-std=c++17", "-Isrc", "-Ibuilt", "-fsyntax-only", "src/gravity_compensation.cpp", "-I"])
+        .arg(here.join("include"))
+        .current_dir(&package)
+        .output();
+    let Ok(compiled) = compiled else {
+        println!("skipped: no g++");
+        return;
+    };
+    assert!(said(&compiled).contains("robot.toml has free parameters"), "{}", said(&compiled));
+}
+
 /// A ball joint, a passive joint and a name that ROS does not take are refused.
 #[test]
 fn a_package_for_ros2_needs_an_effort_at_each_joint() {

@@ -27,6 +27,15 @@ pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, n
     items
 }
 
+/// Numbers in the arrays of a function that are local.
+pub(super) fn local_numbers(context: &Context<'_>, function: &Function, form: &Arrays) -> usize {
+    let face = function.program.face();
+    let body = Body::new(context, &face);
+    let emission = Emission::new(form, &body, "");
+    let arrays = (0..form.arrays.len()).filter(|&array| matches!(emission.places[array], Place::Local));
+    arrays.map(|array| form.arrays[array].rows * emission.row.of(form, array)).sum()
+}
+
 /// Where an array stands.
 enum Place {
     /// A constant.

@@ -23,7 +23,7 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
     let mut blocks = of_constant(constant);
     let name = context.constant(constant.name);
     let text = match object(context, constant) {
-        Object::Macro(count) => format!("#define {name} {count}\n"),
+        Object::Macro(value) => format!("#define {name} {value}\n"),
         Object::Empty => {
             blocks.push(Block::Paragraph("Not declared, since it has no entries.".to_owned()));
             format!("// {name}\n")
@@ -33,10 +33,15 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
     [comment::documentation(&blocks), text].concat()
 }
 
-/// The definition of a constant; none where its declaration is all.
+/// The definition of a constant; none where its declaration is all. That of a hash compares header and source.
 pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<String> {
     let name = context.constant(constant.name);
     match object(context, constant) {
+        Object::Macro(value) if matches!(constant.value, ConstantValue::Hash(_)) => {
+            let file = &context.name;
+            let error = format!("#error \"{file}.h and {file}.c were not generated together\"");
+            Some(format!("#if {name} != {value}\n{error}\n#endif\n"))
+        }
         Object::Macro(_) | Object::Empty => None,
         Object::Array { ty, lengths, entries } => {
             Some(format!("const {ty}{name}{lengths} = {};\n", layout::braces(0, &entries)))
@@ -59,7 +64,7 @@ pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
 
 /// C form of a constant.
 enum Object {
-    Macro(usize),
+    Macro(String),
     /// C has no arrays without entries.
     Empty,
     Array {
@@ -82,7 +87,8 @@ fn object(context: &Context<'_>, constant: &Constant) -> Object {
         false => Object::Array { ty: ty.to_owned(), lengths: lengths(context, extents), entries },
     };
     match &constant.value {
-        ConstantValue::Count(count) => Object::Macro(*count),
+        ConstantValue::Count(count) => Object::Macro(count.to_string()),
+        ConstantValue::Hash(hash) => Object::Macro(format!("{hash:#018x}ULL")),
         ConstantValue::Names(dimension, names) => {
             let extent = Extent::new(*dimension, names.len());
             array("char *const ", &[extent], names.iter().map(|name| string(name)).collect())

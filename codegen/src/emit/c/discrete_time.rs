@@ -6,7 +6,7 @@ use gelenk_kernels::discrete_time::{C_ACCELERATION, Text, c_bodies};
 use gelenk_kernels::manifold;
 
 use super::context::Context;
-use super::{comment, layout, signature};
+use super::{comment, layout, signature, stack};
 use crate::emit::documentation::{self, Labels, shape_text};
 use crate::emit::names::spelled;
 use crate::functions::composition::Composition;
@@ -21,6 +21,7 @@ pub(super) fn declaration(context: &Context<'_>, composed: &ComposedFunction) ->
         arguments: vec![documentation::state_label(context.module)],
         has_parameters: context.has_parameters(),
         results: results.collect(),
+        stack: Some(stack::of_composition(context, composed.composition)),
     };
     let documentation = comment::documentation(&documentation::of_composition(composed, &labels));
     format!("{documentation}{}\n", head(context, composed, ";"))

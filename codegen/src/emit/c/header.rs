@@ -1,10 +1,10 @@
 //! The header of a module: what its users see.
 
 use super::context::Context;
-use super::{comment, constants, discrete_time, hash, lanes, parameters, positions, public};
+use super::{comment, constants, discrete_time, lanes, parameters, positions, public, stack};
 use crate::emit::header;
 
-/// The text of `<name>.h` below its comment at the top.
+/// The text of `<name>.h`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut items = constants::sizes(context);
@@ -14,7 +14,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     items.extend(constants::entry_type(context));
     for (function, name) in module.functions.iter().zip(&context.functions) {
         items.extend(function.constants.iter().map(|constant| constants::declaration(context, constant)));
-        items.push(public::declaration(context, function, name));
+        items.push(public::declaration(context, function, name, stack::of_function(context, function)));
         items.extend(lanes::declaration(context, function));
     }
     items.extend(module.substeps.iter().map(|constant| constants::declaration(context, constant)));
@@ -23,7 +23,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     let items: String = items.iter().map(|item| format!("\n{item}")).collect();
     let (guard, restrict) = (context.constant("H"), context.constant("RESTRICT"));
     format!(
-        "{}\n#ifndef {guard}\n#define {guard}\n\n{}\n\
+        "{}{}\n#ifndef {guard}\n#define {guard}\n\n\
          // No two pointers to results lead to the same numbers, and none to those of an argument.\n\
          #if defined(__GNUC__)\n#define {restrict} __restrict__\n\
          #elif defined(__cplusplus)\n#define {restrict}\n\
@@ -31,8 +31,8 @@ pub(super) fn text(context: &Context<'_>) -> String {
          {}#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\
          {items}\n\
          #ifdef __cplusplus\n}}\n#endif\n\n#endif\n",
+        top(context),
         conventions(context),
-        hash::definition(context),
         positions::include(context),
     )
 }

@@ -22,7 +22,6 @@ mod context;
 mod discrete_time;
 mod function;
 mod group;
-mod hash;
 mod header;
 mod interface;
 mod joint_sums;
@@ -39,6 +38,7 @@ mod python;
 mod results;
 mod signature;
 mod source;
+mod stack;
 mod statements;
 mod straight;
 
@@ -52,7 +52,8 @@ use crate::module::Module;
 #[must_use]
 pub(super) fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let context = Context::new(module, options);
-    let [text, header] = hash::stamped(&context, [source::text(&context), header::text(&context)]);
+    let text = source::text(&context);
+    let header = header::text(&context);
     let companions = options.companions.iter().flat_map(|companion| match companion {
         Companion::Acados => {
             vec![("_acados.c", acados::dynamics(&context)), ("_acados.py", acados::setup(&context))]

@@ -55,7 +55,12 @@ fn declaration(context: &Context<'_>, function: PositionFunction) -> String {
     });
     let documentation = comment::documentation(&documentation::of_position_function(
         function,
-        &Labels { arguments: arguments.collect(), has_parameters: false, results: results.collect() },
+        &Labels {
+            arguments: arguments.collect(),
+            has_parameters: false,
+            results: results.collect(),
+            stack: None,
+        },
     ));
     format!("{documentation}{}\n", head(context, function, ";"))
 }

@@ -7,7 +7,9 @@ use crate::emit::documentation::{self, Labels, argument_shape};
 use crate::functions::function::Function;
 
 /// The declaration of a function with its documentation.
-pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str) -> String {
+///
+/// - `stack`: the sentence about its stack
+pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str, stack: String) -> String {
     let face = function.program.face();
     let body = Body::new(context, &face);
     let inputs = face.inputs.iter().zip(&body.names.arguments);
@@ -17,6 +19,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str
             .collect(),
         has_parameters: context.has_parameters(),
         results: signature::result_labels(&body),
+        stack: Some(stack),
     };
     let documentation = comment::documentation(&documentation::of_function(function, &labels));
     format!("{documentation}{}\n", signature::head(&body, name, ";"))

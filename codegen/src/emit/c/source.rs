@@ -1,9 +1,9 @@
 //! The source of a module: constants, private functions, public functions.
 
 use super::context::Context;
-use super::{array_kernels, constants, discrete_time, function, group, hash, math, parameters, positions};
+use super::{array_kernels, constants, discrete_time, function, group, header, math, parameters, positions};
 
-/// The text of `<name>.c` below its comment at the top.
+/// The text of `<name>.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut functions = String::new();
@@ -31,8 +31,8 @@ pub(super) fn text(context: &Context<'_>) -> String {
     let body = body.concat();
     let guard = math::guard(context);
     [
+        header::top(context),
         includes(context, &body),
-        hash::check(context),
         CHECKS.to_owned(),
         guard.to_owned(),
         macros(context, &body),

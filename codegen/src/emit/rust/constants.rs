@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 use super::context::Context;
 use super::doc_comment::DocComment;
 use super::lints;
+use super::literal::hexadecimal;
 use super::signature::length;
 use crate::emit::documentation::of_constant;
 use crate::functions::function::{Constant, ConstantValue};
@@ -58,6 +59,10 @@ fn value(context: &Context<'_>, value: &ConstantValue) -> (TokenStream, TokenStr
         ConstantValue::Count(number) => {
             let number = count(*number);
             (quote!(usize), quote!(#number))
+        }
+        ConstantValue::Hash(hash) => {
+            let hash = hexadecimal(*hash);
+            (quote!(u64), quote!(#hash))
         }
         ConstantValue::Names(dimension, names) => {
             let names = names.iter().map(|name| quote!(#name));
@@ -124,6 +129,7 @@ fn numbers(value: &ConstantValue) -> Vec<f64> {
         ConstantValue::Rows(_, rows) => rows.concat(),
         ConstantValue::Sparse(entries) => entries.iter().map(|entry| entry.2).collect(),
         ConstantValue::Count(_)
+        | ConstantValue::Hash(_)
         | ConstantValue::Names(..)
         | ConstantValue::Indices(..)
         | ConstantValue::Pairs(_)

@@ -81,6 +81,7 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
             arguments: vec![documentation::state_label(context.module)],
             has_parameters: context.has_parameters(),
             results: results.collect(),
+            stack: None,
         },
     ))
 }

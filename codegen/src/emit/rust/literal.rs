@@ -69,6 +69,12 @@ fn shortest(text: &str) -> TokenStream {
         .map_or_else(|_| quote!(compile_error!("not a number")), |literal| quote!(#literal))
 }
 
+/// `0x0123_4567_89ab_cdef`
+pub(super) fn hexadecimal(number: u64) -> TokenStream {
+    let groups = [48, 32, 16, 0].map(|shift| format!("{:04x}", number >> shift & 0xffff));
+    shortest(&format!("0x{}", groups.join("_")))
+}
+
 /// Tells whether clippy takes a literal for a badly written constant of `core::f64::consts`
 /// (`approx_constant`).
 ///

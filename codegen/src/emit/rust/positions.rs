@@ -73,6 +73,7 @@ fn documentation(
             arguments: function.arguments().iter().map(label).collect(),
             has_parameters: false,
             results: function.results().iter().map(returned).collect(),
+            stack: None,
         },
     ))
 }

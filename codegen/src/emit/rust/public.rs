@@ -118,6 +118,7 @@ fn documentation(function: &Function, body: &Body<'_>) -> DocComment {
                 .collect(),
             has_parameters: body.context.has_parameters(),
             results: results.collect(),
+            stack: None,
         },
     ))
 }

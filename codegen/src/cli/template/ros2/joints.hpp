@@ -10,6 +10,7 @@
 #include <exception>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "controller_interface/controller_interface_base.hpp"
@@ -22,6 +23,9 @@
 #ifdef ROBOT_NY
 #error "ros2_control has no interfaces for joints with quaternions"
 #endif
+static_assert(
+  std::is_invocable_v<decltype(&robot_gravity_forces), const double *, double *>,
+  "robot.toml has free parameters or driven joints, for which controllers have no values");
 
 namespace my_package
 {

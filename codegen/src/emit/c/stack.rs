@@ -1,0 +1,84 @@
+//! The stack of calls, estimated from the values that are alive at once: gcc keeps those beyond the registers there.
+
+use super::context::Context;
+use super::{arrays, straight};
+use crate::emit::options::Scalar;
+use crate::functions::composition::Composition;
+use crate::functions::function::Function;
+use crate::program::arrays::ArrayForm;
+use crate::program::flow::Flow;
+use crate::program::{Operation, Program, split};
+
+/// Saved registers and the address of return.
+const FRAME: usize = 64;
+/// A call that computes sine and cosine, or another elementary function.
+const CALL: usize = 240;
+/// Bytes below which saved registers and padding are as large as the values.
+const LEAST: usize = 1000;
+
+/// The sentence about a function of the module.
+pub(super) fn of_function(context: &Context<'_>, function: &Function) -> String {
+    sentence(bytes(context, function))
+}
+
+/// The sentence about a function over a sample time.
+pub(super) fn of_composition(context: &Context<'_>, composition: Composition) -> String {
+    let (n, m) = (context.module.coordinates, context.module.inputs);
+    let numbers = match composition {
+        // Powers and integrals of the matrix of rates.
+        Composition::Discretize => 29 * n * n,
+        Composition::Step => 10 * n,
+        // Twelve stages with their derivatives, and the linearization of one.
+        Composition::StepDerivatives => 12 * (n + 2 * n * n + n * m) + 3 * n * n,
+    };
+    sentence(numbers * number(context) + called(context, composition.calls()))
+}
+
+fn sentence(bytes: usize) -> String {
+    let thousands = bytes as f64 / 1000.0;
+    match bytes {
+        0..LEAST => "Stack: below 2 kB.".to_owned(),
+        LEAST..10_000 => format!("Stack: about {thousands:.1} kB."),
+        _ => format!("Stack: about {thousands:.0} kB."),
+    }
+}
+
+fn bytes(context: &Context<'_>, function: &Function) -> usize {
+    let numbers = match &function.arrays {
+        None => values(&function.program, straight::longest(context)),
+        Some(ArrayForm::Steps(form)) => {
+            arrays::local_numbers(context, function, form)
+                + values(&form.setup, context.options.longest_function)
+        }
+        Some(ArrayForm::Affine(form)) => {
+            let n = form.called.coordinates().len();
+            return FRAME + number(context) * (n + n * n) + called(context, form.name);
+        }
+    };
+    let is_call = |operation| matches!(operation, Operation::SinCos(_) | Operation::Call(..));
+    let calls = function.program.instructions.iter().any(|each| is_call(each.operation));
+    FRAME + number(context) * numbers + if calls { CALL } else { 0 }
+}
+
+/// Values that are alive at once, and those that the parts of a long program exchange.
+fn values(program: &Program, longest: usize) -> usize {
+    let flow = Flow::new(program);
+    let parts = split::parts(program, &flow, longest);
+    let exchanged = parts.iter().map(|part| part.takes.len() + part.returns.len());
+    let exchanged = if parts.len() > 1 { exchanged.sum() } else { 0 };
+    split::most_alive(program, &flow) + exchanged
+}
+
+/// The stack of a function of the module by its name.
+fn called(context: &Context<'_>, name: &str) -> usize {
+    let function = context.module.functions.iter().find(|function| function.name == name);
+    function.map_or(0, |function| bytes(context, function))
+}
+
+/// Bytes of a number.
+fn number(context: &Context<'_>) -> usize {
+    match context.options.scalar {
+        Scalar::F64 => 8,
+        Scalar::F32 => 4,
+    }
+}
