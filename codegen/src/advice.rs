@@ -1,4 +1,4 @@
-//! Notes on what friction and springs do to the functions that were generated.
+//! Notes on the effects of friction and springs on the generated functions.
 
 use crate::diagnostic::Diagnostic;
 use crate::function_names::FORWARD_DYNAMICS;

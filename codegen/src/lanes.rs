@@ -107,7 +107,7 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     })
 }
 
-/// Why a function has no form over lanes, and what helps.
+/// Reason why a function has no form over lanes, and remedy.
 fn obstacle(name: &str, functions: &[Function], math: Math) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
         let reason = match math {

@@ -30,7 +30,7 @@ fn check_joints(model: &Model, name: &str, option: &str) -> Result<(), Diagnosti
     model.refuse_driven(&format!("there are no functions for {name}"), &help)
 }
 
-/// Refuses modules without what acados calls.
+/// Refuses modules without the functions that acados calls.
 pub(crate) fn check_functions(
     functions: &[Function],
     compositions: &[Composition],
@@ -69,7 +69,7 @@ struct Given {
     derivatives: &'static str,
 }
 
-/// Says which functions CasADi is not given, because the module lacks what computes them.
+/// Names functions that CasADi does not get, because the module lacks the functions that compute them.
 pub(crate) fn notes(
     functions: &[Function],
     compositions: &[Composition],

@@ -7,13 +7,13 @@ const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";
 
 impl FormulaError {
-    /// Tells whether the text would be a number in another language.
+    /// Whether the text would be a number in another language.
     pub fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }
 }
 
-/// Units as [`spelled`], and what they are in those of descriptions.
+/// Units as [`spelled`], and their values in the units of descriptions.
 const UNITS: [(&str, &str, &str); 28] = [
     ("kg", "1", "kg"),
     ("g", "1e-3", "kg"),
@@ -118,7 +118,7 @@ fn error(code: &'static str, message: String, help: String, range: std::ops::Ran
     FormulaError::new(code, message, range).with_help(help)
 }
 
-/// Length of the number that a text begins with, with its sign; 0 where it begins with none.
+/// Length of the number that a text begins with, with its sign; 0 if it begins with none.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| bytes[from..].iter().take_while(|c| c.is_ascii_digit()).count();

@@ -1,4 +1,4 @@
-//! From expressions to formulas: what names mean, and what generated code does not have.
+//! From expressions to formulas: meanings of names, and functions that generated code lacks.
 
 use super::error::FormulaError;
 use super::expression::{Expression, Kind, Node, Operator, Unary};

@@ -31,7 +31,7 @@ impl Expression {
     ///
     /// # Errors
     /// A text that is not an expression, is too long or too deep, calls an unknown function, or has a truth value where
-    /// a number is needed or a number where a truth value is needed.
+    /// a number is needed or a number if a truth value is needed.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         habits::check(text)?;
         check_text(text)?;

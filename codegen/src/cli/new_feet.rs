@@ -20,7 +20,7 @@ const FEWEST: usize = 3;
 /// Least number of joints of a leg: with fewer its foot cannot be placed.
 const JOINTS: usize = 3;
 
-/// The feet of a robot whose base floats; empty where the rule finds none.
+/// The feet of a robot whose base floats; empty if the rule finds none.
 ///
 /// Legs are the branches of the base that no others leave, with equally many joints, three or more: the largest such group, of
 /// three or more. A foot is the link at the end that is the farthest from the last joint.

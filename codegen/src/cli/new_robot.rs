@@ -23,7 +23,7 @@ pub(super) struct Robot {
     pub(super) description: String,
     /// Text of `build.rs`.
     pub(super) build: &'static str,
-    /// The files that the description extends: their places in the project, and what they hold.
+    /// Files that the description extends: their places in the project, and their content.
     pub(super) copies: Vec<(String, Vec<u8>)>,
     /// Its base moves freely.
     pub(super) floats: bool,
@@ -38,7 +38,7 @@ pub(super) struct Robot {
 }
 
 impl Robot {
-    /// Fails where an effort cannot be commanded for each coordinate.
+    /// Fails if an effort cannot be commanded for each coordinate.
     ///
     /// - `who`: what commands them, with its verb
     pub(super) fn require_efforts(&self, who: &str) -> Result<(), Failure> {
@@ -62,7 +62,7 @@ impl Robot {
 pub(super) enum Feet<'a> {
     /// None: the program knows none.
     None,
-    /// These links, or those that the rule finds where there are none.
+    /// These links, or those that the rule finds if there are none.
     Of(&'a [String]),
 }
 

@@ -91,7 +91,7 @@ impl Spelling {
 pub(super) struct ProgramNames {
     /// Input arrays.
     pub(super) arguments: Vec<String>,
-    /// Results, where these are arguments.
+    /// Results, if these are arguments.
     pub(super) results: Vec<String>,
     /// The value of each instruction.
     pub(super) values: Vec<String>,

@@ -132,7 +132,7 @@ pub fn offsets(joint: &JointEstimate) -> String {
     }
 }
 
-/// R² of a joint that moves; none where nothing acts on it.
+/// R² of a joint that moves; none if nothing acts on it.
 fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
     if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
 }

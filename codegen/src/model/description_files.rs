@@ -27,7 +27,7 @@ impl DescriptionFiles {
         Self { files: Vec::new(), description: path.to_owned() }
     }
 
-    /// The files that were read, with their content: the description, and what it extends or includes.
+    /// The files that were read, with their content: the description, and files that it extends or includes.
     pub fn contents(&self) -> impl Iterator<Item = (&Path, &[u8])> {
         self.files.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
     }

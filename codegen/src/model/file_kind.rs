@@ -74,7 +74,7 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     }
 }
 
-/// Tells whether an XML text is a model of MuJoCo.
+/// Whether an XML text is a model of MuJoCo.
 pub(super) fn is_mjcf(text: &str) -> bool {
     root(text.trim_start_matches('\u{feff}').trim_start()) == Some("mujoco")
 }

@@ -115,7 +115,7 @@ pub(super) fn open<'t>(
     Table::checked(table.get_ref(), Span::new(source, 0..0), &ROBOT, &mut reader.report)
 }
 
-/// Reads what steers the reading of the rest.
+/// Reads the options that control the reading of the rest.
 pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let mut flag = |key| top.get(key).and_then(|item| item.boolean(&mut reader.report)).unwrap_or(false);
     let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
@@ -162,7 +162,7 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
 
 /// Reads everything else.
 ///
-/// - `extended`: what it adds to, where it extends a base
+/// - `extended`: the base description, if it extends one
 pub(super) fn description(
     reader: &mut Reader,
     top: &Table<'_>,

@@ -85,7 +85,7 @@ fn standing(tables: &[Table<'_>], frees: bool, extended: Option<Extended>) -> Ve
     standing
 }
 
-/// Tells whether a table places a joint of its own.
+/// Whether a table places a joint of its own.
 fn has_place(table: &Table<'_>) -> bool {
     ["parent", "child", "type"].iter().any(|key| table.get(key).is_some())
 }
@@ -99,7 +99,7 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
     joint.complete();
 }
 
-/// The velocities of which a table tells; `None` where it describes a joint of its own.
+/// The velocities of which a table tells; `None` if it describes a joint of its own.
 ///
 /// - `standing`: the joints with quaternions
 fn velocities_of(
@@ -123,7 +123,7 @@ fn velocities_of(
     Some(vec![single_joint(reader, table, name, None)])
 }
 
-/// Tells whether a table has a name.
+/// Whether a table has a name.
 fn is_called(table: &Table<'_>, name: &str) -> bool {
     table.get("name").is_some_and(|item| item.value.as_str() == Some(name))
 }
@@ -154,7 +154,7 @@ fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composi
     }
 }
 
-/// Adds what is said of a velocity, once.
+/// Adds the keys of a velocity, once.
 fn add(velocity: JointDescription, velocities: &mut Vec<JointDescription>, report: &mut Report) {
     if velocities.iter().any(|known| known.name.value == velocity.name.value) {
         let message = format!("velocity `{}` is described twice", velocity.name.value);

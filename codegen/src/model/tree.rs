@@ -24,7 +24,7 @@ impl Tree {
         (0..self.links.len()).filter(move |&link| joint(link).is_some_and(JointDescription::moves))
     }
 
-    /// Tells for each link whether it moves.
+    /// For each link, whether it moves.
     pub fn moving(&self, robot: &RobotDescription) -> Vec<bool> {
         let carriers = self.carriers(robot).into_iter();
         carriers.map(|carrier| carrier > 0).collect()

@@ -1,4 +1,4 @@
-//! Words by which other tools change the dynamics in a URDF, and what says the same in TOML.
+//! Words by which other tools change the dynamics in a URDF, and their equivalents in TOML.
 
 /// An effect on the dynamics that is not read.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ const EFFECTS: [Effect; 10] = [
     },
 ];
 
-/// Words of an inertia of a rotor, or of what it adds to the diagonal of M.
+/// Words of an inertia of a rotor, or of its reflected inertia on the diagonal of M.
 pub(super) const ROTORS: [&str; 4] = ["rotorinertia", "motorinertia", "armature", "reflectedinertia"];
 
 /// Inside of these, stiffness and damping are those of contacts.

@@ -3,7 +3,7 @@
 use super::{notes, urdf_foreign};
 use crate::diagnostic::Severity;
 
-/// Elements that do not enter the dynamics but by what [`urdf_foreign`] knows; they share one note.
+/// Elements that do not enter the dynamics, except those that [`urdf_foreign`] knows; they share one note.
 pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",

@@ -72,7 +72,7 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Each value's name and what it is; a sine that only came with its cosine is left out.
+    /// Each value's name and expression; a sine that only came with its cosine is left out.
     fn equations(&self) -> Vec<(String, String)> {
         let is_read = Flow::new(self.program).is_read;
         let read = self.program.instructions.iter().zip(is_read).filter(|(_, is_read)| *is_read);
@@ -317,7 +317,7 @@ fn latex_index(part: &str) -> String {
     }
 }
 
-/// Digits as subscripts, `_` as a comma; `None` where a letter has no subscript.
+/// Digits as subscripts, `_` as a comma; `None` if a letter has no subscript.
 fn subscript(index: &str) -> Option<String> {
     let letter = |c: char| match c {
         '0'..='9' => char::from_u32(u32::from('₀') + (u32::from(c) - u32::from('0'))),

@@ -65,7 +65,7 @@ impl Following<'_> {
 
 /// Their names and positions.
 ///
-/// - `what`: they have this
+/// - `what`: property that they have
 pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {
     let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
     let rows = following.iter().map(|one| {

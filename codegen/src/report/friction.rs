@@ -12,7 +12,7 @@ use gelenk_formula::Formula;
 /// Joints in one plot.
 const CURVES: usize = 6;
 
-/// The section, where there is friction.
+/// The section, if there is friction.
 pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
     let laws = friction_laws(robot);
     let following: Vec<Following<'_>> =

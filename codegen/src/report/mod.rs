@@ -23,7 +23,8 @@ use equations::ClosedFormText;
 use robot::Robot;
 use std::ops::Range;
 
-pub use equations::{ClosedForm, Symbol};
+pub(crate) use equations::EQUATIONS;
+pub use equations::{ClosedForm, Symbol, sums, sums_document};
 
 /// Contents of a page.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +44,7 @@ pub struct Contents<'a> {
 /// The page of a robot.
 ///
 /// # Errors
-/// [`ReportError`] where something cannot be set or drawn.
+/// [`ReportError`] if something cannot be set or drawn.
 pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     let robot = Robot::new(contents.model, contents.functions);
     let mut report = head(&robot);
@@ -67,11 +68,8 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
 
 fn head(robot: &Robot<'_>) -> Report {
     let model = robot.model;
-    let mut report = Report::new(format!("The robot {}", model.name))
-        .lead(&format!(
-            "Equations of motion ${}$, as the generated code computes them.",
-            equations::motion(robot)
-        ))
+    let mut report = Report::new(format!("Equations of motion of {}", model.name))
+        .lead(&format!("The generated code computes the terms of ${}$.", equations::motion(robot)))
         .fact("coordinates", robot.n().to_string())
         .fact("inputs", robot.inputs().len().to_string())
         .fact("bodies", robot.bodies().len().to_string());
@@ -139,12 +137,17 @@ fn equations_section(
     closed_form: Result<&ClosedForm, &str>,
 ) -> Result<Section, ReportError> {
     let mut section = Section::new("equations", "Equations of motion").blocks(equations::legend(robot)?);
-    for function in ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"] {
+    for function in EQUATIONS {
         if let Some(function) = robot.function(function) {
             section = section.blocks(equations::program(robot, function));
         }
     }
     section = section.block(Block::Heading(vec![Inline::Text("In closed form".to_owned())]));
+    if let Ok(sums) = sums(robot.model, robot.functions) {
+        section = section
+            .block(text("The same equations without abbreviations, with the numbers of the description. M is symmetric."))
+            .block(equations::set(&sums));
+    }
     section = match closed_form {
         Ok(closed_form) => section.blocks(ClosedFormText(closed_form).blocks()?),
         Err(reason) => section.block(text(reason)),

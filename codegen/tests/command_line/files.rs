@@ -21,7 +21,7 @@ fn a_page_and_its_numbers_are_written() {
     }
     let read = |name: &str| fs::read_to_string(folder.path().join("report/pendulum").join(name)).unwrap();
     let data: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
-    assert_eq!(data["title"], "The robot pendulum");
+    assert_eq!(data["title"], "Equations of motion of pendulum");
     assert!(read("index.html").contains("gelenk report pendulum.toml"));
     assert!(read("bodies.csv").starts_with("body,link,mass [kg],c_x [m]"), "{}", read("bodies.csv"));
     // Choices that change the equations are those of `generate`, and stand at the foot of the page.

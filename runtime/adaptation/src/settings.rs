@@ -1,4 +1,4 @@
-//! Settings, and what is wrong with them.
+//! Settings, and their errors.
 
 use gelenk_dynamics::dynamics::Named;
 use thiserror::Error;

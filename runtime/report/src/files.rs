@@ -1,4 +1,4 @@
-//! The files of a report: all of them or none, and none over what no report has written.
+//! The files of a report: all of them or none, and none over files of others.
 
 use std::fs;
 use std::io;

@@ -14,7 +14,7 @@ use super::scene::{Scene, SceneJoint, SceneSymbol};
 use super::table::{Cell, Table};
 use super::{diagram, equation, number, pattern, plot};
 
-const STYLE: &str = include_str!("page.css");
+pub(super) const STYLE: &str = include_str!("page.css");
 /// Moves the robot; written by hand, without libraries.
 const SCRIPT: &str = include_str!("scene.js");
 /// The browser itself refuses to load anything.

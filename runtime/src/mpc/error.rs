@@ -16,7 +16,7 @@ pub enum MpcError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// Its component, where it has several.
+        /// Its component, if it has several.
         index: Option<usize>,
         /// The value that was given.
         value: f64,

@@ -15,7 +15,7 @@ pub struct Columns<'c, const N: usize> {
     pub time: &'c str,
     /// Positions [rad or m].
     pub positions: [&'c str; N],
-    /// Velocities [rad/s or m/s], where the file has them.
+    /// Velocities [rad/s or m/s], if the file has them.
     pub velocities: Option<[&'c str; N]>,
 }
 
@@ -74,7 +74,7 @@ impl<const N: usize> Recording<N> {
     /// Reads a CSV file with a head. Times must be evenly spaced; the first counts as 0.
     ///
     /// # Errors
-    /// [`TrajectoryError::File`] with the row for what cannot be read; as [`Recording::new`].
+    /// [`TrajectoryError::File`] with the row for unreadable values; as [`Recording::new`].
     pub fn open(path: impl AsRef<Path>, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
         let path = path.as_ref();
         let file = std::fs::File::open(path).map_err(|e| TrajectoryError::File {
@@ -161,7 +161,7 @@ impl<const N: usize> Recording<N> {
     /// ```
     ///
     /// exceeds `tolerance` [rad or m] in magnitude. Samples of one smooth motion have defects of T³/12 times
-    /// its jerk. Empty where no velocities were recorded.
+    /// its jerk. Empty if no velocities were recorded.
     #[must_use]
     pub fn inconsistencies(&self, tolerance: f64) -> Vec<Inconsistency> {
         let Some(v) = &self.velocities else {
@@ -187,7 +187,7 @@ impl<const N: usize> Recording<N> {
         found
     }
 
-    /// The recording as it is: its velocities where it has them, else central differences; accelerations by
+    /// The recording as it is: its velocities if it has them, else central differences; accelerations by
     /// central differences, at the ends by one-sided ones. What is inconsistent stays so; compare
     /// [`Recording::smoothed`].
     ///

@@ -63,7 +63,7 @@ impl Compiler {
     }
 }
 
-/// Flags that take away what is read: forces of springs, dampers and friction, couplings, inputs.
+/// Flags that switch parts of the model off: forces of springs, dampers and friction, couplings, inputs.
 const DISABLING: [&str; 6] = ["passive", "spring", "damper", "frictionloss", "equality", "actuation"];
 
 impl<'a> Reader<'_, 'a> {
@@ -131,7 +131,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Gravity, and what acts besides it.
+    /// Gravity and other global forces.
     pub(super) fn option(&mut self, element: Element<'a>) {
         if let Some(gravity) = self.vector(element.attribute("gravity"), "gravity") {
             self.gravity = gravity.value;

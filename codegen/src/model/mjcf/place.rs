@@ -103,7 +103,7 @@ impl<'a> Reader<'_, 'a> {
         std::array::from_fn(|row| [x[row], y[row], z[row]])
     }
 
-    /// Complains about what has no direction.
+    /// Reports vectors without a direction.
     fn is_direction<const N: usize>(&mut self, given: &At<[f64; N]>, size: f64, key: &str) -> bool {
         let is_direction = size > NO_LENGTH;
         if !is_direction {

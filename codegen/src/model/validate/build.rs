@@ -16,7 +16,7 @@ use crate::diagnostic::{At, Report, nearest};
 use gelenk_formula::Formula;
 use std::collections::BTreeMap;
 
-/// Gravity where none is described (m/s²).
+/// Gravity if none is described (m/s²).
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 pub(super) struct Builder<'d, 'r> {

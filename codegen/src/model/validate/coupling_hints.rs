@@ -11,7 +11,7 @@ use crate::wording::list;
 /// Directions and ratios are written numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Notes what is strange about joints that follow others and about drives. Whoever means it so loses nothing.
+/// Notes on probable mistakes in joints that follow others and in drives.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     for follower in &model.followers {

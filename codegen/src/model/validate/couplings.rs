@@ -27,7 +27,7 @@ struct Combined {
 
 /// The rows of all joints and drives, by their order in the description.
 pub(super) struct Couplings {
-    /// `None` for joints that are fixed, and where the description has an error.
+    /// `None` for joints that are fixed, and if the description has an error.
     joints: Vec<Option<Row>>,
     /// Rows of the drives that are not on a joint; `None` if the description has an error.
     pub(super) drives: Vec<Option<Row>>,

@@ -1,4 +1,4 @@
-//! Joints whose motion is prescribed: what they may have.
+//! Keys of joints whose motion is prescribed.
 
 use super::super::description::{DriveChoice, JointDescription, Name, RobotDescription};
 use super::super::tree::Tree;
@@ -8,7 +8,7 @@ use crate::diagnostic::{Report, Span};
 
 const CODE: &str = "driven-joint";
 
-/// Complains about what has no meaning at a joint whose motion is prescribed, and in robots that have one.
+/// Reports keys without meaning at a joint whose motion is prescribed, and in robots that have one.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         // The velocities of one joint are told once.
@@ -91,7 +91,7 @@ pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     driven.map(|(link, _)| link).collect()
 }
 
-/// Complains about a drive on driven joints alone, which would be an input without effect.
+/// Reports a drive on driven joints alone, which would be an input without effect.
 pub(super) fn check_shared_drive(
     robot: &RobotDescription,
     tree: &Tree,

@@ -42,7 +42,7 @@ pub(super) struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    /// Everything that acts at frames; what has an error is left out.
+    /// All forces at frames; those with an error are left out.
     pub(super) fn resolve(mut self) -> FrameForces {
         let robot = self.robot;
         let mut found = FrameForces::default();
@@ -118,7 +118,7 @@ impl Resolver<'_> {
         Some(at)
     }
 
-    /// Complains where a name may be that of a site and that of a body. `frame = …` of inputs and wrenches means the site.
+    /// Reports an error if a name may be that of a site and that of a body. `frame = …` of inputs and wrenches means the site.
     fn is_clear(&mut self, name: &Name) -> bool {
         let mut sites =
             self.robot.frames.iter().filter(|frame| frame.is_site && frame.name.value == name.value);
@@ -303,7 +303,7 @@ fn check_law(
     }
 }
 
-/// Warns where the part of a law that depends on the rate feeds every motion: a damper with the sign of other conventions.
+/// Warns if the part of a law that depends on the rate feeds every motion: a damper with the sign of other conventions.
 fn warn_of_drive(
     force: &PointForceDescription,
     law: &At<Formula>,

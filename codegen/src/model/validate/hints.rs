@@ -18,7 +18,7 @@ const FAR: f64 = 50.0;
 /// Parts of the names of legs.
 const LEG_WORDS: [&str; 9] = ["leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank"];
 
-/// Notes what is strange about a robot whose links form a tree.
+/// Notes on probable mistakes in a robot whose links form a tree.
 pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], report: &mut Report) {
     let moving = tree.moving(robot);
     note_degrees(robot, report);

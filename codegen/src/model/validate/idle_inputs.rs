@@ -10,7 +10,7 @@ use gelenk_formula::Formula;
 
 const SEED: u64 = 0x6964_6c65;
 
-/// Complains about inputs that are wrenches and move nothing.
+/// Reports inputs that are wrenches and move nothing.
 pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
         let ForceEffect::Wrench { at, wrench } = &found.effect else { continue };
@@ -27,7 +27,7 @@ fn pulls(model: &Model) -> usize {
     model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
 }
 
-/// Tells whether a coordinate moves a link, by a joint of its own or by one that follows.
+/// Whether a coordinate moves a link, by a joint of its own or by one that follows.
 fn is_moved(link: usize, model: &Model) -> bool {
     let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
     let follows = |link: usize| {

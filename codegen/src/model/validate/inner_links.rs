@@ -4,7 +4,7 @@ use super::super::description::{DriveChoice, JointDescription, Name, RobotDescri
 use crate::diagnostic::Report;
 use std::collections::BTreeMap;
 
-/// Complains about everything that is fixed to such a link.
+/// Reports everything that is fixed to such a link.
 pub(super) fn refuse(robot: &RobotDescription, report: &mut Report) {
     let inner: BTreeMap<&str, &str> = robot.joints.iter().filter_map(inner_link).collect();
     for name in named_links(robot) {

@@ -72,7 +72,7 @@ fn note_springs(robot: &RobotDescription, model: &Model, described: &[f64], repo
     }
 }
 
-/// Tells whether two pairs are the same points, in either order.
+/// Whether two pairs are the same points, in either order.
 fn are_between([a, b]: &[Attachment; 2], [c, d]: &[Attachment; 2], described: &[f64]) -> bool {
     let value = |x: &Formula| x.evaluate(described, 0.0, 0.0);
     let same = |one: &Attachment, other: &Attachment| {

@@ -18,7 +18,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, re
     }
 }
 
-/// Warns of the rotors of a URDF whose place is not clear, with what they would add to M.
+/// Warns of the rotors of a URDF whose place is not clear, with their terms in M.
 pub(super) fn warn_of_skipped_rotors(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if robot.skipped_rotors.is_empty() {
         return;

@@ -100,7 +100,7 @@ struct Path {
 }
 
 impl Path {
-    /// Complains if the distance is not that of one coordinate within limits. A distance that does not move is reported elsewhere.
+    /// Reports an error if the distance is not that of one coordinate within limits. A distance that does not move is reported elsewhere.
     fn find(
         force: &PointForceDescription,
         between: &[Attachment; 2],
@@ -149,7 +149,7 @@ impl Path {
 
 const HELP_JOINTS: &str = "`stroke` and `speed` are kept where one joint alone changes the length: limit the joints instead, by `position` and `velocity`";
 
-/// Tells whether other parameters put the frames elsewhere.
+/// Whether other parameters put the frames elsewhere.
 fn depends_on_parameters(model: &Model, between: &[Attachment; 2]) -> bool {
     let described = Distances::new(model, between).at_states();
     (0..model.parameters.len()).any(|changed| {

@@ -70,7 +70,7 @@ impl Identifiers {
         }
     }
 
-    /// Says where the module and the functions of frames are not called what the description says.
+    /// Reports names of the module and of the functions of frames that differ from the description.
     pub(super) fn note(&self, robot: &RobotDescription, report: &mut Report) {
         let module = (&robot.name, self.module.clone());
         let module = Some(module).filter(|(name, identifier)| name.value != *identifier);

@@ -1,4 +1,4 @@
-//! Spherical and floating joints: what their velocities may have, and how they stand among the coordinates.
+//! Spherical and floating joints: keys of their velocities, and their order among the coordinates.
 
 use super::super::QuaternionJoint;
 use super::super::QuaternionKind;
@@ -9,7 +9,7 @@ use super::inner_links;
 use crate::diagnostic::{Report, Span};
 use gelenk_formula::Formula;
 
-/// Complains about what no velocity of a joint with a quaternion can have.
+/// Reports keys that no velocity of a joint with a quaternion can have.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         if let Some(part) = &joint.part_of {
@@ -111,7 +111,7 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
     }
 }
 
-/// The joints with quaternions in the order of the coordinates; complains where the velocities of one do not
+/// The joints with quaternions in the order of the coordinates; reports an error if the velocities of one do not
 /// stand together.
 pub(super) fn find(
     robot: &RobotDescription,

@@ -8,7 +8,7 @@ use crate::wording::{as_written, three_digits};
 /// Limits are written numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Complains about lines that are not constants of the module. The motor of a held joint turns nothing and has none.
+/// Reports lines that are not constants of the module. The motor of a held joint turns nothing and has none.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     let lines = model.limited_inputs(&described);

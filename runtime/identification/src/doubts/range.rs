@@ -53,7 +53,7 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// Limits by joint; none where none are described.
+    /// Limits by joint; none if none are described.
     fn limits(&self) -> impl Fn(usize) -> JointLimits {
         let limits = self.robot.limits();
         move |joint| limits.get(joint).copied().unwrap_or(JointLimits::NONE)

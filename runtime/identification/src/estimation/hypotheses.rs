@@ -89,7 +89,7 @@ pub(super) struct Doubts {
 }
 
 impl Doubts {
-    /// All of them; what would refuse a result and was accepted is a warning.
+    /// All of them; a refusal that was accepted is a warning.
     pub(super) fn findings(self) -> Vec<Finding> {
         self.of_all.into_iter().chain(self.of_joints.into_iter().flatten()).map(Finding::accepted).collect()
     }
@@ -232,7 +232,7 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
     Ok(HeldOut { rss, ..errors })
 }
 
-/// Delays that the residual follows, where delays are stated and the effort is better explained with another one. Delays that are not stated
+/// Delays that the residual follows, if delays are stated and the effort is better explained with another one. Delays that are not stated
 /// are estimated with all else.
 pub(super) fn other_delays(
     task: &Task,

@@ -110,7 +110,7 @@ impl Columns {
 
     /// Sums over each piece, the means of its run's columns taken off where forces are measured.
     ///
-    /// - `filter`: what the efforts passed; friction passes it too
+    /// - `filter`: of the efforts; friction passes it too
     pub(crate) fn sums(
         &self,
         robot: &dyn Robot,
@@ -373,7 +373,7 @@ impl Found<'_> {
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))
     }
 
-    /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run where runs have offsets, outliers counted in full; NaN where nothing acts.
+    /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run where runs have offsets, outliers counted in full; NaN if nothing acts.
     fn r_squared(&self, joint: usize, rss: f64) -> f64 {
         let variation = self.fitted.chosen.centred.variation(joint);
         let [residual, total] = self.lost(joint);

@@ -37,7 +37,7 @@ const FREE: f64 = 1e-3;
 /// Variance of an angle under independent residuals [rad²] from which it counts as not told.
 const UNTOLD: f64 = 0.01;
 
-/// A doubt about the direction of gravity; `None` where there is none, or where the data do not tell.
+/// A doubt about the direction of gravity; `None` if there is none, or where the data do not tell.
 ///
 /// - the fit with the described gravity and its errors; `time`: the residuals' correlation time
 pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {

@@ -43,7 +43,7 @@ impl Chart {
         Self { plain: plain_positions(&[], joints), joints: Vec::new() }
     }
 
-    /// Tells for each coordinate whether it belongs to a joint with a quaternion.
+    /// For each coordinate, whether it belongs to a joint with a quaternion.
     pub(super) fn turns(&self) -> Vec<bool> {
         self.plain.iter().map(Option::is_none).collect()
     }

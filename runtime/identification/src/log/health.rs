@@ -142,7 +142,7 @@ fn speeds(runs: &[Run], joint: usize, unit: &str, limits: JointLimits) -> Option
     ))
 }
 
-/// Factors between units of velocities, and their names: what a column is in where rad/s or m/s are expected.
+/// Factors between units of velocities, and their names: unit of a column where rad/s or m/s are expected.
 const UNITS: [(f64, &str); 5] = [
     (PI / 180.0, "deg/s"),
     (PI / 30.0, "rpm"),

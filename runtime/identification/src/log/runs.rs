@@ -28,7 +28,7 @@ pub(super) struct Samples {
     labels: Vec<usize>,
     names: Vec<String>,
     numbers: BTreeMap<String, usize>,
-    /// Positions, velocities (NaN where there is no column), efforts, commanded positions, and poses, one column each.
+    /// Positions, velocities (NaN if there is no column), efforts, commanded positions, and poses, one column each.
     values: Vec<Vec<f64>>,
 }
 

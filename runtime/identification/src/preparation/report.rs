@@ -19,7 +19,7 @@ use gelenk_findings::{Finding, Rule, Subject};
 /// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
 const GAPS: Rule = Rule::note("gaps");
 
-/// Sees: pieces of a run that are shorter than what the filter needs.
+/// Sees: pieces of a run that are shorter than the filter needs.
 /// Matters: they are left out.
 /// Example: 0.2 s between two gaps, and a filter of 5 Hz.
 /// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
@@ -285,9 +285,9 @@ impl PreparationReport {
         }
     }
 
-    /// Adds what the common estimate finds left of the delays. A delay that is not significant gives no finding.
+    /// Adds the remaining delays by the common estimate. A delay that is not significant gives no finding.
     ///
-    /// - `left`: of each effort with its standard error \[s\]; empty where delays are known
+    /// - `left`: of each effort with its standard error \[s\]; empty if delays are known
     pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
         if left.is_empty() {
             return;

@@ -54,7 +54,7 @@ pub struct Identified<'a> {
 ///   absolute path, or one relative to the folder of `path`
 ///
 /// # Errors
-/// Those of [`identified_toml`]; [`IdentificationError::File`] where the file is the base itself, holds
+/// Those of [`identified_toml`]; [`IdentificationError::File`] if the file is the base itself, holds
 /// something else, or cannot be written.
 pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> {
     let text = identified_toml(identified)?;

@@ -34,7 +34,7 @@ pub(crate) struct Trend {
 pub(crate) struct Drift {
     /// Change of the constant torque [N·m or N].
     pub(crate) offset: Trend,
-    /// Change of the friction as a share of it: −0.1 where it falls by a tenth.
+    /// Change of the friction as a share of it: −0.1 if it falls by a tenth.
     pub(crate) friction: Trend,
 }
 

@@ -9,7 +9,7 @@ use super::pattern::{Chosen, Pattern};
 use super::table::Kind;
 
 impl Finder<'_> {
-    /// The columns of the efforts, and what they are.
+    /// The columns of the efforts, and their meaning.
     ///
     /// # Errors
     /// Columns that are missing or ambiguous. If joints have quaternions, also currents, and torques at the joints if inputs act at
