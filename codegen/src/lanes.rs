@@ -100,7 +100,7 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
             "`{name}` is straight-line code of {operations} operations, for one state too, because it is asked for over lanes"
         );
         let help = format!(
-            "as loops over joints it may be much shorter and faster: where single states count, generate a second module without \
+            "as loops over joints it may be much shorter and faster: if single states count, generate a second module without \
              `{name}` over lanes"
         );
         Diagnostic::note("lanes-without-loops", message).help(help)

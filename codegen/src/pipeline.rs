@@ -212,7 +212,7 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         return match options.emit.companions.is_empty() {
             true => Ok(()),
             false => {
-                let message = "files for tools that call C stand beside modules in C alone";
+                let message = "files for tools that call C need modules in C";
                 Err(Diagnostic::error("not-in-rust", message).help("generate C, `--language c`").into())
             }
         };

@@ -42,7 +42,7 @@ pub(crate) fn check_functions(
     match needed.find(|name| !names.contains(name)) {
         Some(missing) if tools.contains(&Companion::Acados) => {
             let message = format!("acados needs the function `{missing}`, which is not in the module");
-            let help = "name `step`, `step_derivatives` and `input_matrix` where functions are chosen";
+            let help = "if functions are chosen, name `step`, `step_derivatives` and `input_matrix`";
             Err(Diagnostic::error("missing-function", message).help(help).into())
         }
         _ => Ok(()),

@@ -98,14 +98,14 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
     if !is_decimal {
         return Ok(());
     }
-    let message = format!("`{}` is no number: decimals follow a point", text.trim());
+    let message = format!("`{}` is not a number: use a decimal point", text.trim());
     let help = format!("write {number}.{decimals}");
     Err(error(COMMA, message, help, 0..text.len()))
 }
 
 /// `1:80`, as gear ratios are printed.
 fn ratio(text: &str, one: &str, other: &str) -> FormulaError {
-    let message = format!("`{}` is no number: a ratio is one number, or a quotient", text.trim());
+    let message = format!("`{}` is not a number: a ratio is one number or a quotient", text.trim());
     let quotients = match one {
         "1" => format!("{other}, or \"1/{other}\""),
         _ => format!("\"{one}/{other}\", or \"{other}/{one}\""),

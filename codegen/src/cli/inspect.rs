@@ -145,7 +145,7 @@ fn uncounted(module: &Module) -> String {
     match lines.collect::<String>() {
         lines if lines.is_empty() => lines,
         lines => format!(
-            "\nNot counted, because what these do with quaternions is no straight-line code:\n{lines}"
+            "\nNot counted, because their operations on quaternions are not straight-line code:\n{lines}"
         ),
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn as_text(model: &Model) -> String {
     .concat()
 }
 
-/// Lists of the same, empty if there is nothing.
+/// Lists of the same kind, empty if there are none.
 pub(super) fn add_json(model: &Model, object: &mut Value) {
     let drive = |drive: &Drive| {
         json!({

@@ -256,7 +256,7 @@ fn git(url: &str) -> Result<Source, Failure> {
         .split_once(':')
         .map_or_else(|| "ssh://git@HOST/PATH".to_owned(), |(host, path)| format!("ssh://{host}/{path}"));
     Err(Failure::Usage(format!(
-        "`--git {url}` is no address that Cargo takes\n  = help: give it whole, e.g. https://HOST/PATH, {ssh} or file:///PATH"
+        "`--git {url}` is not an address that Cargo accepts\n  = help: give it whole, e.g. https://HOST/PATH, {ssh} or file:///PATH"
     )))
 }
 

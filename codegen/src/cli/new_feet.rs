@@ -136,7 +136,7 @@ impl Legs<'_> {
         let Some(link) = links().position(|link| link == name) else {
             let near = nearest(name, links()).unwrap_or_default();
             return Err(Failure::Usage(format!(
-                "--feet names `{name}`, which is no link of the robot\n  = help: {near}"
+                "--feet names `{name}`, which is not a link of the robot\n  = help: {near}"
             )));
         };
         match self.way(link).as_deref() {

@@ -33,7 +33,7 @@ pub(super) struct Robot {
     pub(super) passive: Vec<String>,
     /// Feet, if the robot has any.
     pub(super) feet: Vec<Foot>,
-    /// That it has legs and stands still, where it seems so.
+    /// Note that the robot seems to have legs although its base is fixed.
     pub(super) notes: Diagnostics,
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Spelling {
 }
 
 impl Spelling {
-    /// The nearest identifier to `name`; `name` itself where it is one.
+    /// The nearest identifier to `name`; `name` itself if it is an identifier.
     pub(super) fn identifier(&self, name: &str) -> String {
         let mut text = String::with_capacity(name.len());
         for letter in name.chars() {

@@ -267,8 +267,7 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
     let mut table = Table::new(
         "inertial_parameters",
         &format!(
-            "Described and estimated inertial parameters with {:.0} % intervals: what the data cannot tell stays near the \
-             description.",
+            "Described and estimated inertial parameters with {:.0} % intervals: parameters that the data do not determine stay near the description.",
             100.0 * found.estimate.confidence
         ),
     )

@@ -154,7 +154,7 @@ fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
     let at = why.utf8_error().valid_up_to();
     let mut report = Report::default();
     let source = report.add_source(name, &String::from_utf8_lossy(why.as_bytes()));
-    let message = format!("byte {at} of the file is no UTF-8");
+    let message = format!("byte {at} of the file is not UTF-8");
     report.error(Span::new(source, at..at + 1), "not-utf-8", message);
     report.help("descriptions are UTF-8 text");
     report.finish()

@@ -245,7 +245,7 @@ fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
 fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: RotorCoupling) {
     let mounting = ["carrier", "axis"].into_iter().filter_map(|key| table.get(key));
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {
-        let message = format!("`{}` changes nothing beside `coupling = \"diagonal\"`", item.key);
+        let message = format!("`{}` changes nothing together with `coupling = \"diagonal\"`", item.key);
         reader.report.warning(item.span, "unused-key", message);
         reader
             .report

@@ -145,7 +145,8 @@ fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composi
 
 fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composite): (&str, Composite)) {
     for item in keys.iter().filter_map(|key| table.get(key)) {
-        let message = format!("`{}` at {} joint `{joint}`, which stands already", item.key, composite.name());
+        let message =
+            format!("`{}` at {} joint `{joint}`, which is already given", item.key, composite.name());
         reader.report.error(item.key_span, "conflicting-keys", message);
         reader.report.help(format!(
             "leave `{}` out; a joint of its own has `parent`, or another name than `{joint}`",
@@ -159,7 +160,7 @@ fn add(velocity: JointDescription, velocities: &mut Vec<JointDescription>, repor
     if velocities.iter().any(|known| known.name.value == velocity.name.value) {
         let message = format!("velocity `{}` is described twice", velocity.name.value);
         report.error(velocity.name.span, "duplicate-name", message);
-        report.help("say all of it in one table: at the joint with its parts, or at the velocity");
+        report.help("give all of it in one table: at the joint with its parts, or at the velocity");
         return;
     }
     velocities.push(velocity);

@@ -180,7 +180,7 @@ pub(super) fn of_part<'t>(
     }
 }
 
-/// Reports values that are not told part by part.
+/// Reports values that are not given part by part.
 pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
     for item in by_part(table) {
         if let (Some(kind), "held") = (composite.quaternion(), item.key) {
@@ -193,7 +193,7 @@ pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Nam
     }
 }
 
-/// Reports a value that is not told part by part.
+/// Reports a value that is not given part by part.
 fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Composite) {
     let kind = composite.name();
     let help = || {
@@ -206,8 +206,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
     };
     let Some(entries) = item.named() else {
         if !is_for_all_parts(&item) {
-            let message =
-                format!("`{}` of {kind} joint `{}` says nothing of its parts", item.key, name.value);
+            let message = format!("`{}` of {kind} joint `{}` does not name its parts", item.key, name.value);
             reader.report.error(item.span, "wrong-type", message);
             reader.report.help(help());
         }
@@ -248,7 +247,7 @@ fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str>
     }
 }
 
-/// Reports keys that say something of one degree of freedom.
+/// Reports keys that belong to joints with one degree of freedom.
 fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Composite) {
     let kind = composite.name();
     for item in ["dh", "modified_dh", "follows", "offset"].iter().filter_map(|key| table.get(key)) {

@@ -193,7 +193,7 @@ impl Reader {
         let other = self.fields.get(&field).and_then(|other| self.parameters.get(*other));
         if let Some(other) = other {
             let place = self.report.place(other.span);
-            let message = format!("two parameters are named `{field}`; the other one stands at {place}");
+            let message = format!("two parameters are named `{field}`; the other one is at {place}");
             self.report.error(name.span, "duplicate-name", message);
             return None;
         }

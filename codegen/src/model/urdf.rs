@@ -208,7 +208,7 @@ impl Reader<'_> {
     fn attitude(&mut self, quaternion: &At<[f64; 4]>, owner: &str) -> Option<Rotation> {
         let size = length(quaternion.value);
         if size == 0.0 {
-            let message = format!("`quat_xyzw` of {owner} has length 0, and is no rotation");
+            let message = format!("`quat_xyzw` of {owner} has length 0 and is not a rotation");
             self.report.error(quaternion.span, "quaternion-not-unit", message);
             self.report.help("that of no rotation is \"0 0 0 1\"");
             return None;
@@ -290,7 +290,7 @@ impl Reader<'_> {
             let message = format!("planar joint {owner} has no <axis>, the normal of its plane");
             self.report.error(self.span(node), "missing-element", message);
             self.report.help(
-                "URDF's default is x, while many tools take z: `<axis xyz=\"0 0 1\"/>` says that the joint moves in the x-y plane",
+                "URDF's default is x, while many tools take z: with `<axis xyz=\"0 0 1\"/>` the joint moves in the x-y plane",
             );
         }
         if let Some(limit) = self.single(node, "limit", &owner) {
@@ -307,7 +307,7 @@ impl Reader<'_> {
             self.report.error(self.span(inner), code, message);
             let parts = composite.parts().iter().map(|part| format!("`{}_{}`", name.value, part.name));
             self.report.help(format!(
-                "it does not say of which motion: describe it in a TOML file at the joints {}, which the {kind} joint becomes",
+                "it does not name the motion: describe it in a TOML file at the joints {}, which the {kind} joint becomes",
                 listed(parts)
             ));
         }

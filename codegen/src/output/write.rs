@@ -78,7 +78,7 @@ impl fmt::Display for WriteError {
             Self::Read { read, .. } => {
                 write!(f, "it is {}, which was read for the description", read.display())?;
             }
-            Self::Foreign { .. } => f.write_str("it holds what gelenk has not generated")?,
+            Self::Foreign { .. } => f.write_str("gelenk has not generated it")?,
         }
         f.write_str(match self {
             Self::System { .. } => "\n  = help: name a file that may be written",

@@ -17,7 +17,7 @@ pub(crate) struct Part {
     pub(crate) range: Range<usize>,
     /// Values made before that it reads.
     pub(crate) takes: Vec<usize>,
-    /// Values that it makes and that later parts read, or the results where it does not write these.
+    /// Values that it computes for later parts, or the results if it does not write them.
     pub(crate) returns: Vec<usize>,
     /// Input arrays that it reads.
     pub(crate) inputs: Vec<usize>,

@@ -5,7 +5,7 @@ use gelenk_report::{Block, Cell, Equation, Inline, ReportError, Table, code, pla
 use super::robot::Robot;
 use crate::functions::function::Function;
 use crate::model::Model;
-use crate::program::display::{self, Notation};
+use crate::program::display::{self, LatexResult, Notation};
 use crate::program::expanded::expanded;
 
 /// Closed forms in LaTeX, without types of the computer algebra.
@@ -36,6 +36,8 @@ const MOST_OPEN: usize = 60;
 const MOST: usize = 1_500;
 /// Letters on one line of a printed page.
 const LETTERS: usize = 85;
+/// Letters of the space between two columns of a matrix.
+const COLUMN_GAP: usize = 3;
 
 /// The equations of motion and the meaning of their letters.
 pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
@@ -45,7 +47,7 @@ pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
         text("with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units."),
         text(
             "Each function computes abbreviations from earlier ones, as in Neweul-M², and its result from them: nothing is computed \
-             twice. The generated code holds these lines in this order.",
+             twice. The generated code holds these lines in this order; numbers are rounded to 12 digits here.",
         ),
     ])
 }
@@ -129,10 +131,9 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
         );
         return vec![heading, text(&words)];
     }
-    let joined =
-        |pairs: Vec<(String, String)>| pairs.into_iter().map(|(name, value)| format!("{name} = {value}"));
-    let abbreviations: Vec<String> = joined(equations.abbreviations).collect();
-    let results: Vec<String> = joined(equations.results).collect();
+    let joined = |(name, value): (String, String)| format!("{name} = {value}");
+    let abbreviations: Vec<String> = equations.abbreviations.into_iter().map(joined).collect();
+    let results: Vec<String> = equations.results.iter().flat_map(result_lines).collect();
     // A name that no LaTeX can hold is rare, and the program as text is as good.
     let (Ok(abbreviations), Ok(results)) = (all(&abbreviations), all(&results)) else {
         let text = display::text(&function.program, &notation);
@@ -149,6 +150,30 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     }
     blocks.push(Block::Equations(results));
     blocks
+}
+
+/// A result as one equation; a matrix that is too wide for paper as its entries that are not 0.
+fn result_lines(result: &LatexResult) -> Vec<String> {
+    let width = |entry: &String| Equation::new(entry.as_str()).map_or(0, |equation| equation.width());
+    let columns = result.rows.first().map_or(0, Vec::len);
+    let column = |k: usize| result.rows.iter().filter_map(|row| row.get(k)).map(width).max().unwrap_or(0);
+    if columns < 2 || (0..columns).map(|k| column(k) + COLUMN_GAP).sum::<usize>() <= LETTERS {
+        return vec![format!("{} = {}", result.name, result.value())];
+    }
+    let mut lines = vec![String::new()];
+    for (i, row) in result.rows.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate().filter(|(_, entry)| *entry != "0") {
+            let equation = format!("{}_{{{},{}}} = {entry}", result.name, i + 1, j + 1);
+            match lines.last_mut() {
+                Some(line) if line.is_empty() => *line = equation,
+                Some(line) if width(&format!("{line}{equation}")) + COLUMN_GAP <= LETTERS => {
+                    *line += &format!(" \\quad {equation}");
+                }
+                _ => lines.push(equation),
+            }
+        }
+    }
+    lines
 }
 
 fn all(latex: &[String]) -> Result<Vec<Equation>, ReportError> {

@@ -104,8 +104,7 @@ fn driven(robot: &Robot<'_>) -> Option<String> {
         joints.map(|(index, joint)| format!("$d_{{{}}}$ ({})", index + 1, joint.name)).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "Something else moves {}: position, velocity and acceleration are an argument $d$ of all functions below, beside \
-             those that are written.",
+            "The motion of {} is prescribed: position, velocity and acceleration are a further argument $d$ of all functions below.",
             names.join(", ")
         )
     })

@@ -121,7 +121,7 @@ impl Lifting {
                 return Err(format!("does not stand: it uses {friction:.2} of its friction").into());
             }
             if moved.iter().any(|x| x.abs() > 1e-9) {
-                return Err(format!("stands where it did not, by {moved:?} m").into());
+                return Err(format!("slid by {moved:?} m").into());
             }
             log.friction = log.friction.max(friction);
         } else if moved[2] < -1e-9 {

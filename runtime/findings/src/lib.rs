@@ -234,7 +234,7 @@ impl Finding {
         self.values.iter().find(|value| value.name == name).map(|value| value.value)
     }
 
-    /// Whether another finding of this rule is about the same.
+    /// Whether another finding of this rule has the same subject.
     pub fn is_like(&self, other: &Self) -> bool {
         self.code == other.code && self.about == other.about
     }

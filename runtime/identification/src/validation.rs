@@ -68,7 +68,7 @@ pub fn validate(
     let fitted = |hash: &str| found.recording.hashes.iter().any(|(_, other)| other == hash);
     for (path, _) in recording.hashes.iter().filter(|(_, hash)| fitted(hash)) {
         say(&FITTED
-            .found("it is one of the fitted logs: R² there says nothing of other data")
+            .found("it is one of the fitted logs: R² there does not measure the error on other data")
             .log(path, None));
     }
     let preparation = found.preparation.settings_alike(&settings.preparation);

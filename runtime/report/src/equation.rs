@@ -47,7 +47,8 @@ impl Equation {
     }
 
     /// Rough number of letters of its width, without commands and braces.
-    pub(super) fn width(&self) -> usize {
+    #[must_use]
+    pub fn width(&self) -> usize {
         width(&self.latex)
     }
 

@@ -91,7 +91,7 @@ fn head(report: &Report) -> Rendered {
 }
 
 /// Words at the foot of every page, by which a page is recognized as one of ours.
-pub(super) const BESIDE: &str = "The same numbers, unrounded, stand beside this page in ";
+pub(super) const BESIDE: &str = "The same numbers, unrounded, are next to this page in ";
 
 fn foot(report: &Report) -> Markup {
     html! {

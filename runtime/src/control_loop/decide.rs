@@ -195,7 +195,7 @@ where
         Proposal { inputs: self.state.inputs, source: Source::Held, iterations: 0 }
     }
 
-    /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
+    /// Limits the inputs, and brakes if the state is outside its limits or the motion has ended.
     pub(super) fn check(&mut self, mut inputs: [f64; M]) -> [f64; M] {
         let limited = limit_inputs(&mut inputs, &self.settings.input_limits);
         let beyond = limit_torques(

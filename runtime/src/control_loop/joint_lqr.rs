@@ -116,6 +116,9 @@ where
             "finite and positive",
             is_positive,
         )?;
+        if !positions.iter().all(|y| y.is_finite()) {
+            return Err(JointLqrError::Model(ControllerFault::NotFinite));
+        }
         model.check_attitudes(positions)?;
         let feed_forward = FeedForward::new(model)?;
         let inputs = feed_forward.at_time(0.0, &Sample::at_rest(*positions)).inputs;

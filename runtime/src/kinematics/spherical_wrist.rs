@@ -95,7 +95,7 @@ pub enum KinematicsError {
     /// Position, rotation or the given angles are not finite, an angle is beyond 1e6 rad, or the rotation
     /// matrix is not one.
     #[error(
-        "the pose is no pose: numbers that are not finite, angles beyond 1e6 rad, or a matrix that is no rotation (off by {0})"
+        "the pose is not valid: it has numbers that are not finite, angles beyond 1e6 rad, or a matrix that is not a rotation (off by {0})"
     )]
     NotAPose(f64),
     /// All solutions violate the limits.

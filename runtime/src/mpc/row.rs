@@ -308,7 +308,7 @@ impl fmt::Display for RowFault {
             Self::NotFinite { value } => write!(f, "it has the coefficient {value}; all must be finite"),
             Self::Sides { lower, upper } => write!(
                 f,
-                "its sides are {lower} and {upper}; they must be numbers, lower before upper, infinite only where there is no limit"
+                "its sides are {lower} and {upper}; they must be numbers, lower before upper, infinite only if there is no limit"
             ),
             Self::Zero { lower, upper } => {
                 write!(
@@ -318,7 +318,7 @@ impl fmt::Display for RowFault {
             }
             Self::Attitude { joint } => write!(
                 f,
-                "it has a position of joint {}, whose attitude is a quaternion; only its velocities can stand in a row",
+                "it has a position of joint {}, whose attitude is a quaternion; only its velocities can be in a row",
                 Named(joint)
             ),
             Self::OutOfReach { lower, upper, least, most } => write!(

@@ -113,8 +113,9 @@ impl<const N: usize> Recording<N> {
             let record = record.map_err(|e| fault(k + 1, e.to_string()))?;
             let number = |column: usize| {
                 let text = record.get(column).unwrap_or_default();
-                text.parse::<f64>()
-                    .map_err(|_| fault(k + 1, format!("{text:?} in column {} is no number", &head[column])))
+                text.parse::<f64>().map_err(|_| {
+                    fault(k + 1, format!("{text:?} in column {} is not a number", &head[column]))
+                })
             };
             let row = |columns: &[usize; N]| -> Result<[f64; N], TrajectoryError> {
                 let mut values = [0.0; N];
@@ -243,7 +244,7 @@ fn even_period(
         Some(k) => {
             let (time, due) = (times[k], expected(k));
             let message = format!(
-                "time is {time} s where an even spacing of {period} s gives {due} s; resample the file"
+                "time is {time} s but an even spacing of {period} s gives {due} s; resample the file"
             );
             Err(fault(k + 1, message))
         }

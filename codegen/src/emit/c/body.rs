@@ -121,7 +121,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The statement that returns a number alone, where the function does.
+    /// The return statement, if the function returns a single number.
     pub(super) fn return_statement(&self) -> Option<String> {
         let returns = returns_number(self.program) && !self.over_lanes;
         let number = self.program.outputs.first().filter(|_| returns)?;

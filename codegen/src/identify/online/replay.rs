@@ -282,7 +282,7 @@ impl<'a> Described<'a> {
             scales[joint] = Some(magnitudes.scale(joint, friction).ok_or_else(|| {
                 fault(
                     format!("joint {}", self.robot.joint_names()[joint]),
-                    "neither its largest speed nor its friction and effort say how large its friction may be: describe its limits",
+                    "the size of its friction is unknown, because neither its largest speed nor its friction and effort are described: describe its limits",
                 )
             })?);
         }

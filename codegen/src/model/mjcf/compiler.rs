@@ -122,11 +122,7 @@ impl<'a> Reader<'_, 'a> {
             self.compiler.total_mass = (total.value > 0.0).then_some(total.value);
         }
         if let Some(global) = element.attribute("coordinate").filter(|given| given.text == "global") {
-            self.report.error(
-                global.span,
-                "global-coordinates",
-                "global coordinates are none of today's MuJoCo",
-            );
+            self.report.error(global.span, "global-coordinates", "MuJoCo no longer has global coordinates");
             self.report.help("MuJoCo 2.3.3 and older convert such files: load and save them there");
         }
     }

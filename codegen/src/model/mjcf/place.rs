@@ -30,7 +30,7 @@ impl<'a> Reader<'_, 'a> {
         if let Some(given) = self.vector::<4>(find("quat"), "quat") {
             let size = length(given.value);
             if size <= NO_LENGTH {
-                let message = "`quat` has length 0, and is no rotation";
+                let message = "`quat` has length 0 and is not a rotation";
                 self.report.error(given.span, "quaternion-not-unit", message);
                 self.report.help("that of no rotation is \"1 0 0 0\"");
                 return IDENTITY;

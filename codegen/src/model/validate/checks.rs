@@ -57,7 +57,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     {
         let message = format!("joint `{}` has an `offset` and follows no joint", name.value);
         report.error(offset.span, "conflicting-keys", message);
-        report.help("an offset is the position where all joints that are followed are at 0: add `follows`");
+        report.help("an offset is the position when all followed joints are at 0: add `follows`");
     }
 }
 

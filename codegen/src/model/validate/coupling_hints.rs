@@ -39,7 +39,7 @@ fn note_stillness(
     }
     let (name, carrying) = (&joint.name, &carrying.name);
     let message = format!(
-        "joint `{name}` sits on `{carrying}` and undoes its motion: the link of `{name}` stands still against what carries `{carrying}`"
+        "joint `{name}` sits on `{carrying}` and undoes its motion: the link of `{name}` does not move relative to the link that carries `{carrying}`"
     );
     let Some(described) = robot.joints.iter().find(|described| described.name.value == *name) else { return };
     report.note(Some(described.name.span), "follower-stands-still", message);

@@ -206,7 +206,7 @@ impl Resolver<'_, '_> {
             let message =
                 format!("{what} `{}` does not move with {}: {ways}", name.value, list(names.into_iter()));
             self.report.note(Some(name.span), "follows-cancel", message);
-            self.report.help(format!("{ADDED_UP}; where that is not meant, correct a sign"));
+            self.report.help(format!("{ADDED_UP}; if that is not intended, correct a sign"));
         }
         (!row.terms.is_empty()).then_some(row)
     }

@@ -73,7 +73,7 @@ impl<'d> Limited<'d> {
                 as_written(high)
             );
             report.error(limits.span, "limits-exclude", message);
-            report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+            report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
         } else if (reach[0] < low || reach[1] > high) && !is_free(follower) {
             let message = format!(
                 "joint `{}` can leave its limits while the joints that it follows keep theirs",
@@ -89,12 +89,11 @@ impl<'d> Limited<'d> {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {
             terms if terms.iter().any(|term| term.coordinate >= driven) => {
-                "the loop brakes there, and checks of trajectories tell of it; predictive controllers do not keep limits that move \
-                 with a driven joint, and say so"
+                "the loop brakes there, and checks of trajectories report it; predictive controllers do not keep limits that move with a driven joint, and report this"
             }
             [_] => "the runtime narrows the limits of the joint that is followed: the loop, predictive controllers and planned motions keep them",
             _ => {
-                "the loop brakes there, and checks of trajectories tell of it; predictive controllers keep them by rows, \
+                "the loop brakes there, and checks of trajectories report it; predictive controllers keep them by rows, \
                  `MpcRow::of_limits`"
             }
         });
@@ -153,7 +152,7 @@ impl<'d> Limited<'d> {
             as_written(high)
         );
         report.error(limits.span, "limits-exclude", message);
-        report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+        report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
     }
 
     /// Positions of a coordinate that put a joint within its limits which follows nothing else.
@@ -198,5 +197,6 @@ fn note_efforts(followers: &[&JointDescription], report: &mut Report) {
     let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
     let message = format!("the efforts of joints that follow others limit nothing: {names}");
     report.note(Some(first.span), "dependent-limits", message);
-    report.help("what such a joint transmits is no input: limit the drives, or the joints that are followed");
+    report
+        .help("the force of such a joint is not an input: limit the drives, or the joints that are followed");
 }

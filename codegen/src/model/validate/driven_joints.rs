@@ -24,7 +24,7 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
             let message =
                 format!("`{}` is {}, and joint `{first}` is driven", part.joint.value, part.kind.name());
             report.error(joint.name.span, CODE, message);
-            report.help("driven joints stand in robots without quaternions yet: describe the motion by joints of one coordinate");
+            report.help("driven joints and quaternions in one robot are not supported: describe the motion by joints of one coordinate");
             break;
         }
     }
@@ -36,8 +36,9 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
                 joint.name.value
             );
             report.error(load.span, CODE, message);
-            report
-                .help("a joint's load is known where every joint has an input of its own: leave `load` out");
+            report.help(
+                "a joint's load is known only if every joint has an input of its own: leave `load` out",
+            );
         }
     }
 }
@@ -79,7 +80,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
             format!("nothing limits the motion and effort of joint `{name}`, which is driven"),
         );
         report.help(
-            "only limits of its position count: seeded states, which checks and self-tests take, keep them",
+            "only its position limits have an effect: the seeded states of checks and self-tests keep them",
         );
     }
 }

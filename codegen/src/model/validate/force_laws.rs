@@ -141,7 +141,7 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         );
         report.error(span, "friction-drives", message);
         report.help(
-            "a law by the position has the velocity's sign at every position within the limits: squares, `abs` or a summand keep its factor positive",
+            "the law must have the sign of the velocity at every position within the limits: squares, `abs` or a summand keep its factor positive",
         );
     } else if driven.iter().all(|(_, is_driven)| *is_driven) {
         let message = format!("the {what} of {name} drives it at every speed");

@@ -122,11 +122,14 @@ fn note_inertias(
         let radius = (largest / mass).sqrt();
         if moves && radius.is_finite() && radius > FAR {
             let [mass, largest, radius] = [mass, largest, radius].map(three_digits);
-            let entry = format!("{} of {mass} kg has {largest} kg m², as at {radius} m", body.name.quoted());
+            let entry = format!(
+                "{} of {mass} kg has {largest} kg m², a radius of gyration of {radius} m",
+                body.name.quoted()
+            );
             found.push((inertia.span, entry));
         }
     }
-    let message = |entries| format!("inertias that fit no mass so small: {entries}; are they in kg mm²?");
+    let message = |entries| format!("inertias too large for their masses: {entries}; are they in kg mm²?");
     note_found(found, "large-inertia", message, "inertias are in kg m²: 1 kg m² is 1e6 kg mm²", report);
 }
 
@@ -210,5 +213,5 @@ fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
     let entries = listed(found.into_iter().map(|(_, entry)| entry));
     let message = format!("the effort of joints without a drive bounds nothing: {entries}");
     report.warning(first, "effort-without-drive", message);
-    report.help("`drive = \"ideal\"` makes the joint's force or torque an input, `drive = \"none\"` says that it has none");
+    report.help("`drive = \"ideal\"` makes the joint's force or torque an input, `drive = \"none\"` gives it no input");
 }

@@ -63,7 +63,7 @@ fn check_levers(
     let others = described.iter().map(|value| value + random.either_side(0.1, 1.0)).collect();
     let (name, frame) = (&input.name.value, &at.name);
     let message = format!("input `{name}` moves nothing: no joint gives way to its wrench at `{frame}`");
-    let help = "a force moves a joint that turns where it passes by the axis, and one that slides where it has a part along the axis; a \
+    let help = "a force moves a joint that turns if it passes by the axis, and one that slides if it has a part along the axis; a \
                 moment turns about axes that are not across it";
     if Levers::new(model, others).are_moved_by(at, wrench) {
         let message = format!("{message} at the described values of the free parameters");

@@ -119,7 +119,7 @@ pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what:
             continue;
         };
         let place = report.place(first.span);
-        let message = format!("two {what} are named `{}`; the other one stands at {place}", name.value);
+        let message = format!("two {what} are named `{}`; the other one is at {place}", name.value);
         report.error(name.span, "duplicate-name", message);
         report.help("give each its own name");
     }

@@ -105,7 +105,7 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
     let first = floating.next();
     for (second, first) in floating.filter_map(|second| Some((second, first?))) {
         let message =
-            format!("`{}` is a second floating joint beside `{}`", second.joint.value, first.joint.value);
+            format!("`{}` is a second floating joint, next to `{}`", second.joint.value, first.joint.value);
         report.error(second.joint.span, "second-floating-joint", message);
         report.help("two bodies that both move freely are two robots: generate a module for each");
     }
@@ -141,7 +141,7 @@ pub(super) fn find(
             }
             let span = robot.coordinates.as_ref().and_then(|listed| listed.get(next));
             let span = span.map_or(first.joint.span, |name| name.span);
-            let message = format!("the velocities of `{}` do not stand together", first.joint.value);
+            let message = format!("the velocities of `{}` are not adjacent", first.joint.value);
             report.error(span, "quaternion-joint", message);
             report.help("in `coordinates` those of one joint follow each other in their order");
             return joints;

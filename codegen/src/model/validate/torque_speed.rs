@@ -97,5 +97,5 @@ fn refuse_free_ratio(name: &str, motor: &DriveDescription, report: &mut Report) 
 fn refuse_driven(name: &str, span: Span, report: &mut Report) {
     let message = format!("motor `{name}` has a torque–speed line, and turns with a driven joint too");
     report.error(span, "torque-speed-line", message);
-    report.help("what the line leaves to the torque would change with the prescribed motion, which no row of a controller has: leave `stall_torque` and `no_load_speed` out, and limit `torque`");
+    report.help("the torque that the line allows would change with the prescribed motion, which no row of a controller contains: leave `stall_torque` and `no_load_speed` out, and limit `torque`");
 }

@@ -178,7 +178,7 @@ impl fmt::Display for AttitudeError {
         write!(f, "the quaternion of joint {joint}, x {x} y {y} z {z} w {w}, ")?;
         match length(&self.quaternion) {
             length if !length.is_finite() => write!(f, "is not finite"),
-            0.0 => write!(f, "is zero, which is no attitude"),
+            0.0 => write!(f, "is zero, which is not an attitude"),
             length => write!(f, "has the length {length}; an attitude has length 1: normalize it"),
         }
     }

@@ -85,7 +85,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
 
     /// Positions 0, and the identity for quaternions.
     fn neutral(&self) -> [f64; NY] {
-        const { assert!(NY == N, "zero is no attitude") }
+        const { assert!(NY == N, "zero is not an attitude") }
         [0.0; NY]
     }
 

@@ -99,8 +99,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
             (format!("its effort is hardly explained: {poor}"), None)
         }
     };
-    let kept =
-        "It is left out: friction, drive, and what other joints do not tell of its bodies stay as described";
+    let kept = "It is left out: its friction, its drive, and parameters of its bodies that other joints do not determine stay as described";
     let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(subject.clone());
     let joint = (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == *subject)?;
     Some((joint, Finding { remedy, ..finding }))

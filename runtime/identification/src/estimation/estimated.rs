@@ -190,7 +190,7 @@ impl Estimated<'_> {
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "the delay of the efforts is estimated with all else, and intervals count how far it is known: {} beyond what \
+                "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: {} beyond what \
                  was removed before",
                 said.join(", ")
             );

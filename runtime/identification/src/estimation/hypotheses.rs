@@ -325,7 +325,7 @@ fn too_short(task: &Task) -> Option<Finding> {
     let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
     (samples < FEWEST_SAMPLES).then(|| {
         let message = format!(
-            "the log is too short: {samples} samples are left after the filter, and friction cannot be told from chance"
+            "the log is too short: {samples} samples are left after the filter, and friction cannot be distinguished from noise"
         );
         TOO_SHORT.found(message).help("record a motion of 10 s or more")
     })
@@ -356,8 +356,8 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
     } else {
         (
             "without",
-            "say --gravity-compensated if the robot compensates gravity outside the recorded efforts; if it is mounted otherwise \
-             than described, as on a wall or a ceiling, say `gravity = [x, y, z]`",
+            "use --gravity-compensated if the robot compensates gravity outside the recorded efforts; if it is mounted otherwise \
+             than described, as on a wall or a ceiling, set `gravity = [x, y, z]`",
         )
     };
     let finding = GRAVITY.found(format!("the data are explained better {what} gravity")).help(remedy);

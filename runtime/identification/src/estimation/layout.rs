@@ -338,10 +338,9 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     }
     Err(IdentificationError::File {
         place: "drive gains".into(),
-        message:
-            "currents give gains only where each joint has one input of its own; convert the currents to \
+        message: "currents give gains only if each joint has one input of its own; convert the currents to \
                   forces of the inputs first"
-                .into(),
+            .into(),
     })
 }
 

@@ -212,7 +212,7 @@ fn scale(column: &mut [f64], weights: &[f64]) {
     column.iter_mut().zip(weights).for_each(|(x, w)| *x *= w.sqrt());
 }
 
-/// An outlier keeps some weight; samples without any are those of a rest, which nothing is asked of.
+/// Samples without any weight are those of a rest, which do not count; an outlier keeps some weight.
 fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
     for (sum, values) in lost.iter_mut().zip(squared) {
         let counted = values.iter().zip(weights).filter(|(_, w)| **w > 0.0);
@@ -415,7 +415,7 @@ impl Found<'_> {
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 
-    /// Measured force minus the rigid body's and an added inertia's, as factors of a joint's columns.
+    /// Friction as factors of a joint's columns: measured force minus those of the rigid body and of an added inertia.
     fn friction(&self, joint: usize) -> DVector<f64> {
         let layout = self.fitted.layout;
         let mut factors = residual_vector(layout, &self.fitted.solved.values, joint);

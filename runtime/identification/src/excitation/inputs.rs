@@ -132,7 +132,7 @@ pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [Excitat
     notes
 }
 
-/// First and last place of the longest run of levers of one sign that are not short; `None` if all have one sign.
+/// First and last index of the longest sequence of levers of one sign above the least length; `None` if all have one sign.
 fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
     let longest = levers.iter().fold(0.0_f64, |most, lever| most.max(lever.abs()));
     let has_both = levers.iter().any(|lever| *lever > 0.0) && levers.iter().any(|lever| *lever < 0.0);
@@ -188,7 +188,7 @@ fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) ->
     Err(IdentificationError::File {
         place: format!("joint {}", joint.name),
         message: format!(
-            "no motion is planned where a {kind} joint is moved by its inputs in {moved} of its {} directions: in the others it \
+            "no motion is planned if a {kind} joint is moved by its inputs in {moved} of its {} directions: in the others it \
              would have to move as nothing moves it. Record free motions instead, which `gelenk identify` takes as they are; or \
              describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp what it \
              carries, describe it as fixed for the plan and its logs ({fixed}), and identify the rest from free motions",

@@ -35,7 +35,7 @@ impl Torques {
         (0..self.usable.len()).map(|input| self.range(input, v)).collect()
     }
 
-    /// Faster than without load, a motor brakes: there the whole line counts.
+    /// Range of the torque. Beyond its speed without load a motor brakes, and the whole line counts.
     fn range(&self, input: usize, v: &[f64]) -> [f64; 2] {
         self.lines.iter().filter(|line| line.input == input).fold(self.usable[input], |[low, high], line| {
             let [least, most] = line.range(v);

@@ -23,7 +23,7 @@ impl Refusals {
         let counts = self.counts.borrow();
         let most = counts.iter().max_by_key(|(_, count)| **count);
         let most = most.map_or_else(String::new, |(what, count)| {
-            format!(" (what stood in the way most often, in {count} motions: {what})")
+            format!(" (the most frequent reason, in {count} motions: {what})")
         });
         if !at_rest.is_empty() {
             return format!(

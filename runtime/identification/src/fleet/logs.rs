@@ -42,9 +42,9 @@ pub(super) struct About {
     pub(super) description: Hash,
     pub(super) effort: Effort,
     pub(super) gravity_compensated: bool,
-    /// As asked for; `None` if each log decides \[Hz\].
+    /// Requested bandwidth \[Hz\]; `None` if each log has its own.
     pub(super) bandwidth: Option<f64>,
-    /// As asked for; `None` if each log decides \[s\].
+    /// Requested delay \[s\]; `None` if each log has its own.
     pub(super) delay: Option<f64>,
     /// Columns of each joint.
     pub(super) widths: Vec<usize>,

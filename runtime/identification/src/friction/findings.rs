@@ -130,8 +130,7 @@ impl<'a> Findings<'a> {
 
     fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> Finding {
         let message = format!(
-            "the law takes {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not tell the \
-             friction there",
+            "the law takes {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not determine the friction there",
             plain(torque, 3),
             self.unit,
             plain(speed, 3),

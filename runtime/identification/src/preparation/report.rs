@@ -214,7 +214,7 @@ impl Recorded<'_> {
             shares.map(|(joint, share)| format!("{} in {share:.0} %", self.name(joint))).collect();
         (!named.is_empty()).then(|| {
             RESTS.found(format!(
-                "at rest dry friction takes any value up to the static one, and efforts say nothing about it: the fit \
+                "at rest dry friction takes any value up to the static one, and efforts do not determine it: the fit \
                  leaves out the samples in which a joint rests ({})",
                 named.join(", ")
             ))
@@ -239,7 +239,7 @@ fn noisy(joint: &JointPreparation) -> Option<Finding> {
             "{:.0} % of the power of its acceleration is noise: inertia comes out too small",
             100.0 * joint.acceleration_noise
         );
-        let remedy = format!("move it faster, or say a smaller --bandwidth (it is {:.3})", joint.bandwidth);
+        let remedy = format!("move it faster, or use a smaller --bandwidth (it is {:.3})", joint.bandwidth);
         NOISY.found(message).help(remedy).joint(&joint.name)
     })
 }

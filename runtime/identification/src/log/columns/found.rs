@@ -58,7 +58,7 @@ impl Found {
         self.columns.iter().map(|column| column.index)
     }
 
-    /// Pattern, the first and the last joint, and units.
+    /// Line of a message: pattern, first and last joint, and units.
     pub(super) fn line(&self, what: &str) -> Option<String> {
         let mut units: Vec<&str> = Vec::new();
         for Column { unit_words: unit, .. } in &self.columns {

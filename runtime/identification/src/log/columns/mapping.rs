@@ -200,7 +200,7 @@ impl Finder<'_> {
         let twice = used.iter().enumerate().find(|(i, column)| used[..*i].contains(column));
         match twice {
             Some((_, column)) => Err(self.undecided(format!(
-                "column {} would stand for two quantities: name the columns with --columns",
+                "column {} would be used for two quantities: name the columns with --columns",
                 self.label(*column)
             ))),
             None => Ok(()),

@@ -102,7 +102,7 @@ impl Finder<'_> {
         if kind == Kind::Attitude && !angles.is_empty() {
             return self.fault(format!(
                 "no columns are known as the quaternion of `{name}`, but {} look like angles. Attitudes are read as \
-                 quaternions alone: the order of angles is a convention that a log does not tell. Convert them \
+                 quaternions alone: the order of angles is a convention that a log does not state. Convert them \
                  (scipy: Rotation.from_euler(…).as_quat()) and name the four columns qx, qy, qz, qw",
                 angles.join(", ")
             ));

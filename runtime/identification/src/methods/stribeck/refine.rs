@@ -104,7 +104,7 @@ pub(super) struct Normal {
     pub(super) g: SVector<f64, 5>,
     /// The best offset of each run at this point.
     pub(super) offsets: Vec<f64>,
-    /// Mean of the derivatives in each run: by their product with a step the offset sinks.
+    /// Mean of the derivatives in each run; a step changes the offset by minus its product with them.
     pub(super) levels: Vec<SVector<f64, 5>>,
     pub(super) iterations: usize,
     pub(super) converged: bool,
