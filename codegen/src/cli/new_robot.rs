@@ -198,8 +198,7 @@ impl Kind {
             match place.and_then(Path::to_str) {
                 Some(place) => Ok((place.to_owned(), bytes.to_vec())),
                 None => Err(Failure::Usage(format!(
-                    "{} includes {}, which cannot lie at the same place in the new crate\n  = help: include files that lie beside it, \
-                     by a relative path and under another name than {}",
+                    "{} includes {}, which cannot be at the same place in the new crate\n  = help: include files of its own folder, by a relative path and under another name than {}",
                     path.display(),
                     file.display(),
                     self.file()

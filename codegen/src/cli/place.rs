@@ -109,7 +109,7 @@ impl Target {
         }
         if !is_of_c(output) {
             return usage(format!(
-                "{}: a module in C goes to a folder, or to a file that ends with .c and one beside it that ends with .h",
+                "{}: a module in C goes to a folder, or to a file that ends with .c and one next to it that ends with .h",
                 output.display()
             ));
         }

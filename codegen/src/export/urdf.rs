@@ -202,7 +202,7 @@ impl Writer<'_> {
             (!joint.springs.is_empty(), "has no springs; left out at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
-                "has one limit of force at a joint; the nominal one was left out beside the peak at",
+                "has one limit of force at a joint; the nominal one was left out, next to the peak, at",
             ),
         ] {
             if is_lost {

@@ -28,7 +28,7 @@ impl<S: Copy> Transmission<S> {
         Self { terms: vec![Followed { coordinate, ratio }] }
     }
 
-    /// The coordinate, where only one is followed.
+    /// The coordinate, if it follows only one.
     pub fn single(&self) -> Option<Followed<S>> {
         match self.terms[..] {
             [followed] => Some(followed),

@@ -99,7 +99,7 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
     joint.complete();
 }
 
-/// The velocities of which a table tells; `None` if it describes a joint of its own.
+/// The velocities that a table describes; `None` if it describes a joint of its own.
 ///
 /// - `standing`: the joints with quaternions
 fn velocities_of(

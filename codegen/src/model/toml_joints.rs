@@ -282,7 +282,8 @@ fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pos
         reader.report.help("keep one of them");
     }
     if let (Some(row), Some(axis)) = (given.iter().find(|item| item.key != "origin"), table.get("axis")) {
-        let message = format!("`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
+        let message =
+            format!("`axis` together with `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
         reader.report.error(axis.key_span, "conflicting-keys", message);
         reader.report.help("remove `axis`, or place the joint by `origin`");
     }

@@ -57,7 +57,7 @@ pub(crate) fn obstacle(program: &Program) -> Option<&'static str> {
     }
     match Plan::new(program, &Flow::new(program), usize::MAX) {
         Some(_) => None,
-        None => Some("it takes the sine of what is computed from another sine"),
+        None => Some("it takes the sine of an expression of another sine"),
     }
 }
 

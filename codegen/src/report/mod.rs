@@ -93,7 +93,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .block(Block::Scene(scene.clone()))
         .blocks(driven(robot).map(|sentence| text(&sentence)))
         .blocks(quaternions(robot).iter().map(|sentence| text(sentence)))
-        .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; what a drive moves is filled."))
+        .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; joints with a drive are filled."))
         .block(Block::Tree(scene))
 }
 

@@ -12,7 +12,7 @@ pub struct Table {
     pub caption: Vec<Inline>,
     /// The columns.
     pub columns: Vec<Column>,
-    /// The rows, as long as there are columns.
+    /// The rows; each has one cell per column.
     pub rows: Vec<Vec<Cell>>,
 }
 

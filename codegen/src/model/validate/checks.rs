@@ -82,7 +82,7 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
             as_written(peak.value)
         );
         report.error(peak.span, "limits-reversed", message);
-        report.help("`effort` is what the joint may bear all the time, `peak_effort` for a moment: exchange them, or correct one");
+        report.help("`effort` is the continuous limit of the joint, `peak_effort` the one for a short time: exchange them, or correct one");
     }
 }
 

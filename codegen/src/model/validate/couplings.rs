@@ -35,7 +35,7 @@ pub(super) struct Couplings {
 }
 
 impl Couplings {
-    /// Resolves what joints and drives follow, along chains of followers, to coordinates.
+    /// Writes the motions of joints and drives in terms of coordinates, along chains of followers.
     pub(super) fn resolve(
         robot: &RobotDescription,
         tree: &Tree,

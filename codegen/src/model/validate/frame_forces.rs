@@ -361,7 +361,7 @@ fn note_drive_beside(
         |link: &&usize| driven.iter().any(|&coordinate| model.coordinates.get(coordinate) == Some(*link));
     for link in between.filter(driven) {
         let joint = model.links[*link].joint.as_ref().map_or("", |joint| &joint.name);
-        let message = format!("joint `{joint}` has a drive beside the input `{}`", force.name.value);
+        let message = format!("joint `{joint}` has a drive in addition to the input `{}`", force.name.value);
         report.note(Some(force.name.span), "drive-beside-input", message);
         report.help("`drive = \"none\"` at the joint leaves the input alone");
     }

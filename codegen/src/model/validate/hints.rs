@@ -211,7 +211,7 @@ fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
     }
     let Some(&(first, _)) = found.first() else { return };
     let entries = listed(found.into_iter().map(|(_, entry)| entry));
-    let message = format!("the effort of joints without a drive bounds nothing: {entries}");
+    let message = format!("the effort of joints without a drive has no effect: {entries}");
     report.warning(first, "effort-without-drive", message);
     report.help("`drive = \"ideal\"` makes the joint's force or torque an input, `drive = \"none\"` gives it no input");
 }

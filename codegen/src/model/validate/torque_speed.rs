@@ -91,7 +91,7 @@ fn has_known_ratio(drive: &Drive) -> bool {
 fn refuse_free_ratio(name: &str, motor: &DriveDescription, report: &mut Report) {
     let message = format!("motor `{name}` has a torque–speed line, and its ratio is a free parameter");
     report.error(motor.gear_ratio.span, "torque-speed-line", message);
-    report.help("the line is a limit of the joints' speeds for a known ratio: give the ratio a number, or give controllers the row yourself, `MpcRow::torque_speed_line`");
+    report.help("a line needs a known ratio: give the ratio as a number, or give controllers a row of your own, `MpcRow::torque_speed_line`");
 }
 
 fn refuse_driven(name: &str, span: Span, report: &mut Report) {

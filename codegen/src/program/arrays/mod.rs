@@ -316,7 +316,7 @@ impl Arrays {
         }
     }
 
-    /// The same with each product that only sums read contracted into a fused multiply-add.
+    /// The same with fused multiply-adds: each product that only sums read is part of these sums.
     #[must_use]
     pub fn fused(&self) -> Self {
         let mut fused = self.clone();

@@ -190,8 +190,7 @@ impl Estimated<'_> {
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: {} beyond what \
-                 was removed before",
+                "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: {} in addition to the delay that was removed before",
                 said.join(", ")
             );
             DELAYS.found(message).help("--delay takes one as known")

@@ -161,7 +161,7 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
     match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
         Some((_, joint)) => Err(IdentificationError::File {
             place: format!("joint {joint}"),
-            message: "it has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it (`drive`, \
+            message: "it has no drive, and no input at a frame moves it: no motion of it can be planned; describe the force that moves it (`drive`, \
                       `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs"
                 .into(),
         }),

@@ -61,8 +61,8 @@ impl<'a> Findings<'a> {
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
         let offsets = match (separate, self.data.one_offset) {
             (false, _) => "",
-            (true, false) => " beside the offset of each run",
-            (true, true) => " beside one offset of all runs",
+            (true, false) => " in addition to the offset of each run",
+            (true, true) => " in addition to one offset of all runs",
         };
         self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
     }

@@ -85,7 +85,7 @@ impl FrictionIdentification {
             if listed.len() > 1 {
                 return Err(IdentificationError::Expression {
                     text: terms.into(),
-                    message: "`stribeck` stands alone: its law has viscous and Coulomb friction".into(),
+                    message: "`stribeck` is not combined with other terms: its law has viscous and Coulomb friction".into(),
                 });
             }
             return Ok(Self {

@@ -253,7 +253,7 @@ fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
     };
     is_doubtful.then(|| {
         let message = format!(
-            "its efforts are taken as {taken} and are then {} times what carries the described weight (rms), with \
+            "its efforts are taken as {taken} and are then {} times the forces that carry the described weight (rms), with \
              {} between motor and joint: they look like {other} (--columns '{key}=…')",
             plain(ratio, 3),
             plain(gear, 6)

@@ -90,7 +90,7 @@ impl Found {
     pub(super) fn if_commanded(&self) -> Option<Finding> {
         let why = match self.kind {
             Kind::Position => "the joints did otherwise by the control error",
-            _ => "drives that do not follow at once, or that are limited, gave others",
+            _ => "drives with a delay or a limit gave other efforts",
         };
         self.is_commanded.then(|| {
             let message = format!(

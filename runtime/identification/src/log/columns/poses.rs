@@ -121,7 +121,7 @@ impl Finder<'_> {
 fn remedy(kind: Kind) -> &'static str {
     match kind {
         Kind::Attitude => {
-            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' where w stands first; numbers as in `5..8` do too)"
+            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' if w comes first; numbers as in `5..8` do too)"
         }
         _ => "--columns 'place=a|b|c' (numbers as in `2..4` do too)",
     }

@@ -13,7 +13,7 @@ const ROWS: &str = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
 fn cases() -> Vec<(String, &'static str, &'static str)> {
     let under = |header: &str| format!("{header}\n{ROWS}");
     vec![
-        (ROWS.into(), "", "the log has no header: its first row is `0, 1, 2, 3, 4`. Say which column is what by numbers, as in --columns 'time=1,position=2..3,torque=4..5'"),
+        (ROWS.into(), "", "the log has no header: its first row is `0, 1, 2, 3, 4`. Name the columns by numbers, as in --columns 'time=1,position=2..3,torque=4..5'"),
         (ROWS.into(), "time=t,position=2..3,torque=4..5", "the log has no header; give the columns' numbers"),
         (ROWS.into(), "time=1,position=2..9,torque=4..5", "the log has columns 1 to 5"),
         (ROWS.into(), "time=1,position=2..4,torque=4..5", "it names 3 columns, 2 are needed"),
