@@ -1,4 +1,4 @@
-//! LQR of the PowerCube's axis α in the control loop at 50 Hz, beside joint PD: gains, stability margins, errors.
+//! LQR of the PowerCube's axis α in the control loop at 50 Hz, compared with joint PD: gains, stability margins, errors.
 //!
 //! ```text
 //! cargo run --release -p gelenk-runtime --example lqr

@@ -98,7 +98,7 @@ fn descriptions_and_foreign_files_are_kept() {
     fs::write(at("new_control.rs"), "fn mine() {}\n").unwrap();
     let pair = ["generate", "arm.toml", "-o", "new.rs", "--control-model", "50"];
     let said = refused(folder.path(), &pair);
-    assert!(said.contains("new_control.rs: it holds"), "{said}");
+    assert!(said.contains("new_control.rs: gelenk has not generated it"), "{said}");
     assert!(!at("new.rs").exists(), "one of two was written");
     for (file, text) in [("base.toml", PENDULUM), ("arm.toml", extension), ("main.rs", "fn main() {}\n")] {
         assert_eq!(fs::read_to_string(at(file)).unwrap(), text);
@@ -121,7 +121,7 @@ fn a_foreign_crate_root_is_kept() {
     fs::write(at("generated/src/lib.rs"), "pub mod mine;\n").unwrap();
     for arguments in [&["generate"][..], &["generate", "models/pendulum.toml"]] {
         let said = refused(folder.path(), arguments);
-        assert!(said.contains("lib.rs: it holds"), "{said}");
+        assert!(said.contains("lib.rs: gelenk has not generated it"), "{said}");
         assert!(!at("generated/src/pendulum.rs").exists());
     }
     assert_eq!(fs::read_to_string(at("generated/src/lib.rs")).unwrap(), "pub mod mine;\n");

@@ -11,10 +11,10 @@ use super::pattern::Pattern;
 use super::plot::{Figure, Plot};
 use super::report::Report;
 use super::scene::{Scene, SceneJoint, SceneSymbol};
+use super::style::STYLE;
 use super::table::{Cell, Table};
 use super::{diagram, equation, number, pattern, plot};
 
-pub(super) const STYLE: &str = include_str!("page.css");
 /// Moves the robot; written by hand, without libraries.
 const SCRIPT: &str = include_str!("scene.js");
 /// The browser itself refuses to load anything.

@@ -9,6 +9,7 @@ use plotters::prelude::*;
 
 use super::error::ReportError;
 use super::inline::{Inline, inlines};
+use super::style::light;
 
 /// Plots with a common caption.
 #[derive(Debug, Clone, PartialEq)]
@@ -424,12 +425,6 @@ pub(super) fn file(plot: &Plot, id: &str) -> Result<String, ReportError> {
         text = text.replace(&format!("var({name})"), light(&name));
     }
     Ok(text)
-}
-
-/// A light colour of the page, the first one of its name.
-fn light(name: &str) -> &'static str {
-    let (_, rest) = super::page::STYLE.split_once(&format!("{name}: ")).unwrap_or_default();
-    rest.split_once(';').map_or("#000", |(colour, _)| colour)
 }
 
 #[cfg(test)]
