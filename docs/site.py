@@ -110,7 +110,7 @@ def gallery(program):
         if closed.returncode == 0:
             (SRC / f"docs/gallery/{name}/equations.tex").write_text(closed.stdout)
         equations = f"[LaTeX](gallery/{name}/equations.tex)" if closed.returncode == 0 else ""
-        words = re.split(r"(?<=\.) ", " ".join(model["description"]).strip())[0]
+        words = re.split(r"(?<=[a-z0-9)][a-z0-9)]\.) ", " ".join(model["description"]).strip())[0]
         return f"| [`{name}`](gallery/{name}/index.html) | {words} | {data['facts']['coordinates']} | {equations} |"
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
