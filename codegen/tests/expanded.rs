@@ -85,6 +85,9 @@ fn the_planar_arm_reads_as_in_the_textbook() {
     }
 }
 
+/// A command of LaTeX with its function.
+type Named = (&'static str, fn(f64) -> f64);
+
 /// The value of LaTeX that a sum is written in.
 struct Reader<'a> {
     rest: &'a str,
@@ -169,7 +172,7 @@ impl Reader<'_> {
             let index = self.index();
             return self.y[index];
         }
-        let functions: [(&str, fn(f64) -> f64); 6] = [
+        let functions: [Named; 6] = [
             ("\\sin", f64::sin),
             ("\\cos", f64::cos),
             ("\\tanh", f64::tanh),

@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn what_names_no_terms_is_refused() {
         let fault = |terms: &str| of(terms).unwrap_err().to_string();
-        assert!(fault("stribeck,viscous").contains("stands alone"), "{}", fault("stribeck,viscous"));
+        assert!(fault("stribeck,viscous").contains("is not combined"), "{}", fault("stribeck,viscous"));
         assert!(fault("").contains("the library of terms"), "{}", fault(""));
         assert!(fault("viscous,v").contains("twice"), "{}", fault("viscous,v"));
         assert!(fault("viscos").contains("viscos"), "{}", fault("viscos"));

@@ -38,7 +38,7 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("t,q1_count,q2_count,u1,u2"), "", "column `q1_count` is a position in count, but rad is expected here"),
         (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
         ("t,q1,q2,u1,u2\n".into(), "", "no rows of numbers are found; the file begins with `t,q1,q2,u1,u2`"),
-        ("t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(), "", "the time is no number in all 2 rows (the first is `12:00:01`)"),
+        ("t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(), "", "the time is not a number in any of 2 rows (the first is `12:00:01`)"),
         ("t,q1,q2,u1,u2\n0,1,2,NaN,NaN\n1,1,2,NaN,NaN\n".into(), "", "column `u1` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,NaN,3,4\n1,1,NaN,3,4\n".into(), "", "column `q2` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,,3,4\n1,,2,,4\n2,1,,,4\n".into(), "", "0 of 3 rows have time, 2 positions and efforts together"),
