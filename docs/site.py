@@ -1,11 +1,13 @@
 """Builds the site: collects the pages of docs/SUMMARY.md, runs mdBook, and checks links and search.
 
-    python3 docs/site.py [GELENK]        GELENK: the program whose help is printed [default: target/debug/gelenk]
+    python3 docs/site.py [GELENK]        GELENK: the program that makes help and gallery [default: target/debug/gelenk]
 
 Pages keep the repository's layout, so that their relative links hold. Needs mdbook in PATH (tests/python/site.txt).
 """
 
+import concurrent.futures
 import html.parser
+import json
 import os
 import pathlib
 import re
@@ -92,16 +94,47 @@ def help_texts(program):
     return "".join(f"## {name}\n\n```text\n{text}```\n\n" for name, text in texts)
 
 
+def gallery(program):
+    """Makes the page of each robot, and returns their table."""
+    names = sorted(path.stem for path in (ROOT / "models").glob("*.toml"))
+    run = lambda *words: subprocess.run([program, *words], cwd=ROOT, capture_output=True, text=True)
+
+    def page(name):
+        description = f"models/{name}.toml"
+        report = run("report", description, "--output", SRC / f"docs/gallery/{name}")
+        if report.returncode:
+            sys.exit(f"{description}: {report.stderr or report.stdout}")
+        model = json.loads(run("inspect", description, "--format", "json").stdout)
+        data = json.loads((SRC / f"docs/gallery/{name}/report.json").read_text())
+        closed = run("inspect", "equations", description)
+        if closed.returncode == 0:
+            (SRC / f"docs/gallery/{name}/equations.tex").write_text(closed.stdout)
+        equations = f"[LaTeX](gallery/{name}/equations.tex)" if closed.returncode == 0 else ""
+        words = re.split(r"(?<=[a-z0-9)][a-z0-9)]\.) ", " ".join(model["description"]).strip())[0]
+        return f"| [`{name}`](gallery/{name}/index.html) | {words} | {data['facts']['coordinates']} | {equations} |"
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        rows = list(pool.map(page, names))
+    return "\n".join(["| robot | description | coordinates | closed form |", "|---|---|---|---|", *rows]) + "\n"
+
+
 def collect(program):
     shutil.rmtree(SRC, ignore_errors=True)
     known = pages()
     for page, title in known.items():
         target = SRC / place(page)
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(page_text(page, title, known).replace("<!-- help -->", help_texts(program) if "command_line" in page else ""))
+        text = page_text(page, title, known)
+        for mark, made in GENERATED.items():
+            if mark in text:
+                text = text.replace(mark, made(program))
+        target.write_text(text)
     shutil.copytree(ROOT / "docs/tutorial", SRC / "docs/tutorial")
     summary = (ROOT / "docs/SUMMARY.md").read_text()
     (SRC / "SUMMARY.md").write_text(LINK.sub(lambda m: m[1] + place(os.path.normpath(f"docs/{m[2]}")), summary))
+
+
+GENERATED = {"<!-- help -->": help_texts, "<!-- robots -->": gallery}
 
 
 class Anchors(html.parser.HTMLParser):

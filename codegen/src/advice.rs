@@ -1,4 +1,4 @@
-//! Notes on what friction and springs do to the functions that were generated.
+//! Notes on the effects of friction and springs on the generated functions.
 
 use crate::diagnostic::Diagnostic;
 use crate::function_names::FORWARD_DYNAMICS;
@@ -41,7 +41,7 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
         return None;
     }
     let message = format!(
-        "the force laws of {} have an exact `sign`, whose derivative is 0: Jacobians and linearizations know nothing of it",
+        "the force laws of {} have an exact `sign`, whose derivative is 0: Jacobians and linearizations do not contain it",
         list(names.into_iter())
     );
     let note = Diagnostic::note("sign-derivative", message);

@@ -17,7 +17,7 @@ pub struct Diagnostics(Vec<Diagnostic>);
 const SHOWN: usize = 100;
 
 impl Diagnostics {
-    /// Sorted by place; what has none comes first. Repetitions are dropped.
+    /// Sorted by place; diagnostics without a place come first. Repetitions are dropped.
     pub fn new(mut entries: Vec<Diagnostic>) -> Self {
         entries.sort_by(|a, b| key(a).cmp(&key(b)));
         entries.dedup();
@@ -34,12 +34,12 @@ impl Diagnostics {
         self.0
     }
 
-    /// Tells whether there are no diagnostics.
+    /// Whether there are no diagnostics.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Tells whether one of the diagnostics is an error.
+    /// Whether one of the diagnostics is an error.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }
@@ -118,7 +118,7 @@ struct Source {
     line_starts: Vec<usize>,
 }
 
-/// The texts that were read and what was found in them so far.
+/// The texts that were read, and the diagnostics in them so far.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     sources: Vec<Source>,
@@ -185,12 +185,12 @@ impl Report {
         errors.count() + self.dropped
     }
 
-    /// Tells whether further errors are only counted. Advice for them is then in vain.
+    /// Whether further errors are only counted. Advice for them is then in vain.
     pub fn is_full(&self) -> bool {
         self.entries.len() >= KEPT
     }
 
-    /// Tells whether an error was added.
+    /// Whether an error was added.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }

@@ -63,7 +63,7 @@ pub const ALL: &str = "all";
 /// Names that stand for several functions.
 pub const GROUPS: [&str; 2] = [FRAMES, ALL];
 
-/// Tells whether a selection has all functions but those on request: it is empty or contains [`ALL`].
+/// Whether a selection has all functions but those on request: it is empty or contains [`ALL`].
 #[must_use]
 pub fn select_all(selection: &[String]) -> bool {
     selection.is_empty() || selection.iter().any(|name| name == ALL)
@@ -101,7 +101,7 @@ impl FrameKind {
         format!("{start}{frame}{end}")
     }
 
-    /// Tells whether a frame has a function of this name; whether the robot has the frame is not known here.
+    /// Whether a frame has a function of this name; whether the robot has the frame is not known here.
     fn is_of(self, name: &str) -> bool {
         let [start, end] = self.around();
         let frame = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(end));
@@ -114,7 +114,7 @@ pub fn listed() -> impl Iterator<Item = &'static str> {
     OF_ROBOTS.iter().copied().chain(GROUPS)
 }
 
-/// Tells whether some robot has a function of this name, or whether it is one of [`GROUPS`].
+/// Whether some robot has a function of this name, or whether it is one of [`GROUPS`].
 #[must_use]
 pub fn is_known(name: &str) -> bool {
     listed().any(|known| known == name) || FrameKind::ALL.iter().any(|kind| kind.is_of(name))

@@ -100,14 +100,14 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
             "`{name}` is straight-line code of {operations} operations, for one state too, because it is asked for over lanes"
         );
         let help = format!(
-            "as loops over joints it may be much shorter and faster: where single states count, generate a second module without \
+            "as loops over joints it may be much shorter and faster: if single states count, generate a second module without \
              `{name}` over lanes"
         );
         Diagnostic::note("lanes-without-loops", message).help(help)
     })
 }
 
-/// Why a function has no form over lanes, and what helps.
+/// Reason why a function has no form over lanes, and remedy.
 fn obstacle(name: &str, functions: &[Function], math: Math) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
         let reason = match math {

@@ -1,4 +1,4 @@
-//! Lengths with names: what the entries of an array stand for.
+//! Lengths with names: meanings of the entries of an array.
 
 /// The meaning of an array's entries, which gives its length a name in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub enum Dimension {
     Positions,
     /// Joints of such a robot.
     Joints,
-    /// Velocities ẏ, and what belongs to one of them: accelerations, forces, derivatives by small motions.
+    /// Velocities ẏ, and quantities with one entry per velocity: accelerations, forces, derivatives by small motions.
     Velocities,
     /// Inputs u.
     Inputs,
@@ -40,7 +40,7 @@ impl Dimension {
     }
 }
 
-/// A length: how many entries, and what they stand for.
+/// A length: number of entries, and their meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
     /// The meaning of the entries.

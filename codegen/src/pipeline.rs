@@ -37,7 +37,7 @@ pub struct GenerateOptions {
     pub smooth_sign: Option<f64>,
     /// Takes robots whose mass matrix is not positive definite.
     pub accept_unphysical: bool,
-    /// Keeps `sign` where the description has it replaced.
+    /// Keeps `sign` if the description has it replaced.
     pub exact_sign: bool,
     /// The base moves freely: a floating joint stands between the world and it.
     pub floating_base: bool,
@@ -45,7 +45,7 @@ pub struct GenerateOptions {
     pub hold: Vec<Hold>,
     /// A body of an MJCF: its tree is the robot.
     pub body: Option<String>,
-    /// Contracts products and sums to fused multiply-adds, rounded once: faster where the processor has them,
+    /// Contracts products and sums to fused multiply-adds, rounded once: faster if the processor has them,
     /// and compiled only there.
     pub fused_multiply_add: bool,
     /// Form of functions that are large as straight-line code.
@@ -56,7 +56,7 @@ pub struct GenerateOptions {
     pub max_operations: Option<usize>,
     /// Functions that are also written over eight states at once; empty: what the description asks for.
     pub lanes: Vec<String>,
-    /// Lines below the description of the robot: what its reader should know about this module.
+    /// Lines below the description of the robot, for readers of this module.
     pub remarks: Vec<String>,
     /// How the module is printed.
     pub emit: EmitOptions,
@@ -212,7 +212,7 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         return match options.emit.companions.is_empty() {
             true => Ok(()),
             false => {
-                let message = "files for tools that call C stand beside modules in C alone";
+                let message = "files for tools that call C need modules in C";
                 Err(Diagnostic::error("not-in-rust", message).help("generate C, `--language c`").into())
             }
         };

@@ -24,7 +24,7 @@ pub(crate) struct Mode {
     pub coordinate: usize,
 }
 
-/// The fastest mode at seeded positions, under the inputs of the effort limits; none where nothing is finite.
+/// The fastest mode at seeded positions, under the inputs of the effort limits; none if nothing is finite.
 pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     let mut random = Random::new(SEED);
     let modes =
@@ -78,7 +78,7 @@ fn acceleration(model: &Model, forward: &Function, values: &[f64], v: &[f64], u:
     results.into_iter().next()
 }
 
-/// The inputs that exert the effort limits of their joints; 0 where there is none.
+/// The inputs that exert the effort limits of their joints; 0 if there is none.
 fn inputs(model: &Model) -> Vec<f64> {
     let parameters: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     let joints: Vec<_> = model.joints().collect();

@@ -3,13 +3,13 @@
 /// The advice for problems with this code.
 pub(crate) fn remedy(code: &str) -> Option<&'static str> {
     Some(match code {
-        "number-not-finite" => "give a finite number; what is not limited has no limit written",
+        "number-not-finite" => "give a finite number, or leave the limit out",
         "number-too-large" => "numbers are in m, kg, s and rad: check unit and exponent",
         "toml-syntax" => {
-            "text stands in quotes, a list in [ ], a table in { }, and commas separate entries: check this line and the one before it"
+            "text needs quotes, a list [ ], a table in { }, and commas separate entries: check this line and the one before it"
         }
         "xml-syntax" => {
-            "each tag that is opened is closed by its own name, and values of attributes stand in quotes"
+            "each tag that is opened is closed by its own name, and values of attributes need quotes"
         }
         "axis-not-unit" => "give a direction: numbers that are not all 0",
         "formula-syntax" => {
@@ -32,7 +32,7 @@ pub(crate) fn remedy(code: &str) -> Option<&'static str> {
             "a sphere has its radius, a capsule or cylinder radius and half its length, a box or ellipsoid half of its three lengths"
         }
         "unusable-name" => "a name is one line of text that is not empty",
-        "not-positive" => "give a number greater than 0, or leave it out where nothing is limited",
+        "not-positive" => "give a number greater than 0, or leave it out if nothing is limited",
         "too-many-problems" => "correct those that are shown first: others often follow from them",
         _ => return None,
     })

@@ -9,7 +9,7 @@ use crate::random::Random;
 /// States for each function.
 pub(crate) const STATES: u64 = 2;
 
-/// One call of a function, and what the interpreter computes for it.
+/// One call of a function, and its results by the interpreter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfTest {
     /// The function.

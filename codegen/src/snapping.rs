@@ -6,7 +6,7 @@ use crate::functions::selection;
 use crate::model::{DescriptionFiles, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
 use crate::program::cost::count;
 
-/// The functions that are counted for the note, where they are generated at all.
+/// The functions that are counted for the note, if they are generated at all.
 const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
 
 /// The notes, the one about nearly right angles with the operations that snapping would save; without it
@@ -35,7 +35,7 @@ pub fn priced(
     Diagnostics::new(entries)
 }
 
-/// Counts of the functions with the angles snapped and as they are, empty where they are the same; `None`
+/// Counts of the functions with the angles snapped and as they are, empty if they are the same; `None`
 /// where none of them is generated.
 fn savings(
     description: &mut DescriptionFiles,

@@ -30,7 +30,7 @@ fn check_joints(model: &Model, name: &str, option: &str) -> Result<(), Diagnosti
     model.refuse_driven(&format!("there are no functions for {name}"), &help)
 }
 
-/// Refuses modules without what acados calls.
+/// Refuses modules without the functions that acados calls.
 pub(crate) fn check_functions(
     functions: &[Function],
     compositions: &[Composition],
@@ -42,7 +42,7 @@ pub(crate) fn check_functions(
     match needed.find(|name| !names.contains(name)) {
         Some(missing) if tools.contains(&Companion::Acados) => {
             let message = format!("acados needs the function `{missing}`, which is not in the module");
-            let help = "name `step`, `step_derivatives` and `input_matrix` where functions are chosen";
+            let help = "if functions are chosen, name `step`, `step_derivatives` and `input_matrix`";
             Err(Diagnostic::error("missing-function", message).help(help).into())
         }
         _ => Ok(()),
@@ -69,7 +69,7 @@ struct Given {
     derivatives: &'static str,
 }
 
-/// Says which functions CasADi is not given, because the module lacks what computes them.
+/// Names functions that CasADi does not get, because the module lacks the functions that compute them.
 pub(crate) fn notes(
     functions: &[Function],
     compositions: &[Composition],

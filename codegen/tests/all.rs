@@ -22,6 +22,7 @@ mod drawn_forces;
 mod driven_joints;
 mod elementary_functions;
 mod emitted_code;
+mod expanded;
 #[path = "external_arm/main.rs"]
 mod external_arm;
 #[path = "findings/main.rs"]

@@ -278,7 +278,10 @@ fn springs_and_inertias_that_are_hardly_meant_are_told() {
     );
     let (severity, said) = only(&arm("", "100000"));
     assert_eq!(severity, Severity::Note);
-    assert!(said.contains("`j` of 1 kg has 100000 kg m², as at 316 m; are they in kg mm²?"), "{said}");
+    assert!(
+        said.contains("`j` of 1 kg has 100000 kg m², a radius of gyration of 316 m; are they in kg mm²?"),
+        "{said}"
+    );
 }
 
 /// The option is for the joints of other files.

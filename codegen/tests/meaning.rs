@@ -259,7 +259,8 @@ fn a_rotor_that_is_nowhere_needs_no_carrier() {
     let mounting = "rotor_inertia = 1e-6\ncarrier = \"base\"\naxis = [0, 1, 0]\n";
     let unused = load(&left(&format!("{mounting}coupling = \"diagonal\""))).1.to_string();
     for key in ["carrier", "axis"] {
-        let words = format!("warning[unused-key]: `{key}` changes nothing beside `coupling = \"diagonal\"`");
+        let words =
+            format!("warning[unused-key]: `{key}` changes nothing together with `coupling = \"diagonal\"`");
         assert!(unused.contains(&words), "{unused}");
     }
     assert!(load(&left(mounting)).1.is_empty());

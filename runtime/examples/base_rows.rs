@@ -61,7 +61,7 @@ const ROWS: [(&str, &str); BASE] = [
 /// Half-amplitude frequency of the filter, and rows of a prepared log in a second [Hz].
 const BANDWIDTH: f64 = 7.0;
 const RATE: f64 = 100.0;
-/// Fits, each with weights by what the one before leaves of a row.
+/// Fits, each with weights by the residuals of the one before.
 const FITS: usize = 3;
 /// Plots show this much of a log [s]: the swing of the first leg, and the beginning of the next.
 const SHOWN: f64 = 8.0;
@@ -102,7 +102,7 @@ fn of_feet(y: &[f64; NY], forces: &[[f64; 3]; 4]) -> [f64; N] {
     rows
 }
 
-/// The log as one run: the ways of the poses from row to row, and what the feet do.
+/// The log as one run: the poses from row to row, and the forces of the feet.
 fn run(log: &Log) -> Run {
     let mut ways = vec![[0.0; N]];
     for (k, rows) in log.rows.windows(2).enumerate() {
@@ -155,7 +155,7 @@ fn predicted(sample: &Sample, row: usize, beta: &DVector<f64>) -> f64 {
     sample.regressor[row].iter().zip(beta.iter()).map(|(w, beta)| w * beta).sum()
 }
 
-/// Root mean square of what β leaves of a row of the base.
+/// Root mean square of the residual of a row of the base with β.
 fn residual(samples: &[Sample], row: usize, beta: &DVector<f64>) -> f64 {
     rms(samples.iter().map(|sample| sample.feet[row] - predicted(sample, row, beta)))
 }
@@ -326,7 +326,7 @@ fn report_torques(samples: &[Sample], beta: &DVector<f64>) -> Outcome<()> {
     Ok(())
 }
 
-/// Kinds of parameters: what their names begin with, and their unit.
+/// Kinds of parameters: prefix of their names, and unit.
 const KINDS: [(&str, &str, &str); 3] =
     [("m_", "mass", "kg"), ("mc", "first moments", "kg m"), ("I", "moments of inertia", "kg m²")];
 

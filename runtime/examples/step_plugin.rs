@@ -36,7 +36,7 @@ trait Contender {
     fn reference(&self, time: f64) -> Vec<f64>;
     /// The state after a period.
     fn plant(&self, state: &[f64], inputs: &[f64]) -> Vec<f64>;
-    /// The inputs of a period, and the seconds that they took; none where the controller refuses.
+    /// The inputs of a period, and the seconds that they took; none if the controller refuses.
     fn step(&mut self, time: f64, state: &[f64], last: &[f64]) -> Option<(Vec<f64>, f64)>;
 }
 
@@ -212,7 +212,7 @@ fn contender(robot: c_int, is_nonlinear: bool) -> Result<Box<dyn Contender>, Box
     }
 }
 
-/// A controller of PowerCube (0), UR5 (1) or Panda (2), linear or nonlinear; null where there is none.
+/// A controller of PowerCube (0), UR5 (1) or Panda (2), linear or nonlinear; null if there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn steps_create(robot: c_int, is_nonlinear: c_int) -> *mut c_void {
     match contender(robot, is_nonlinear != 0) {
@@ -287,7 +287,7 @@ pub unsafe extern "C" fn steps_plant(contender: *mut c_void, state: *mut f64, in
     }
 }
 
-/// The inputs of the period that begins at `time`, from the last inputs; the seconds that they took, −1 where there are
+/// The inputs of the period that begins at `time`, from the last inputs; the seconds that they took, −1 if there are
 /// none.
 ///
 /// # Safety

@@ -83,7 +83,7 @@ impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R,
         Self { robot: self.robot.with_driven(&self.driven_at(time)), time, ..*self }
     }
 
-    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN where this is not finite.
+    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN if this is not finite.
     #[inline]
     #[must_use]
     pub fn driven_at(&self, time: f64) -> [[f64; 3]; K] {

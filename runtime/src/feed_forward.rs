@@ -16,12 +16,12 @@ use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
 use gelenk_dynamics::pseudo_inverse::{dot, pseudo_inverse};
 use thiserror::Error;
 
-/// Inputs for a state, and what they cannot make.
+/// Inputs for a state, and the residual that no input can make.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForwardInput<const N: usize, const M: usize> {
     /// u_ff, in the units of the model's inputs.
     pub inputs: [f64; M],
-    /// r = M ÿ + k − q − B u_ff [N m or N]: zero where B is regular.
+    /// r = M ÿ + k − q − B u_ff [N m or N]: zero if B is regular.
     pub residual: [f64; N],
 }
 
@@ -117,7 +117,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         &self.model
     }
 
-    /// Takes another model, e.g. one whose parameters were identified anew. Allocates nothing where its input
+    /// Takes another model, e.g. one whose parameters were identified anew. Allocates nothing if its input
     /// matrix is the same.
     ///
     /// # Errors
@@ -194,7 +194,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     /// that follows.
     ///
     /// # Errors
-    /// [`FeedForwardError::Infeasible`] where a residual exceeds `tolerance` [N m or N], with the largest;
+    /// [`FeedForwardError::Infeasible`] if a residual exceeds `tolerance` [N m or N], with the largest;
     /// [`FeedForwardError::NotFinite`]; a period that is not positive, a tolerance that is not a number, a
     /// trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(

@@ -43,7 +43,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Where is what
+//! # Modules
 //!
 //! ```text
 //!  trajectory, kinematics   what is wanted                     identification   log → friction, masses → description

@@ -28,7 +28,7 @@ pub enum Quantity {
     Effort,
     /// Input, in its unit.
     Input,
-    /// Sum `u + C ẏ` of an input and what the speeds take from it, the torque–speed line of a motor, in the input's unit.
+    /// Sum `u + C ẏ` of an input and the speeds' share of it, the torque–speed line of a motor, in the input's unit.
     TorqueSpeed,
     /// Force on a coordinate that no input can make [N m or N]: the trajectory is not feasible there.
     Unreachable,

@@ -6,27 +6,24 @@
 //!
 //! A regulator knows no limits, of inputs or others: rows and bounds belong to [`crate::mpc`].
 //!
-//! Where positions hold quaternions, x is the deviation that `discretize` speaks of, x = (y ⊖ y_ref, v − v_ref), and nothing else
-//! changes. A quadrotor hovers:
+//! [`JointLqr`](crate::control_loop::JointLqr) is the regulator of a robot as a law of the loop. If positions have
+//! quaternions, x is the deviation `(y ⊖ y_ref, v − v_ref)`. A quadrotor hovers:
 //!
 //! ```
+//! use gelenk_runtime::control_loop::{JointLaw, JointLqr, LqrWeights};
 //! use gelenk_runtime::dynamics::{Discretizable, Dynamics};
-//! use gelenk_runtime::lqr::Lqr;
-//! use std::array::from_fn;
+//! use gelenk_runtime::trajectory::Sample;
 //! gelenk_runtime::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
 //!
-//! let (hover, inputs) = (Quadrotor.neutral(), [1.52 * 9.81 / 4.0; 4]);
-//! let discrete = Quadrotor.discretize(&hover, &[0.0; 6], &inputs, 0.02);
-//! let a: [[f64; 12]; 12] = from_fn(|i| from_fn(|j| discrete.state[i / 6][j / 6][i % 6][j % 6]));
-//! let b: [[f64; 4]; 12] = from_fn(|i| discrete.input[i / 6][i % 6]);
-//! let weight = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
-//! let lqr = Lqr::new(&a, &b, &weight, &from_fn(|i| from_fn(|j| if i == j { 0.1 } else { 0.0 })))?;
+//! let hover = Quadrotor.neutral();
+//! let weights = LqrWeights::from_deviations([1.0; 6], [1.0; 6], [3.0; 4]);
+//! let law = JointLqr::new(Quadrotor, &hover, 0.02, weights)?;
 //!
+//! let desired = Sample::at_rest(hover);
 //! let (mut y, mut v) = (Quadrotor.integrate(&hover, &[0.3, -0.2, 0.1, 0.5, -0.4, 1.0]), [0.0; 6]);
 //! for _ in 0..500 {
-//!     let d = Quadrotor.difference(&hover, &y);
-//!     let by = lqr.input(&from_fn(|i| if i < 6 { d[i] } else { v[i - 6] }));
-//!     (y, v) = Quadrotor.step(&y, &v, &from_fn(|j| inputs[j] + by[j]), 0.02);
+//!     let inputs = law.inputs(&desired, &y, &v)?;
+//!     (y, v) = Quadrotor.step(&y, &v, &inputs, 0.02);
 //! }
 //! assert!(Quadrotor.difference(&hover, &y).iter().all(|d| d.abs() < 1e-3));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -41,12 +38,16 @@
 //! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4; Chu, Fan,
 //! Lin, Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations*, Int.
 //! J. Control 77 (2004), section 2; Hewer, *An iterative technique for the computation of the steady state
-//! gains for the discrete optimal regulator*, IEEE Trans. Automatic Control 16 (1971); Higham, *Accuracy and
+//! gains for the discrete optimal regulator*, IEEE Trans. Automatic Control 16 (1971); Shaked, *Guaranteed stability
+//! margins for the discrete-time linear quadratic optimal regulator*, IEEE Trans. Automatic Control 31 (1986); Higham, *Accuracy and
 //! Stability of Numerical Algorithms*, 2002, section 3.5 (rounding of products).
 
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
 use crate::qp::lanes::Portable;
 use crate::qp::riccati::Riccati;
 use crate::qp::{MAX_HORIZON, MAX_SIZE};
+use core::fmt;
 use nalgebra::SMatrix;
 use thiserror::Error;
 
@@ -57,6 +58,8 @@ const MAX_DOUBLINGS: usize = 60;
 const MAX_RECURSIONS: usize = 4096;
 /// Steps of policy iteration, at most; each doubles the digits.
 const MAX_REFINEMENTS: usize = 20;
+/// Doublings of a power after which the trace has the largest eigenvalue to 1e-15 · ln(32).
+const EIGENVALUE_DOUBLINGS: usize = 50;
 /// Largest residual of the Riccati equation, relative to P, where rounding does not explain more.
 const RESIDUAL: f64 = 1e-9;
 /// Residual that no rounding excuses.
@@ -101,6 +104,28 @@ pub struct Lqr<const NX: usize, const NU: usize> {
     /// Bound of the rounding in this residual, likewise relative: `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with
     /// `W = |A| + |B||K|`.
     pub rounding: f64,
+    /// α = 1/√λ_max(I + R⁻¹BᵀPB), see [`margins`](Self::margins).
+    pub return_difference: f64,
+}
+
+/// Changes of all inputs under which a closed loop is still stable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Margins {
+    /// Smallest and largest factor of the inputs.
+    pub gain: [f64; 2],
+    /// Largest phase shift of the inputs, in both directions [rad].
+    pub phase: f64,
+}
+
+impl fmt::Display for Margins {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [low, high] = self.gain;
+        let phase = self.phase.to_degrees();
+        write!(
+            f,
+            "the loop is stable for gains from {low:.2} to {high:.2} times, and for phase shifts to ±{phase:.1}°"
+        )
+    }
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
@@ -147,6 +172,7 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
                 cost_to_go: rows(&cost),
                 residual,
                 rounding: equation.rounding(&next, &cost),
+                return_difference: equation.return_difference(&cost)?,
             });
             gain = next;
         }
@@ -156,6 +182,23 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
     /// Written so that NaN counts as failure.
     pub(crate) fn is_accurate(&self) -> bool {
         self.residual <= RESIDUAL.max(self.rounding).min(WORST_RESIDUAL)
+    }
+
+    /// Guaranteed stability margins at the inputs:
+    ///
+    /// ```text
+    ///     gains from 1/(1 + α) to 1/(1 − α)        phases to ±2 arcsin(α/2)
+    /// ```
+    ///
+    /// Here α bounds the return difference I + L, with the loop gain `L(z) = −K (z I − A)⁻¹ B`, from below: the equation
+    /// `(I + L)* (R + BᵀPB) (I + L) = R + G* Q G` with `G = (z I − A)⁻¹ B` gives
+    /// `σ_min(R^½ (I + L) R^−½) ≥ 1/√λ_max(I + R⁻¹BᵀPB) = α` on the unit circle (Shaked 1986). The margins follow from α
+    /// (Lehtomaki, Sandell, Athans, *Robustness results in linear-quadratic Gaussian based multivariable control designs*, IEEE
+    /// Trans. Automatic Control 26, 1981, theorem 1). They hold for gain or phase alone, for a common change of all inputs, and if R is diagonal
+    /// also for different changes of each input. The actual margins are at least as large.
+    pub fn margins(&self) -> Margins {
+        let alpha = self.return_difference;
+        Margins { gain: [1.0 / (1.0 + alpha), 1.0 / (1.0 - alpha)], phase: 2.0 * (0.5 * alpha).asin() }
     }
 
     /// `K x`.
@@ -272,7 +315,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
     }
 
     /// The cost of a gain for ever, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`, with twice the terms in each step; None
-    /// where it has no limit.
+    /// if it has no limit.
     fn cost_of(&self, gain: &SMatrix<f64, NU, NX>) -> Option<SMatrix<f64, NX, NX>> {
         let mut power = self.a + self.b * gain;
         let mut sum = self.q + gain.transpose() * self.r * gain;
@@ -317,6 +360,22 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         2.0 * NX as f64 * f64::EPSILON * largest(&size) / largest(cost).max(f64::MIN_POSITIVE)
     }
 
+    /// `1/√λ_max(N)`, N = I + R⁻¹BᵀPB. All eigenvalues of N are real and at least 1, so the trace of N^(2^k) to the power
+    /// 2^−k bounds the largest from above, and converges to it.
+    fn return_difference(&self, cost: &SMatrix<f64, NX, NX>) -> Result<f64, LqrError> {
+        let r = self.r.cholesky().ok_or(LqrError::NotPositive)?;
+        let mut power = SMatrix::identity() + r.solve(&(self.b.transpose() * cost * self.b));
+        let (mut log, mut share) = (0.0, 1.0);
+        for _ in 0..EIGENVALUE_DOUBLINGS {
+            let trace = power.trace();
+            log += share * trace.ln();
+            share *= 0.5;
+            power /= trace;
+            power *= power;
+        }
+        Ok((-0.5 * log).exp().clamp(0.0, 1.0))
+    }
+
     /// True if the powers of `A + B K` vanish.
     fn is_stable(&self, gain: &SMatrix<f64, NU, NX>) -> bool {
         let mut power = self.a + self.b * gain;
@@ -334,7 +393,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
     }
 
     /// The doubling iteration: with `W = I + G H`, `A⁺ = A W⁻¹ A`, `G⁺ = G + A W⁻¹ G Aᵀ`,
-    /// `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`; H converges to P. None where W is singular.
+    /// `H⁺ = H + Aᵀ H W⁻¹ A`, from `G = B R⁻¹ Bᵀ`, `H = Q`; H converges to P. None if W is singular.
     fn doubling(&self) -> Result<Option<SMatrix<f64, NX, NX>>, LqrError> {
         let (mut a, mut h) = (self.a, self.q);
         let cholesky = self.r.cholesky().ok_or(LqrError::NotPositive)?;
@@ -383,8 +442,10 @@ mod tests {
     /// 1e-9, or what rounding explains, but never more than 1e-6; NaN is not accurate.
     #[test]
     fn residuals_are_judged_by_what_rounding_explains() {
-        let accurate =
-            |residual, rounding| Lqr { gain: [[0.0]], cost_to_go: [[1.0]], residual, rounding }.is_accurate();
+        let accurate = |residual, rounding| {
+            Lqr { gain: [[0.0]], cost_to_go: [[1.0]], residual, rounding, return_difference: 1.0 }
+                .is_accurate()
+        };
         assert!(accurate(0.9e-9, 0.0) && accurate(0.9e-7, 1e-7) && accurate(0.9e-6, 1.0));
         assert!(!accurate(1.1e-9, 0.0) && !accurate(1.1e-7, 1e-7) && !accurate(1.1e-6, 1.0));
         assert!(!accurate(f64::NAN, 1e-7) && accurate(1e-10, f64::NAN));

@@ -22,6 +22,7 @@ mod identification_bad_input;
 mod identification_logs;
 mod identification_powercube;
 mod identification_schunk;
+mod joint_lqr;
 mod kinematics;
 mod loop_allocation;
 mod lqr;

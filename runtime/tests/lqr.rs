@@ -235,3 +235,90 @@ fn systems_without_a_regulator_are_refused() {
     let stable_but_unreachable = Lqr::new(&[[0.9, 0.0], [0.0, 0.5]], &[[0.0], [1.0]], &q, &r);
     assert!(stable_but_unreachable.is_ok());
 }
+
+/// A scalar system a > 1 with a vanishing state weight: the regulator moves the pole to 1/a (Kwakernaak, Sivan, *Linear
+/// Optimal Control Systems*, 1972, section 6.4), and |a + k b K| < 1 for a/(a + 1) < k < a/(a − 1). The margins are exact.
+#[test]
+fn margins_of_an_unstable_pole_are_exact() {
+    for a in [1.05, 1.5, 2.0, 10.0] {
+        let lqr = Lqr::new(&[[a]], &[[0.3]], &[[1e-12]], &[[1.0]]).unwrap();
+        let [low, high] = lqr.margins().gain;
+        assert!((low - a / (a + 1.0)).abs() < 1e-9, "{a}: {low}");
+        assert!((high - a / (a - 1.0)).abs() < 1e-6 * high, "{a}: {high}");
+        let printed = lqr.margins().to_string();
+        assert!(printed.contains(&format!("{low:.2} to {high:.2} times")), "{printed}");
+    }
+}
+
+/// Regulators in continuous time have gain margins from ½ to ∞ and phase margins of 60° (Safonov, Athans, *Gain and phase
+/// margin for multiloop LQG regulators*, IEEE Trans. Automatic Control 22, 1977): the limit of short periods.
+#[test]
+fn margins_of_short_periods_are_those_of_continuous_time() {
+    let short = |period: f64| {
+        let (a, b) = ([[1.0, period], [0.0, 1.0]], [[0.5 * period * period], [period]]);
+        Lqr::new(&a, &b, &[[period, 0.0], [0.0, 0.0]], &[[period]]).unwrap().margins()
+    };
+    for (coarse, fine) in [(short(1e-2), short(1e-3)), (short(1e-3), short(1e-4))] {
+        let distance = |margins: &gelenk_runtime::lqr::Margins| {
+            [margins.gain[0] - 0.5, 1.0 / margins.gain[1], std::f64::consts::FRAC_PI_3 - margins.phase]
+        };
+        for (coarse, fine) in distance(&coarse).into_iter().zip(distance(&fine)) {
+            assert!(fine > 0.0 && (9.0..11.0).contains(&(coarse / fine)), "{coarse} {fine}");
+        }
+    }
+}
+
+/// The largest magnitude of a pole of A + B D K with `D = diag(k_i exp(j φ_i))`, as real blocks.
+fn slowest<const NU: usize>(
+    (a, b, k): (&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>),
+    gains: [f64; NU],
+    phases: [f64; NU],
+) -> f64 {
+    let n = a.nrows();
+    let part = |of: fn(f64) -> f64| {
+        let d = DMatrix::from_fn(NU, NU, |i, j| if i == j { gains[i] * of(phases[i]) } else { 0.0 });
+        b * d * k
+    };
+    let (real, imaginary) = (a + part(f64::cos), part(f64::sin));
+    let whole = DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, false) => -imaginary[(i, j - n)],
+        (false, true) => imaginary[(i - n, j)],
+        _ => real[(i % n, j % n)],
+    });
+    whole.complex_eigenvalues().iter().map(|e| e.norm()).fold(0.0, f64::max)
+}
+
+/// A change of each input within the margins, of gains or of phases, leaves every closed loop stable.
+fn within_margins<const NX: usize, const NU: usize>(seed: u64) {
+    let mut random = Random::new(seed);
+    let (mut a, b) = (random.matrix::<NX, NX>(), random.matrix::<NX, NU>());
+    let radius = m(&a).complex_eigenvalues().iter().map(|e| e.norm()).fold(0.0, f64::max);
+    a.iter_mut().flatten().for_each(|v| *v *= [0.9, 1.0, 1.3, 3.0][(seed % 4) as usize] / radius);
+    let q = random.positive::<NX>(0.01);
+    let mut r = [[0.0; NU]; NU];
+    (0..NU).for_each(|i| r[i][i] = 10.0_f64.powf(2.0 * random.vector::<1>()[0]));
+    let lqr = Lqr::new(&a, &b, &q, &r).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+    let margins = lqr.margins();
+    let [low, high] = [margins.gain[0].ln(), margins.gain[1].min(1e3).ln()];
+    let (a, b, k) = (m(&a), m(&b), m(&lqr.gain));
+    for corner in 0..20 {
+        let mut share =
+            || if corner < 10 { random.vector::<1>()[0] } else { random.vector::<1>()[0].signum() };
+        let gains: [f64; NU] =
+            core::array::from_fn(|_| (low + 0.5 * (1.0 + 0.999 * share()) * (high - low)).exp());
+        let phases: [f64; NU] = core::array::from_fn(|_| 0.999 * share() * margins.phase);
+        let by_gain = slowest((&a, &b, &k), gains, [0.0; NU]);
+        assert!(by_gain < 1.0, "seed {seed}: gains {gains:?}: {by_gain}");
+        let by_phase = slowest((&a, &b, &k), [1.0; NU], phases);
+        assert!(by_phase < 1.0, "seed {seed}: phases {phases:?}: {by_phase}");
+    }
+}
+
+#[test]
+fn changes_within_the_margins_leave_the_loop_stable() {
+    for seed in 0..100 {
+        within_margins::<1, 1>(seed);
+        within_margins::<4, 2>(seed);
+        within_margins::<6, 3>(seed);
+    }
+}

@@ -37,7 +37,7 @@ impl Prepared {
     /// that it points to is replaced and the link stays.
     ///
     /// # Errors
-    /// Those of the system, and what [`target`] refuses.
+    /// Folders of the system, and paths that [`target`] refuses.
     pub fn new(path: &Path, content: &[u8]) -> io::Result<Self> {
         let target = target(path)?;
         let folder = match target.parent() {

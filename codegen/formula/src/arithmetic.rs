@@ -9,7 +9,7 @@ impl Formula {
     /// The number 1.
     pub const ONE: Self = Self::Number(1.0);
 
-    /// The number, where the formula is one.
+    /// The number, if the formula is one.
     pub fn as_number(&self) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),
@@ -17,7 +17,7 @@ impl Formula {
         }
     }
 
-    /// Tells whether the formula is the number 0.
+    /// Whether the formula is the number 0.
     pub fn is_zero(&self) -> bool {
         self.as_number() == Some(0.0)
     }
@@ -43,7 +43,7 @@ impl Formula {
         }
     }
 
-    /// The value for these parameters; `None` where it depends on others, on position or velocity.
+    /// The value for these parameters; `None` if it depends on others, on position or velocity.
     pub fn value(&self, parameters: &[f64]) -> Option<f64> {
         let is_open = |part: &Self| match part {
             Self::Position | Self::Velocity => true,
@@ -53,7 +53,7 @@ impl Formula {
         (!self.any(&is_open)).then(|| self.evaluate(parameters, f64::NAN, f64::NAN))
     }
 
-    /// Tells whether the formula holds a node for which `test` is true.
+    /// Whether the formula holds a node for which `test` is true.
     pub fn any(&self, test: &dyn Fn(&Self) -> bool) -> bool {
         test(self)
             || match self {
@@ -65,27 +65,27 @@ impl Formula {
             }
     }
 
-    /// Tells whether the formula calls a function.
+    /// Whether the formula calls a function.
     pub fn calls(&self, function: Function) -> bool {
         self.any(&|node| matches!(node, Self::Call(called, _) if *called == function))
     }
 
-    /// Tells whether the value depends on the joint's position or velocity.
+    /// Whether the value depends on the joint's position or velocity.
     pub fn depends_on_motion(&self) -> bool {
         self.any(&|node| matches!(node, Self::Position | Self::Velocity))
     }
 
-    /// Tells whether the value depends on the joint's position.
+    /// Whether the value depends on the joint's position.
     pub fn depends_on_position(&self) -> bool {
         self.any(&|node| matches!(node, Self::Position))
     }
 
-    /// Tells whether every number in the formula is finite.
+    /// Whether every number in the formula is finite.
     pub fn is_finite(&self) -> bool {
         !self.any(&|node| matches!(node, Self::Number(value) if !value.is_finite()))
     }
 
-    /// Tells whether a number in the formula is beyond [`LARGEST_NUMBER`].
+    /// Whether a number in the formula is beyond [`LARGEST_NUMBER`].
     pub fn is_too_large(&self) -> bool {
         self.any(&|node| matches!(node, Self::Number(value) if value.abs() > LARGEST_NUMBER))
     }

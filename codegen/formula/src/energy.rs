@@ -6,10 +6,10 @@ use super::formula::Formula;
 const HIGHEST_DEGREE: usize = 32;
 
 impl Formula {
-    /// An antiderivative, by the position, of the law at standstill: `∫ f(y, v = 0) dy`. `None` where the law is
+    /// An antiderivative, by the position, of the law at standstill: `∫ f(y, v = 0) dy`. `None` if the law is
     /// not a polynomial of the position there.
     ///
-    /// A summand `c (s y + d)ⁿ` has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`, which is 0 where its force is 0.
+    /// A summand `c (s y + d)ⁿ` has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`, which is 0 if its force is 0.
     /// Summands of another form, and those with parameters in s, are expanded: their energy is 0 at y = 0.
     pub fn energy(&self) -> Option<Self> {
         let terms = self.at_standstill().linear_terms();
@@ -23,7 +23,7 @@ impl Formula {
         self.substituted(&|part| (*part == Self::Velocity).then_some(Self::ZERO))
     }
 
-    /// The coefficients by powers of the position, the constant first; `None` where it is not a polynomial.
+    /// The coefficients by powers of the position, the constant first; `None` if it is not a polynomial.
     fn coefficients(&self) -> Option<Vec<Self>> {
         if !self.depends_on_motion() {
             return Some(vec![self.clone()]);

@@ -1,4 +1,4 @@
-//! Expressions: what a text says before its names have a meaning.
+//! Expressions: the syntax of a text, before names have a meaning.
 
 use super::function::Function;
 use std::ops::Range;

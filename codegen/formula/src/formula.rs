@@ -14,7 +14,7 @@ pub fn too_large(what: &str) -> String {
 ///
 /// A formula is plain data without sharing. It is what a model carries wherever a number may also be a free
 /// parameter (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`) and what force laws are (`a1*v + a2*tanh(a3*v)`). The dynamics
-/// turn it into nodes of the expression graph, where it is folded, shared and differentiated.
+/// turn it into nodes of the expression graph, which folds, shares and differentiates it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
     /// A finite number.

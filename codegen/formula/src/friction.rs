@@ -1,4 +1,4 @@
-//! Friction laws as the key `friction` of a joint has them: what the generator reads and identification writes.
+//! Friction laws of the key `friction` of a joint, which the generator reads and identification writes.
 
 use super::formula::Formula;
 use super::function::Function;
@@ -16,14 +16,14 @@ pub struct FrictionTerm<C = Formula> {
 /// Constructor of a term from its coefficient: [`FrictionTerm::viscous`] or [`FrictionTerm::coulomb`].
 pub type TermOf = fn(Formula) -> FrictionTerm;
 
-/// Friction of a joint: laws that add up, and what friction gains for each unit of load.
+/// Friction of a joint: laws that add up, and the part of the load that becomes friction.
 ///
 /// Coefficients are formulas where a description is read, and numbers or texts where it is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionLaw<C = Formula> {
     /// Laws that add up.
     pub parts: Vec<FrictionPart<C>>,
-    /// Friction for each unit of the load; empty where it does not grow with the load.
+    /// Friction for each unit of the load; empty if it does not grow with the load.
     pub load: Vec<FrictionTerm<C>>,
 }
 
@@ -68,7 +68,7 @@ impl FrictionTerm {
 }
 
 impl<C> FrictionTerm<C> {
-    /// Tells whether the basis jumps where the velocity changes its sign, by its limits on both sides.
+    /// Whether the basis jumps where the velocity changes its sign, by its limits on both sides.
     pub fn basis_jumps(&self) -> bool {
         beside_rest(&self.basis, -1.0) != beside_rest(&self.basis, 1.0)
     }

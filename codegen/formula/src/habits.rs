@@ -7,13 +7,13 @@ const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";
 
 impl FormulaError {
-    /// Tells whether the text would be a number in another language.
+    /// Whether the text would be a number in another language.
     pub fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }
 }
 
-/// Units as [`spelled`], and what they are in those of descriptions.
+/// Units as [`spelled`], and their values in the units of descriptions.
 const UNITS: [(&str, &str, &str); 28] = [
     ("kg", "1", "kg"),
     ("g", "1e-3", "kg"),
@@ -98,14 +98,14 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
     if !is_decimal {
         return Ok(());
     }
-    let message = format!("`{}` is no number: decimals follow a point", text.trim());
+    let message = format!("`{}` is not a number: use a decimal point", text.trim());
     let help = format!("write {number}.{decimals}");
     Err(error(COMMA, message, help, 0..text.len()))
 }
 
 /// `1:80`, as gear ratios are printed.
 fn ratio(text: &str, one: &str, other: &str) -> FormulaError {
-    let message = format!("`{}` is no number: a ratio is one number, or a quotient", text.trim());
+    let message = format!("`{}` is not a number: a ratio is one number or a quotient", text.trim());
     let quotients = match one {
         "1" => format!("{other}, or \"1/{other}\""),
         _ => format!("\"{one}/{other}\", or \"{other}/{one}\""),
@@ -118,7 +118,7 @@ fn error(code: &'static str, message: String, help: String, range: std::ops::Ran
     FormulaError::new(code, message, range).with_help(help)
 }
 
-/// Length of the number that a text begins with, with its sign; 0 where it begins with none.
+/// Length of the number that a text begins with, with its sign; 0 if it begins with none.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| bytes[from..].iter().take_while(|c| c.is_ascii_digit()).count();

@@ -21,7 +21,7 @@ impl Hold {
         Ok(Self { pattern: pattern.trim().to_owned(), position })
     }
 
-    /// Tells whether a joint's name matches the pattern.
+    /// Whether a joint's name matches the pattern.
     #[must_use]
     pub fn matches(&self, name: &str) -> bool {
         let mut parts = self.pattern.split('*');

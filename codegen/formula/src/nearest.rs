@@ -5,7 +5,7 @@ const PART: usize = 3;
 const MOST: usize = 4;
 
 /// `did you mean …?` with the nearest of the known names, or else with those that hold the name, as `left_knee` holds
-/// `knee`; the list of them where there is neither.
+/// `knee`; the list of them if there is neither.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let known: Vec<&str> = known.into_iter().collect();
     let lower = name.chars().take(64).collect::<String>().to_lowercase();

@@ -1,4 +1,4 @@
-//! From expressions to formulas: what names mean, and what generated code does not have.
+//! From expressions to formulas: meanings of names, and functions that generated code lacks.
 
 use super::error::FormulaError;
 use super::expression::{Expression, Kind, Node, Operator, Unary};
@@ -167,7 +167,7 @@ fn not_generated(function: &str, place: Range<usize>) -> FormulaError {
 }
 
 fn no_number(place: Range<usize>) -> FormulaError {
-    FormulaError::new("formula-kind", "a truth value stands where a number is needed", place)
+    FormulaError::new("formula-kind", "a number is needed here, not a truth value", place)
 }
 
 #[cfg(test)]
@@ -239,7 +239,7 @@ mod tests {
         let message = |text: &str| parse(text, Allowed::Motion, &names()).unwrap_err().to_string();
         assert!(message("v < 1 && true").starts_with("`v < 1 && true` is true or false, and no number"));
         assert!(message("v + max(v, 1)").starts_with("`max` is a function of libraries and selections"));
-        assert!(message("v + (v < 1)").contains("a truth value stands where a number is needed"));
+        assert!(message("v + (v < 1)").contains("a number is needed here, not a truth value"));
         assert!(message("|v|").contains("write `abs(v)`"));
         assert!(message("v & y").contains("selections have `&&`"));
         assert_eq!(parse("a1*ln(v)", Allowed::Motion, &names()).unwrap_err().range, 3..8);

@@ -31,7 +31,7 @@ impl Expression {
     ///
     /// # Errors
     /// A text that is not an expression, is too long or too deep, calls an unknown function, or has a truth value where
-    /// a number is needed or a number where a truth value is needed.
+    /// a number is needed or a number if a truth value is needed.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         habits::check(text)?;
         check_text(text)?;
@@ -72,7 +72,7 @@ fn check_text(text: &str) -> Parsed<()> {
             c if c.is_alphanumeric() => run = 0,
             c if SIGNS.contains(&c) || matches!(c, ' ' | '\t') => {}
             c => {
-                let message = format!("{c:?} cannot stand in a formula");
+                let message = format!("{c:?} is not allowed in a formula");
                 return Err(FormulaError::new("formula-syntax", message, here));
             }
         }
@@ -95,7 +95,7 @@ fn check_sign(text: &str, range: Range<usize>) -> Parsed<()> {
         "|" => ("formula-syntax", "write `abs(v)` for |v|; selections have `||`"),
         _ => ("formula-syntax", "selections have `&&`"),
     };
-    let message = format!("`{sign}` is no operator here");
+    let message = format!("`{sign}` is not an operator here");
     Err(FormulaError::new(code, message, range).with_help(help.to_owned()))
 }
 
@@ -146,7 +146,7 @@ impl Reader<'_> {
 
     fn refuse(&self, node: &impl Spanned) -> FormulaError {
         let range = self.range(node);
-        let message = format!("`{}` cannot stand in a formula", &self.text[range.clone()]);
+        let message = format!("`{}` is not allowed in a formula", &self.text[range.clone()]);
         let help = format!("a formula has numbers, names, + - * /, brackets, {}", known_functions());
         FormulaError::new("formula-syntax", message, range).with_help(help)
     }
@@ -171,8 +171,8 @@ impl Reader<'_> {
             return Ok(operand);
         }
         let message = match kind {
-            Kind::Number => "a truth value stands where a number is needed",
-            Kind::Truth => "a number stands where a truth value is needed",
+            Kind::Number => "a number is needed here, not a truth value",
+            Kind::Truth => "a truth value is needed here, not a number",
         };
         Err(FormulaError::new("formula-kind", message, operand.range))
     }

@@ -469,6 +469,8 @@ pub(super) enum Stage {
     Counts,
     /// The straight-line programs with their abbreviations
     Program,
+    /// M, k, q and B as sums without abbreviations, a document of LaTeX; for up to three coordinates
+    Equations,
     /// The Rust text
     Source,
 }

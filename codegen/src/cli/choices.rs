@@ -176,7 +176,7 @@ pub(super) struct Choices {
     /// interpreter
     #[arg(long)]
     pub(super) self_test: bool,
-    /// Generate functions of up to so many operations [default: 300000]
+    /// Largest number of operations of a generated function [default: 300000]
     #[arg(long, value_name = "COUNT")]
     pub(super) max_operations: Option<usize>,
 }

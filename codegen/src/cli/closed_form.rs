@@ -88,7 +88,7 @@ fn from_json(value: &Value) -> ClosedForm {
     }
 }
 
-/// Runs this command again with `--output` and prints what came out.
+/// Runs this command again with `--output` and prints its result.
 fn delegate(description: &Path) -> Result<ExitCode, Failure> {
     let folder = tempfile::tempdir()?;
     let output = folder.path().join("closed_form");

@@ -9,11 +9,11 @@ use super::print;
 use crate::diagnostic::Diagnostics;
 use crate::verify;
 
-/// Exit code where a description or a file is at fault, or the output is stale.
+/// Exit code if a description or a file is at fault, or the output is stale.
 pub(super) const FAULT: u8 = 1;
 /// Exit code of a wrong command line.
 pub(super) const USAGE: u8 = 2;
-/// Exit code where the program is at fault.
+/// Exit code if the program is at fault.
 pub(super) const INTERNAL: u8 = 3;
 
 /// Reason why a command ends without success.

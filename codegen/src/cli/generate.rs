@@ -64,7 +64,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
     }
 }
 
-/// Writes modules, and the root of their crate where they have one: all of them, or none where one may not be
+/// Writes modules, and the root of their crate if they have one: all of them, or none if one may not be
 /// written.
 fn write(
     robots: &[Generated],
@@ -121,7 +121,7 @@ fn generate_all(workspace: &Workspace, modules: &Modules, format: Format) -> Res
     }
 }
 
-/// Compares one module, or all, with what would be written.
+/// Compares one module, or all, with the text that would be written.
 pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failure> {
     let workspace = Workspace::find();
     let modules = &arguments.modules;

@@ -11,11 +11,15 @@ use super::failure::Failure;
 use super::inspect_forces::{self, followed, position};
 use super::place::Workspace;
 use super::{generate, mechanism, print};
+use crate::functions::form::Form;
 use crate::functions::function::Function;
+use crate::functions::selection::{self, Request};
+use crate::functions::size::MOST_OPERATIONS;
 use crate::model::{JointKind, Model, Motion};
 use crate::module::Module;
 use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};
+use crate::report::{EQUATIONS, sums, sums_document};
 
 /// Shows one stage of a description's way.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
@@ -26,8 +30,10 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
         Some(what) => what,
         None => model_of(arguments)?,
     };
-    if arguments.latex && what != Stage::Program {
-        return Err(Failure::Usage("--latex goes with `inspect program` or --closed-form".to_owned()));
+    if arguments.latex && !matches!(what, Stage::Program | Stage::Equations) {
+        return Err(Failure::Usage(
+            "--latex goes with `inspect program`, `inspect equations` or --closed-form".to_owned(),
+        ));
     }
     let workspace = Workspace::find();
     let command = generate::command(&arguments.description, &arguments.choices, None, workspace.as_ref());
@@ -37,8 +43,8 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
         return counts_and_bytes(&robot, what, format);
     }
     match format {
-        Format::Json => print::json(&as_json(&robot, what, arguments.latex)),
-        Format::Text => print::out(&as_text(&robot, what, arguments.latex)).map(|()| ExitCode::SUCCESS),
+        Format::Json => print::json(&as_json(&robot, what, arguments.latex)?),
+        Format::Text => print::out(&as_text(&robot, what, arguments.latex)?).map(|()| ExitCode::SUCCESS),
     }
 }
 
@@ -76,6 +82,20 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
     }
 }
 
+/// Functions that compute M, k, q and B, whichever functions the description lists.
+fn equations(robot: &Generated) -> Result<Vec<Function>, Failure> {
+    let names = EQUATIONS.map(str::to_owned);
+    let request = Request { names: &names, most: MOST_OPERATIONS, form: Form::Straight, straight: &[] };
+    let derived = selection::derive(&robot.model, &request);
+    Ok(derived.map_err(|problems| Failure::Descriptions(vec![problems]))?.functions)
+}
+
+fn no_sums(reason: String) -> Failure {
+    Failure::Problem(format!(
+        "{reason}\n  = help: `gelenk inspect program` shows the equations with their abbreviations"
+    ))
+}
+
 #[cfg(feature = "symbolica")]
 fn closed_form(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     super::closed_form::inspect(arguments, format)
@@ -85,23 +105,24 @@ fn closed_form(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure>
 #[cfg(not(feature = "symbolica"))]
 fn closed_form(_: &Inspect, _: Format) -> Result<ExitCode, Failure> {
     Err(Failure::Usage(
-        "closed forms need a build of gelenk with `--features symbolica`, which is off in this one. Symbolica is \
-         source-available: commercial use needs a licence of your own, from https://symbolica.io\n  \
-         = help: cargo run --release --features symbolica -- inspect --closed-form DESCRIPTION\n  \
-         = help: without it, `gelenk inspect program DESCRIPTION` shows the equations with their abbreviations"
+        "closed forms with letters for the numbers need a build of gelenk with `--features symbolica`, which is off in this one. \
+         Symbolica is source-available: commercial use needs a licence of your own, from https://symbolica.io\n  \
+         = help: `gelenk inspect equations DESCRIPTION` shows closed forms with the numbers of the description\n  \
+         = help: cargo run --release --features symbolica -- inspect --closed-form DESCRIPTION"
             .to_owned(),
     ))
 }
 
-fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
+fn as_text(robot: &Generated, what: Stage, latex: bool) -> Result<String, Failure> {
     let notation = notation(&robot.model);
-    match what {
+    Ok(match what {
         Stage::Model => model_text(&robot.model),
         Stage::Mechanism => mechanism::as_text(&robot.model),
         Stage::Counts => {
             format!("{}{}", print::counts_table(&robot.module.costs(), &[]), uncounted(&robot.module))
         }
         Stage::Source => robot.source.text.clone(),
+        Stage::Equations => sums_document(&robot.model, &equations(robot)?).map_err(no_sums)?,
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };
             let programs = robot
@@ -111,7 +132,7 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> String {
                 .map(|function| titled(function, &show(&function.program, &notation)));
             programs.collect::<Vec<_>>().join("\n")
         }
-    }
+    })
 }
 
 /// The functions that call others and whose own operations are not counted: those of robots with quaternions.
@@ -124,7 +145,7 @@ fn uncounted(module: &Module) -> String {
     match lines.collect::<String>() {
         lines if lines.is_empty() => lines,
         lines => format!(
-            "\nNot counted, because what these do with quaternions is no straight-line code:\n{lines}"
+            "\nNot counted, because their operations on quaternions are not straight-line code:\n{lines}"
         ),
     }
 }
@@ -138,19 +159,22 @@ fn titled(function: &Function, program: &str) -> String {
     format!("{}\n{program}", title.trim_end_matches([':', ' ']))
 }
 
-fn as_json(robot: &Generated, what: Stage, latex: bool) -> Value {
+fn as_json(robot: &Generated, what: Stage, latex: bool) -> Result<Value, Failure> {
     let notation = notation(&robot.model);
-    match what {
+    Ok(match what {
         Stage::Model => model_json(&robot.model),
         Stage::Mechanism => mechanism::as_json(&robot.model),
         Stage::Counts => print::counts(&robot.module.costs(), &[]),
         Stage::Source => json!({ "name": robot.source.name, "text": robot.source.text }),
+        Stage::Equations => {
+            json!({ "robot": robot.model.name, "equations": sums(&robot.model, &equations(robot)?).map_err(no_sums)? })
+        }
         Stage::Program => {
             let show = if latex { display::latex } else { display::text };
             let entry = |function: &Function| json!({ "function": function.name, "program": show(&function.program, &notation) });
             robot.module.functions.iter().map(entry).collect()
         }
-    }
+    })
 }
 
 /// Positions where they are more than the coordinates, and driven joints.
@@ -198,7 +222,7 @@ fn model_text(model: &Model) -> String {
     text
 }
 
-/// Motors whose torque falls with their speed; empty where there are none.
+/// Motors whose torque falls with their speed; empty if there are none.
 fn lines_text(model: &Model) -> String {
     let head = ["motor", "stall torque [N m]", "no-load speed [rad/s]"].map(str::to_owned).to_vec();
     let rows = model.drives.iter().filter_map(|drive| {
@@ -219,7 +243,7 @@ fn parameters_text(model: &Model) -> String {
     print::table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// m/rad, where the joint is helical.
+/// m/rad, if the joint is helical.
 fn pitch(kind: JointKind) -> Option<f64> {
     match kind {
         JointKind::Helical { pitch } => Some(pitch),

@@ -9,7 +9,7 @@ use crate::model::{
 };
 use gelenk_formula::Formula;
 
-/// Tables of what is there, each behind an empty line.
+/// Tables of the parts of a model, with an empty line before each.
 pub(super) fn as_text(model: &Model) -> String {
     let drives = shared_drives(model).map(|drive| {
         vec![drive.name.clone(), followed(model, &drive.acts_on, 0.0), drive.gear_ratio.text(&names(model))]
@@ -42,7 +42,7 @@ pub(super) fn as_text(model: &Model) -> String {
     .concat()
 }
 
-/// Lists of the same, empty where there is nothing.
+/// Lists of the same kind, empty if there are none.
 pub(super) fn add_json(model: &Model, object: &mut Value) {
     let drive = |drive: &Drive| {
         json!({
@@ -112,7 +112,7 @@ fn entries(model: &Model, wrench: &[Formula; 6]) -> Vec<String> {
     wrench.iter().map(|entry| entry.text(&names(model))).collect()
 }
 
-/// Where an input acts, and what a unit of it does.
+/// Place of an input, and effect of its unit.
 fn effect(model: &Model, effect: &ForceEffect) -> (String, String) {
     match effect {
         ForceEffect::Pull(frames) => (between(frames), "pulls with u".to_owned()),

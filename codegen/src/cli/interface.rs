@@ -1,4 +1,4 @@
-//! How a module in C is called, as JSON: what tools that write bindings read.
+//! Calling convention of a module in C as JSON, for tools that write bindings.
 
 use serde_json::{Map, Value, json};
 

@@ -14,14 +14,13 @@ pub(super) fn as_text(model: &Model) -> String {
     let quaternions = match model.quaternion_joints.is_empty() {
         true => "",
         false => {
-            ".\nA joint with a quaternion stands at x y z of the parent's frame, where it is spherical; its positions place and turn its \
+            ".\nA spherical joint is at x y z of the parent's frame; positions of a joint with a quaternion place and turn its \
              body,\nand the joints behind it lead on from the frame of its link"
         }
     };
     format!(
         "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z lead from the parent's frame to the \
-         joint's axis,\n`lift` along it to the origin (m, degrees){quaternions}\n\n{}\nMoments of mass about the origins, what acts \
-         only through its sum moved towards the base\n(kg, kg m, kg m²; `free` depends on parameters)\n\n{}",
+         joint's axis,\n`lift` along it to the origin (m, degrees){quaternions}\n\n{}\nMoments of mass about the origins; masses that act only through their sum are moved towards the base\n(kg, kg m, kg m²; `free` depends on parameters)\n\n{}",
         print::table(&shown.frames()),
         print::table(&shown.moments()),
     )

@@ -28,7 +28,7 @@ use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 
-/// Runs the program with the arguments of the process. Exit code 0 on success, 1 where the description (or a
+/// Runs the program with the arguments of the process. Exit code 0 on success, 1 if the description (or a
 /// file) is at fault or the output is stale, 2 for a wrong command line, 3 where the program is at fault.
 #[must_use]
 pub fn run() -> ExitCode {

@@ -88,7 +88,7 @@ pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> 
     }
 }
 
-/// Fails where a file that an MJCF includes would take the place of one of the project.
+/// Fails if a file that an MJCF includes would take the place of one of the project.
 fn require_places(files: &[(&str, &[u8])]) -> Result<(), Failure> {
     let mut names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     names.sort_unstable();
@@ -101,7 +101,7 @@ fn require_places(files: &[(&str, &[u8])]) -> Result<(), Failure> {
     }
 }
 
-/// The project in the language that is asked for, and the name of its package, where it is a crate.
+/// The project in the language that is asked for, and the name of its package, if it is a crate.
 fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), Failure> {
     if arguments.c {
         return Ok((Project::c(robot.floats), None));
@@ -256,11 +256,11 @@ fn git(url: &str) -> Result<Source, Failure> {
         .split_once(':')
         .map_or_else(|| "ssh://git@HOST/PATH".to_owned(), |(host, path)| format!("ssh://{host}/{path}"));
     Err(Failure::Usage(format!(
-        "`--git {url}` is no address that Cargo takes\n  = help: give it whole, e.g. https://HOST/PATH, {ssh} or file:///PATH"
+        "`--git {url}` is not an address that Cargo accepts\n  = help: give it whole, e.g. https://HOST/PATH, {ssh} or file:///PATH"
     )))
 }
 
-/// One to three numbers with what may follow, as Cargo asks for.
+/// One to three numbers with an optional suffix, as Cargo reads versions.
 fn registry(version: &str) -> Result<Source, Failure> {
     let numbers = version.trim_start_matches(['^', '=', '~']);
     let core = numbers.split(['-', '+']).next().unwrap_or_default();

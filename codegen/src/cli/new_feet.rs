@@ -20,7 +20,7 @@ const FEWEST: usize = 3;
 /// Least number of joints of a leg: with fewer its foot cannot be placed.
 const JOINTS: usize = 3;
 
-/// The feet of a robot whose base floats; empty where the rule finds none.
+/// The feet of a robot whose base floats; empty if the rule finds none.
 ///
 /// Legs are the branches of the base that no others leave, with equally many joints, three or more: the largest such group, of
 /// three or more. A foot is the link at the end that is the farthest from the last joint.
@@ -136,7 +136,7 @@ impl Legs<'_> {
         let Some(link) = links().position(|link| link == name) else {
             let near = nearest(name, links()).unwrap_or_default();
             return Err(Failure::Usage(format!(
-                "--feet names `{name}`, which is no link of the robot\n  = help: {near}"
+                "--feet names `{name}`, which is not a link of the robot\n  = help: {near}"
             )));
         };
         match self.way(link).as_deref() {

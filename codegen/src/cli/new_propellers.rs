@@ -6,7 +6,7 @@ use crate::model::{Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::atan2;
 use crate::wording::{as_written, toml_text};
 
-/// One block for each joint that may carry a propeller; empty where none does.
+/// One block for each joint that may carry a propeller; empty if none does.
 ///
 /// - `joints`: those that may carry a propeller, with their links
 pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {

@@ -23,7 +23,7 @@ pub(super) struct Robot {
     pub(super) description: String,
     /// Text of `build.rs`.
     pub(super) build: &'static str,
-    /// The files that the description extends: their places in the project, and what they hold.
+    /// Files that the description extends: their places in the project, and their content.
     pub(super) copies: Vec<(String, Vec<u8>)>,
     /// Its base moves freely.
     pub(super) floats: bool,
@@ -33,12 +33,12 @@ pub(super) struct Robot {
     pub(super) passive: Vec<String>,
     /// Feet, if the robot has any.
     pub(super) feet: Vec<Foot>,
-    /// That it has legs and stands still, where it seems so.
+    /// Note that the robot seems to have legs although its base is fixed.
     pub(super) notes: Diagnostics,
 }
 
 impl Robot {
-    /// Fails where an effort cannot be commanded for each coordinate.
+    /// Fails if an effort cannot be commanded for each coordinate.
     ///
     /// - `who`: what commands them, with its verb
     pub(super) fn require_efforts(&self, who: &str) -> Result<(), Failure> {
@@ -62,7 +62,7 @@ impl Robot {
 pub(super) enum Feet<'a> {
     /// None: the program knows none.
     None,
-    /// These links, or those that the rule finds where there are none.
+    /// These links, or those that the rule finds if there are none.
     Of(&'a [String]),
 }
 
@@ -198,8 +198,7 @@ impl Kind {
             match place.and_then(Path::to_str) {
                 Some(place) => Ok((place.to_owned(), bytes.to_vec())),
                 None => Err(Failure::Usage(format!(
-                    "{} includes {}, which cannot lie at the same place in the new crate\n  = help: include files that lie beside it, \
-                     by a relative path and under another name than {}",
+                    "{} includes {}, which cannot be at the same place in the new crate\n  = help: include files of its own folder, by a relative path and under another name than {}",
                     path.display(),
                     file.display(),
                     self.file()

@@ -46,7 +46,7 @@ impl Workspace {
         Ok(descriptions)
     }
 
-    /// Tells whether the file lies directly in models/.
+    /// Whether the file lies directly in models/.
     pub(super) fn contains(&self, description: &Path) -> bool {
         let folder = fs::canonicalize(description).ok().and_then(|path| path.parent().map(Path::to_owned));
         folder.is_some() && folder == fs::canonicalize(self.root.join("models")).ok()
@@ -57,7 +57,7 @@ impl Workspace {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Target {
     pub(super) output: Output,
-    /// The name of the module, where the file has one of its own.
+    /// The name of the module, if the file has one of its own.
     pub(super) name: Option<String>,
 }
 
@@ -90,7 +90,7 @@ impl Target {
         }
     }
 
-    /// Tells whether the module may go to the crate of the workspace.
+    /// Whether the module may go to the crate of the workspace.
     pub(super) fn may_be_home(&self) -> bool {
         self.output == Output::Default
     }
@@ -109,7 +109,7 @@ impl Target {
         }
         if !is_of_c(output) {
             return usage(format!(
-                "{}: a module in C goes to a folder, or to a file that ends with .c and one beside it that ends with .h",
+                "{}: a module in C goes to a folder, or to a file that ends with .c and one next to it that ends with .h",
                 output.display()
             ));
         }
@@ -125,18 +125,18 @@ impl Target {
     }
 }
 
-/// Tells whether modules go into what is called so: a folder that is there, or a name without an ending. A hyphen is
+/// Whether modules go into what is called so: a folder that is there, or a name without an ending. A hyphen is
 /// standard output.
 fn is_folder(output: &Path) -> bool {
     output.is_dir() || (output.extension().is_none() && output != Path::new("-"))
 }
 
-/// Tells whether a file is called as sources and headers in C are.
+/// Whether a file is called as sources and headers in C are.
 fn is_of_c(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension == "c" || extension == "h")
 }
 
-/// Fails where a file that is to be written was read, or has no folder.
+/// Fails if a file that is to be written was read, or has no folder.
 pub(super) fn require_writable<'a>(
     file: &Path,
     mut read: impl Iterator<Item = &'a PathBuf>,

@@ -35,7 +35,7 @@ pub(super) fn json(value: &Value) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes to standard error, where nobody may listen either.
+/// Writes to standard error, if nobody may listen either.
 pub(super) fn err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
@@ -135,7 +135,7 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     shown
 }
 
-/// Operation counts of functions by name as a table, with their bytes of machine code where these are given.
+/// Operation counts of functions by name as a table, with their bytes of machine code if these are given.
 pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> String {
     let mut head = vec!["function", "multiplications", "additions", "divisions", "calls"];
     head.extend((!bytes.is_empty()).then_some("bytes"));
@@ -151,8 +151,8 @@ pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) 
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// Operation counts of functions by name as JSON, with their bytes of machine code where these are given;
-/// null where a function is left to be inlined.
+/// Operation counts of functions by name as JSON, with their bytes of machine code if these are given;
+/// null if a function is left to be inlined.
 pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Value {
     let entry = |(index, (name, cost)): (usize, &(String, Cost))| {
         let Cost { multiplications, additions, divisions, sin_cos, other_calls, selections } = cost;

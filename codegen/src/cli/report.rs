@@ -19,7 +19,7 @@ use crate::model::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
 use crate::wording::quoted;
 
-/// Writes the page of a robot. Exit code 1 where its functions disagree with each other.
+/// Writes the page of a robot. Exit code 1 if its functions disagree with each other.
 pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<ExitCode, Failure> {
     let progress = Progress::start(arguments.description.display().to_string());
     let loaded = read(arguments)?;
@@ -88,8 +88,8 @@ fn closed_form(
 #[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
 fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, String>, Failure> {
     Ok(Err(
-        "Formulas with letters for the numbers of the description, for robots with up to three coordinates, need a build of \
-         `gelenk` with the feature `symbolica`, which this page was made without."
+        "Closed forms exist for robots with up to three coordinates. With letters for the numbers they need a build of `gelenk` \
+         with the feature `symbolica`, which this page was made without."
             .to_owned(),
     ))
 }

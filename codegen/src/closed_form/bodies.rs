@@ -24,7 +24,7 @@ pub(super) struct MovingBody {
     pub pose: Pose,
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
-    /// Tells whether its joint is prismatic.
+    /// Whether its joint is prismatic.
     pub is_prismatic: bool,
     /// Its masses, in its own frame.
     pub masses: Vec<Mass>,
@@ -46,7 +46,7 @@ pub(super) struct Mass {
 pub(super) struct Rotor {
     /// Drive that it belongs to.
     pub drive: usize,
-    /// Body that carries it and its axis in that body's frame; `None` where its carrier's motion does not
+    /// Body that carries it and its axis in that body's frame; `None` if its carrier's motion does not
     /// count.
     pub carrier: Option<(usize, [f64; 3])>,
     /// Coordinate that turns it.
@@ -61,7 +61,7 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Collects what moves.
+    /// Collects the moving joints.
     pub fn new(model: &Model) -> Self {
         let (mut bodies, places) = moving(model);
         let mut rotors = Vec::new();

@@ -173,7 +173,7 @@ impl Printer<'_> {
         if out.is_empty() { "0".to_owned() } else { out }
     }
 
-    /// Whether the term is subtracted, and what.
+    /// Whether the term is subtracted, and its text.
     fn term(&self, term: &Term) -> (bool, String) {
         let mut outer = term.outer.clone();
         let mut parts = vec![self.wave(&term.wave)];
@@ -411,7 +411,7 @@ fn used(forms: &ClosedForms) -> BTreeSet<usize> {
     used
 }
 
-/// Twelve digits: what lumping leaves beyond them is rounding.
+/// Twelve digits: digits beyond them are the rounding of lumping.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }

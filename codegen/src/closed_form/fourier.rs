@@ -41,7 +41,7 @@ type Spectrum = BTreeMap<Vec<i32>, (Rational, Rational)>;
 /// - `phases`: number of angles
 ///
 /// # Errors
-/// `symbolica-form` where the expression is not a real sum of products of our variables: a defect of this
+/// `symbolica-form` if the expression is not a real sum of products of our variables: a defect of this
 /// program.
 pub(super) fn parts(variables: Variables<'_>, sum: &Atom, phases: usize) -> Result<Vec<Part>, Diagnostics> {
     let mut spectra: BTreeMap<Key, Spectrum> = BTreeMap::new();

@@ -93,7 +93,7 @@ impl Constants {
     }
 }
 
-/// `a / b`, where it is a number.
+/// `a / b`, if it is a number.
 fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     let first = &a.first()?.1 / &b.first()?.1;
     let pairs = a.iter().zip(b);
@@ -102,7 +102,7 @@ fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     is_multiple.then_some(first)
 }
 
-/// The common number of a sum: what is left has short numbers, the first of them positive.
+/// The common factor of a sum: the remaining numbers are short, the first of them positive.
 fn content(polynomial: &Polynomial) -> Rational {
     let Some((_, first)) = polynomial.first() else {
         return Rational::from(1);

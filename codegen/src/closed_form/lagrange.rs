@@ -138,7 +138,7 @@ impl Derivation<'_, '_, '_> {
         half(inertia * &speed * &speed).expand()
     }
 
-    /// `df/dt = Σ ∂f/∂yⱼ ẏⱼ` of what depends on the coordinates.
+    /// `df/dt = Σ ∂f/∂yⱼ ẏⱼ` of an expression in the coordinates.
     fn rate(&self, f: &Atom) -> Atom {
         let part = |j: usize| self.by_coordinate(f, j) * self.variables.atom(Kind::Velocity, j);
         let sum = (0..self.is_prismatic.len()).fold(algebra::zero(), |sum, j| sum + part(j));

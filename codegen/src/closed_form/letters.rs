@@ -343,7 +343,7 @@ fn spherical([x, y, z]: [f64; 3]) -> [f64; 2] {
     [atan2(y, x), atan2(length([x, y]), z)]
 }
 
-/// Unit of what is multiplied with a basis to a force; none where the basis is a power, say.
+/// Unit of what is multiplied with a basis to a force; none if the basis is a power, say.
 fn unit(joint: &Joint, basis: &Formula) -> &'static str {
     let slides = joint.kind == JointKind::Prismatic;
     match (basis, slides) {

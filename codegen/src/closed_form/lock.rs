@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// So long [`Instance::acquire`] waits for another one to end.
+/// Time that [`Instance::acquire`] waits for another one to end.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Pause between two tries.

@@ -122,7 +122,7 @@ fn obstacle(model: &Model) -> Option<Obstacle> {
     let obstacle = |code, message, of| Some(Obstacle { code, message, of });
     if let Some(coupled) = coupled_joint(model) {
         let message =
-            format!("closed forms are offered where every joint and drive has one coordinate; {coupled}");
+            format!("closed forms exist only if every joint and drive has one coordinate; {coupled}");
         return obstacle("coupled-joints", message, " of coupled joints");
     }
     if let Some(joint) = model.quaternion_joints.first() {
@@ -136,14 +136,14 @@ fn obstacle(model: &Model) -> Option<Obstacle> {
     }
     if load_friction::is_there(model) {
         let message = format!(
-            "there are no closed forms where friction grows with the load, as that of `{}` does: M, k, q and B are not its \
+            "there are no closed forms if friction grows with the load, as that of `{}` does: M, k, q and B are not its \
              whole equations",
             model.name
         );
         return obstacle("load-friction", message, "");
     }
     if !model.point_forces.is_empty() || !model.force_inputs.is_empty() {
-        let message = format!("there are no closed forms where forces act at frames, as in `{}`", model.name);
+        let message = format!("there are no closed forms if forces act at frames, as in `{}`", model.name);
         return obstacle("frame-forces", message, "");
     }
     None
@@ -166,7 +166,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     let angles = letters::count_angles(&Bodies::new(model));
     if n + angles > MAXIMUM_ANGLES {
         let message = format!(
-            "closed forms are offered for up to {MAXIMUM_ANGLES} coordinates and angles that are no multiples of 90°; `{}` \
+            "closed forms are offered for up to {MAXIMUM_ANGLES} coordinates and angles that are not multiples of 90°; `{}` \
              has {n} and {angles}",
             model.name
         );

@@ -1,4 +1,4 @@
-//! The named constants of a closed form: where the description has a number, the formula has a letter.
+//! The named constants of a closed form: if the description has a number, the formula has a letter.
 
 use crate::model::Model;
 use gelenk_formula::Formula;

@@ -89,7 +89,7 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, None)
     }
 
-    /// Accelerations, M⁻¹, and the forces with their derivatives by y and ẏ, where no joint is driven:
+    /// Accelerations, M⁻¹, and the forces with their derivatives by y and ẏ, if no joint is driven:
     /// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`.
     pub fn accelerated_forces(
         &self,

@@ -44,7 +44,7 @@ impl<'g> Equations<'_, 'g> {
         vec![self.graph.constant(0.0); self.model.motion_count()]
     }
 
-    /// ÿ = 0: what is driven is accelerated all the same.
+    /// ÿ = 0: driven joints are accelerated all the same.
     pub fn unaccelerated(&self) -> Vec<Scalar<'g>> {
         self.with_driven(&self.zeros())
     }
@@ -129,7 +129,7 @@ impl<'g> Equations<'_, 'g> {
 
     /// B(y), rows first.
     ///
-    /// - `y`: may be empty where B is constant
+    /// - `y`: may be empty if B is constant
     pub fn input_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
         let mut matrix = forces::drive_matrix(self.graph, self.model);
         if self.model.inputs_depend_on_position() {
@@ -147,12 +147,12 @@ impl<'g> Equations<'_, 'g> {
         self.frame_forces(y).wrench_forces(w)
     }
 
-    /// τ(ẏ), or τ(y, ẏ) where a law depends on the position; `y` may be empty where none does.
+    /// τ(ẏ), or τ(y, ẏ) where a law depends on the position; `y` may be empty if none does.
     pub fn friction_torques(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         forces::friction_torques(self.graph, self.model, y, v)
     }
 
-    /// Springs and friction: what acts on single joints, as a share of q.
+    /// Springs and friction: forces on single joints, as a share of q.
     pub fn joint_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         subtract(&self.spring_forces(y, v), &self.friction_torques(y, v))
     }
@@ -163,7 +163,7 @@ impl<'g> Equations<'_, 'g> {
         sum(&self.gravity_forces(y), &joint)
     }
 
-    /// s₁: what friction gains for each unit of load, by coordinate; `None` where it gains nothing.
+    /// s₁: the part of the load that becomes friction, by coordinate; `None` if there is none.
     pub(super) fn load_shares(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Option<Vec<Scalar<'g>>> {
         load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
@@ -173,7 +173,7 @@ impl<'g> Equations<'_, 'g> {
         load_friction::shares(self.graph, self.model, y, v)
     }
 
-    /// `M ÿ + k − q`, and what friction gains with the load.
+    /// `M ÿ + k − q`, and the friction under load.
     pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
         let Some(shares) = self.load_shares(y, v) else {
@@ -186,7 +186,7 @@ impl<'g> Equations<'_, 'g> {
         exerted.zip(more).map(|(exerted, more)| exerted + more).collect()
     }
 
-    /// `M ÿ + k − q`, and what friction gains with the load, with derivatives by y and ẏ, and M.
+    /// `M ÿ + k − q` and the friction under load, with derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
         let Some(shares) = self.load_shares(input.y, input.v) else {
             return self.remaining_derivatives(input, || self.joint_forces(input.y, input.v));
@@ -209,7 +209,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// `M ÿ + k − q_gravity` less what acts on single joints, with derivatives by y and ẏ, and M.
+    /// `M ÿ + k − q_gravity` without the forces on single joints, with derivatives by y and ẏ, and M.
     pub(super) fn remaining_derivatives(
         &self,
         input: MotionInput<'_, 'g>,
@@ -319,7 +319,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Tells whether each force depends on the motion of its own coordinate alone.
+    /// Whether each force depends on the motion of its own coordinate alone.
     pub(super) fn forces_are_local(&self) -> bool {
         let model = self.model;
         model.followers.is_empty()
@@ -384,7 +384,7 @@ impl<'g> Equations<'_, 'g> {
         rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
-    /// `½ ẏᵀ M ẏ`, as the work of what accelerates by ẏ from rest.
+    /// `½ ẏᵀ M ẏ`, as the work of the forces that accelerate by ẏ from rest.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(formulation, MotionInput { y, v: &self.zeros(), a: v }, false);

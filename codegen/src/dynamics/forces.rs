@@ -76,7 +76,7 @@ impl<'m, 'g> Rubbing<'m, 'g> {
     }
 }
 
-/// Tells whether a friction law depends on the position of its joint. Friction is τ(y, ẏ) then, else τ(ẏ).
+/// Whether a friction law depends on the position of its joint. Friction is τ(y, ẏ) then, else τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
     let moving = model.moving_joints();
     let shafts = model.rubbing_drives().flat_map(|drive| &drive.friction);
@@ -86,7 +86,7 @@ pub fn friction_depends_on_position(model: &Model) -> bool {
 
 /// Friction torques τ by coordinate; they are subtracted from q.
 ///
-/// - `y`: may be empty where no law depends on the position
+/// - `y`: may be empty if no law depends on the position
 pub fn friction_torques<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -150,7 +150,7 @@ pub struct FrictionColumn<'g> {
 
 /// The basis functions of all friction laws by moving joint, each once.
 ///
-/// - `y`: may be empty where no law depends on the position
+/// - `y`: may be empty if no law depends on the position
 pub fn friction_columns<'g>(
     graph: &'g Graph,
     model: &Model,

@@ -1,4 +1,4 @@
-//! Friction that grows with what a gear transmits: `|τ_l| s₁(ẏ)` in addition to the friction s₀(ẏ) of the velocity
+//! Friction that grows with the load of a gear: `|τ_l| s₁(ẏ)` in addition to the friction s₀(ẏ) of the velocity
 //! alone (Hamon, Gautier and Garrec 2010).
 //!
 //! The load τ_l of a joint is what its drive would exert without friction, `M ÿ + k − q` with gravity and
@@ -22,7 +22,7 @@ use crate::graph::{Graph, Scalar};
 use crate::model::Model;
 use gelenk_formula::Function;
 
-/// Tells whether friction of a joint grows with its load.
+/// Whether friction of a joint grows with its load.
 pub fn is_there(model: &Model) -> bool {
     model.joints().any(|joint| !joint.load_friction.is_empty())
 }
@@ -41,12 +41,12 @@ pub fn friction<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
 }
 
 /// `1 + s₁ sign τ_l`: what the drive has to exert for one more unit of load. The argument may be the load, or
-/// what the drive exerts beyond s₀.
+/// the drive's force beyond s₀.
 pub fn gain<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.constant(1.0) + share * load.call(Function::Sign)
 }
 
-/// τ_l from `w`, what the drive exerts beyond s₀.
+/// τ_l from `w`, the drive's force beyond s₀.
 pub fn load<'g>(exerted: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     exerted.divided_by(gain(exerted, share))
 }

@@ -1,4 +1,4 @@
-//! Derivatives by small motions of the joints, where positions are not a vector space.
+//! Derivatives by small motions of the joints, if positions are not a vector space.
 //!
 //! The derivative of a function of the positions along coordinate i is that of `δ ↦ f(y ⊕ δ e_i)` at 0. For a quaternion
 //! `q̇ = ½ q ⊗ (ν, 0)`, for the origin of a floating body `ṗ = R l`, with the velocities l and ν in the body's own frame.

@@ -35,7 +35,7 @@ impl Row {
         }
     }
 
-    /// Tells whether the loops are those for chains in one block: what other loops leave to choices, and to
+    /// Whether the loops are those for chains in one block: what other loops leave to choices, and to
     /// the compiler, is written out there.
     pub(super) fn is_one_block(self) -> bool {
         self.is_chain && self.len == self.block && !self.is_coupled
@@ -91,7 +91,7 @@ pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     }
 }
 
-/// Whether the rows of two coordinates meet in the inverse of the mass matrix: 1 where they do, else 0.
+/// Whether the rows of two coordinates meet in the inverse of the mass matrix: 1 if they do, else 0.
 pub(super) fn meeting(form: &Arrays, i: usize, j: usize) -> i8 {
     let tree = form.coordinates();
     i8::from(j < tree.len() && tree.meet(i, j))

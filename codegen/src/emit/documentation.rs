@@ -10,7 +10,7 @@ use crate::module::{ComposedFunction, Module};
 /// A block of documentation: Markdown by our own stages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Block {
-    /// A paragraph, apart from what stands above.
+    /// A paragraph, separated from the text above.
     Paragraph(String),
     /// An item of a list.
     Item(String),

@@ -1,4 +1,4 @@
-//! How a module in C is called, as a plain value: what tools that write bindings ask for.
+//! Calling convention of a module in C as a plain value, for tools that write bindings.
 
 use crate::layout::Extent;
 
@@ -30,7 +30,7 @@ pub struct Callable {
     pub takes_parameters: bool,
     /// It is true if its only result is a number, which it returns.
     pub returns_number: bool,
-    /// Its form over eight states, without the beginning of its name; none where it has none.
+    /// Its form over eight states, without the beginning of its name; none if it has none.
     pub lanes: Option<String>,
     /// The sentence about its operations.
     pub cost: String,
@@ -47,7 +47,7 @@ pub struct Argument {
     pub extents: Vec<Extent>,
     /// Meaning, unit and frame.
     pub meaning: String,
-    /// Name and unit of each entry; empty where these are not told one by one.
+    /// Name and unit of each entry; empty if these are not told one by one.
     pub entries: Vec<(String, String)>,
 }
 

@@ -25,7 +25,7 @@ pub(super) fn sin_cos_of(lanes: usize) -> [Kernel; 2] {
     }
 }
 
-/// Tells whether there is a fused multiply-add in any of the functions.
+/// Whether there is a fused multiply-add in any of the functions.
 pub(super) fn are_fused(functions: &[Function]) -> bool {
     let instructions = functions.iter().flat_map(|function| &function.program.instructions);
     instructions.into_iter().any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)))

@@ -17,7 +17,7 @@ pub(super) struct Spelling {
 }
 
 impl Spelling {
-    /// The nearest identifier to `name`; `name` itself where it is one.
+    /// The nearest identifier to `name`; `name` itself if it is an identifier.
     pub(super) fn identifier(&self, name: &str) -> String {
         let mut text = String::with_capacity(name.len());
         for letter in name.chars() {
@@ -91,7 +91,7 @@ impl Spelling {
 pub(super) struct ProgramNames {
     /// Input arrays.
     pub(super) arguments: Vec<String>,
-    /// Results, where these are arguments.
+    /// Results, if these are arguments.
     pub(super) results: Vec<String>,
     /// The value of each instruction.
     pub(super) values: Vec<String>,

@@ -15,7 +15,7 @@ pub struct EmitOptions {
     pub language: Language,
     /// Further files for tools that call modules in C.
     pub companions: Vec<Companion>,
-    /// Name of the module, where it is not the robot's: that of its files, and in C the beginning of its names.
+    /// Name of the module, if it is not the robot's: that of its files, and in C the beginning of its names.
     pub name: Option<String>,
     /// Number type of all functions and constants.
     pub scalar: Scalar,
@@ -51,14 +51,14 @@ pub struct SourceFile {
     pub text: String,
     /// The text of `<name>.h`, for a module in C.
     pub header: Option<String>,
-    /// The further files: what follows the name of the module in theirs, and the text of each.
+    /// The further files: suffix of the module's name, and text of each.
     pub companions: Vec<(&'static str, String)>,
     /// How a module in C is called.
     pub interface: Option<Interface>,
 }
 
 impl SourceFile {
-    /// The files of the module: what follows its name in theirs, and the text of each.
+    /// The files of the module: suffix of its name, and text of each.
     #[must_use]
     pub fn files(&self) -> Vec<(&'static str, &str)> {
         let mut files = match &self.header {

@@ -9,7 +9,7 @@ pub(super) const LINE: &str = "has no torque–speed lines of motors; left out a
 /// Effect of a loss on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Effect {
-    /// The robot is the same, or what it lacks is not part of M and of the bias forces.
+    /// The robot is the same, or the missing parts do not enter M and the bias forces.
     None,
     /// It may be another robot.
     Robot,
@@ -30,17 +30,17 @@ impl Losses {
 
     /// Remembers that something is lost.
     ///
-    /// - `what`: what follows the format's name in the note
+    /// - `what`: text after the format's name in the note
     pub(super) fn add(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::None, what, owner);
     }
 
-    /// Remembers what may make it another robot.
+    /// Records a part whose loss may change the robot.
     pub(super) fn of_robot(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::Robot, what, owner);
     }
 
-    /// Remembers what other programs refuse.
+    /// Records a part that other programs refuse.
     pub(super) fn refused(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::Refusal, what, owner);
     }
@@ -56,7 +56,7 @@ impl Losses {
 
     /// The notes: unlike others they name every owner, since whoever reads the file must know.
     ///
-    /// - `difference`: between the robot and what was written
+    /// - `difference`: between the robot and the written file
     pub(super) fn notes(self, difference: Option<String>) -> Diagnostics {
         let (code, name) = match self.format {
             Format::Mjcf => ("not-in-mjcf", self.format.name()),

@@ -98,7 +98,7 @@ impl Values {
         Lump { mass, center, inertia }
     }
 
-    /// The law as an affine one, where it is one.
+    /// The law as an affine one, if it is one.
     pub(super) fn affine(&self, law: &Formula) -> Option<Affine> {
         let scaled = |a: Affine, factor: f64| Affine {
             constant: a.constant * factor,
@@ -167,7 +167,7 @@ impl Lump {
 }
 
 impl Joint {
-    /// Tells whether the joint slides and does not turn.
+    /// Whether the joint slides and does not turn.
     pub(super) fn slides(&self) -> bool {
         self.kind == JointKind::Prismatic
     }

@@ -74,7 +74,7 @@ impl Writer<'_> {
         self.xml.close();
     }
 
-    /// Tells whether a link stands between the velocities of a joint with a quaternion.
+    /// Whether a link stands between the velocities of a joint with a quaternion.
     fn is_within_chain(&self, name: &str) -> bool {
         self.model.quaternion_joints.iter().any(|joint| {
             let inner = joint.first..joint.coordinates().end - 1;
@@ -162,7 +162,7 @@ impl Writer<'_> {
         self.xml.close();
     }
 
-    /// The smaller one of the joint's limit of force and of what its motor can give.
+    /// The smaller one of the joint's limit of force and the force of its motor.
     fn effort(&self, joint: &Joint) -> f64 {
         let drives = self.model.drives.iter().filter(
             |drive| matches!(joint.motion, Motion::Coordinate(own) if drive.coordinate() == Some(own)),
@@ -202,7 +202,7 @@ impl Writer<'_> {
             (!joint.springs.is_empty(), "has no springs; left out at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
-                "has one limit of force at a joint; the nominal one was left out beside the peak at",
+                "has one limit of force at a joint; the nominal one was left out, next to the peak, at",
             ),
         ] {
             if is_lost {

@@ -13,7 +13,7 @@ use crate::model::Model;
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_branches};
 use crate::spatial::Force;
 
-/// The arguments of a function in a robot: where joints are driven, what depends on the motion takes theirs too.
+/// Arguments of a function of a robot: if joints are driven, functions of the motion take theirs too.
 pub(super) fn arguments_in(model: &Model, arguments: &[Argument]) -> Vec<Argument> {
     let depends = arguments.iter().any(|each| matches!(each, Coordinates | Velocities | Accelerations));
     let driven = (depends && !model.driven.is_empty()).then_some(Driven);
@@ -55,7 +55,7 @@ pub(super) fn arguments_of<'g>(
     (arguments, inputs)
 }
 
-/// Positions by coordinate: entries of y, and 0 where the position is a quaternion's.
+/// Positions by coordinate: entries of y, and 0 if the position is a quaternion's.
 fn positions<'g>(graph: &'g Graph, model: &Model, entries: Vec<Scalar<'g>>) -> Vec<Scalar<'g>> {
     if entries.is_empty() || model.quaternion_joints.is_empty() {
         return entries;

@@ -58,7 +58,7 @@ impl Composition {
         }
     }
 
-    /// Tells whether the function takes several steps in one period.
+    /// Whether the function takes several steps in one period.
     #[must_use]
     pub fn has_substeps(self) -> bool {
         self != Self::Discretize
@@ -182,7 +182,7 @@ impl Composition {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps)
     }
 
-    /// All operations in a robot's module; `None` where the function that it calls is not among these.
+    /// All operations in a robot's module; `None` if the function that it calls is not among these.
     pub(crate) fn cost_in(self, model: &Model, functions: &[Function]) -> Option<Cost> {
         let called = functions.iter().find(|function| function.name == self.calls())?;
         let substeps = model.options.substeps.unwrap_or(1);

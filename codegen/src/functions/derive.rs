@@ -76,7 +76,7 @@ pub(super) fn derive_frame(
     function
 }
 
-/// Says what is otherwise in a robot of which the row is not the whole truth.
+/// Documentation for robots to which the row does not apply in full.
 fn say_otherwise(model: &Model, otherwise: &[Otherwise], function: &mut Function) {
     otherwise.iter().for_each(|said| said.say(model, function));
 }

@@ -72,7 +72,7 @@ pub(super) fn note(form: &ArrayForm) -> &'static str {
 /// A function as it is written.
 #[derive(Clone)]
 pub(super) struct Derived {
-    /// Straight-line code; what the loops stand for, where there are some.
+    /// Straight-line code; if there are loops, the code that they replace.
     pub(super) program: Program,
     pub(super) arrays: Option<ArrayForm>,
 }
@@ -120,7 +120,7 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// The function that a function calls, where it does. Known without deriving what may be too large to be
+    /// The function that a function calls, if it does. Known without deriving what may be too large to be
     /// wanted.
     pub(super) fn callee(&self, name: &str) -> Option<&'static str> {
         let quantity = catalogue::row(name)?;
@@ -254,7 +254,7 @@ impl<'m> Forms<'m> {
     }
 }
 
-/// Tells whether straight-line code of this size is replaced by loops, if the function has them.
+/// Whether straight-line code of this size is replaced by loops, if the function has them.
 pub(crate) fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }
@@ -262,7 +262,7 @@ pub(crate) fn is_large(operations: usize) -> bool {
 /// The coordinates that an input acts on, each with its gain.
 type Gains = Vec<(usize, Operand)>;
 
-/// For each input the coordinates that it acts on, with its gains; `None` where a gain has to be computed.
+/// For each input the coordinates that it acts on, with its gains; `None` if a gain has to be computed.
 fn gains(model: &Model) -> Option<Vec<Gains>> {
     if model.inputs_depend_on_position() {
         return None;
@@ -286,7 +286,7 @@ fn gains(model: &Model) -> Option<Vec<Gains>> {
     (0..columns).map(of_input).collect()
 }
 
-/// D, where positions have quaternions.
+/// D, if positions have quaternions.
 fn drift(model: &Model) -> Option<Vec<Drift>> {
     if model.quaternion_joints.is_empty() {
         return None;

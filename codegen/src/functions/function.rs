@@ -12,9 +12,9 @@ use crate::program::cost::{self, Cost};
 pub struct Function {
     /// Rust identifier.
     pub name: String,
-    /// The frame that it is about, and what it says of it; none for a function of the whole robot.
+    /// Its frame, and the quantity of the frame; none for a function of the whole robot.
     pub frame: Option<FrameFunction>,
-    /// First line of the documentation: what it is, with its symbol.
+    /// First line of the documentation: meaning and symbol.
     pub summary: String,
     /// The equation in Unicode.
     pub equation: String,
@@ -28,7 +28,7 @@ pub struct Function {
     pub constants: Vec<Constant>,
     /// The body.
     pub program: Program,
-    /// The body as loops over joints, where that is smaller or faster; `program` is what it unrolls to.
+    /// The body as loops over joints, if that is smaller or faster; `program` is its unrolled form.
     pub arrays: Option<ArrayForm>,
 }
 
@@ -68,7 +68,7 @@ impl FrameFunction {
 pub struct ArgumentText {
     /// Meaning, unit and frame.
     pub meaning: String,
-    /// Name and unit of each entry; empty where these are not told one by one.
+    /// Name and unit of each entry; empty if these are not told one by one.
     pub entries: Vec<(String, &'static str)>,
 }
 

@@ -89,7 +89,7 @@ impl PositionFunction {
         }
     }
 
-    /// The results; none for what changes its argument.
+    /// The results; none if the function changes its argument.
     #[must_use]
     pub fn results(self) -> Vec<PositionValue> {
         match self {

@@ -1,4 +1,4 @@
-//! Which functions are generated, and what is left out.
+//! Selection of functions, and functions that are left out.
 //!
 //! Without a selection all functions are wanted, and what cannot be generated is left out with a note. What
 //! is asked for by name is generated, or the reason is an error.
@@ -44,7 +44,7 @@ pub struct Selection {
     pub notes: Vec<Diagnostic>,
 }
 
-/// Derives what is wanted, and what that calls.
+/// Derives the wanted functions, and the functions that they call.
 ///
 /// # Errors
 /// `unknown-function` for each name that the model does not have; `singular-mass-matrix` and `too-large` for
@@ -149,7 +149,7 @@ impl Row<'_> {
     }
 }
 
-/// A request with what its functions call.
+/// A request with the functions that its functions call.
 struct Wanted<'a> {
     request: &'a Request<'a>,
     compositions: Vec<Composition>,
@@ -187,7 +187,7 @@ impl<'a> Wanted<'a> {
         is_included || self.names_row(row) || self.called.contains(&&*name)
     }
 
-    /// The function's name, and what asks for it where it is not asked for itself.
+    /// The function's name, and the function that needs it if it is not requested itself.
     fn with_caller(&self, name: &str) -> String {
         let mut callers = self.compositions.iter();
         let caller = callers.find(|each| each.calls() == name);
@@ -215,7 +215,7 @@ struct LeftOut {
     too_large: Vec<TooLarge>,
     /// Functions over a sample time, where joints are driven.
     over_time: Vec<String>,
-    /// Functions of frames, where there are very many.
+    /// Functions of frames, if there are very many.
     of_frames: usize,
     /// Functions that call others which are left out.
     callers: Vec<String>,
@@ -241,7 +241,7 @@ impl LeftOut {
         rows.filter(is_kept).collect()
     }
 
-    /// The rows that hold where friction grows with the load, where it does.
+    /// The rows that hold where friction grows with the load, if it does.
     fn without_load<'m>(
         &mut self,
         model: &Model,
@@ -266,7 +266,7 @@ impl LeftOut {
         or_problems(possible, asked.iter().map(problem).collect())
     }
 
-    /// The rows that can do with a singular mass matrix, where it is one.
+    /// The rows that can do with a singular mass matrix, if it is one.
     fn without_inverse<'m>(
         &mut self,
         model: &Model,

@@ -3,7 +3,7 @@
 use super::build::Graph;
 use super::node::{Edge, Node};
 
-/// Rebuilds the results so that every sum of several terms adds first what is ready first.
+/// Rebuilds the results so that every sum of several terms adds early operands first.
 ///
 /// A recursion over links is one long chain of dependent operations, for which a processor that could do
 /// several at a time waits. Adding the latest term last shortens that chain by the other additions (Huffman's

@@ -27,7 +27,7 @@ impl Graph {
         self.nodes.borrow().len()
     }
 
-    /// Tells whether there is no node yet.
+    /// Whether there is no node yet.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -17,7 +17,7 @@ impl Edge {
         (self.0 >> 1) as usize
     }
 
-    /// Tells whether the node's value is negated.
+    /// Whether the node's value is negated.
     pub fn is_negative(self) -> bool {
         self.0 & 1 == 1
     }

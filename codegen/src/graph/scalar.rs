@@ -58,12 +58,12 @@ impl<'g> Scalar<'g> {
         self.graph.constant(value)
     }
 
-    /// The value, where it is a constant.
+    /// The value, if it is a constant.
     pub fn value(self) -> Option<f64> {
         self.graph.value(self.edge)
     }
 
-    /// Tells whether the scalar is the constant 0.
+    /// Whether the scalar is the constant 0.
     pub fn is_zero(self) -> bool {
         self.value() == Some(0.0)
     }

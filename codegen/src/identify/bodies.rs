@@ -89,7 +89,7 @@ pub struct LinkBodies {
     pub body: BodyValues,
     /// The others, without mass.
     pub emptied: Vec<BodyValues>,
-    /// Parameters of the link by what is described elsewhere than in bodies: rotors of held joints.
+    /// Parameters of the link that are described elsewhere than in bodies: rotors of held joints.
     pub fixed: Vec<f64>,
 }
 
@@ -134,7 +134,7 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diag
     Ok(links.map(of_joint).collect())
 }
 
-/// Parameters of the moving links by what is described elsewhere than in bodies: rotors of held joints.
+/// Parameters of the moving links that are described elsewhere than in bodies: rotors of held joints.
 fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let mut model = model.clone();
     model.links.iter_mut().for_each(|link| link.bodies.clear());

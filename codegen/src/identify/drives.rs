@@ -9,9 +9,9 @@ use gelenk_formula::Formula;
 /// Identified values of a joint's drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedDrive {
-    /// Axial inertia of the rotor [kg m²], where the description has one.
+    /// Axial inertia of the rotor [kg m²], if the description has one.
     pub rotor: Option<f64>,
-    /// Inertia that the drive adds to its joint [kg m² or kg], where the description has neither a rotor nor a gear.
+    /// Inertia that the drive adds to its joint [kg m² or kg], if the description has neither a rotor nor a gear.
     pub reflected: Option<f64>,
     /// Motor constant K_M [N m/A].
     pub motor_constant: Option<f64>,
@@ -80,7 +80,7 @@ pub fn rotors(model: &Model) -> Vec<Option<usize>> {
     (0..model.coordinates.len()).map(place).collect()
 }
 
-/// Keys of a drive with their values, without those of its friction and of what it acts on.
+/// Keys of a drive with their values, without those of its friction and of the joints that it acts on.
 ///
 /// - `rotor`: its identified inertia, and how it counts
 pub(super) fn entries(

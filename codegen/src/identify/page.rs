@@ -132,7 +132,7 @@ pub fn offsets(joint: &JointEstimate) -> String {
     }
 }
 
-/// R² of a joint that moves; none where nothing acts on it.
+/// R² of a joint that moves; none if nothing acts on it.
 fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
     if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
 }
@@ -267,8 +267,7 @@ fn parameters(robot: &dyn Robot, found: &Identification) -> Section {
     let mut table = Table::new(
         "inertial_parameters",
         &format!(
-            "Described and estimated inertial parameters with {:.0} % intervals: what the data cannot tell stays near the \
-             description.",
+            "Described and estimated inertial parameters with {:.0} % intervals: parameters that the data do not determine stay near the description.",
             100.0 * found.estimate.confidence
         ),
     )

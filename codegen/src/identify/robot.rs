@@ -29,7 +29,7 @@ pub struct InterpretedRobot {
     inverse_dynamics: Function,
     parameters: Vec<f64>,
     input_matrix: Vec<f64>,
-    /// W with gravity as three more free parameters, derived where it is asked for.
+    /// W with gravity as three more free parameters, derived if it is asked for.
     at_rest: OnceLock<Option<Function>>,
     /// B(y), where inputs act at frames.
     input_matrix_at: Option<Function>,

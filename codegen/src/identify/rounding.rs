@@ -61,7 +61,7 @@ struct Found<'a> {
     fixed: &'a [f64],
     /// The numbers of the described body.
     described: [Option<f64>; PER_LINK],
-    /// Half the width of each value's interval; none where it is not known.
+    /// Half the width of each value's interval; none if it is not known.
     errors: [Option<f64>; PER_LINK],
 }
 

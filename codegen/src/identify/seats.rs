@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, RowDVector};
 /// Share of a shaft's largest entry below which an entry is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// For each shaft the joint whose row it takes; `None` where its motion follows from those of rows that are taken, or
+/// For each shaft the joint whose row it takes; `None` if its motion follows from those of rows that are taken, or
 /// that may not be.
 ///
 /// Shafts choose in their order. Each takes the joint along which it turns most while all other rows keep their motion,

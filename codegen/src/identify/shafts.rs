@@ -88,12 +88,12 @@ pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<
 pub struct IdentifiedShaft<'a> {
     /// Name of the drive.
     pub name: &'a str,
-    /// Friction of its shaft; what is described stays where there is none. Friction of a shaft that moves one joint is part of
+    /// Friction of its shaft; what is described stays if there is none. Friction of a shaft that moves one joint is part of
     /// the joint's.
     pub friction: Option<&'a FrictionResult>,
-    /// Axial inertia of its rotor as a parameter of the equations [kg m²], where the description has one.
+    /// Axial inertia of its rotor as a parameter of the equations [kg m²], if the description has one.
     pub rotor: Option<f64>,
-    /// Inertia at the shaft, where the description has no rotor [kg m²].
+    /// Inertia at the shaft, if the description has no rotor [kg m²].
     pub added: Option<f64>,
     /// Motor constant K_M [N m/A].
     pub motor_constant: Option<f64>,
@@ -105,7 +105,7 @@ pub fn shaft_rotor(model: &Model, name: &str) -> Option<usize> {
     drives_with_rotor(model).position(|drive| drive.name == name)
 }
 
-/// The table `[[drives]]` of an identified drive, with all that is described of it; `None` where there is no such drive.
+/// The table `[[drives]]` of an identified drive, with all that is described of it; `None` if there is no such drive.
 ///
 /// - `described`: the model with its friction
 ///

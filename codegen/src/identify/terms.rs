@@ -1,4 +1,4 @@
-//! Friction terms with what speaks for each, for the page and for JSON.
+//! Friction terms with the evidence for each, for the page and for JSON.
 
 use gelenk_findings::digits::{plain, significant};
 use gelenk_identification::friction::{Candidate, FrictionReport};

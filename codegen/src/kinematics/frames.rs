@@ -27,7 +27,7 @@ const NEARLY_PARALLEL: f64 = 1e-2;
 /// Lengths below this are rounding (m).
 const ROUNDING: f64 = 1e-14;
 
-/// A frame in the described frame of its body; `None` where the tree leaves it free.
+/// A frame in the described frame of its body; `None` if the tree leaves it free.
 #[derive(Clone, Copy)]
 struct Draft<'g> {
     z: Numeric3<f64>,
@@ -283,7 +283,7 @@ fn tidy(v: Numeric3<f64>) -> Numeric3<f64> {
     v.normalize().map(|x| if x.abs() < PARALLEL { 0.0 } else { x }).normalize()
 }
 
-/// From the root to the leaves: fills what the draft left free so that offsets vanish.
+/// From the root to the leaves: chooses the free offsets so that most of them vanish.
 fn complete<'g>(
     draft: &Draft<'g>,
     described: &DescribedBody<'g>,
@@ -329,7 +329,7 @@ fn any_frame(z: Numeric3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[x, z.cross(&x), z])
 }
 
-/// `R = R_z(γ) R_x(α) R_z(θ)` with γ = 0 where possible.
+/// `R = R_z(γ) R_x(α) R_z(θ)` with γ = 0 if possible.
 fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
     let z = rotation.column(2);
     let sine = numeric::length([z[0], z[1]]);

@@ -26,7 +26,7 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
     MassMoments::of_inertia(mass, center, inertia)
 }
 
-/// Moves what acts only through its sum from body to parent (base parameters; Gautier and Khalil 1990):
+/// Moves masses that act only through their sum from body to parent (base parameters; Gautier and Khalil 1990):
 /// masses on a revolute joint's axis, and the whole second moment of a prismatic joint's body. Leaves M, k
 /// and q unchanged.
 ///
@@ -118,7 +118,7 @@ fn shared_with<'g>(body: &Body<Scalar<'g>>, choice: RegroupChoice, child: usize)
     (body.axis == JointAxis::Revolute).then_some(Shared { child, in_parent, component })
 }
 
-/// The masses that balance a first moment; `None` where levers are not constants, or where digits would be lost.
+/// The masses that balance a first moment; `None` if levers are not constants, or where digits would be lost.
 fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option<Vec<f64>> {
     let row = |component: usize| -> Option<Vec<f64>> {
         let levers = shared.iter().map(|each| each.in_parent.first[component].value());
@@ -128,7 +128,7 @@ fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option
     if rows.is_empty() { None } else { solved(rows) }
 }
 
-/// The solution of linear equations, whose right side is the last column; `None` where a pivot is too small (Gauss–Jordan
+/// The solution of linear equations, whose right side is the last column; `None` if a pivot is too small (Gauss–Jordan
 /// elimination with row pivots).
 fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let size = rows.len();

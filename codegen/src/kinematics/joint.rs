@@ -35,7 +35,7 @@ impl JointAxis {
         }
     }
 
-    /// Tells whether the joint's velocity turns the body.
+    /// Whether the joint's velocity turns the body.
     pub fn turns(self) -> bool {
         self == Self::Revolute
     }
@@ -54,7 +54,7 @@ impl JointAxis {
         }
     }
 
-    /// `Sᵀ f`: what a force on the body, about its origin and in its frame, exerts along the joint.
+    /// `Sᵀ f`: the generalized force of a force on the body, about its origin and in its frame, along the joint.
     pub fn force(self, f: Force<'_>) -> Scalar<'_> {
         match self {
             Self::Revolute => f.moment[2],

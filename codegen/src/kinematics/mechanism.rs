@@ -17,7 +17,7 @@ pub struct Mechanism<S: Numbers> {
     pub coordinates: usize,
     /// How many of them are driven: these stand last.
     pub driven: usize,
-    /// For each coordinate its entry among the positions; `None` where it belongs to a quaternion.
+    /// For each coordinate its entry among the positions; `None` if it belongs to a quaternion.
     pub positions: Vec<Option<usize>>,
     /// Bodies, parents first.
     pub bodies: Vec<Body<S>>,
@@ -50,7 +50,7 @@ pub struct Body<S> {
     pub chain: Option<ChainPlace>,
     /// Rotation by the quaternion, between the twist with its offset and the body's motion.
     pub attitude: Option<Attitude<S>>,
-    /// Parent body; `None` where the base carries the joint.
+    /// Parent body; `None` if the base carries the joint.
     pub parent: Option<usize>,
     /// Type of the joint.
     pub axis: JointAxis,
@@ -67,7 +67,7 @@ pub struct Body<S> {
     /// Unit of length (m) in which forces, accelerations, masses and the children's translations are
     /// expressed.
     pub length_unit: f64,
-    /// The parent's unit of length over this one; 1 where the base carries the joint.
+    /// The parent's unit of length over this one; 1 if the base carries the joint.
     pub unit_ratio: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct Rotor<S> {
     pub transmission: Transmission<S>,
     /// Gear ratio i: turns of the rotor for a unit of that motion.
     pub ratio: S,
-    /// Body whose joint its drive moves; `None` where that is the sum of several.
+    /// Body whose joint its drive moves; `None` if that is the sum of several.
     pub driven: Option<usize>,
     /// Body that carries it; `None` for the base, and for rotors that only enter the diagonal.
     pub carrier: Option<usize>,
@@ -101,13 +101,13 @@ impl<'g> Rotor<Scalar<'g>> {
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// Tells whether bodies follow others: then a coordinate moves several joints, or slides and turns one, or a
+    /// Whether bodies follow others: then a coordinate moves several joints, or slides and turns one, or a
     /// joint or rotor follows several coordinates.
     pub fn is_coupled(&self) -> bool {
         self.bodies.len() > self.coordinates || self.rotors.iter().any(|rotor| rotor.driven.is_none())
     }
 
-    /// Tells whether there are joints with quaternions.
+    /// Whether there are joints with quaternions.
     pub fn has_quaternions(&self) -> bool {
         self.bodies.iter().any(|body| body.chain.is_some())
     }
@@ -127,7 +127,7 @@ impl<S: Numbers> Mechanism<S> {
         self.bodies.iter().position(|body| body.joint == joint && !body.is_screw_slide)
     }
 
-    /// Tells whether every rotor sits on the parent of the body that it drives, or on the base: the coupling
+    /// Whether every rotor sits on the parent of the body that it drives, or on the base: the coupling
     /// of others reaches beyond neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
         let sits_near = |rotor: &Rotor<S>| match rotor.driven {
@@ -147,7 +147,7 @@ impl<S: Numbers> Mechanism<S> {
         depths.iter().sum()
     }
 
-    /// Tells whether there are several branches: bodies that carry no other.
+    /// Whether there are several branches: bodies that carry no other.
     pub fn branches(&self) -> bool {
         self.children().iter().filter(|children| children.is_empty()).count() > 1
     }
@@ -174,7 +174,7 @@ impl<S> Body<S> {
 }
 
 impl<'g> Body<Scalar<'g>> {
-    /// Origin in the parent's frame, at coordinate 0 where the joint is prismatic. With γ in the twist the
+    /// Origin in the parent's frame, at coordinate 0 if the joint is prismatic. With γ in the twist the
     /// lift along the axis has a component along the parent's x.
     pub fn origin_in_parent(&self) -> Vector3<Scalar<'g>> {
         let zero = self.lift.constant(0.0);
@@ -183,7 +183,7 @@ impl<'g> Body<Scalar<'g>> {
 }
 
 impl Body<Number> {
-    /// Component of [`Self::origin_in_parent`] along the parent's x, where it is a constant.
+    /// Component of [`Self::origin_in_parent`] along the parent's x, if it is a constant.
     pub fn lever(&self) -> Option<f64> {
         let share = self.twist.matrix()[(0, 2)];
         let lifted = if share == 0.0 { 0.0 } else { share * self.lift.value()? };
@@ -192,7 +192,7 @@ impl Body<Number> {
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// Positions on a graph, by coordinate: inputs, and 0 where the position is a quaternion's.
+    /// Positions on a graph, by coordinate: inputs, and 0 if the position is a quaternion's.
     pub fn positions_on<'g>(&self, graph: &'g Graph) -> Vec<Scalar<'g>> {
         let position = |entry: &Option<usize>| match entry {
             Some(entry) => graph.input(POSITIONS, *entry),

@@ -30,7 +30,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// The value, where it is a constant.
+    /// The value, if it is a constant.
     pub fn value(self) -> Option<f64> {
         match self {
             Self::Constant(value) => Some(value),

@@ -50,7 +50,7 @@ pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
 pub(super) struct Displaced<'g> {
     /// Rotation between the frames of that body without and with the positions.
     pub attitude: Attitude<Scalar<'g>>,
-    /// Origin in the described frame of the joint; `None` where the joint does not slide.
+    /// Origin in the described frame of the joint; `None` if the joint does not slide.
     pub origin: Option<Vector3<Scalar<'g>>>,
 }
 

@@ -1,4 +1,4 @@
-//! Transmission of motion: what joints and rotors do while the coordinates move.
+//! Transmission of motion: motions of joints and rotors as functions of the coordinates.
 
 use crate::graph::Scalar;
 
@@ -28,7 +28,7 @@ impl<S: Copy> Transmission<S> {
         Self { terms: vec![Followed { coordinate, ratio }] }
     }
 
-    /// The coordinate, where only one is followed.
+    /// The coordinate, if it follows only one.
     pub fn single(&self) -> Option<Followed<S>> {
         match self.terms[..] {
             [followed] => Some(followed),
@@ -84,7 +84,7 @@ impl<'g> Transmission<Scalar<'g>> {
         sum.unwrap_or_else(|| unreachable!("validation gives every follower a coordinate"))
     }
 
-    /// Adds what a force along the motion does to the coordinates: `forces[coordinate] += ratio · force`.
+    /// Adds the generalized forces of a force along the motion: `forces[coordinate] += ratio · force`.
     pub fn add_force(&self, force: Scalar<'g>, forces: &mut [Scalar<'g>]) {
         for term in &self.terms {
             let sum = &mut forces[term.coordinate];

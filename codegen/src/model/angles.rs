@@ -8,7 +8,7 @@ use crate::wording::{listed, three_digits};
 pub const NEARLY_RIGHT: f64 = 1e-4;
 /// Code of that note.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
-/// Makes rotations from described angles and remembers what snapping would gain.
+/// Makes rotations from described angles and records the operations that snapping would save.
 #[derive(Debug, Default)]
 pub(super) struct Angles {
     /// Angles within this of a multiple of 90° are replaced by it (rad).
@@ -19,12 +19,12 @@ pub(super) struct Angles {
     degrees: Vec<(Span, String)>,
 }
 
-/// Tells whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
+/// Whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
 pub(super) fn looks_like_degrees(angle: f64) -> bool {
     is_beyond_turns(angle) && angle % 5.0 == 0.0
 }
 
-/// Tells whether an angle is almost five turns or more in radians, and at most two in degrees.
+/// Whether an angle is almost five turns or more in radians, and at most two in degrees.
 pub(super) fn is_beyond_turns(angle: f64) -> bool {
     (30.0..=720.0).contains(&angle.abs())
 }
@@ -71,7 +71,7 @@ impl Angles {
         near
     }
 
-    /// Adds the notes, where there is something to say.
+    /// Adds the notes, if there is something to say.
     pub fn report(self, report: &mut Report) {
         self.note_degrees(report);
         let Some((first, ..)) = self.near.first() else {

@@ -69,7 +69,7 @@ impl Composite {
     /// A floating joint.
     pub const FLOATING: Self = Self::Quaternion(QuaternionKind::Floating);
 
-    /// The type of the joint with a quaternion, where it is one.
+    /// The type of the joint with a quaternion, if it is one.
     pub fn quaternion(self) -> Option<QuaternionKind> {
         match self {
             Self::Quaternion(kind) => Some(kind),
@@ -120,7 +120,7 @@ pub(super) struct Place {
 
 /// The joints of a composite one: the first stands at its place, the last carries its link.
 ///
-/// - `values`: a part's joint with this name, with its limits and what acts on it
+/// - `values`: a part's joint with this name, with its limits, drive, friction and spring
 pub(super) fn expand(
     composite: Composite,
     name: &Name,

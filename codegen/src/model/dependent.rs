@@ -8,7 +8,7 @@ use gelenk_formula::Formula;
 pub struct Dependent<'m> {
     /// Name of the joint or of the drive.
     pub name: &'m str,
-    /// Its motion for a unit of motion of each coordinate, then of each driven joint; `None` where a ratio needs parameters
+    /// Its motion for a unit of motion of each coordinate, then of each driven joint; `None` if a ratio needs parameters
     /// that are not given.
     pub ratios: Option<Vec<f64>>,
     /// Its position where all coordinates are 0 (rad or m); 0 for a motor.

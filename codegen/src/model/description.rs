@@ -108,7 +108,7 @@ impl RobotDescription {
         links.iter().map(|link| link.value.as_str()).filter(move |link| !inner.contains(*link))
     }
 
-    /// Tells whether a drive apart from the joints acts on it.
+    /// Whether a drive apart from the joints acts on it.
     pub fn is_acted_on(&self, joint: &JointDescription) -> bool {
         let mut terms = self.drives.iter().flat_map(|drive| &drive.on);
         terms.any(|term| term.joint.value == joint.name.value)
@@ -121,14 +121,14 @@ impl Default for At<String> {
     }
 }
 
-/// A rigid body; `None` where not said.
+/// A rigid body; `None` if not said.
 #[derive(Debug, Clone)]
 pub(super) struct BodyDescription {
     pub name: Name,
     pub link: Name,
     /// Pose of the body's own frame in the link's described frame.
     pub origin: Option<Pose>,
-    /// Parts of it that keep what they were in a description below.
+    /// Fields of the base description that this file does not override.
     pub unsaid: Unsaid,
     pub mass: Option<At<Formula>>,
     pub center_of_mass: Option<[Formula; 3]>,
@@ -159,7 +159,7 @@ impl BodyDescription {
     }
 }
 
-/// A joint; `None` where not said.
+/// A joint; `None` if not said.
 #[derive(Debug, Clone)]
 pub(super) struct JointDescription {
     pub name: Name,
@@ -167,13 +167,13 @@ pub(super) struct JointDescription {
     pub parent: Option<Name>,
     pub child: Option<Name>,
     pub origin: Option<Pose>,
-    /// Parts of it that keep what they were in a description below.
+    /// Fields of the base description that this file does not override.
     pub unsaid: Unsaid,
     /// Pose of the child link's described frame in the frame that moves with the joint (standard DH).
     pub link_frame: Option<Pose>,
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
-    /// Whether its motion is prescribed; `None` where the description does not say how it moves.
+    /// Whether its motion is prescribed; `None` if the description does not say how it moves.
     pub driven: Option<At<bool>>,
     pub limits: LimitsDescription,
     pub springs: Option<At<Vec<Formula>>>,
@@ -239,22 +239,22 @@ impl JointDescription {
         }
     }
 
-    /// Tells whether the joint moves.
+    /// Whether the joint moves.
     pub fn moves(&self) -> bool {
         self.held.is_none() && self.kind.is_some_and(|kind| kind != JointKind::Fixed)
     }
 
-    /// Tells whether the joint moves with others.
+    /// Whether the joint moves with others.
     pub fn is_follower(&self) -> bool {
         self.moves() && self.follows.is_some()
     }
 
-    /// Tells whether the joint is a coordinate.
+    /// Whether the joint is a coordinate.
     pub fn is_coordinate(&self) -> bool {
         self.moves() && self.follows.is_none() && !self.is_driven()
     }
 
-    /// Tells whether the joint is a coordinate whose motion is prescribed.
+    /// Whether the joint is a coordinate whose motion is prescribed.
     pub fn is_driven(&self) -> bool {
         self.moves() && self.follows.is_none() && self.driven.as_ref().is_some_and(|driven| driven.value)
     }
@@ -276,7 +276,7 @@ pub(super) struct FrictionDescription {
 }
 
 impl FrictionDescription {
-    /// Tells whether there is no friction.
+    /// Whether there is no friction.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty() && self.load.is_none()
     }
@@ -340,7 +340,7 @@ pub(super) struct DriveDescription {
 }
 
 impl DriveDescription {
-    /// The ideal drive of a joint, with what its rotor adds to the diagonal of M.
+    /// The ideal drive of a joint, with the reflected inertia of its rotor on the diagonal of M.
     pub fn at_joint(rotor_inertia: At<Formula>) -> Self {
         let span = rotor_inertia.span;
         Self {
@@ -370,7 +370,7 @@ pub(super) struct SkippedRotor {
 }
 
 impl SkippedRotor {
-    /// Its joint, where it is clear, and what it adds to the diagonal of M there.
+    /// Its joint, if it is clear, and its reflected inertia on the diagonal of M.
     pub fn place(&self) -> Option<(&str, f64)> {
         match (&self.joints[..], &self.ratios[..]) {
             ([joint], [ratio]) => Some((joint, ratio * ratio * self.inertia.value)),

@@ -27,7 +27,7 @@ impl DescriptionFiles {
         Self { files: Vec::new(), description: path.to_owned() }
     }
 
-    /// The files that were read, with their content: the description, and what it extends or includes.
+    /// The files that were read, with their content: the description, and files that it extends or includes.
     pub fn contents(&self) -> impl Iterator<Item = (&Path, &[u8])> {
         self.files.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
     }
@@ -154,7 +154,7 @@ fn not_utf8(name: &str, why: &std::string::FromUtf8Error) -> Diagnostics {
     let at = why.utf8_error().valid_up_to();
     let mut report = Report::default();
     let source = report.add_source(name, &String::from_utf8_lossy(why.as_bytes()));
-    let message = format!("byte {at} of the file is no UTF-8");
+    let message = format!("byte {at} of the file is not UTF-8");
     report.error(Span::new(source, at..at + 1), "not-utf-8", message);
     report.help("descriptions are UTF-8 text");
     report.finish()

@@ -6,11 +6,11 @@ use gelenk_formula::{Formula, Function};
 /// A drive: one input, acting on one coordinate or on the sum of several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// Name in the description, to the letter; that of the joint where the drive has none of its own.
+    /// Name in the description, to the letter; that of the joint if the drive has none of its own.
     pub name: String,
     /// The name as a Rust identifier, distinct among the drives.
     pub identifier: String,
-    /// The coordinates whose weighted sum its gear turns into the motor's angle; empty where its joint is held:
+    /// The coordinates whose weighted sum its gear turns into the motor's angle; empty if its joint is held:
     /// no input then, but its rotor stays on the carrier.
     pub acts_on: Vec<FollowedCoordinate>,
     /// Gear ratio i: motor angle over that sum.
@@ -39,7 +39,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Tells whether friction of its shaft jumps.
+    /// Whether friction of its shaft jumps.
     #[must_use]
     pub fn jumps(&self) -> bool {
         let mut terms = self.friction.iter().filter(|term| !term.coefficient.is_zero());
@@ -56,7 +56,7 @@ impl Drive {
     }
 }
 
-/// Nominal and peak torque of a motor (N m), `None` where not described.
+/// Nominal and peak torque of a motor (N m), `None` if not described.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MotorTorque {
     /// The torque that the motor bears continuously.
@@ -65,7 +65,7 @@ pub struct MotorTorque {
     pub peak: Option<f64>,
 }
 
-/// The torque–speed line of a motor, `|τ + τ₀ ω/ω₀| ≤ τ₀` at its shaft: what its supply leaves to it.
+/// The torque–speed line of a motor, `|τ + τ₀ ω/ω₀| ≤ τ₀` at its shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TorqueSpeedLine {
     /// τ₀: torque at rest (N m).

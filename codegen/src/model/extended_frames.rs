@@ -19,13 +19,13 @@ pub(super) fn replace(whole: &mut RobotDescription, frames: Vec<FrameDescription
     whole.frames = kept.collect::<Vec<_>>().into_iter().chain(frames).collect();
 }
 
-/// Tells whether a force, an input or a wrench names a frame, and means no link by that.
+/// Whether a force, an input or a wrench names a frame, and means no link by that.
 fn is_needed(frame: &FrameDescription, whole: &RobotDescription) -> bool {
     let is_own = frame.link.value == frame.name.value && frame.pose.is_identity();
     !is_own && whole.names_at_frames().any(|name| name.value == frame.name.value)
 }
 
-/// Tells whether a function of a frame is asked for by name.
+/// Whether a function of a frame is asked for by name.
 fn is_asked_for(frame: &FrameDescription, whole: &RobotDescription) -> bool {
     let functions = whole.options.iter().flat_map(|options| &options.functions);
     let own = FrameKind::ALL.map(|kind| kind.function(&identifier(&frame.name.value)));

@@ -5,7 +5,7 @@ use std::path::Path;
 /// Kind of a file that is not a description, and the remedy.
 pub(super) type Foreign = (String, &'static str);
 
-const MESH: &str = "a mesh says nothing of masses and joints: give the URDF that names it, or write a TOML";
+const MESH: &str = "a mesh has no joints: give the URDF that names it, or write a TOML";
 const IMAGE: &str = "give a TOML, URDF or MJCF file";
 const CONVERT: &str = "convert it to URDF first, or describe the robot in TOML";
 const UTF_8: &str = "descriptions are UTF-8 text: save it as that";
@@ -66,7 +66,7 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
         }
         (Some("urdf" | "xml"), false) => found(
             "no XML, though its name ends like that of a URDF",
-            "rename it to end with `.toml` where it is a description in TOML",
+            "rename it to end with `.toml` if it is a description in TOML",
         ),
         (Some("yaml" | "yml"), _) => found("YAML", "describe the robot in TOML, or give a URDF"),
         (Some("obj" | "dae" | "step" | "stp"), _) => found("a mesh or a drawing", MESH),
@@ -74,7 +74,7 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     }
 }
 
-/// Tells whether an XML text is a model of MuJoCo.
+/// Whether an XML text is a model of MuJoCo.
 pub(super) fn is_mjcf(text: &str) -> bool {
     root(text.trim_start_matches('\u{feff}').trim_start()) == Some("mujoco")
 }

@@ -13,7 +13,7 @@ const JOINT: [&str; 2] = ["base", "floating_base"];
 /// The link before it.
 const WORLD: [&str; 2] = ["world", "inertial_frame"];
 
-/// Links with these names, in large or small letters, stand for the ground: what is fixed to them is bolted down.
+/// Links with these names, in large or small letters, are the ground: links that are fixed to them do not move.
 const GROUND: [&str; 5] = ["world", "world_link", "map", "odom", "ground"];
 
 /// Frees the base where the description asks for it.
@@ -39,7 +39,7 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
 
 /// Puts a floating joint under the base.
 ///
-/// - `told`: what is said of its velocities, which is taken
+/// - `told`: keys of its velocities, which are removed
 fn put_joint(robot: &mut RobotDescription, root: &str, span: Span, told: &mut Vec<JointDescription>) {
     let world = unused(WORLD, |name| links(robot).any(|link| link == name));
     let place = Place {
@@ -85,7 +85,7 @@ pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
     }
 }
 
-/// Tells whether a link is that of the ground, to which what is fixed is bolted.
+/// Whether a link is the ground, to which the robot is bolted.
 fn is_ground(robot: &RobotDescription, link: &str) -> bool {
     GROUND.iter().any(|ground| ground.eq_ignore_ascii_case(link))
         || (carried(robot, link).any(floats) && !has_body(robot, link))
@@ -100,7 +100,7 @@ fn carried<'d>(robot: &'d RobotDescription, link: &str) -> impl Iterator<Item = 
     robot.joints.iter().filter(move |joint| joint.parent.as_ref().is_some_and(|parent| parent.value == link))
 }
 
-/// Tells whether a joint is a velocity of a floating one.
+/// Whether a joint is a velocity of a floating one.
 fn floats(joint: &JointDescription) -> bool {
     joint.part_of.as_ref().is_some_and(|part| part.kind == QuaternionKind::Floating)
 }
@@ -309,7 +309,7 @@ mod tests {
         }
     }
 
-    /// Each way to say what acts on a base that its own file frees.
+    /// Each way to describe drives and forces of a base that its own file frees.
     #[test]
     fn a_file_speaks_of_the_velocities_of_the_base_that_it_frees() {
         for (joints, drives) in [

@@ -31,7 +31,7 @@ pub struct PointForce {
 pub struct ForceInput {
     /// Name in the description.
     pub name: String,
-    /// Lowest and highest value; `None` where not described.
+    /// Lowest and highest value; `None` if not described.
     pub limits: Option<[f64; 2]>,
     /// Effect of a unit of the input.
     pub effect: ForceEffect,

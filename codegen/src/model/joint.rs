@@ -81,7 +81,7 @@ const SLIDE: f64 = 0.5;
 const FARTHEST: f64 = 20.0;
 
 impl Joint {
-    /// Tells whether friction or a spring jumps, because it has an exact `sign`.
+    /// Whether friction or a spring jumps, because it has an exact `sign`.
     #[must_use]
     pub fn jumps(&self) -> bool {
         let friction = self.friction.iter().chain(&self.load_friction);
@@ -90,7 +90,7 @@ impl Joint {
         laws.any(|law| law.calls(Function::Sign))
     }
 
-    /// Range of positions for seeded states: within the limits, where there are some.
+    /// Range of positions for seeded states: within the limits, if there are some.
     pub(crate) fn seeded_range(&self) -> [f64; 2] {
         let free = match self.kind {
             JointKind::Prismatic => SLIDE,
@@ -181,7 +181,7 @@ pub enum Motion {
     Follower(usize),
 }
 
-/// Limits of a joint; `None` where the description gives none.
+/// Limits of a joint; `None` if the description gives none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Lowest and highest position (rad or m).

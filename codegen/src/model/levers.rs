@@ -36,7 +36,7 @@ impl<'m> Levers<'m> {
         Self { model, parameters, follows, states }
     }
 
-    /// Tells whether a wrench, fixed in its frame, acts on a coordinate that is not driven.
+    /// Whether a wrench, fixed in its frame, acts on a coordinate that is not driven.
     pub(super) fn are_moved_by(&self, at: &Attachment, wrench: &[Formula; 6]) -> bool {
         self.states.iter().any(|state| {
             let (forces, size) = self.forces(state, at.link, self.in_link(at, wrench));

@@ -119,7 +119,7 @@ pub struct Parameter {
     pub name: String,
     /// The described value.
     pub default: f64,
-    /// Unit as text, empty where unknown.
+    /// Unit as text, empty if unknown.
     pub unit: String,
     /// One line of meaning, may be empty.
     pub description: String,
@@ -155,7 +155,7 @@ impl Model {
         self.coordinates.iter().map(|&link| self.joint_of(link))
     }
 
-    /// Tells whether a joint follows others, or a drive acts on several coordinates.
+    /// Whether a joint follows others, or a drive acts on several coordinates.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
         !self.followers.is_empty() || self.moving_drives().any(|drive| drive.coordinate().is_none())
@@ -167,7 +167,7 @@ impl Model {
         self.coordinates.len() + self.driven.len()
     }
 
-    /// Tells whether friction or a spring jumps, at a joint or on the shaft of a drive.
+    /// Whether friction or a spring jumps, at a joint or on the shaft of a drive.
     #[must_use]
     pub fn has_dry_friction(&self) -> bool {
         self.moving_joints().iter().any(|moving| moving.joint.jumps()) || self.drives.iter().any(Drive::jumps)
@@ -198,7 +198,7 @@ impl Model {
         self.driven.iter().map(|&link| self.joint_of(link))
     }
 
-    /// The error of what is not offered where joints are driven; none where no joint is.
+    /// The error of functions that driven joints exclude; none if no joint is driven.
     pub(crate) fn refuse_driven(&self, what: &str, help: &str) -> Result<(), Diagnostics> {
         let Some(joint) = self.driven_joints().next() else { return Ok(()) };
         let message = format!("{what} where joints are driven, as `{}` is", joint.name);
@@ -262,7 +262,7 @@ impl Model {
         self.drives.iter().filter(|drive| !drive.friction.is_empty())
     }
 
-    /// Tells whether B depends on the coordinates.
+    /// Whether B depends on the coordinates.
     #[must_use]
     pub fn inputs_depend_on_position(&self) -> bool {
         !self.force_inputs.is_empty()
@@ -324,7 +324,7 @@ impl<'m> Actuator<'m> {
         }
     }
 
-    /// The drive, where it is one.
+    /// The drive, if it is one.
     #[must_use]
     pub fn drive(self) -> Option<&'m Drive> {
         match self {
@@ -356,6 +356,6 @@ pub struct Options {
     pub lanes: Vec<String>,
     /// Replace exact `sign` by a smooth `tanh` of this slope in generated code.
     pub smooth_sign: Option<f64>,
-    /// Runge–Kutta steps in one period of the generated `step`; 1 where absent.
+    /// Runge–Kutta steps in one period of the generated `step`; 1 if absent.
     pub substeps: Option<usize>,
 }

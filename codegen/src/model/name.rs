@@ -13,12 +13,12 @@ const KEYWORDS: [&str; 54] = [
 const IN_FORMULAS: [&str; 12] =
     ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "sqrt", "pow", "powi"];
 
-/// Tells whether the name is a word of Rust.
+/// Whether the name is a word of Rust.
 pub(super) fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
-/// Tells whether the name means something else in formulas.
+/// Whether the name means something else in formulas.
 pub(super) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }

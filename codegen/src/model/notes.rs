@@ -35,7 +35,7 @@ impl<R: Remark> Notes<R> {
         entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
     }
 
-    /// Reports what was collected; elements that are not harmless have a note of their own.
+    /// Reports the collected elements; elements that are not harmless have a note of their own.
     pub(super) fn report(self, is_harmless: impl Fn(&str) -> bool, report: &mut Report) {
         let (harmless, unknown): (Vec<_>, Vec<_>) =
             self.skipped.into_iter().partition(|(what, _)| is_harmless(what));

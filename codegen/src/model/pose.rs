@@ -43,7 +43,7 @@ impl Pose {
         Self { translation: [Formula::ZERO; 3], rotation: IDENTITY }
     }
 
-    /// Tells whether the frame is the one that it is given in, whatever values parameters have.
+    /// Whether the frame is the one that it is given in, whatever values parameters have.
     pub(super) fn is_identity(&self) -> bool {
         self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
     }
@@ -123,7 +123,7 @@ pub(super) fn about_z(angle: f64) -> Rotation {
     [[c, 0.0 - s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
 }
 
-/// Sine and cosine; exactly 0 and ±1 where the angle is a multiple of 90° to within its rounding.
+/// Sine and cosine; exactly 0 and ±1 if the angle is a multiple of 90° to within its rounding.
 fn sin_cos(angle: f64) -> (f64, f64) {
     match right_angles(angle, 4.0 * f64::EPSILON * angle.abs().max(1.0)) {
         Some(0) => (0.0, 1.0),
@@ -150,7 +150,7 @@ pub(super) fn snapped(angle: f64, tolerance: f64) -> f64 {
     }
 }
 
-/// Tells whether snapping within a tolerance would change the sine or cosine.
+/// Whether snapping within a tolerance would change the sine or cosine.
 pub(super) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
     let (s, c) = sin_cos(angle);
     right_angles(angle, tolerance).is_some() && s != 0.0 && c != 0.0

@@ -143,7 +143,7 @@ impl Model {
         self.coordinates.len() + self.quaternion_joints.len()
     }
 
-    /// The position entry of a coordinate; `None` where it belongs to a quaternion.
+    /// The position entry of a coordinate; `None` if it belongs to a quaternion.
     #[must_use]
     pub fn position_of(&self, coordinate: usize) -> Option<usize> {
         self.quaternion_joint_of(coordinate).is_none().then(|| self.first_position(coordinate))

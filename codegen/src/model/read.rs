@@ -18,13 +18,13 @@ use std::path::{Component, Path, PathBuf};
 pub struct Loaded {
     /// The robot.
     pub model: Model,
-    /// Notes about what was skipped or changed.
+    /// Notes about skipped or changed elements.
     pub notes: Diagnostics,
     /// Every file that was read, the description first.
     pub files: Vec<PathBuf>,
 }
 
-/// Tells whether a file is XML, by its name, else by its content.
+/// Whether a file is XML, by its name, else by its content.
 pub(super) fn is_xml(name: &str, text: &str) -> bool {
     match Path::new(name).extension().and_then(|end| end.to_str()) {
         Some("toml") => false,
@@ -40,7 +40,7 @@ fn without_mark(text: &str) -> &str {
 
 /// Reads a TOML description.
 ///
-/// - `text`, `name`: the text and the name to show for it; its stem names the model where the text does not
+/// - `text`, `name`: the text and the name to show for it; its stem names the model if the text does not
 /// - `load`: fetches the URDF or TOML that the description extends
 ///
 /// # Errors
@@ -329,7 +329,7 @@ fn read_toml(
 
 const BODY_OF_MJCF: &str = "a body is chosen from the scene of an MJCF";
 
-/// Complains about a body that is chosen in a file without a scene.
+/// Reports a body that is chosen in a file without a scene.
 ///
 /// - `is_chosen`: whether a body is chosen
 fn require_mjcf(robot: &Option<RobotDescription>, is_chosen: bool, report: &mut Report) {

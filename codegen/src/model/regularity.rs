@@ -35,7 +35,7 @@ pub(super) struct Pivots {
 }
 
 impl Pivots {
-    /// Tells whether M is positive definite at all states.
+    /// Whether M is positive definite at all states.
     pub fn are_positive(&self) -> bool {
         self.zero.is_empty() && self.negative.is_empty()
     }
@@ -177,7 +177,7 @@ pub(super) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     mass.iter().enumerate().map(|(k, row)| row[k]).collect()
 }
 
-/// A pivot, zero where it is rounding.
+/// A pivot, zero if it is rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pivot {
     Negative,
@@ -185,7 +185,7 @@ enum Pivot {
     Positive,
 }
 
-/// Each link's pivot; `None` where its joint does not move.
+/// Each link's pivot; `None` if its joint does not move.
 fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let links = model.links.iter();
     let mut articulated: Vec<Matrix> = links.map(|link| link_inertia(link, described)).collect();
@@ -262,7 +262,7 @@ pub(super) fn motion_axis(joint: &Joint) -> [f64; 6] {
 
 /// Motion transform from the parent link's frame to this link's frame.
 ///
-/// - `position`: of the joint, where it is a coordinate
+/// - `position`: of the joint, if it is a coordinate
 pub(super) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
     let position = match joint.motion {
         Motion::Fixed => 0.0,

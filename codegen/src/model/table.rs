@@ -96,7 +96,7 @@ fn item<'t>(
 }
 
 impl<'t> Item<'t> {
-    /// Complains that the value should have been something else.
+    /// Reports an error that the value should have been something else.
     pub fn expected(&self, what: &str, report: &mut Report) {
         let found = self.value.type_str();
         report.error(

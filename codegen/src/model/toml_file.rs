@@ -83,10 +83,10 @@ fn duplicate_help(line: &str) -> String {
     let name = name.and_then(|name| name.strip_suffix(']')).map(str::trim);
     match name {
         Some(name) if ROBOT.row(name).is_some_and(|row| row.value.is_tables()) => {
-            format!("each of several stands under double brackets: `[[{name}]]`")
+            format!("each of several needs double brackets: `[[{name}]]`")
         }
-        Some(name) => format!("each table stands once: put the keys of both under one `[{name}]`"),
-        None => "each key stands once in its table: keep one of the two".to_owned(),
+        Some(name) => format!("each table occurs once: put the keys of both under one `[{name}]`"),
+        None => "each key occurs once in its table: keep one of the two".to_owned(),
     }
 }
 
@@ -100,7 +100,7 @@ fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
     let (key, value) = line.split_once('=')?;
     let (key, value) = (key.trim(), value.split('#').next()?.trim());
     match gelenk_formula::parse(value, Allowed::Motion, &BTreeMap::new()) {
-        Ok(_) => Some(format!("a formula stands in quotes: `{key} = \"{value}\"`")),
+        Ok(_) => Some(format!("a formula needs quotes: `{key} = \"{value}\"`")),
         Err(wrong) if wrong.is_habit() => wrong.help,
         Err(_) => None,
     }
@@ -115,7 +115,7 @@ pub(super) fn open<'t>(
     Table::checked(table.get_ref(), Span::new(source, 0..0), &ROBOT, &mut reader.report)
 }
 
-/// Reads what steers the reading of the rest.
+/// Reads the options that control the reading of the rest.
 pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let mut flag = |key| top.get(key).and_then(|item| item.boolean(&mut reader.report)).unwrap_or(false);
     let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
@@ -156,13 +156,13 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
     }
     let message = format!("`snap_angles` is {}, more than {WIDEST_SNAP} rad", tolerance.value);
     reader.report.error(item.span, "snap-too-wide", message);
-    reader.report.help("1e-4 corrects what was written with four digits or more");
+    reader.report.help("1e-4 corrects angles that were written with four digits or more");
     None
 }
 
 /// Reads everything else.
 ///
-/// - `extended`: what it adds to, where it extends a base
+/// - `extended`: the base description, if it extends one
 pub(super) fn description(
     reader: &mut Reader,
     top: &Table<'_>,

@@ -222,11 +222,7 @@ fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<Torque
             return Some(At::new(line, stall_torque.span));
         }
     };
-    reader.report.error(
-        present.span,
-        "missing-key",
-        format!("`{}` needs `{missing}` beside it", present.key),
-    );
+    reader.report.error(present.span, "missing-key", format!("`{}` also needs `{missing}`", present.key));
     reader.report.help(
         "a motor's torque falls from `stall_torque` at rest to 0 at `no_load_speed`; a limit of speed alone is `speed`, one of \
          torque alone `torque`",
@@ -245,11 +241,9 @@ fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
 fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: RotorCoupling) {
     let mounting = ["carrier", "axis"].into_iter().filter_map(|key| table.get(key));
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {
-        let message = format!("`{}` changes nothing beside `coupling = \"diagonal\"`", item.key);
+        let message = format!("`{}` changes nothing together with `coupling = \"diagonal\"`", item.key);
         reader.report.warning(item.span, "unused-key", message);
-        reader
-            .report
-            .help("take `coupling` out to have the rotor as a body that sits there, or take this key out");
+        reader.report.help("remove `coupling` if the rotor is a body there, or remove this key");
     }
 }
 
@@ -266,7 +260,7 @@ fn torque(reader: &mut Reader, item: Item<'_>) -> Option<MotorTorque> {
     {
         let message = format!("nominal torque {nominal} exceeds the peak torque {peak}");
         reader.report.error(item.span, "limits-reversed", message);
-        reader.report.help("`nominal` is what the motor may give all the time, `peak` for a moment: exchange them, or correct one");
+        reader.report.help("`nominal` is the continuous torque of the motor, `peak` the one for a short time: exchange them, or correct one");
     }
     Some(torque)
 }

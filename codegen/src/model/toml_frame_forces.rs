@@ -35,7 +35,7 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
         return None;
     }
     if let (Some((span, _)), None) = (&limits, table.get("input")) {
-        reader.report.error(*span, "limits-without-input", "`limits` of a force that is no input");
+        reader.report.error(*span, "limits-without-input", "`limits` of a force that is not an input");
         reader.report.help("name the input with `input = …`, or leave `limits` out");
     }
     let between = between?;

@@ -85,7 +85,7 @@ fn standing(tables: &[Table<'_>], frees: bool, extended: Option<Extended>) -> Ve
     standing
 }
 
-/// Tells whether a table places a joint of its own.
+/// Whether a table places a joint of its own.
 fn has_place(table: &Table<'_>) -> bool {
     ["parent", "child", "type"].iter().any(|key| table.get(key).is_some())
 }
@@ -99,7 +99,7 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
     joint.complete();
 }
 
-/// The velocities of which a table tells; `None` where it describes a joint of its own.
+/// The velocities that a table describes; `None` if it describes a joint of its own.
 ///
 /// - `standing`: the joints with quaternions
 fn velocities_of(
@@ -123,7 +123,7 @@ fn velocities_of(
     Some(vec![single_joint(reader, table, name, None)])
 }
 
-/// Tells whether a table has a name.
+/// Whether a table has a name.
 fn is_called(table: &Table<'_>, name: &str) -> bool {
     table.get("name").is_some_and(|item| item.value.as_str() == Some(name))
 }
@@ -145,7 +145,8 @@ fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composi
 
 fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composite): (&str, Composite)) {
     for item in keys.iter().filter_map(|key| table.get(key)) {
-        let message = format!("`{}` at {} joint `{joint}`, which stands already", item.key, composite.name());
+        let message =
+            format!("`{}` at {} joint `{joint}`, which is already given", item.key, composite.name());
         reader.report.error(item.key_span, "conflicting-keys", message);
         reader.report.help(format!(
             "leave `{}` out; a joint of its own has `parent`, or another name than `{joint}`",
@@ -154,12 +155,12 @@ fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composi
     }
 }
 
-/// Adds what is said of a velocity, once.
+/// Adds the keys of a velocity, once.
 fn add(velocity: JointDescription, velocities: &mut Vec<JointDescription>, report: &mut Report) {
     if velocities.iter().any(|known| known.name.value == velocity.name.value) {
         let message = format!("velocity `{}` is described twice", velocity.name.value);
         report.error(velocity.name.span, "duplicate-name", message);
-        report.help("say all of it in one table: at the joint with its parts, or at the velocity");
+        report.help("give all of it in one table: at the joint with its parts, or at the velocity");
         return;
     }
     velocities.push(velocity);

@@ -63,7 +63,7 @@ pub(super) fn single_joint(
     }
 }
 
-/// A joint with its limits, and what holds it or acts on it; without a place.
+/// A joint with its limits, and its drive, friction, spring or held position; without a place.
 ///
 /// - `value`: that of a key
 pub(super) fn forces<'t>(
@@ -105,7 +105,7 @@ fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name
     JointType::Single(kind)
 }
 
-/// The pitch of a helical joint (m/rad); what is wrong with it is reported, and it is 1 then.
+/// The pitch of a helical joint (m/rad); a fault is reported, and the result is 1 then.
 fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
     const HELP: &str = "it slides by `pitch` metres for each radian: `pitch = \"0.02/(2*pi)\"` is 20 mm a turn, a negative one \
         a left-handed screw";
@@ -140,7 +140,7 @@ pub(super) fn by_part<'t>(table: &Table<'t>) -> impl Iterator<Item = Item<'t>> {
     table.items().iter().copied().filter(|item| matches!(item.row.value, Value::ByPart(_)))
 }
 
-/// Tells whether a value is one word for all parts.
+/// Whether a value is one word for all parts.
 fn is_for_all_parts(item: &Item<'_>) -> bool {
     item.value.is_str() && !item.row.value.words().is_empty()
 }
@@ -180,7 +180,7 @@ pub(super) fn of_part<'t>(
     }
 }
 
-/// Complains about values that are not told part by part.
+/// Reports values that are not given part by part.
 pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
     for item in by_part(table) {
         if let (Some(kind), "held") = (composite.quaternion(), item.key) {
@@ -193,7 +193,7 @@ pub(super) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Nam
     }
 }
 
-/// Complains about a value that is not told part by part.
+/// Reports a value that is not given part by part.
 fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Composite) {
     let kind = composite.name();
     let help = || {
@@ -206,8 +206,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
     };
     let Some(entries) = item.named() else {
         if !is_for_all_parts(&item) {
-            let message =
-                format!("`{}` of {kind} joint `{}` says nothing of its parts", item.key, name.value);
+            let message = format!("`{}` of {kind} joint `{}` does not name its parts", item.key, name.value);
             reader.report.error(item.span, "wrong-type", message);
             reader.report.help(help());
         }
@@ -248,7 +247,7 @@ fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str>
     }
 }
 
-/// Complains about keys that say something of one degree of freedom.
+/// Reports keys that belong to joints with one degree of freedom.
 fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Composite) {
     let kind = composite.name();
     for item in ["dh", "modified_dh", "follows", "offset"].iter().filter_map(|key| table.get(key)) {
@@ -283,7 +282,8 @@ fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pos
         reader.report.help("keep one of them");
     }
     if let (Some(row), Some(axis)) = (given.iter().find(|item| item.key != "origin"), table.get("axis")) {
-        let message = format!("`axis` beside `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
+        let message =
+            format!("`axis` together with `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
         reader.report.error(axis.key_span, "conflicting-keys", message);
         reader.report.help("remove `axis`, or place the joint by `origin`");
     }

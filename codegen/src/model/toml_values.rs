@@ -34,7 +34,7 @@ pub(super) struct Reader {
 /// Length of axes and quaternions may differ from 1 by this much (seven written digits).
 const UNIT: f64 = 1e-6;
 
-/// Entries of Denavit and Hartenberg to which the coordinate is added, and what they are by themselves.
+/// Entries of Denavit and Hartenberg to which the coordinate is added, and their constants.
 const OFFSETS: [(&str, &str); 2] = [
     (
         "theta",
@@ -193,7 +193,7 @@ impl Reader {
         let other = self.fields.get(&field).and_then(|other| self.parameters.get(*other));
         if let Some(other) = other {
             let place = self.report.place(other.span);
-            let message = format!("two parameters are named `{field}`; the other one stands at {place}");
+            let message = format!("two parameters are named `{field}`; the other one is at {place}");
             self.report.error(name.span, "duplicate-name", message);
             return None;
         }
@@ -220,7 +220,7 @@ impl Reader {
         Some(At::new(text.to_owned(), item.span))
     }
 
-    /// The entries of a list of tables at the top, where there is one; what cannot be read is left out.
+    /// The entries of a list of tables at the top, if there is one; what cannot be read is left out.
     pub fn all<T>(
         &mut self,
         top: &Table<'_>,
@@ -234,7 +234,7 @@ impl Reader {
         tables.iter().filter_map(|table| read(self, table)).collect()
     }
 
-    /// The name under a key, where there is one.
+    /// The name under a key, if there is one.
     pub fn name_of(&mut self, table: &Table<'_>, key: &str) -> Option<Name> {
         table.get(key).and_then(|item| self.name(item))
     }

@@ -24,7 +24,7 @@ impl Tree {
         (0..self.links.len()).filter(move |&link| joint(link).is_some_and(JointDescription::moves))
     }
 
-    /// Tells for each link whether it moves.
+    /// For each link, whether it moves.
     pub fn moving(&self, robot: &RobotDescription) -> Vec<bool> {
         let carriers = self.carriers(robot).into_iter();
         carriers.map(|carrier| carrier > 0).collect()
@@ -101,8 +101,7 @@ impl<'d> Graph<'d> {
         for link in &robot.links {
             if let Some(first) = self.numbers.get(link.value.as_str()) {
                 let place = report.place(self.names[*first].span);
-                let message =
-                    format!("two links are named `{}`; the other one stands at {place}", link.value);
+                let message = format!("two links are named `{}`; the other one is at {place}", link.value);
                 report.error(link.span, "duplicate-name", message);
             }
             self.number(link);
@@ -252,10 +251,10 @@ fn report_carried_by_itself(link: &str, is_default: bool, span: Span, report: &m
     let other = if link == "world" { "ground" } else { "world" };
     report.help(match is_default {
         true => format!(
-            "without `child` a joint moves a link of its own name, and without `parent` the first joint stands on the robot's base: \
+            "without `child` a joint moves a link of its own name, and without `parent` the base carries the first joint: \
              rename the joint, or the base, e.g. `base = \"{other}\"`"
         ),
-        false => "name two links: the one that the joint stands on and the one that it moves".to_owned(),
+        false => "name two links: the one that carries the joint and the one that it moves".to_owned(),
     });
 }
 

@@ -61,7 +61,7 @@ pub(super) fn description(
     Some(description)
 }
 
-/// Reports what the parser of XML says.
+/// Reports errors of the XML parser.
 pub(super) fn report_syntax(wrong: &roxmltree::Error, text: &str, source: usize, report: &mut Report) {
     let at = byte_offset(text, wrong.pos());
     report.error(Span::new(source, at..at + 1), "xml-syntax", without_position(&wrong.to_string()));
@@ -98,7 +98,7 @@ pub(super) struct Reader<'r> {
 
 pub(super) type XmlNode<'a> = Node<'a, 'a>;
 
-/// Tags of what a link looks like.
+/// Tags of the appearance of a link.
 const SHAPES: [&str; 2] = ["visual", "collision"];
 
 impl Reader<'_> {
@@ -145,7 +145,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The body of a link; nothing where mass and inertia are zero.
+    /// The body of a link; nothing if mass and inertia are zero.
     fn inertial(&mut self, node: XmlNode<'_>, name: Name) -> Option<BodyDescription> {
         self.known_children(node, &["origin", "mass", "inertia"]);
         let mass = self.single(node, "mass", &name.quoted());
@@ -208,7 +208,7 @@ impl Reader<'_> {
     fn attitude(&mut self, quaternion: &At<[f64; 4]>, owner: &str) -> Option<Rotation> {
         let size = length(quaternion.value);
         if size == 0.0 {
-            let message = format!("`quat_xyzw` of {owner} has length 0, and is no rotation");
+            let message = format!("`quat_xyzw` of {owner} has length 0 and is not a rotation");
             self.report.error(quaternion.span, "quaternion-not-unit", message);
             self.report.help("that of no rotation is \"0 0 0 1\"");
             return None;
@@ -283,14 +283,14 @@ impl Reader<'_> {
         result.joints.extend(joints);
     }
 
-    /// Complains about what says nothing, or too little, of a joint with several degrees of freedom.
+    /// Reports keys that do not apply, or not in this form, to a joint with several degrees of freedom.
     fn refuse_in_composite(&mut self, node: XmlNode<'_>, name: &Name, composite: Composite) {
         let (owner, kind) = (name.quoted(), composite.name());
         if composite == Composite::Planar && !node.children().any(|inner| inner.has_tag_name("axis")) {
             let message = format!("planar joint {owner} has no <axis>, the normal of its plane");
             self.report.error(self.span(node), "missing-element", message);
             self.report.help(
-                "URDF's default is x, while many tools take z: `<axis xyz=\"0 0 1\"/>` says that the joint moves in the x-y plane",
+                "URDF's default is x, while many tools take z: with `<axis xyz=\"0 0 1\"/>` the joint moves in the x-y plane",
             );
         }
         if let Some(limit) = self.single(node, "limit", &owner) {
@@ -307,7 +307,7 @@ impl Reader<'_> {
             self.report.error(self.span(inner), code, message);
             let parts = composite.parts().iter().map(|part| format!("`{}_{}`", name.value, part.name));
             self.report.help(format!(
-                "it does not say of which motion: describe it in a TOML file at the joints {}, which the {kind} joint becomes",
+                "it does not name the motion: describe it in a TOML file at the joints {}, which the {kind} joint becomes",
                 listed(parts)
             ));
         }
@@ -352,7 +352,7 @@ impl Reader<'_> {
         self.required_name(node?, "link")
     }
 
-    /// The axis at unit length; x where none is described.
+    /// The axis at unit length; x if none is described.
     fn axis(&mut self, joint: XmlNode<'_>, name: &Name) -> Option<[f64; 3]> {
         let node = self.single(joint, "axis", &name.quoted());
         if let Some(node) = node.filter(|node| !node.has_attribute("xyz")) {
@@ -387,7 +387,7 @@ impl Reader<'_> {
             .collect()
     }
 
-    /// The coefficient of a law, where it is not 0.
+    /// The coefficient of a law, if it is not 0.
     fn friction_coefficient(&mut self, node: XmlNode<'_>, key: &str, name: &Name) -> Option<Formula> {
         let number = self.number(node, key)?;
         if number.value < 0.0 {

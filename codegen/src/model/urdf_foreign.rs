@@ -1,4 +1,4 @@
-//! Words by which other tools change the dynamics in a URDF, and what says the same in TOML.
+//! Words by which other tools change the dynamics in a URDF, and their equivalents in TOML.
 
 /// An effect on the dynamics that is not read.
 #[derive(Debug)]
@@ -17,40 +17,38 @@ const EFFECTS: [Effect; 10] = [
         words: &ROTORS,
         idle: IDLE,
         text: "inertias of rotors were skipped, which add i² J to the diagonal of M; in a TOML file \
-            `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the joint says them",
+            `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the joint is equivalent",
     },
     Effect {
         words: &["springstiffness", "springreference", "springref", "stiffness", "torsionalspring"],
         idle: IDLE,
-        text: "springs at joints were skipped; in a TOML file `spring = { stiffness = 12, rest = 0.2 }` of the joint says them",
+        text: "springs at joints were skipped; in a TOML file `spring = { stiffness = 12, rest = 0.2 }` of the joint is equivalent",
     },
     Effect {
         words: &["damping", "dampingfactor", "frictionloss", "viscousfriction", "coulombfriction"],
         idle: IDLE,
-        text: "friction and damping of other tools were skipped; in a TOML file `friction = { viscous = 0.5, coulomb = 2 }` \
-            of the joint says them",
+        text: "friction and damping of other tools were skipped; in a TOML file `friction = { viscous = 0.5, coulomb = 2 }` of the joint is equivalent",
     },
     Effect {
         words: &["linearbushingrpy", "bushing", "linearspringdamper", "forceelement"],
         idle: IDLE,
         text: "forces between links were skipped; in a TOML file `[[forces]]` with `between = [\"a\", \"b\"]` and \
-            `law = \"1200*(l - 0.3) + 40*dl\"` says them",
+            `law = \"1200*(l - 0.3) + 40*dl\"` is equivalent",
     },
     Effect {
         words: &["buoyancy", "hydrodynamics", "liftdrag", "aerodynamics", "winddrag"],
         idle: &["false"],
-        text: "forces of a medium were skipped; in a TOML file `[[forces]]` says those that act along a line",
+        text: "forces of a medium were skipped; in a TOML file `[[forces]]` describes those that act along a line",
     },
     Effect {
         words: &["loopjoint", "ballconstraint", "connect", "weld", "distanceconstraint"],
         idle: &[],
-        text: "closed loops were opened: the robot moves without them; in a TOML file `follows = { … }` of a joint says \
-            what a loop leaves, where that is linear",
+        text: "closed loops were opened: the robot moves without them; in a TOML file `follows = { … }` of a joint describes the remaining motion of a loop, if that is linear",
     },
     Effect {
         words: &["mimicjoint"],
         idle: &[],
-        text: "couplings of joints by plugins were skipped; `<mimic>` of the joint says them, in a TOML file \
+        text: "couplings of joints by plugins were skipped; use `<mimic>` of the joint, or in a TOML file \
             `follows = { leader = -1 }`",
     },
     Effect {
@@ -61,7 +59,7 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &["gravity"],
         idle: &["1", "true", "0 0 -9.81"],
-        text: "another gravity was skipped; in a TOML file `gravity = [0, 0, -1.6]` says it",
+        text: "another gravity was skipped; in a TOML file `gravity = [0, 0, -1.6]` is equivalent",
     },
     Effect {
         words: &[
@@ -73,11 +71,11 @@ const EFFECTS: [Effect; 10] = [
             "inertiafromgeom",
         ],
         idle: &["0", "0.0", "1", "1.0", "-1", "false", "auto"],
-        text: "changes of masses and inertias by other tools were skipped; in a TOML file `mass` and `inertia` of a body say them",
+        text: "changes of masses and inertias by other tools were skipped; in a TOML file `mass` and `inertia` of a body are equivalent",
     },
 ];
 
-/// Words of an inertia of a rotor, or of what it adds to the diagonal of M.
+/// Words of an inertia of a rotor, or of its reflected inertia on the diagonal of M.
 pub(super) const ROTORS: [&str; 4] = ["rotorinertia", "motorinertia", "armature", "reflectedinertia"];
 
 /// Inside of these, stiffness and damping are those of contacts.

@@ -114,7 +114,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A number, infinite where it is beyond what equations take.
+    /// A number, infinite if it is beyond what equations take.
     fn bound(&mut self, node: XmlNode<'_>, key: &str) -> Result<Option<At<f64>>, NotANumber> {
         let Some(attribute) = of_any_tool(node, key) else {
             return Ok(None);

@@ -3,7 +3,7 @@
 use super::{notes, urdf_foreign};
 use crate::diagnostic::Severity;
 
-/// Elements that do not enter the dynamics but by what [`urdf_foreign`] knows; they share one note.
+/// Elements that do not enter the dynamics, except those that [`urdf_foreign`] knows; they share one note.
 pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",
@@ -81,21 +81,20 @@ impl notes::Remark for Remark {
             }
             Self::DuplicateElement => "of several elements of one kind the first was taken",
             Self::Foreign(row) => urdf_foreign::text(row),
-            Self::EmptyInertial => "links whose <inertial> says nothing have no mass",
+            Self::EmptyInertial => "links whose <inertial> is empty have no mass",
             Self::LimitMissing => {
                 "joints without a <limit> have none here; ROS refuses such revolute and prismatic joints"
             }
             Self::LimitUnset => "limits that are 0 or infinite were taken as not given",
             Self::LimitUnusable => "limits that are reversed, equal or negative were taken as not given",
             Self::PlanarLimits => {
-                "limits of joints with several degrees of freedom say not of which motion and were not taken; a TOML file gives them \
-                 to the parts"
+                "limits of joints with several degrees of freedom do not name the motion and were not read; describe them for the parts in a TOML file"
             }
             Self::ReductionIgnored => "mechanical reductions were ignored, inputs act at the joints",
             Self::RotorRead => {
                 "rotors of transmissions were read as i² J at their joints, where the inputs act"
             }
-            Self::Unknown => "not known and skipped where the dynamics are described",
+            Self::Unknown => "unknown elements in the description of the dynamics were skipped",
             Self::SphericalWithoutDrive => {
                 "spherical joints of a URDF have no drive, and so no input; a TOML file gives them some (`drive = \"ideal\"`)"
             }

@@ -41,7 +41,7 @@ fn joint_of<'a>(reduction: XmlNode<'a>) -> Option<&'a str> {
     })
 }
 
-/// Gear ratios that may be that of a rotor: Drake's is 1 where it is not given.
+/// Gear ratios that may be that of a rotor: Drake's is 1 if it is not given.
 fn ratios(transmission: XmlNode<'_>, rotor: XmlNode<'_>) -> Vec<f64> {
     let own = rotor.parent_element().map_or(Vec::new(), |actuator| numbers(inner(actuator, &RATIO)));
     let found = if own.is_empty() { numbers(inner(transmission, &REDUCTIONS)) } else { own };

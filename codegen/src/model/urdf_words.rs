@@ -58,7 +58,7 @@ impl Reader<'_> {
         is_known
     }
 
-    /// Tells whether the word is one of an effect.
+    /// Whether the word is one of an effect.
     pub(super) fn foreign_word(&mut self, node: XmlNode<'_>, word: &str, value: &str, span: Span) -> bool {
         let Some(row) = row(word, value) else { return false };
         let is_contact = |node: XmlNode<'_>| CONTACTS.contains(&node.tag_name().name());
@@ -100,12 +100,12 @@ pub(super) fn value_of<'a>(node: XmlNode<'a>) -> &'a str {
     node.attribute("value").or_else(|| node.text()).unwrap_or("").trim()
 }
 
-/// The name of what an element belongs to.
+/// The name of the element's owner.
 fn owner(node: XmlNode<'_>) -> Option<&str> {
     node.ancestors().find_map(|node| node.attribute("reference").or_else(|| node.attribute("name")))
 }
 
-/// Tells whether <mimic> of some joint names the same leader as a plugin.
+/// Whether <mimic> of some joint names the same leader as a plugin.
 fn is_coupled(node: XmlNode<'_>, leader: &str) -> bool {
     let mut mimics = node.document().descendants().filter(|node| node.has_tag_name("mimic"));
     mimics.any(|mimic| mimic.attribute("joint") == Some(leader))

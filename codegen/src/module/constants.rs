@@ -212,7 +212,7 @@ fn dependent(model: &Model) -> Vec<Constant> {
     free.into_iter().chain([names]).chain(ratios).chain(limits).collect()
 }
 
-/// The names of all joints that follow others, where some of them have no row because their ratios depend on free parameters.
+/// The names of all joints that follow others, if some of them have no row because their ratios depend on free parameters.
 fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant> {
     let followers = &dependent[..model.followers.len()];
     followers.iter().any(|one| one.ratios.is_none()).then(|| {

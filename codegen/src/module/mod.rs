@@ -18,7 +18,7 @@ pub struct Module {
     pub name: String,
     /// Paragraphs of the description, may be empty.
     pub description: Vec<String>,
-    /// Lines below the description of the robot: what its reader should know about this module.
+    /// Lines below the description of the robot, for readers of this module.
     pub remarks: Vec<String>,
     /// Number of coordinates and of velocities.
     pub coordinates: usize,
@@ -28,11 +28,11 @@ pub struct Module {
     pub inputs: usize,
     /// Number of driven coordinates.
     pub driven: usize,
-    /// Number of position entries of each joint; none where the positions are one for each coordinate.
+    /// Number of position entries of each joint; none if the positions are one for each coordinate.
     pub joint_positions: Vec<usize>,
     /// Names, units, limits, drives, gravity.
     pub constants: Vec<Constant>,
-    /// Free parameters, an argument of every function where there are any.
+    /// Free parameters, an argument of every function if there are any.
     pub parameters: Vec<Parameter>,
     /// Functions with a program of their own, each after the constants that explain it.
     pub functions: Vec<Function>,
@@ -53,11 +53,11 @@ pub struct ComposedFunction {
     pub composition: Composition,
     /// The equation in Unicode.
     pub equation: &'static str,
-    /// It is true where joints have quaternions.
+    /// It is true if joints have quaternions.
     pub has_quaternions: bool,
     /// The results of the function.
     pub results: Vec<ComposedResult>,
-    /// Its operations; none where the function that it calls is not in the module.
+    /// Its operations; none if the function that it calls is not in the module.
     pub cost: Option<Cost>,
     /// The sentence about the costs in the function's documentation.
     pub cost_text: String,
@@ -94,7 +94,7 @@ impl Module {
         }
     }
 
-    /// Tells whether there are joints with quaternions.
+    /// Whether there are joints with quaternions.
     #[must_use]
     pub fn has_quaternions(&self) -> bool {
         self.positions != self.coordinates

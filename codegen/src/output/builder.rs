@@ -177,7 +177,7 @@ impl Builder {
         self
     }
 
-    /// Generates all descriptions; prints what is wrong and ends the process with exit code 1 otherwise.
+    /// Generates all descriptions; prints errors and ends the process with exit code 1 if there are any.
     pub fn generate(self) {
         if let Err(error) = self.try_generate() {
             eprintln!("{error}");

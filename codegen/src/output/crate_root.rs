@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use crate::emit::{FIRST_LINE, FIRST_LINE_IN_PYTHON, documentation};
 
-/// Tells whether a file was written by this program.
+/// Whether a file was written by this program.
 #[must_use]
 pub fn is_generated(path: &Path) -> bool {
     [FIRST_LINE, FIRST_LINE_IN_PYTHON].iter().any(|line| begins_with(path, line))
 }
 
-/// Tells whether a file is the root of a crate of generated modules, as [`root_text`] writes it.
+/// Whether a file is the root of a crate of generated modules, as [`root_text`] writes it.
 #[must_use]
 pub fn is_root(path: &Path) -> bool {
     begins_with(path, ROOT)

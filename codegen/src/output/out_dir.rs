@@ -28,7 +28,7 @@ impl OutDir {
         Self { folder }
     }
 
-    /// Writes modules and what belongs to them; removes the modules of earlier runs.
+    /// Writes modules and their companions; removes the modules of earlier runs.
     pub(super) fn write(&self, robots: &[Robot], hides_notes: bool) -> Result<Vec<PathBuf>, BuildError> {
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         for robot in robots {

@@ -1,4 +1,4 @@
-//! Writing on change, never over what is not ours, and the check that nothing would change.
+//! Writing on change, never over files of others, and the check that nothing would change.
 
 use std::fmt;
 use std::fs;
@@ -29,7 +29,7 @@ pub enum Replaces {
     /// Anything: the name of the file is one that only build scripts of ours write, in the folder of their
     /// output.
     Helper,
-    /// Nothing: what else was written before cannot be told from a user's file.
+    /// Nothing: files that were written earlier cannot be distinguished from a user's file.
     Nothing,
 }
 
@@ -78,7 +78,7 @@ impl fmt::Display for WriteError {
             Self::Read { read, .. } => {
                 write!(f, "it is {}, which was read for the description", read.display())?;
             }
-            Self::Foreign { .. } => f.write_str("it holds what gelenk has not generated")?,
+            Self::Foreign { .. } => f.write_str("gelenk has not generated it")?,
         }
         f.write_str(match self {
             Self::System { .. } => "\n  = help: name a file that may be written",
@@ -149,7 +149,7 @@ impl<'t> Planned<'t> {
 }
 
 impl Replaces {
-    /// Whether what lies at `path` may go.
+    /// Whether the file at `path` may be removed.
     fn covers(self, path: &Path) -> bool {
         match fs::metadata(path) {
             Err(_) => true,
@@ -165,7 +165,7 @@ impl Replaces {
     }
 }
 
-/// Tells whether the file at `path` holds exactly `text`. A file that cannot be read is not fresh.
+/// Whether the file at `path` holds exactly `text`. A file that cannot be read is not fresh.
 #[must_use]
 pub fn check(path: &Path, text: &str) -> bool {
     is_fresh(path, text)

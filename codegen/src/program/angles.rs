@@ -7,7 +7,7 @@ use super::{Operand, Operation, Output, Program};
 /// Moves each `SinCos` whose angle needs no other function to the front, angles of one array in their order,
 /// and with it what the angle is computed from. No operation changes, so that every bit stays.
 ///
-/// Afterwards these instructions stand together, each followed by its cosine where there is one.
+/// Afterwards these instructions stand together, each followed by its cosine if there is one.
 pub(super) fn angles_first(program: Program) -> Program {
     let early = early_angles(&program);
     let mut is_moved = vec![false; program.instructions.len()];
@@ -52,7 +52,7 @@ fn early_angles(program: &Program) -> Vec<usize> {
     early
 }
 
-/// Appends what an instruction reads, earliest first; short, since an angle is a sum of a few joints.
+/// Appends the operands of an instruction, earliest first; short, since an angle is a sum of a few joints.
 fn move_operands(program: &Program, index: usize, is_moved: &mut [bool], order: &mut Vec<usize>) {
     let mut pending: Vec<(usize, bool)> = read_values(program, index);
     while let Some((value, is_ready)) = pending.pop() {

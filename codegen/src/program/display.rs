@@ -31,6 +31,7 @@ pub fn text(program: &Program, notation: &Notation) -> String {
 #[must_use]
 pub fn latex(program: &Program, notation: &Notation) -> String {
     let LatexEquations { abbreviations, results } = latex_equations(program, notation);
+    let results = results.into_iter().map(|result| (result.name.clone(), result.value()));
     let lines: Vec<String> = abbreviations
         .into_iter()
         .chain(results)
@@ -45,7 +46,29 @@ pub struct LatexEquations {
     /// The equations of the intermediate values.
     pub abbreviations: Vec<(String, String)>,
     /// The results, made of abbreviations.
-    pub results: Vec<(String, String)>,
+    pub results: Vec<LatexResult>,
+}
+
+/// A result in LaTeX.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LatexResult {
+    /// Its symbol.
+    pub name: String,
+    /// Its entries by row; one entry of a scalar.
+    pub rows: Vec<Vec<String>>,
+    is_scalar: bool,
+}
+
+impl LatexResult {
+    /// The entry of a scalar, or a matrix.
+    #[must_use]
+    pub fn value(&self) -> String {
+        if self.is_scalar {
+            return self.rows.concat().concat();
+        }
+        let rows: Vec<String> = self.rows.iter().map(|row| row.join(" & ")).collect();
+        format!("\\begin{{bmatrix}} {} \\end{{bmatrix}}", rows.join(" \\\\ "))
+    }
 }
 
 /// The program as single equations of LaTeX, for pages that place each one.
@@ -72,7 +95,7 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Each value's name and what it is; a sine that only came with its cosine is left out.
+    /// Each value's name and expression; a sine that only came with its cosine is left out.
     fn equations(&self) -> Vec<(String, String)> {
         let is_read = Flow::new(self.program).is_read;
         let read = self.program.instructions.iter().zip(is_read).filter(|(_, is_read)| *is_read);
@@ -213,15 +236,9 @@ impl Printer<'_> {
         format!("\n{}", lines.collect::<String>())
     }
 
-    fn latex_result(&self, output: &Output) -> (String, String) {
-        let rows = self.rows(output);
-        let name = self.letters(&output.name);
-        if output.shape == Shape::Scalar {
-            return (name, rows.concat().concat());
-        }
-        let rows: Vec<String> = rows.iter().map(|row| row.join(" & ")).collect();
-        let matrix = format!("\\begin{{bmatrix}} {} \\end{{bmatrix}}", rows.join(" \\\\ "));
-        (name, matrix)
+    fn latex_result(&self, output: &Output) -> LatexResult {
+        let is_scalar = output.shape == Shape::Scalar;
+        LatexResult { name: self.letters(&output.name), rows: self.rows(output), is_scalar }
     }
 }
 
@@ -257,9 +274,9 @@ fn text_number(number: f64) -> String {
     }
 }
 
-/// A number in LaTeX, with all its digits.
+/// A number in LaTeX for people, to 12 digits: 0.214 for 0.21400000000000002.
 pub(crate) fn latex_number(number: f64) -> String {
-    match digits_and_exponent(number) {
+    match digits_and_exponent(format!("{number:.11e}").parse().unwrap_or(number)) {
         (digits, None) => digits,
         (digits, Some(exponent)) => format!("{digits} \\cdot 10^{{{exponent}}}"),
     }
@@ -317,7 +334,7 @@ fn latex_index(part: &str) -> String {
     }
 }
 
-/// Digits as subscripts, `_` as a comma; `None` where a letter has no subscript.
+/// Digits as subscripts, `_` as a comma; `None` if a letter has no subscript.
 fn subscript(index: &str) -> Option<String> {
     let letter = |c: char| match c {
         '0'..='9' => char::from_u32(u32::from('₀') + (u32::from(c) - u32::from('0'))),

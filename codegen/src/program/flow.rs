@@ -7,7 +7,7 @@ use super::{Operand, Operation, Program};
 pub(crate) struct Flow {
     /// It is true for each value that a result depends on and reads by name.
     pub(crate) is_read: Vec<bool>,
-    /// For a `SinCos`: the value that stands for its cosine, where that is read.
+    /// For a `SinCos`: the value that stands for its cosine, if that is read.
     pub(crate) cosine: Vec<Option<usize>>,
     /// Index of the instruction whose statement makes the value: for a cosine that of its `SinCos`.
     pub(crate) made_at: Vec<usize>,
@@ -49,7 +49,7 @@ impl Flow {
         }
     }
 
-    /// Tells whether the statement of this instruction is needed.
+    /// Whether the statement of this instruction is needed.
     pub(crate) fn is_made(&self, index: usize) -> bool {
         self.is_read[index] || self.cosine[index].is_some()
     }

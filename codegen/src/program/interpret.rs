@@ -63,7 +63,7 @@ impl core::error::Error for InterpretError {}
 /// Evaluates `program`; each result is returned flat, rows first.
 ///
 /// # Errors
-/// [`InterpretError`] where inputs do not fit the program or an operand does not exist.
+/// [`InterpretError`] if inputs do not fit the program or an operand does not exist.
 pub fn interpret(
     program: &Program,
     inputs: &[&[f64]],

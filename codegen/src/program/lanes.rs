@@ -9,7 +9,7 @@ use super::{Operand, Operation, Program};
 
 /// The plan of a function over lanes: the parts that stand apart.
 pub(crate) struct Plan {
-    /// Instructions of the angles: what they are computed from, and each `SinCos`.
+    /// Instructions of the angles: their operands, and each `SinCos`.
     pub(crate) angles: Vec<usize>,
     /// The `SinCos` among them.
     pub(crate) pairs: Vec<usize>,
@@ -21,7 +21,7 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// `None` where a sine is needed of what is itself computed from a sine or another function.
+    /// `None` if a sine is needed of what is itself computed from a sine or another function.
     ///
     /// - `longest`: statements of a part
     pub(crate) fn new(program: &Program, flow: &Flow, longest: usize) -> Option<Self> {
@@ -57,7 +57,7 @@ pub(crate) fn obstacle(program: &Program) -> Option<&'static str> {
     }
     match Plan::new(program, &Flow::new(program), usize::MAX) {
         Some(_) => None,
-        None => Some("it takes the sine of what is computed from another sine"),
+        None => Some("it takes the sine of an expression of another sine"),
     }
 }
 

@@ -90,7 +90,7 @@ fn from_leaves(outputs: &[GraphOutput], results: &[Edge]) -> Vec<Edge> {
     ordered.into_iter().map(|(_, &edge)| edge).collect()
 }
 
-/// The last velocity that an entry of a result belongs to, by its row or its column; 0 where there is none.
+/// The last velocity that an entry of a result belongs to, by its row or its column; 0 if there is none.
 fn last_velocity(shape: Shape, entry: usize) -> usize {
     let of = |extent: Extent, index| if extent.dimension == Dimension::Velocities { index } else { 0 };
     match shape {
@@ -220,7 +220,7 @@ impl<'g> Lowering<'g> {
         }
     }
 
-    /// The operand for a signed reference; a negation is inserted where the sign has no other place.
+    /// The operand for a signed reference; a negation is inserted if the sign has no other place.
     fn signed(&mut self, edge: Edge) -> Operand {
         #[expect(clippy::expect_used, reason = "operands are visited before their users")]
         let value = self.values[edge.index()].expect("operands stand before their users");

@@ -6,6 +6,7 @@
 pub mod arrays;
 pub mod cost;
 pub mod display;
+pub mod expanded;
 pub(crate) mod flow;
 pub mod interpret;
 pub(crate) mod lanes;
@@ -61,7 +62,7 @@ impl Program {
         Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
     }
 
-    /// Tells whether the results are better written in place than returned.
+    /// Whether the results are better written in place than returned.
     pub(crate) fn has_large_results(&self) -> bool {
         self.entries().count() > LARGEST_RETURNED
     }
@@ -85,7 +86,7 @@ pub struct Instruction {
     pub operation: Operation,
 }
 
-/// An operand: what an operation reads.
+/// An operand of an operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Operand {
     /// Value of an earlier instruction.

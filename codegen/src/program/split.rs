@@ -10,20 +10,20 @@ use std::ops::Range;
 use super::flow::{Flow, operands};
 use super::{Operand, Program};
 
-/// A run of instructions and what it exchanges with the others.
+/// A run of instructions and the values that it exchanges with the others.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     /// Where it lies in the program.
     pub(crate) range: Range<usize>,
     /// Values made before that it reads.
     pub(crate) takes: Vec<usize>,
-    /// Values that it makes and that later parts read, or the results where it does not write these.
+    /// Values that it computes for later parts, or the results if it does not write them.
     pub(crate) returns: Vec<usize>,
     /// Input arrays that it reads.
     pub(crate) inputs: Vec<usize>,
     /// It is true if the part reads parameters.
     pub(crate) reads_parameters: bool,
-    /// Results that it writes, and which of their entries; none where the results are written after all
+    /// Results that it writes, and which of their entries; none if the results are written after all
     /// parts.
     pub(crate) results: Vec<(usize, Vec<usize>)>,
 }
@@ -67,7 +67,7 @@ pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part>
     parts
 }
 
-/// Tells each part what it returns: its own values that later parts take, or that are `read_later`.
+/// Sets the results of each part: its own values that later parts take, or that are `read_later`.
 pub(super) fn hand_on(
     parts: &mut [Part],
     mut read_later: BTreeSet<usize>,

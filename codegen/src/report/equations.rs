@@ -4,9 +4,11 @@ use gelenk_report::{Block, Cell, Equation, Inline, ReportError, Table, code, pla
 
 use super::robot::Robot;
 use crate::functions::function::Function;
-use crate::program::display::{self, Notation};
+use crate::model::Model;
+use crate::program::display::{self, LatexResult, Notation};
+use crate::program::expanded::expanded;
 
-/// Closed forms in LaTeX, free of what made them.
+/// Closed forms in LaTeX, without types of the computer algebra.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ClosedForm {
     /// Entries of M, k, q and B.
@@ -34,8 +36,10 @@ const MOST_OPEN: usize = 60;
 const MOST: usize = 1_500;
 /// Letters on one line of a printed page.
 const LETTERS: usize = 85;
+/// Letters of the space between two columns of a matrix.
+const COLUMN_GAP: usize = 3;
 
-/// The equations of motion and what their letters are.
+/// The equations of motion and the meaning of their letters.
 pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
     let equation = Equation::new(motion(robot))?;
     Ok(vec![
@@ -43,7 +47,7 @@ pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
         text("with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units."),
         text(
             "Each function computes abbreviations from earlier ones, as in Neweul-M², and its result from them: nothing is computed \
-             twice. The generated code holds these lines in this order.",
+             twice. The generated code holds these lines in this order; numbers are rounded to 12 digits here.",
         ),
     ])
 }
@@ -56,6 +60,58 @@ pub(super) fn motion(robot: &Robot<'_>) -> String {
         false => motion,
         true => format!(r"{motion} - |\tau_l| \, \sigma(y,\dot{{y}})"),
     }
+}
+
+/// Functions that compute M, k, q and B.
+pub(crate) const EQUATIONS: [&str; 4] = ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"];
+/// Coordinates of the largest robot whose equations are written as sums.
+const MOST_COORDINATES: usize = 3;
+
+/// The entries of M, k, q and B as sums without abbreviations in LaTeX, with the numbers of the description. M is symmetric:
+/// its upper half is enough.
+///
+/// # Errors
+/// Why there are none: the robot has more than three coordinates, or an entry has more than 1000 terms.
+pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String> {
+    let coordinates = model.coordinates.len();
+    if coordinates > MOST_COORDINATES {
+        return Err(format!(
+            "the equations of {coordinates} coordinates are too long as sums; the limit is {MOST_COORDINATES} coordinates"
+        ));
+    }
+    let names = model.parameters.iter().map(|parameter| parameter.name.clone());
+    let notation = Notation { parameters: names.collect() };
+    let mut sums = Vec::new();
+    for function in EQUATIONS.iter().filter_map(|name| functions.iter().find(|known| known.name == *name)) {
+        let entries = expanded(&function.program, &notation, function.name == EQUATIONS[0]);
+        let entries =
+            entries.ok_or_else(|| format!("an entry of `{}` has more than 1000 terms", function.name))?;
+        sums.extend(entries.into_iter().map(|entry| format!("{} = {}", entry.name, entry.value)));
+    }
+    Ok(sums)
+}
+
+/// The sums as a document of LaTeX (amsmath).
+///
+/// # Errors
+/// As [`sums`]; [`ReportError`] as text if a sum cannot be typeset.
+pub fn sums_document(model: &Model, functions: &[Function]) -> Result<String, String> {
+    let mut lines = Vec::new();
+    for sum in sums(model, functions)? {
+        let broken = Equation::broken(&sum, LETTERS).map_err(|error| error.to_string())?;
+        lines.extend(broken.iter().map(|line| format!("  & {}", line.latex())));
+    }
+    let joints = model.moving_joints();
+    let names: Vec<&str> =
+        joints.iter().take(model.coordinates.len()).map(|joint| joint.joint.name.as_str()).collect();
+    Ok(format!(
+        "% {}: M ÿ + k = q + B u, in SI units; coordinates: {}\n\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\
+         \\usepackage[a4paper, margin=15mm]{{geometry}}\n\\allowdisplaybreaks\n\\begin{{document}}\n\
+         \\begin{{align*}}\n{}\n\\end{{align*}}\n\\end{{document}}\n",
+        model.name,
+        names.join(", "),
+        lines.join(" \\\\\n"),
+    ))
 }
 
 /// A function with its abbreviations.
@@ -75,10 +131,9 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
         );
         return vec![heading, text(&words)];
     }
-    let joined =
-        |pairs: Vec<(String, String)>| pairs.into_iter().map(|(name, value)| format!("{name} = {value}"));
-    let abbreviations: Vec<String> = joined(equations.abbreviations).collect();
-    let results: Vec<String> = joined(equations.results).collect();
+    let joined = |(name, value): (String, String)| format!("{name} = {value}");
+    let abbreviations: Vec<String> = equations.abbreviations.into_iter().map(joined).collect();
+    let results: Vec<String> = equations.results.iter().flat_map(result_lines).collect();
     // A name that no LaTeX can hold is rare, and the program as text is as good.
     let (Ok(abbreviations), Ok(results)) = (all(&abbreviations), all(&results)) else {
         let text = display::text(&function.program, &notation);
@@ -95,6 +150,30 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     }
     blocks.push(Block::Equations(results));
     blocks
+}
+
+/// A result as one equation; a matrix that is too wide for paper as its entries that are not 0.
+fn result_lines(result: &LatexResult) -> Vec<String> {
+    let width = |entry: &String| Equation::new(entry.as_str()).map_or(0, |equation| equation.width());
+    let columns = result.rows.first().map_or(0, Vec::len);
+    let column = |k: usize| result.rows.iter().filter_map(|row| row.get(k)).map(width).max().unwrap_or(0);
+    if columns < 2 || (0..columns).map(|k| column(k) + COLUMN_GAP).sum::<usize>() <= LETTERS {
+        return vec![format!("{} = {}", result.name, result.value())];
+    }
+    let mut lines = vec![String::new()];
+    for (i, row) in result.rows.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate().filter(|(_, entry)| *entry != "0") {
+            let equation = format!("{}_{{{},{}}} = {entry}", result.name, i + 1, j + 1);
+            match lines.last_mut() {
+                Some(line) if line.is_empty() => *line = equation,
+                Some(line) if width(&format!("{line}{equation}")) + COLUMN_GAP <= LETTERS => {
+                    *line += &format!(" \\quad {equation}");
+                }
+                _ => lines.push(equation),
+            }
+        }
+    }
+    lines
 }
 
 fn all(latex: &[String]) -> Result<Vec<Equation>, ReportError> {

@@ -65,14 +65,14 @@ impl Following<'_> {
 
 /// Their names and positions.
 ///
-/// - `what`: they have this
+/// - `what`: property that they have
 pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {
     let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
     let rows = following.iter().map(|one| {
         let motion = robot.followed(&one.follows, one.offset);
         vec![math(format!("z_{{{}}}", one.number)), Cell::text(one.name), Cell::text(one.what), math(motion)]
     });
-    let caption = format!("What moves with coordinates and has {what} of its own.");
+    let caption = format!("Joints and shafts that move with coordinates and have {what} of their own.");
     Table::new(format!("{what}-following"), &caption)
         .column("", "index", "")
         .column("name", "name", "")

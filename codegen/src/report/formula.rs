@@ -21,7 +21,7 @@ impl Motion {
 /// A formula in LaTeX.
 ///
 /// - `parameters`: names of the free parameters
-/// - `motion`: what its position and velocity are called
+/// - `motion`: letters of its position and velocity
 pub(super) fn latex(formula: &Formula, parameters: &[String], motion: Motion) -> String {
     Printer { parameters, motion }.print(formula, Binding::Sum)
 }
@@ -37,10 +37,10 @@ pub(super) fn sum(formulas: &[Formula], parameters: &[String], motion: Motion) -
     summands.reduce(|sum, summand| join(&sum, &summand)).unwrap_or_default()
 }
 
-/// How tightly a formula holds together, and what its place asks for; one that is looser gets brackets.
+/// Binding strength of a formula, and of its place; a looser formula gets brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
-    /// A sum, or what begins with a sign.
+    /// A sum, or a text that begins with a sign.
     Sum,
     /// A product, a quotient, a call.
     Product,

@@ -12,7 +12,7 @@ use gelenk_formula::Formula;
 /// Joints in one plot.
 const CURVES: usize = 6;
 
-/// The section, where there is friction.
+/// The section, if there is friction.
 pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
     let laws = friction_laws(robot);
     let following: Vec<Following<'_>> =
@@ -32,7 +32,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
     if robot.has_load_friction() {
         section = section
             .block(text(
-                "Beside these, friction grows with the load $\\tau_l$, which is what a drive would exert without friction: it gains \
+                "Beside these, friction grows with the load $\\tau_l$, the drive's force without friction: it has the additional part \
                  $|\\tau_l| \\, \\sigma(y, \\dot y)$ (Hamon, Gautier and Garrec 2010).",
             ))
             .block(equations::set(&load_friction_laws(robot)));
@@ -104,7 +104,7 @@ pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) ->
     let rubbing: Vec<(usize, &Joint)> = rubbing.collect();
     let mut caption = CAPTION.to_owned();
     if !following.is_empty() {
-        caption += " Curves contain what joints that follow and motors' shafts add.";
+        caption += " Curves contain the friction of joints that follow and of motors' shafts.";
     }
     if robot.has_load_friction() {
         caption += " What the load adds is left out.";

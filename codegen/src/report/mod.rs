@@ -23,7 +23,8 @@ use equations::ClosedFormText;
 use robot::Robot;
 use std::ops::Range;
 
-pub use equations::{ClosedForm, Symbol};
+pub(crate) use equations::EQUATIONS;
+pub use equations::{ClosedForm, Symbol, sums, sums_document};
 
 /// Contents of a page.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +44,7 @@ pub struct Contents<'a> {
 /// The page of a robot.
 ///
 /// # Errors
-/// [`ReportError`] where something cannot be set or drawn.
+/// [`ReportError`] if something cannot be set or drawn.
 pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     let robot = Robot::new(contents.model, contents.functions);
     let mut report = head(&robot);
@@ -67,11 +68,8 @@ pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
 
 fn head(robot: &Robot<'_>) -> Report {
     let model = robot.model;
-    let mut report = Report::new(format!("The robot {}", model.name))
-        .lead(&format!(
-            "Equations of motion ${}$, as the generated code computes them.",
-            equations::motion(robot)
-        ))
+    let mut report = Report::new(format!("Equations of motion of {}", model.name))
+        .lead(&format!("The generated code computes the terms of ${}$.", equations::motion(robot)))
         .fact("coordinates", robot.n().to_string())
         .fact("inputs", robot.inputs().len().to_string())
         .fact("bodies", robot.bodies().len().to_string());
@@ -95,7 +93,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .block(Block::Scene(scene.clone()))
         .blocks(driven(robot).map(|sentence| text(&sentence)))
         .blocks(quaternions(robot).iter().map(|sentence| text(sentence)))
-        .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; what a drive moves is filled."))
+        .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; joints with a drive are filled."))
         .block(Block::Tree(scene))
 }
 
@@ -106,8 +104,7 @@ fn driven(robot: &Robot<'_>) -> Option<String> {
         joints.map(|(index, joint)| format!("$d_{{{}}}$ ({})", index + 1, joint.name)).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "Something else moves {}: position, velocity and acceleration are an argument $d$ of all functions below, beside \
-             those that are written.",
+            "The motion of {} is prescribed: position, velocity and acceleration are a further argument $d$ of all functions below.",
             names.join(", ")
         )
     })
@@ -139,12 +136,17 @@ fn equations_section(
     closed_form: Result<&ClosedForm, &str>,
 ) -> Result<Section, ReportError> {
     let mut section = Section::new("equations", "Equations of motion").blocks(equations::legend(robot)?);
-    for function in ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"] {
+    for function in EQUATIONS {
         if let Some(function) = robot.function(function) {
             section = section.blocks(equations::program(robot, function));
         }
     }
     section = section.block(Block::Heading(vec![Inline::Text("In closed form".to_owned())]));
+    if let Ok(sums) = sums(robot.model, robot.functions) {
+        section = section
+            .block(text("The same equations without abbreviations, with the numbers of the description. M is symmetric."))
+            .block(equations::set(&sums));
+    }
     section = match closed_form {
         Ok(closed_form) => section.blocks(ClosedFormText(closed_form).blocks()?),
         Err(reason) => section.block(text(reason)),

@@ -117,7 +117,7 @@ impl<'a> Robot<'a> {
         self.functions.iter().find(|function| function.name == name)
     }
 
-    /// Tells whether friction grows with the load.
+    /// Whether friction grows with the load.
     pub fn has_load_friction(&self) -> bool {
         load_friction::is_there(self.model)
     }
@@ -132,7 +132,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Results of a function, each flat, rows first; `None` where there is none of that name or inputs do not
+    /// Results of a function, each flat, rows first; `None` if there is none of that name or inputs do not
     /// fit.
     pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
         self.results(self.function(name)?, inputs)

@@ -18,7 +18,7 @@ pub(super) const STATES: u64 = 25;
 pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
     let agrees = |id: &str, what: &str, functions: &[&Function]| {
         let excesses = functions.iter().map(|function| verify::worst(robot.model, function).excess);
-        let name = "largest difference over what rounding explains";
+        let name = "largest difference over the bound of rounding";
         Claim::new(format!("check-{id}"), format!("{what} independent evaluation of the described bodies."))
             .criterion(Criterion::at_most(name, worst(excesses), 1.0, ""))
             .flipped_by("a term, a sign or a frame that only one of the two has")

@@ -8,7 +8,7 @@ use super::formula;
 use super::robot::Robot;
 use crate::model::Joint;
 
-/// The section, where a joint has a spring.
+/// The section, if a joint has a spring.
 pub(super) fn section(robot: &Robot<'_>) -> Option<Section> {
     let laws = laws(robot);
     let following: Vec<Following<'_>> =

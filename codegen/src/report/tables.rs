@@ -45,7 +45,7 @@ pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     }))
 }
 
-/// A joint's name, what it is, and its limits.
+/// A joint's name, kind and limits.
 fn limit_cells(joint: &Joint, role: String) -> [Cell; 7] {
     let limits = joint.limits;
     let position = limits.position;
@@ -73,7 +73,7 @@ fn role(robot: &Robot<'_>, coordinate: usize, joint: &Joint) -> String {
     }
 }
 
-/// The type, with what it needs beyond an axis.
+/// The type, with its data beyond an axis.
 fn kind(kind: JointKind) -> String {
     match kind {
         JointKind::Helical { pitch } => format!("{}, {pitch:?} m/rad", kind.name()),
@@ -370,7 +370,7 @@ fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
     [atan2(r[2][1], r[2][2]), pitch, atan2(r[1][0], r[0][0])]
 }
 
-/// Nine decimals: what rotation matrices leave beyond them is rounding.
+/// Nine decimals: digits beyond them are the rounding of rotation matrices.
 fn short(value: f64) -> f64 {
     let rounded = (value * 1e9).round() / 1e9;
     // No negative zero.

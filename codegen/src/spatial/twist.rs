@@ -28,7 +28,7 @@ impl Twist {
     /// No rotation.
     pub const NONE: Self = Self { gamma: (0.0, 1.0), alpha: (0.0, 1.0) };
 
-    /// Tells whether the joint's axis is parallel to the parent's, with aligned frames.
+    /// Whether the joint's axis is parallel to the parent's, with aligned frames.
     pub fn is_none(&self) -> bool {
         *self == Self::NONE
     }

@@ -38,12 +38,12 @@ impl<'g> Vector3<Scalar<'g>> {
         Self(self.0.map(|x| x * factor))
     }
 
-    /// Tells whether all components are the constant 0.
+    /// Whether all components are the constant 0.
     pub fn is_zero(self) -> bool {
         self.0.iter().all(|x| x.is_zero())
     }
 
-    /// The values, where all components are constants.
+    /// The values, if all components are constants.
     pub fn values(self) -> Option<[f64; 3]> {
         Some([self[0].value()?, self[1].value()?, self[2].value()?])
     }

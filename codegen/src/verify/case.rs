@@ -263,7 +263,7 @@ impl<'m, T: Number> Case<'m, T> {
         shares.collect()
     }
 
-    /// `M ÿ + k − q` at these accelerations, driven rows included: what drives exert, friction under load included.
+    /// `M ÿ + k − q` at these accelerations, driven rows included: the forces of the drives, friction under load included.
     pub fn all_inverse_dynamics(&self, a: &[T]) -> Vec<T> {
         let load = self.load(a);
         let with_friction = plus(&load, &self.all_friction_torques());
@@ -274,7 +274,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// τ_l: what drives exert without friction.
+    /// τ_l: the forces of the drives without friction.
     fn load(&self, a: &[T]) -> Vec<T> {
         minus(&self.newton_euler([&self.v, a], self.robot.gravity()), &self.all_spring_forces())
     }

@@ -18,7 +18,7 @@ pub struct Expected<T> {
     pub condition: f64,
 }
 
-/// The results of a function; `None` where it has none by this name.
+/// The results of a function; `None` if it has none by this name.
 pub fn expected<T: Number>(case: &Case<'_, T>, function: &Function) -> Option<Expected<T>> {
     if let Some(results) =
         of_frame(case, &function.name).or_else(|| plain(case, &function.name, &function.constants))

@@ -64,7 +64,7 @@ pub fn worst(model: &Model, function: &Function) -> Disagreement {
 }
 
 impl Disagreement {
-    /// Tells whether rounding explains the difference.
+    /// Whether rounding explains the difference.
     #[must_use]
     pub fn is_rounding(&self) -> bool {
         self.excess <= 1.0

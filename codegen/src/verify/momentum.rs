@@ -48,7 +48,7 @@ fn mass_center<T: Number>(case: &Case<'_, T>, links: &[LinkMotion<T>]) -> (T, Ve
     (mass, first.map(|x| x / mass))
 }
 
-/// Tells whether the centre of mass exists.
+/// Whether the centre of mass exists.
 pub fn has_mass<T: Number>(case: &Case<'_, T>) -> bool {
     mass_center(case, &case.links()).0.value() != 0.0
 }

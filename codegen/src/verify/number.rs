@@ -28,7 +28,7 @@ pub trait Number:
     }
 }
 
-/// A number with its running error (Higham 2002, section 3.3): what rounding may have added, in units of the rounding of 1.
+/// A number with its running error (Higham 2002, section 3.3): a bound of its rounding, in units of the rounding of 1.
 /// Described numbers count as rounded, and sines and cosines as numbers of the size 1, so that a result that is zero by a
 /// special angle has the error that it has near that angle.
 #[derive(Debug, Clone, Copy, PartialEq)]

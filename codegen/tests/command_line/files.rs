@@ -21,7 +21,7 @@ fn a_page_and_its_numbers_are_written() {
     }
     let read = |name: &str| fs::read_to_string(folder.path().join("report/pendulum").join(name)).unwrap();
     let data: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
-    assert_eq!(data["title"], "The robot pendulum");
+    assert_eq!(data["title"], "Equations of motion of pendulum");
     assert!(read("index.html").contains("gelenk report pendulum.toml"));
     assert!(read("bodies.csv").starts_with("body,link,mass [kg],c_x [m]"), "{}", read("bodies.csv"));
     // Choices that change the equations are those of `generate`, and stand at the foot of the page.
@@ -87,10 +87,10 @@ fn descriptions_and_foreign_files_are_kept() {
         assert!(said.contains("hard.rs: it is base.toml, which was read"), "{said}");
     }
     let said = generate("main.rs");
-    assert!(said.contains("main.rs: it holds what gelenk has not generated"), "{said}");
+    assert!(said.contains("main.rs: gelenk has not generated it"), "{said}");
     fs::write(at("arm.rs"), "fn mine() {}\n").unwrap();
     let said = generate(".");
-    assert!(said.contains("arm.rs: it holds what gelenk has not generated"), "{said}");
+    assert!(said.contains("arm.rs: gelenk has not generated it"), "{said}");
     // A name without an ending is a folder that is made.
     assert!(gelenk(folder.path(), &["generate", "arm.toml", "-o", "src"]).status.success());
     assert!(at("src/arm.rs").is_file());
@@ -98,7 +98,7 @@ fn descriptions_and_foreign_files_are_kept() {
     fs::write(at("new_control.rs"), "fn mine() {}\n").unwrap();
     let pair = ["generate", "arm.toml", "-o", "new.rs", "--control-model", "50"];
     let said = refused(folder.path(), &pair);
-    assert!(said.contains("new_control.rs: it holds"), "{said}");
+    assert!(said.contains("new_control.rs: gelenk has not generated it"), "{said}");
     assert!(!at("new.rs").exists(), "one of two was written");
     for (file, text) in [("base.toml", PENDULUM), ("arm.toml", extension), ("main.rs", "fn main() {}\n")] {
         assert_eq!(fs::read_to_string(at(file)).unwrap(), text);
@@ -121,7 +121,7 @@ fn a_foreign_crate_root_is_kept() {
     fs::write(at("generated/src/lib.rs"), "pub mod mine;\n").unwrap();
     for arguments in [&["generate"][..], &["generate", "models/pendulum.toml"]] {
         let said = refused(folder.path(), arguments);
-        assert!(said.contains("lib.rs: it holds"), "{said}");
+        assert!(said.contains("lib.rs: gelenk has not generated it"), "{said}");
         assert!(!at("generated/src/pendulum.rs").exists());
     }
     assert_eq!(fs::read_to_string(at("generated/src/lib.rs")).unwrap(), "pub mod mine;\n");

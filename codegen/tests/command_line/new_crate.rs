@@ -100,7 +100,7 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
             free,
             "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot whose base floats",
         ),
-        (outside, "which cannot lie at the same place in the new crate"),
+        (outside, "which cannot be at the same place in the new crate"),
         (taken, "the MJCF includes build.rs, and the project has a file of that name"),
     ] {
         fs::write(folder.path().join("robots/arm.xml"), text).unwrap();

@@ -138,7 +138,7 @@ fn broken() -> Vec<(String, &'static str, &'static [&'static str])> {
         (
             changed(100, "0,0,0,0"),
             "",
-            &["log.csv, row 101", "is zero, which is no attitude", "leave out the rows"],
+            &["log.csv, row 101", "is zero, which is not an attitude", "leave out the rows"],
         ),
         (changed(7, "3,40,2,1"), "", &["row 8", "has the length 40.1", "Are these angles"]),
         (
@@ -170,7 +170,7 @@ fn broken() -> Vec<(String, &'static str, &'static [&'static str])> {
             "torque=9..12",
             &["inputs of this robot act at frames (front_right, rear_left", "'input=…'"],
         ),
-        (good.clone(), "current=9..12", &["currents are not identified where joints have quaternions"]),
+        (good.clone(), "current=9..12", &["currents are not identified if joints have quaternions"]),
         (renamed("u_front_left", "other"), "", &["no column is the", "front_left"]),
         (log(HEADERS[1], &flight), "xyzw=pose.orientation.x|nothing", &["no columns have this name"]),
     ]
@@ -199,7 +199,7 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
         (&["--gravity-compensated"], "gravity is not compensated where a joint is floating"),
         (
             &["--plan"],
-            "joint base: no motion is planned where a floating joint is moved by its inputs in 4 of its 6 directions",
+            "joint base: no motion is planned if a floating joint is moved by its inputs in 4 of its 6 directions",
         ),
     ];
     for (more, words) in cases {

@@ -152,7 +152,7 @@ fn a_ball_joint_without_drives_is_refused_with_a_remedy() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{said}");
     let words = [
-        "joint hip: no motion is planned where a spherical joint is moved by its inputs in 0 of its 3 directions",
+        "joint hip: no motion is planned if a spherical joint is moved by its inputs in 0 of its 3 directions",
         "type = \"fixed\"",
     ];
     words.iter().for_each(|word| assert!(said.contains(word), "{word}: {said}"));

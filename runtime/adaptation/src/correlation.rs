@@ -35,7 +35,7 @@ impl Correlation {
 
     /// Takes a residual at a position, as a share of the cells' range, and returns the number of correlated samples that count as one.
     ///
-    /// - `keep`: what remains of the sums from one sample to the next
+    /// - `keep`: factor of the sums from one sample to the next
     pub(super) fn take(&mut self, residual: f64, share: f64, forwards: bool, keep: f64) -> f64 {
         let cell = cell(share, forwards);
         for (count, sum) in self.counts.iter_mut().zip(&mut self.sums) {

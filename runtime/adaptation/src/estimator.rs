@@ -149,7 +149,7 @@ impl<const N: usize> Adaptation<N> {
         &self.scales
     }
 
-    /// Forgets motion and torques of the last periods, but not what was learned.
+    /// Forgets motion and torques of the last periods, but not the learned laws.
     pub fn restart(&mut self) {
         self.window.clear();
         self.known = 0;

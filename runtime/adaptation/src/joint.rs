@@ -75,7 +75,7 @@ pub(super) struct Instant {
     pub velocity: f64,
     /// Described friction [N m or N].
     pub friction: f64,
-    /// Torque of the drive, and what of it the described robot does not explain, friction included [N m or N].
+    /// Torque of the drive, and its part that the described robot without friction does not explain [N m or N].
     pub applied: f64,
     pub torque: f64,
     /// False in saturation.

@@ -1,4 +1,4 @@
-//! The learned law of a joint: what it adds to the described one.
+//! The learned law of a joint: its difference from the described one.
 
 pub(super) use gelenk_kernels::math::sqrt as root;
 
@@ -33,7 +33,7 @@ pub struct JointScale {
     pub least_slope: f64,
     /// Width of the range of positions, in which cells of the position lie [rad or m].
     pub range: f64,
-    /// Tells whether the description has friction at this joint.
+    /// Whether the description has friction at this joint.
     pub is_described: bool,
 }
 

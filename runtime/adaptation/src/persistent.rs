@@ -20,7 +20,7 @@ impl<const N: usize> Adaptation<N> {
     /// Length of the saved state.
     pub const SAVED: usize = ORIGIN + N * JOINT;
 
-    /// Writes what was learned, after a fingerprint of the description, the period, the filter and the delay.
+    /// Writes the learned laws, after a fingerprint of the description, the period, the filter and the delay.
     ///
     /// # Errors
     /// [`AdaptationError::Length`].
@@ -85,7 +85,7 @@ impl<const N: usize> Adaptation<N> {
     }
 }
 
-/// Tells whether an estimator can have these numbers: finite, with variances and counts that are not negative.
+/// Whether an estimator can have these numbers: finite, with variances and counts that are not negative.
 fn is_possible(joint: &Joint, numbers: &[f64]) -> bool {
     let counts = |values: &[f64]| values.iter().all(|value| *value >= 0.0);
     let tracks = joint.bank.tracks.iter().all(|track| {

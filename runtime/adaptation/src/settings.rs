@@ -1,4 +1,4 @@
-//! Settings, and what is wrong with them.
+//! Settings, and their errors.
 
 use gelenk_dynamics::dynamics::Named;
 use thiserror::Error;
@@ -94,8 +94,7 @@ pub enum AdaptationError {
     Load(usize),
     /// The description lacks the magnitudes of a joint.
     #[error(
-        "joint {} has no finite limit of the speed, or neither friction nor a finite effort: nothing says how large its friction may \
-         be; describe its limits",
+        "joint {} has no finite limit of the speed, or neither friction nor a finite effort: the size of its friction is unknown; describe its limits",
         Named(.name)
     )]
     Scale {

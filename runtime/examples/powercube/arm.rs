@@ -103,7 +103,7 @@ pub fn carrying(mut arm: Arm, mass: f64) -> Arm {
     arm
 }
 
-/// How the arm is driven: what its electronics and its bus do to inputs and measurements.
+/// The drive of the arm: effects of its electronics and its bus on inputs and measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Regime {
     /// Sample time of control (s).

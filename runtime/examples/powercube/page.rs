@@ -1,4 +1,4 @@
-//! The page: what all experiments found, claims first.
+//! The page: results of all experiments, claims first.
 
 use crate::equations;
 use crate::study::{Outcome, Part, Study};

@@ -22,7 +22,7 @@ impl Study {
     }
 }
 
-/// An experiment: a title for the terminal, and what runs it.
+/// An experiment: a title for the terminal, and its function.
 pub type Experiment = (&'static str, fn(&Study) -> Outcome<Part>);
 
 /// Contribution of an experiment to the report.

@@ -25,7 +25,7 @@ const SIDES: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]
 const LEAN: [f64; 2] = [0.03, 0.045];
 /// How far the trunk sways [m and rad].
 const SWAY: [f64; N - M] = [0.012, 0.012, 0.012, 0.1, 0.1, 0.1];
-/// A leg in the air: what its hip, thigh and calf are moved by, and how far they swing about that [rad].
+/// A leg in the air: amplitudes of its hip, thigh and calf, and their offsets [rad].
 const LIFTED: [f64; 3] = [0.0, 0.45, -0.75];
 const SWING: [f64; 3] = [0.35, 0.6, 0.45];
 /// Frequencies of swaying and swinging [Hz].
@@ -110,7 +110,7 @@ impl Lifting {
         Ok(log)
     }
 
-    /// A foot at a time: what it presses with and uses of its friction while it stands, else how high it is.
+    /// A foot at a time: pressing force and used friction while it stands, otherwise its height.
     fn check(&self, foot: usize, time: f64, y: &[f64; NY], force: &[f64; 6], log: &mut Log) -> Outcome<()> {
         let at = (FEET[foot].pose)(y).0;
         let moved: [f64; 3] = std::array::from_fn(|i| at[i] - self.places[foot][i]);
@@ -121,7 +121,7 @@ impl Lifting {
                 return Err(format!("does not stand: it uses {friction:.2} of its friction").into());
             }
             if moved.iter().any(|x| x.abs() > 1e-9) {
-                return Err(format!("stands where it did not, by {moved:?} m").into());
+                return Err(format!("slid by {moved:?} m").into());
             }
             log.friction = log.friction.max(friction);
         } else if moved[2] < -1e-9 {

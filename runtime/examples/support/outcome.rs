@@ -17,7 +17,7 @@ pub fn end(outcome: Outcome<()>) -> ExitCode {
     }
 }
 
-/// An error and its causes; what a message says already is not said again.
+/// An error and its causes; causes that a message repeats are left out.
 fn with_causes(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

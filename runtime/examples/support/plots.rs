@@ -18,7 +18,7 @@ impl Folder {
         Self::made(folder)
     }
 
-    /// A folder, which is made where it is missing.
+    /// A folder, which is made if it is missing.
     pub fn made(folder: PathBuf) -> Result<Self, Box<dyn Error>> {
         std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         Ok(Self(folder))

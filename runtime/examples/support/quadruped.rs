@@ -62,7 +62,7 @@ pub fn at_feet(rows: &[f64; N], jacobians: &[Jacobian; 4], weights: [f64; 4]) ->
     Ok(wrenches)
 }
 
-/// Share of a foot's friction that a force uses; infinite where the foot would lift.
+/// Share of a foot's friction that a force uses; infinite if the foot would lift.
 pub fn used_friction(force: &[f64; 6]) -> f64 {
     let along = force[0].hypot(force[1]);
     if force[2] > 0.0 { along / (FRICTION * force[2]) } else { f64::INFINITY }

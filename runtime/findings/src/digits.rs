@@ -7,7 +7,7 @@ const MOST_DECIMALS: i32 = 12;
 
 /// `value` rounded to the decimal place of the second significant digit of `error`.
 ///
-/// - `error`: standard error; where it is absent, zero or not finite, the shortest text that reads back as
+/// - `error`: standard error; if it is absent, zero or not finite, the shortest text that reads back as
 ///   `value` is returned
 ///
 /// 76.5561 with 0.0312 is `76.556`; 12345.0 with 120.0 is `12350`. At most 17 significant digits are written.
@@ -38,7 +38,7 @@ pub fn literal(value: f64, error: Option<f64>) -> String {
     if text.contains(['.', 'e', 'N', 'i']) { text } else { text + ".0" }
 }
 
-/// `76.556 ± 0.031`; the value alone where no error is known.
+/// `76.556 ± 0.031`; the value alone if no error is known.
 pub fn with_error(value: f64, error: Option<f64>) -> String {
     match error.filter(|_| decimals(error).is_some()) {
         Some(e) => format!("{} ± {}", rounded(value, error), rounded(e, error)),
@@ -46,7 +46,7 @@ pub fn with_error(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// Significant digits that [`rounded`] leaves a value, at least one; `None` where the error is not known.
+/// Significant digits that [`rounded`] leaves a value, at least one; `None` if the error is not known.
 pub fn significant(value: f64, error: Option<f64>) -> Option<usize> {
     let decimals = decimals(error).filter(|_| value.is_finite())?;
     let digits = if value == 0.0 { 1 } else { magnitude(value) + 1 + decimals };

@@ -1,4 +1,4 @@
-//! Findings: what a stage noticed in a description, a log or a fit, where, and what to do about it.
+//! Findings: observations of a stage about a description, a log or a fit, with place and remedy.
 //!
 //! A detector has a [`Rule`] and makes a [`Finding`] of a message that names no subject: [`About`] does. So findings are sorted,
 //! counted and dropped by rule and subject, and their text is made in one place.
@@ -234,7 +234,7 @@ impl Finding {
         self.values.iter().find(|value| value.name == name).map(|value| value.value)
     }
 
-    /// Whether another finding of this rule is about the same.
+    /// Whether another finding of this rule has the same subject.
     pub fn is_like(&self, other: &Self) -> bool {
         self.code == other.code && self.about == other.about
     }

@@ -4,7 +4,7 @@ use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Subject};
 use thiserror::Error;
 
-/// Why an identification step has no result. Every message names the quantity, its value and what to do.
+/// Error of an identification step. Every message names the quantity, its value and a remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IdentificationError {
     /// No samples at all.
@@ -13,7 +13,7 @@ pub enum IdentificationError {
         /// The quantity.
         what: String,
     },
-    /// NaN or an infinity where a number is needed.
+    /// NaN or an infinity if a number is needed.
     #[error(
         "{what} is not finite ({value}) at row {row} (counted from 0), {count} such values of {samples}: deselect these rows or repair the log"
     )]
@@ -85,7 +85,7 @@ pub enum IdentificationError {
         /// The accepted limit.
         limit: f64,
     },
-    /// A quantity that never changes where its change is needed.
+    /// A quantity that never changes if its change is needed.
     #[error("{what} is constant ({value}) in all {samples} samples: nothing can be identified from it")]
     Constant {
         /// The quantity.
@@ -188,7 +188,7 @@ fn unexplained(subject: &Subject, [r_squared, least]: [f64; 2], reasons: &[Findi
 }
 
 impl IdentificationError {
-    /// The error with what was found before it.
+    /// The error with the earlier findings.
     pub(crate) fn after(self, noted: Vec<Finding>) -> Self {
         if noted.is_empty() { self } else { Self::After { noted, error: Box::new(self) } }
     }

@@ -38,7 +38,7 @@ pub(crate) const NO_FIT: Rule = Rule::error("no-friction-fit");
 /// Settings of an identification; the defaults suit a log about which nothing is known.
 #[derive(Debug, Clone)]
 pub struct IdentificationSettings {
-    /// Which columns are what.
+    /// Meaning of the columns.
     pub columns: ColumnOptions,
     /// Grid, filter and delay.
     pub preparation: PreparationSettings,
@@ -80,7 +80,7 @@ pub struct Identification {
     pub recording: Recording,
     /// Report on the preparation of their signals.
     pub preparation: PreparationReport,
-    /// The signals that the estimate was made of; none where it was made of moments.
+    /// The signals that the estimate was made of; none if it was made of moments.
     pub runs: Vec<PreparedRun>,
     /// Inertia, friction, offsets and gains.
     pub estimate: Estimate,
@@ -100,13 +100,13 @@ impl Identification {
         RobotRows::new(robot, self.shafts.clone())
     }
 
-    /// The drive whose shaft's row this is; `None` where it is that of the joint.
+    /// The drive whose shaft's row this is; `None` if it is that of the joint.
     #[must_use]
     pub fn shaft(&self, row: usize) -> Option<&str> {
         self.shafts.as_ref()?.shaft(row).map(|shaft| shaft.name.as_str())
     }
 
-    /// Friction that is described on joints whose rows shafts take, with the estimated factors; `None` where no shaft takes a row.
+    /// Friction that is described on joints whose rows shafts take, with the estimated factors; `None` if no shaft takes a row.
     #[must_use]
     pub fn joint_terms(&self) -> Option<Vec<(&JointTerm, f64)>> {
         let rows = self.shafts.as_ref()?;
@@ -147,7 +147,7 @@ pub fn identify(
     identified(robot, logs, settings, &mut noted, progress).map_err(|error| error.after(noted))
 }
 
-/// As [`identify`]; `noted` holds what was found before an error.
+/// As [`identify`]; `noted` holds the findings before an error.
 fn identified(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -234,7 +234,7 @@ fn no_law(reasons: &[Finding]) -> Finding {
     if remedies.is_empty() { found } else { found.help(remedies.join("; ")) }
 }
 
-/// The settings of the estimate with what is known of the signals: their filter, and which efforts share a delay.
+/// The settings of the estimate, the filter of the signals, and efforts that share a delay.
 ///
 /// - `mixed`: efforts of the joints were added up along shafts
 pub(crate) fn of_signals(
@@ -272,7 +272,7 @@ fn under_load(joint: &JointEstimate) -> Option<FrictionTerm> {
 
 /// The logs, and their signals on one grid through one filter.
 ///
-/// - `noted`: takes what was found, also before an error
+/// - `noted`: takes the findings, also before an error
 pub(crate) fn read_and_prepare(
     robot: &dyn Robot,
     logs: &[PathBuf],
@@ -319,7 +319,7 @@ pub(crate) fn beyond_limits(
     Err(IdentificationError::Found { findings })
 }
 
-/// A joint whose efforts cannot be used keeps what is described; where no joint has others, nothing is left to do.
+/// A joint whose efforts cannot be used keeps what is described; if no joint has others, nothing is left to do.
 fn require_efforts(preparation: &PreparationReport) -> Result<()> {
     if preparation.joints.iter().any(|joint| joint.fault.is_none()) {
         return Ok(());

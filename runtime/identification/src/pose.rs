@@ -51,7 +51,7 @@ impl QuaternionJoint {
     }
 }
 
-/// The first K values; NaN where there are fewer.
+/// The first K values; NaN if there are fewer.
 fn entries<const K: usize>(values: &[f64]) -> [f64; K] {
     values.first_chunk().copied().unwrap_or([f64::NAN; K])
 }

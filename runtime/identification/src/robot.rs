@@ -53,18 +53,18 @@ pub trait Robot {
     /// B, `N × M`, rows first: joint forces of unit inputs; columns of inputs that act at frames are zero.
     fn input_matrix(&self) -> Vec<f64>;
 
-    /// Tells of each input whether it is a current as described, so that B holds its motor constant.
+    /// For each input, whether it is a current as described, so that B holds its motor constant.
     fn described_currents(&self) -> Vec<bool> {
         vec![false; self.input_names().len()]
     }
 
-    /// Tells whether inputs act at frames: B depends on the positions then, and efforts must be forces at the
+    /// Whether inputs act at frames: B depends on the positions then, and efforts must be forces at the
     /// joints.
     fn has_inputs_at_frames(&self) -> bool {
         false
     }
 
-    /// Lowest and highest value of each input, in its unit; infinite where not described.
+    /// Lowest and highest value of each input, in its unit; infinite if not described.
     fn input_limits(&self) -> Vec<[f64; 2]> {
         vec![[f64::NEG_INFINITY, f64::INFINITY]; self.input_names().len()]
     }
@@ -82,13 +82,13 @@ pub trait Robot {
         }
     }
 
-    /// Tells of each joint whether something else moves it, as a linear axis under a robot: logs have its motion, and not its
+    /// For each joint, whether something else moves it, as a linear axis under a robot: logs have its motion, and not its
     /// force.
     fn unmeasured(&self) -> Vec<bool> {
         vec![false; self.joint_names().len()]
     }
 
-    /// Tells of each joint whether an input drives it and nothing else: where a gear's load is known, so that friction
+    /// For each joint, whether an input drives it and nothing else: if a gear's load is known, so that friction
     /// can grow with it.
     fn own_inputs(&self) -> Vec<bool> {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())
@@ -123,13 +123,13 @@ pub trait Robot {
     }
 
     /// Described friction of a row, a joint's or that of one of [`Self::shafts`], at its speed v: the force against the motion,
-    /// without friction under load. Zero where none is described.
+    /// without friction under load. Zero if none is described.
     fn friction(&self, row: usize, v: f64) -> f64 {
         let _ = (row, v);
         0.0
     }
 
-    /// Gravity in the axes of the base, as described \[m/s²\]; `None` where no other direction of it can be tried
+    /// Gravity in the axes of the base, as described \[m/s²\]; `None` if no other direction of it can be tried
     /// ([`Self::regressor_at_rest`]).
     fn gravity(&self) -> Option<[f64; 3]> {
         None
@@ -162,7 +162,7 @@ pub struct Shaft {
     pub joint: usize,
     /// Motion of the shaft for a unit of motion of each of the N joints: gear ratio times weight [1 or rad/m].
     pub ratios: Vec<f64>,
-    /// Largest torque of the motor [N·m]; infinite where it is not described.
+    /// Largest torque of the motor [N·m]; infinite if it is not described.
     pub torque: f64,
 }
 
@@ -171,7 +171,7 @@ pub struct Shaft {
 pub struct TorqueSpeedLine {
     /// Number of the input.
     pub input: usize,
-    /// C: what the velocity of each of the N joints takes from the input, in its unit.
+    /// C: the torque that the velocity of each of the N joints takes from the input, in its unit.
     pub slopes: Vec<f64>,
     /// Largest input of the motor at rest, in the unit of the input.
     pub limit: f64,
@@ -199,7 +199,7 @@ pub struct JointTerm {
 
 /// Refuses robots of which something else moves a joint.
 ///
-/// - `what`: what is not done for them, as the beginning of a sentence
+/// - `what`: the omitted action, as the beginning of a sentence
 ///
 /// # Errors
 /// [`IdentificationError::File`] with the name of such a joint.
@@ -216,7 +216,7 @@ pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Re
 
 /// Refuses robots with quaternions.
 ///
-/// - `what`: what is not done for them, as the beginning of a sentence
+/// - `what`: the omitted action, as the beginning of a sentence
 ///
 /// # Errors
 /// [`IdentificationError::File`] with the name of such a joint.
@@ -260,7 +260,7 @@ impl FollowerLimits {
         offset + followed.map(|(ratio, value)| ratio * value).sum::<f64>()
     }
 
-    /// The joint that it follows, where this is the only one, with what it leaves to it: position and speed.
+    /// The joint that it follows, if it is the only one, with the range that it leaves: position and speed.
     pub(crate) fn allowed(&self) -> Option<(usize, [f64; 2], f64)> {
         let mut followed = self.ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
         let ((joint, ratio), None) = (followed.next()?, followed.next()) else { return None };
@@ -280,7 +280,7 @@ pub(crate) fn narrowed_limits(robot: &dyn Robot) -> Vec<JointLimits> {
     limits
 }
 
-/// Limits of a joint, as described; what is not described is infinite.
+/// Limits of a joint, as described; infinite if not described.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLimits {
     /// Lowest and highest position [rad or m].

@@ -6,7 +6,7 @@ use std::ops::Range;
 /// A part of a log without interruption: all joints' samples at the same times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// The log's file name, and the number of the run where the log has several.
+    /// The log's file name, and the number of the run if the log has several.
     pub name: String,
     /// Times \[s\]. They increase strictly; their steps may differ.
     pub times: Vec<f64>,
@@ -17,7 +17,7 @@ pub struct Run {
     pub positions: Vec<Vec<f64>>,
     /// Measured positions y of a robot with quaternions, one column for each entry; empty for other robots.
     pub poses: Vec<Vec<f64>>,
-    /// Measured velocities [rad/s or m/s], for each joint, where the log has them.
+    /// Measured velocities [rad/s or m/s], for each joint, if the log has them.
     pub velocities: Vec<Option<Vec<f64>>>,
     /// Measured efforts; joints or inputs, as [`Effort`] says.
     pub efforts: Vec<Vec<f64>>,
@@ -69,14 +69,14 @@ pub struct PreparedRun {
     /// Efforts, smoothed by the same filter; joints or inputs, as [`Effort`] says.
     pub efforts: Vec<Vec<f64>>,
     /// For each joint, whether a sample belongs to a rest: its effort says nothing about friction there, which takes any
-    /// value up to the static one. Empty where no joint rests.
+    /// value up to the static one. Empty if no joint rests.
     pub resting: Vec<Vec<bool>>,
     /// Kind of the efforts.
     pub effort: Effort,
 }
 
 impl PreparedRun {
-    /// The entries of y, which are the joints' positions where there is no quaternion.
+    /// The entries of y, which are the joints' positions if there is no quaternion.
     pub(crate) fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
     }
@@ -123,7 +123,7 @@ impl PreparedRun {
 
     /// The run with efforts that come earlier.
     ///
-    /// - `delays`: of each effort \[s\]; none where they are empty
+    /// - `delays`: of each effort \[s\]; none if they are empty
     pub(crate) fn without_delays(self, delays: &[f64]) -> Self {
         let step = self.step();
         let earlier = |(effort, values): (usize, &Vec<f64>)| -> Vec<f64> {

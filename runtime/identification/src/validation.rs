@@ -32,7 +32,7 @@ const NOT_PREDICTED: Rule = Rule::warning("validation-failed");
 pub struct JointValidation {
     /// Name of the joint.
     pub name: String,
-    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²` over the samples in which the joint moves; NaN where the effort is constant, or was not
+    /// `1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²` over the samples in which the joint moves; NaN if the effort is constant, or was not
     /// measured in the logs of the identification.
     pub r_squared: f64,
     /// The same with the samples in which the joint rests, where dry friction takes any value up to the static one.
@@ -68,7 +68,7 @@ pub fn validate(
     let fitted = |hash: &str| found.recording.hashes.iter().any(|(_, other)| other == hash);
     for (path, _) in recording.hashes.iter().filter(|(_, hash)| fitted(hash)) {
         say(&FITTED
-            .found("it is one of the fitted logs: R² there says nothing of other data")
+            .found("it is one of the fitted logs: R² there does not measure the error on other data")
             .log(path, None));
     }
     let preparation = found.preparation.settings_alike(&settings.preparation);
@@ -149,12 +149,12 @@ struct Prediction<'a> {
     joints: usize,
     /// Difference of π from the description.
     changes: Vec<f64>,
-    /// `M ÿ + k − q` with gravity, whoever holds it: what the gears carry.
+    /// `M ÿ + k − q` with gravity: the forces of the gears.
     loads: Vec<f64>,
     input_matrix: Vec<f64>,
     regressor: Vec<f64>,
     forces: Vec<f64>,
-    /// Friction of each joint along the run, through the filter of its efforts; none where it needs the load.
+    /// Friction of each joint along the run, through the filter of its efforts; none if it needs the load.
     friction: Vec<Option<Vec<f64>>>,
 }
 

@@ -1,4 +1,4 @@
-//! Sections and what stands in them.
+//! Sections and their blocks.
 
 use super::claim::Claim;
 use super::equation::Equation;
@@ -28,7 +28,7 @@ pub enum Block {
     Heading(Vec<Inline>),
     /// Equations on lines of their own.
     Equations(Vec<Equation>),
-    /// Short equations side by side where there is room: abbreviations.
+    /// Short equations side by side if there is room: abbreviations.
     Abbreviations(Vec<Equation>),
     /// A table of values.
     Table(Table),

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::number::{DIGITS, rounded};
 
-/// A statement, what was measured, and what follows.
+/// A statement, the measured values, and the verdict.
 ///
 /// The verdict cannot be set: it follows from the criteria. A claim without criteria does not hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,11 +15,11 @@ pub struct Claim {
     pub statement: String,
     /// Numbers with their thresholds; all must be met.
     pub criteria: Vec<Criterion>,
-    /// The condition under which the claim was found to hold, where it does not hold without.
+    /// The condition under which the claim was found to hold, if it does not hold without.
     pub condition: Option<String>,
     /// The change of conditions that would reverse the verdict.
     pub flipped_by: String,
-    /// Further words: what was found, and why.
+    /// Further words: result and reason.
     pub remark: String,
     /// Identifier of the figure or table that it stands for.
     pub shown_in: Option<String>,
@@ -34,7 +34,7 @@ pub struct Criterion {
     pub value: f64,
     /// The threshold.
     pub bound: Bound,
-    /// Unit of both, empty where there is none.
+    /// Unit of both, empty if there is none.
     pub unit: String,
 }
 
@@ -97,7 +97,7 @@ impl Claim {
         self
     }
 
-    /// Names what would flip the verdict.
+    /// Names the condition that would flip the verdict.
     #[must_use]
     pub fn flipped_by(mut self, cause: impl Into<String>) -> Self {
         self.flipped_by = cause.into();

@@ -7,7 +7,7 @@ use super::claim::{Bound, Claim, Criterion};
 use super::error::ReportError;
 use super::inline::Inline;
 use super::pattern::Pattern;
-use super::plot::{Figure, Plot};
+use super::plot::{self, Figure, Plot};
 use super::report::Report;
 use super::table::{Cell, Table};
 
@@ -34,10 +34,10 @@ pub(super) fn is_report(value: &Value) -> bool {
     }
 }
 
-/// Names of the CSV files next to the data of a report.
+/// Names of the CSV and SVG files next to the data of a report.
 pub(super) fn tables(report: &Value) -> Vec<String> {
     let entries = |value: &Value, name: &str| value[name].as_array().cloned().unwrap_or_default();
-    let mut names = Vec::new();
+    let (mut names, mut drawings) = (Vec::new(), Vec::new());
     let mut name = |id: &Value, end: &str| {
         names.extend(id.as_str().map(|id| format!("{id}{end}.csv")));
     };
@@ -45,6 +45,9 @@ pub(super) fn tables(report: &Value) -> Vec<String> {
         for part in entries(&section, "parts") {
             name(&part["table"]["id"], "");
             name(&part["figure"]["id"], "");
+            let plots = entries(&part["figure"], "plots").len();
+            drawings
+                .extend(part["figure"]["id"].as_str().into_iter().flat_map(|id| drawing_names(id, plots)));
             for pattern in entries(&part, "patterns") {
                 name(&pattern["id"], "");
             }
@@ -53,7 +56,30 @@ pub(super) fn tables(report: &Value) -> Vec<String> {
             }
         }
     }
+    names.extend(drawings);
     names
+}
+
+/// Names of the SVG files of a figure.
+fn drawing_names(id: &str, plots: usize) -> Vec<String> {
+    match plots {
+        1 => vec![format!("{id}.svg")],
+        _ => (1..=plots).map(|plot| format!("{id}.{plot}.svg")).collect(),
+    }
+}
+
+/// Name and text of one SVG file for each plot.
+pub(super) fn svg(report: &Report) -> Result<Vec<(String, String)>, ReportError> {
+    let mut files = Vec::new();
+    for block in report.sections.iter().flat_map(Section::all_blocks) {
+        if let Block::Figure(figure) = block {
+            let names = drawing_names(&figure.id, figure.plots.len());
+            for (name, plot) in names.into_iter().zip(&figure.plots) {
+                files.push((name, plot::file(plot, &figure.id)?));
+            }
+        }
+    }
+    Ok(files)
 }
 
 fn block(block: &Block) -> Option<Value> {

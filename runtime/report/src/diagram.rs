@@ -190,7 +190,7 @@ fn subscript(number: usize) -> String {
     number.to_string().chars().map(small).collect()
 }
 
-/// Letters beyond the room become dots.
+/// A name of at most `most` letters; dots replace the others.
 fn shortened(name: &str, most: usize) -> String {
     if name.chars().count() <= most {
         return name.to_owned();

@@ -16,7 +16,7 @@ impl Equation {
     /// An equation on a line of its own.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] where `latex` cannot be set.
+    /// [`ReportError::Equation`] if `latex` cannot be set.
     pub fn new(latex: impl Into<String>) -> Result<Self, ReportError> {
         let latex = latex.into();
         let mathml = mathml(&latex, DisplayMode::Block)?;
@@ -27,7 +27,7 @@ impl Equation {
     /// hold more than `letters` letters. Pages scroll wide equations, paper does not.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] where `latex` cannot be set.
+    /// [`ReportError::Equation`] if `latex` cannot be set.
     pub fn broken(latex: &str, letters: usize) -> Result<Vec<Self>, ReportError> {
         let mut lines: Vec<String> = Vec::new();
         for summand in summands(latex) {
@@ -46,8 +46,9 @@ impl Equation {
         &self.latex
     }
 
-    /// Roughly how many letters wide it is: what is left when commands and braces are gone.
-    pub(super) fn width(&self) -> usize {
+    /// Rough number of letters of its width, without commands and braces.
+    #[must_use]
+    pub fn width(&self) -> usize {
         width(&self.latex)
     }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Reason why a report could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// An equation that is not LaTeX, or uses what cannot be set.
+    /// An equation that is not LaTeX, or has an unsupported command.
     #[error("the equation `{latex}` cannot be set: {message}")]
     Equation {
         /// The equation.

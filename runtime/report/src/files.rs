@@ -1,4 +1,4 @@
-//! The files of a report: all of them or none, and none over what no report has written.
+//! The files of a report: all of them or none, and none over files of others.
 
 use std::fs;
 use std::io;
@@ -72,7 +72,7 @@ fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result
     if is_ours || text == content.as_bytes() {
         return Ok(());
     }
-    let why = "it holds what no report has written; name another folder, or remove it first";
+    let why = "no report has written it; name another folder, or remove it first";
     Err(io::Error::new(io::ErrorKind::AlreadyExists, why))
 }
 
@@ -124,7 +124,7 @@ mod tests {
         let before = fs::read(at("index.html")).unwrap();
         let error = report("Third", "mine").write(folder.path()).unwrap_err();
         let message = error.to_string();
-        assert!(message.contains("mine.csv: it holds what no report has written"), "{message}");
+        assert!(message.contains("mine.csv: no report has written it"), "{message}");
         assert_eq!(fs::read(at("index.html")).unwrap(), before);
         assert_eq!(fs::read_to_string(at("mine.csv")).unwrap(), "t,q\n");
         assert_eq!(names(folder.path()), expected);

@@ -37,6 +37,7 @@ mod pattern;
 mod plot;
 mod report;
 mod scene;
+mod style;
 mod table;
 
 pub use block::{Block, Section, plain, text};

@@ -11,8 +11,8 @@ impl Report {
     /// The page: one self-contained HTML file.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] where an equation is not LaTeX that can be set, [`ReportError::Plot`] where a
-    /// figure has values that cannot be drawn, [`ReportError::SameId`] where two parts share an identifier.
+    /// [`ReportError::Equation`] if an equation is not LaTeX that can be set, [`ReportError::Plot`] if a
+    /// figure has values that cannot be drawn, [`ReportError::SameId`] if two parts share an identifier.
     pub fn html(&self) -> Result<String, ReportError> {
         self.check_ids()?;
         page::html(self)
@@ -27,22 +27,31 @@ impl Report {
     /// Name and text of one CSV file for each table, list of claims and figure.
     ///
     /// # Errors
-    /// [`ReportError::Data`] where the writer fails.
+    /// [`ReportError::Data`] if the writer fails.
     pub fn csv(&self) -> Result<Vec<(String, String)>, ReportError> {
         data::csv(self)
     }
 
-    /// Writes `index.html`, `report.json` and the CSV files into `folder`, which is made where it is missing;
-    /// returns the files, the page first. A report that was written there before is replaced, as a whole: on
-    /// a full disk the old one stays.
+    /// Name and text of one SVG file for each plot, with its legend.
     ///
     /// # Errors
-    /// As [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`] where a
-    /// file cannot be written, or holds what no report has written.
+    /// [`ReportError::Plot`] if a figure has values that cannot be drawn.
+    pub fn svg(&self) -> Result<Vec<(String, String)>, ReportError> {
+        data::svg(self)
+    }
+
+    /// Writes `index.html`, `report.json`, the CSV and the SVG files into `folder`, which is created if it does not exist;
+    /// returns the files, the page first. A report that was written there before is replaced as a whole: on
+    /// a full disk the old one remains.
+    ///
+    /// # Errors
+    /// As [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`] if a
+    /// file cannot be written, or exists and was not written by a report.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
         let mut files =
             vec![("index.html".to_owned(), self.html()?), ("report.json".to_owned(), self.json())];
         files.extend(self.csv()?);
+        files.extend(self.svg()?);
         files::write(folder, &files)
     }
 

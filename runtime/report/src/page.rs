@@ -11,10 +11,10 @@ use super::pattern::Pattern;
 use super::plot::{Figure, Plot};
 use super::report::Report;
 use super::scene::{Scene, SceneJoint, SceneSymbol};
+use super::style::STYLE;
 use super::table::{Cell, Table};
 use super::{diagram, equation, number, pattern, plot};
 
-const STYLE: &str = include_str!("page.css");
 /// Moves the robot; written by hand, without libraries.
 const SCRIPT: &str = include_str!("scene.js");
 /// The browser itself refuses to load anything.
@@ -91,7 +91,7 @@ fn head(report: &Report) -> Rendered {
 }
 
 /// Words at the foot of every page, by which a page is recognized as one of ours.
-pub(super) const BESIDE: &str = "The same numbers, unrounded, stand beside this page in ";
+pub(super) const BESIDE: &str = "The same numbers, unrounded, are next to this page in ";
 
 fn foot(report: &Report) -> Markup {
     html! {

@@ -9,6 +9,7 @@ use plotters::prelude::*;
 
 use super::error::ReportError;
 use super::inline::{Inline, inlines};
+use super::style::light;
 
 /// Plots with a common caption.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +18,7 @@ pub struct Figure {
     pub id: String,
     /// Sentences below the plots.
     pub caption: Vec<Inline>,
-    /// The plots, side by side where there is room.
+    /// The plots, side by side if there is room.
     pub plots: Vec<Plot>,
 }
 
@@ -39,7 +40,7 @@ pub struct Plot {
 pub struct Axis {
     /// Its quantity.
     pub label: String,
-    /// Unit, empty where there is none.
+    /// Unit, empty if there is none.
     pub unit: String,
     /// Shown range; by default that of the data. Points outside are left out.
     pub range: Option<[f64; 2]>,
@@ -131,7 +132,7 @@ impl Axis {
     }
 
     /// Where ticks stand, in scaled values: on a logarithmic axis powers of ten, with their double and
-    /// fivefold where there are few of them.
+    /// fivefold if there are few of them.
     fn ticks(&self, span: &Range<f64>, most: usize) -> Vec<f64> {
         if self.is_logarithmic {
             let digits: &[f64] = match span.end - span.start {
@@ -193,7 +194,7 @@ impl Axis {
     }
 }
 
-/// A number at an axis: nothing beyond what tells it from its neighbours.
+/// A number at an axis, with the digits that distinguish it from its neighbours.
 fn tick(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -391,9 +392,55 @@ fn themed(svg: &str, description: &str) -> String {
     )
 }
 
+/// The plot as an SVG file with its legend, in the light colours of the page.
+///
+/// - `id`: of the figure, for the message
+pub(super) fn file(plot: &Plot, id: &str) -> Result<String, ReportError> {
+    let drawing = svg(plot, id)?;
+    let body = drawing.split_once('>').map_or("", |(_, body)| body).trim_end().trim_end_matches("</svg>");
+    let line = 18 * SCALE;
+    let [width, top] = [SIZE.0, SIZE.1].map(|length| length * SCALE);
+    let rows = plot.series.iter().enumerate().map(|(index, series)| {
+        let (y, colour) = (top + line * (index as u32 + 1), format!("var(--series-{})", index % COLOURS + 1));
+        let dashes = if series.marks == Marks::Dashed { format!("{} {}", 7 * SCALE, 4 * SCALE) } else { String::new() };
+        maud::html! {
+            line x1=(70 * SCALE) x2=(94 * SCALE) y1=(y - 4 * SCALE) y2=(y - 4 * SCALE) stroke=(colour) stroke-width=(2 * SCALE)
+                stroke-dasharray=[(!dashes.is_empty()).then_some(dashes)] {}
+            text x=(100 * SCALE) y=(y) font-size=(13 * SCALE) fill="currentColor" { (series.name) }
+        }
+        .into_string()
+    });
+    let rows: String = rows.collect();
+    let title = maud::html! { title { (description(plot)) } }.into_string();
+    let height = top + line * (plot.series.len() as u32 + 1);
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\" \
+         font-family=\"sans-serif\">{title}<rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>{body}{rows}</svg>\n",
+        width / SCALE,
+        height / SCALE,
+    );
+    text = text.replace("currentColor", light("--ink")).replace("var(--grid)", light("--grid"));
+    for index in 1..=COLOURS {
+        let name = format!("--series-{index}");
+        text = text.replace(&format!("var({name})"), light(&name));
+    }
+    Ok(text)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Files need no page: no variable, no class, and the names of the curves.
+    #[test]
+    fn a_file_has_its_colours_and_its_legend() {
+        let svg = file(&plot(vec![[0.0, 0.0], [1.0, 1.0]]), "f").unwrap();
+        for part in ["xmlns=", "#1f5a94", "measured &amp; filtered", "</svg>"] {
+            assert!(svg.contains(part), "no {part}: {svg}");
+        }
+        assert!(!svg.contains("var(") && !svg.contains("currentColor"), "{svg}");
+        assert_eq!(svg.matches("<svg").count(), 1);
+    }
 
     fn plot(points: Vec<[f64; 2]>) -> Plot {
         Plot::new("", Axis::new("time", "s"), Axis::new("torque <τ>", "N m"))

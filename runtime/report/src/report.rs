@@ -4,7 +4,7 @@ use super::block::{Block, Section};
 use super::claim::Claim;
 use super::inline::{Inline, inlines};
 
-/// A report: what its page, its JSON and its CSV are made of.
+/// A report: content of its page, its JSON and its CSV.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// Title of the page.

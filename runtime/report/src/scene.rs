@@ -157,7 +157,7 @@ impl SceneJoint {
         }
     }
 
-    /// Where its slider starts: 0 where the limits allow that.
+    /// Where its slider starts: 0 if the limits allow that.
     pub(super) fn start(&self) -> f64 {
         let [low, high] = self.range();
         0.0_f64.clamp(low, high)

@@ -12,7 +12,7 @@ pub struct Table {
     pub caption: Vec<Inline>,
     /// The columns.
     pub columns: Vec<Column>,
-    /// The rows, as long as there are columns.
+    /// The rows; each has one cell per column.
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -23,7 +23,7 @@ pub struct Column {
     pub heading: Vec<Inline>,
     /// Name in JSON and CSV.
     pub name: String,
-    /// Unit of its numbers, empty where there is none.
+    /// Unit of its numbers, empty if there is none.
     pub unit: String,
 }
 
@@ -97,7 +97,7 @@ impl Cell {
         value.map_or(Self::Empty, Self::Exact)
     }
 
-    /// Text, or nothing where it is empty.
+    /// Text, or nothing if it is empty.
     #[must_use]
     pub fn text(text: impl Into<String>) -> Self {
         let text = text.into();

@@ -112,7 +112,7 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         &self.adaptation
     }
 
-    /// The estimator, to restore what was learned before.
+    /// The estimator, to restore the learned laws.
     pub fn adaptation_mut(&mut self) -> &mut Adaptation<N> {
         &mut self.adaptation
     }

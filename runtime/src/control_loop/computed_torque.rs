@@ -65,7 +65,7 @@ pub enum ComputedTorqueError {
 /// Against [`JointPd`](super::JointPd): large errors decay as small ones do, and gains need no tuning to the
 /// masses. In return the model sees every measurement: noise of positions and velocities passes through M, k
 /// and q, and a friction law that is steep at rest is switched back and forth by the sign of a noisy velocity
-/// (take a model with smooth friction, and measured velocities where there are any). As fallback of a loop,
+/// (take a model with smooth friction, and measured velocities if there are any). As fallback of a loop,
 /// `JointPd` is the quieter choice.
 ///
 /// Of robots with quaternions the error is e = y_d ⊖ y, and the desired velocities are those seen from the measured

@@ -11,11 +11,11 @@ pub struct Cycle<const N: usize, const M: usize, const NY: usize = N> {
     /// Periods since the previous call; 1 unless the loop was stalled. The input stayed the same over all of
     /// them.
     pub periods: u32,
-    /// Positions measured at `time` [rad or m], finite and plausible; `None` where nothing arrived, or
+    /// Positions measured at `time` [rad or m], finite and plausible; `None` if nothing arrived, or
     /// nothing believable.
     pub positions: Option<[f64; NY]>,
     /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` where
-    /// the robot does not measure them, and where there are no positions.
+    /// the robot does not measure them, and if there are no positions.
     pub velocities: Option<[f64; N]>,
     /// Forces of the drives at the joints measured with these positions, finite [N m or N]; `None` as above.
     pub torques: Option<[f64; N]>,
@@ -44,7 +44,7 @@ impl<const N: usize, const M: usize, const NY: usize> Default for Cycle<N, M, NY
 pub struct Command<const M: usize> {
     /// Inputs u [N m, N or A: the model's units].
     pub inputs: [f64; M],
-    /// Iterations of an optimizer, for the log; 0 where there is none.
+    /// Iterations of an optimizer, for the log; 0 if there is none.
     pub iterations: u32,
 }
 
@@ -117,11 +117,11 @@ pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
     fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]);
 
     /// Takes in what happened since the last call and proposes the input of this period. Called once for
-    /// every period that the loop sees, also where the measurement is missing or an earlier proposal was not
+    /// every period that the loop sees, also if the measurement is missing or an earlier proposal was not
     /// used.
     ///
     /// # Errors
-    /// [`ControllerFault`] where there is no input to propose. The controller must remain able to go on with
+    /// [`ControllerFault`] if there is no input to propose. The controller must remain able to go on with
     /// the next period.
     fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault>;
 
@@ -139,7 +139,7 @@ pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
 
     /// Brings the code and the data of the next step into the caches: computes what the step will compute,
     /// about the state that `next` expects, and throws the result away. The loop calls it while it waits for
-    /// the next period, once at most, and not at all where there is no time for it (see
+    /// the next period, once at most, and not at all if there is no time for it (see
     /// [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
     ///
     /// What any later call returns must be the same to the last bit, whether this was called or not: change

@@ -16,9 +16,9 @@ use crate::trajectory::{Sample, Trajectory};
 use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;
 
-/// A reading and what the guard thinks of it.
+/// A reading and the verdict of the guard.
 pub(super) struct Judged<const N: usize, const NY: usize> {
-    /// As read; positions are NaN where nothing arrived.
+    /// As read; positions are NaN if nothing arrived.
     pub reading: Reading<N, NY>,
     /// The same, if it is believed.
     pub believed: Option<Measured<N, NY>>,
@@ -103,7 +103,7 @@ where
         Ok(moved)
     }
 
-    /// As measured, where they are; else from the positions, `age` seconds after the last.
+    /// As measured, if they are; else from the positions, `age` seconds after the last.
     fn estimate_velocities(&mut self, reading: &Reading<N, NY>, age: f64) {
         let (filter, coordinates) = (&mut self.state.filter, &self.state.believed.coordinates);
         // Both take what the guard believes: finite numbers, and differences that do not overflow.
@@ -120,7 +120,7 @@ where
         }
     }
 
-    /// Inputs from the controller, or from what stands in for it. Always finite.
+    /// Inputs from the controller, or from its fallback. Always finite.
     pub(super) fn propose(
         &mut self,
         desired: &Sample<N, NY>,
@@ -195,7 +195,7 @@ where
         Proposal { inputs: self.state.inputs, source: Source::Held, iterations: 0 }
     }
 
-    /// Limits the inputs, and brakes where the state is outside its limits, or at the end of the motion.
+    /// Limits the inputs, and brakes if the state is outside its limits or the motion has ended.
     pub(super) fn check(&mut self, mut inputs: [f64; M]) -> [f64; M] {
         let limited = limit_inputs(&mut inputs, &self.settings.input_limits);
         let beyond = limit_torques(

@@ -84,7 +84,7 @@ pub struct GuardSettings<const N: usize> {
     pub velocity_mismatch: [f64; N],
 }
 
-/// Distance that is a jump also where none is set [rad or m]: velocities from it must not overflow.
+/// Distance that counts as a jump even if no limit is set [rad or m], so that velocities do not overflow.
 const NO_DISTANCE: f64 = 1e100;
 /// Time over which measured velocities are compared with positions (s): differences of positions are noisy.
 const MISMATCH_TIME: f64 = 0.1;

@@ -1,4 +1,4 @@
-//! Feed-forward with joint PD: the simplest law, and what the loop usually falls back on.
+//! Feed-forward with joint PD: the simplest law, and the usual fallback of the loop.
 
 use super::controller::ControllerFault;
 use super::law::{JointLaw, finite, of_the_model};
@@ -98,7 +98,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
     }
 }
 
-fn sum<const M: usize>(mut inputs: [f64; M], correction: [f64; M]) -> Result<[f64; M], ControllerFault> {
+/// The sum of feed-forward and feedback.
+pub(super) fn sum<const M: usize>(
+    mut inputs: [f64; M],
+    correction: [f64; M],
+) -> Result<[f64; M], ControllerFault> {
     for (u, du) in inputs.iter_mut().zip(correction) {
         *u += du;
     }

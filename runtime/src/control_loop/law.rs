@@ -8,8 +8,8 @@ use crate::trajectory::Sample;
 /// one where its controller fails, and makes the controlled stop with it; [`LawController`](super::LawController) follows a
 /// trajectory by one.
 ///
-/// [`JointPd`](super::JointPd) takes the model along the desired motion, [`ComputedTorque`](super::ComputedTorque) at the
-/// measured state.
+/// [`JointPd`](super::JointPd) and [`JointLqr`](super::JointLqr) evaluate the model along the desired motion,
+/// [`ComputedTorque`](super::ComputedTorque) at the measured state.
 pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
     /// Inputs [the model's units] for a desired state, given the measured positions [rad or m] and velocities
     /// [rad/s or m/s].
@@ -76,7 +76,7 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         core::array::from_fn(|i| to[i] - from[i])
     }
 
-    /// Tells whether the quaternions of positions are attitudes, as the model does.
+    /// Whether the quaternions of positions are attitudes, as the model does.
     ///
     /// # Errors
     /// The first one that is none.

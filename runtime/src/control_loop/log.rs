@@ -21,11 +21,11 @@ pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
     /// Time since the trajectory began, by the clock, which goes on while a stop slows the trajectory down
     /// (s).
     pub time: f64,
-    /// Positions as read, also where they were not believed [rad or m]; NaN where nothing arrived.
+    /// Positions as read, also where they were not believed [rad or m]; NaN if nothing arrived.
     pub positions: [f64; NY],
     /// Estimated velocities: the controller's, or else the loop's [rad/s or m/s].
     pub velocities: [f64; N],
-    /// Velocities as read [rad/s or m/s], NaN where nothing arrived; None in all records of a robot that does
+    /// Velocities as read [rad/s or m/s], NaN if nothing arrived; None in all records of a robot that does
     /// not measure them.
     pub measured_velocities: Option<[f64; N]>,
     /// Forces of the drives at the joints as read [N m or N]; NaN and None as above.
@@ -103,7 +103,7 @@ pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 /// with commas or quotation marks are quoted.
 ///
 /// # Errors
-/// [`io::Error`] where the file cannot be made or no thread can be started, and for a capacity that is 0 or
+/// [`io::Error`] if the file cannot be made or no thread can be started, and for a capacity that is 0 or
 /// above [`MAX_LOG_CAPACITY`].
 pub fn log_to_file<const N: usize, const M: usize, const NY: usize>(
     path: &Path,

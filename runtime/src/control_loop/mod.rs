@@ -56,6 +56,7 @@ mod controller;
 #[cfg(feature = "std")]
 mod decide;
 mod guard;
+mod joint_lqr;
 mod joint_pd;
 mod law;
 mod law_controller;
@@ -81,6 +82,7 @@ mod unrolled;
 mod velocity_filter;
 #[cfg(feature = "std")]
 mod warm_up;
+pub(crate) mod zero_order_hold;
 #[doc = include_str!("write_a_controller.md")]
 pub mod write_a_controller {}
 
@@ -89,6 +91,7 @@ pub use crate::clock::{Clock, MonotonicClock, VirtualClock};
 pub use computed_torque::{AccelerationGains, ComputedTorque, ComputedTorqueError};
 pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooFast};
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
+pub use joint_lqr::{JointLqr, JointLqrError, LqrWeights};
 pub use joint_pd::{JointGains, JointPd, JointPdError};
 pub use law::JointLaw;
 pub use law_controller::{FeedForwardPd, LawController};

@@ -1,4 +1,4 @@
-//! Limits outside the optimizer: what is written, and where the robot is.
+//! Limits outside the optimizer: of the inputs that are written, and of the positions.
 
 use super::settings::{LoopSettings, SPEED_MARGIN};
 use crate::dynamics::{DependentJoint, Named};

@@ -21,7 +21,7 @@ pub enum Source {
     Fallback,
     /// The period before: nothing better was there.
     Held,
-    /// Nothing was written: the deadline was missed, and the robot holds what it has.
+    /// Nothing was written: the deadline was missed, and the robot holds its inputs.
     Late,
     /// The brakes.
     Brake,
@@ -114,7 +114,7 @@ pub enum Refusal {
         input: usize,
         /// Its name.
         name: &'static str,
-        /// The input that would hold the robot, in the input's unit; NaN where the model has no answer.
+        /// The input that would hold the robot, in the input's unit; NaN if the model has no answer.
         needed: f64,
         /// The largest input that is allowed.
         limit: f64,
@@ -196,7 +196,7 @@ pub struct Counts {
     pub late_warm_ups: u64,
 }
 
-/// Result of [`ControlLoop::run`](super::ControlLoop::run), or what happened so far.
+/// Result of [`ControlLoop::run`](super::ControlLoop::run), or counts so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopReport {
     /// How it ended.

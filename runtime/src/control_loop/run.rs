@@ -61,7 +61,7 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub counts: Counts,
 }
 
-/// Drives a robot along a trajectory at a fixed rate; see the [module](super) for what it does in which case.
+/// Drives a robot along a trajectory at a fixed rate; the [module](super) describes each case.
 ///
 /// It owns its parts; a transport or controller that is needed afterwards is passed as `&mut`.
 pub struct ControlLoop<L, R, C, T, K, const N: usize, const M: usize, const NY: usize = N>
@@ -185,7 +185,7 @@ where
         self.report()
     }
 
-    /// Reports what has happened so far.
+    /// Counts so far.
     #[must_use]
     pub fn report(&self) -> LoopReport {
         let end = match self.state.phase {

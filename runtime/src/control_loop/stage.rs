@@ -5,7 +5,7 @@
 pub enum Stage {
     /// Reading positions and judging them.
     Read,
-    /// The controller, and what stands in for it.
+    /// The controller, and its fallback.
     Control,
     /// Limits of inputs and states.
     Check,

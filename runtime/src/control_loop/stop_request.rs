@@ -19,7 +19,7 @@ impl StopRequest {
     /// after the robot stands and its brakes are engaged. Further signals change nothing.
     ///
     /// # Errors
-    /// [`io::Error`] where the system refuses the handlers.
+    /// [`io::Error`] if the system refuses the handlers.
     pub fn on_signals() -> io::Result<Self> {
         let request = Self::new();
         for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {

@@ -31,7 +31,7 @@ impl<const N: usize> VelocityFilter<N> {
         Self { time_constant: time_constant.max(0.0), positions, velocities: [0.0; N] }
     }
 
-    /// Takes positions [rad or m], `span` seconds after the last ones. False where these numbers give no
+    /// Takes positions [rad or m], `span` seconds after the last ones. False if these numbers give no
     /// velocity (a span that is not positive, numbers that are not finite or overflow): nothing then is
     /// taken.
     pub fn update(&mut self, positions: &[f64; N], span: f64) -> bool {
@@ -48,7 +48,7 @@ impl<const N: usize> VelocityFilter<N> {
     }
 
     /// Takes positions with the velocities that were measured with them [rad/s or m/s]: these are the
-    /// velocities now, without a filter. False, and nothing is taken, where a number is not finite.
+    /// velocities now, without a filter. False, and nothing is taken, if a number is not finite.
     pub fn update_measured(&mut self, positions: &[f64; N], velocities: &[f64; N]) -> bool {
         let possible = positions.iter().chain(velocities).all(|x| x.is_finite());
         if possible {

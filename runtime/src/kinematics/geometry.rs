@@ -64,7 +64,7 @@ impl Screws {
     /// rotation about its axis.
     ///
     /// # Errors
-    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] where other configurations are not the
+    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] if other configurations are not the
     /// product of these rotations.
     pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
         let (home_position, home_rotation) = pose(&[0.0; 6]);
@@ -136,7 +136,7 @@ impl Screws {
     }
 
     /// Velocities and accelerations of the joints that move the frame's origin with `velocity` and
-    /// `acceleration`, linear parts first, in the base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. None where J
+    /// `acceleration`, linear parts first, in the base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. None if J
     /// is singular.
     #[must_use]
     pub fn rates(

@@ -95,7 +95,7 @@ pub enum KinematicsError {
     /// Position, rotation or the given angles are not finite, an angle is beyond 1e6 rad, or the rotation
     /// matrix is not one.
     #[error(
-        "the pose is no pose: numbers that are not finite, angles beyond 1e6 rad, or a matrix that is no rotation (off by {0})"
+        "the pose is not valid: it has numbers that are not finite, angles beyond 1e6 rad, or a matrix that is not a rotation (off by {0})"
     )]
     NotAPose(f64),
     /// All solutions violate the limits.
@@ -270,7 +270,7 @@ impl SphericalWrist {
     /// singularity leaves free.
     ///
     /// # Errors
-    /// [`KinematicsError`] where there is none.
+    /// [`KinematicsError`] if there is none.
     pub fn solve(&self, pose: &Pose, near: &[f64; 6]) -> Result<InverseKinematics, KinematicsError> {
         let (position, target) = (vector(&pose.0), matrix(&pose.1));
         let off =
@@ -304,7 +304,7 @@ impl SphericalWrist {
         }
     }
 
-    /// Joint 1: what it leaves of the wrist's centre along the second axis, the other joints cannot change.
+    /// Joint 1: the other joints cannot change the remaining coordinate of the wrist's centre along the second axis.
     fn first(&self, center: &Vector3<f64>, near: f64) -> Result<Pair, KinematicsError> {
         let (axes, points) = (&self.screws.axes, &self.screws.points);
         let r = center - points[0];
@@ -422,7 +422,7 @@ impl Pair {
 }
 
 /// Solutions of `a cos y + b sin y = c`, where |(a, b)| is at most `size` in some configuration. Where a and
-/// b vanish with c, every y is one, and `free` is taken. None where |c| is too large.
+/// b vanish with c, every y is one, and `free` is taken. None if |c| is too large.
 fn solve_cos_sin(a: f64, b: f64, c: f64, size: f64, free: f64) -> Option<Pair> {
     let length = a.hypot(b);
     if length < SINGULAR * size && c.abs() < SINGULAR * size {

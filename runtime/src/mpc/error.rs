@@ -16,7 +16,7 @@ pub enum MpcError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// Its component, where it has several.
+        /// Its component, if it has several.
         index: Option<usize>,
         /// The value that was given.
         value: f64,
@@ -118,7 +118,7 @@ pub(super) fn require(
 fn remedy(reason: &LqrError) -> &'static str {
     match reason {
         LqrError::NotStabilizable(_) => {
-            "; where no input reaches a part of the robot, as the momentum of a satellite, set its weights to 0 and terminal_weight \
+            "; if no input reaches a part of the robot, as the momentum of a satellite, set its weights to 0 and terminal_weight \
              to TerminalWeight::Discounted"
         }
         _ => "",

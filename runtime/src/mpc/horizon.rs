@@ -1,12 +1,13 @@
 //! Common parts of the predictive controllers: estimate, reference over the horizon, QP, plan.
 
 use super::error::MpcError;
-use super::integrate::{Span, discretize, flat_input, flat_state, integrate, substeps};
+use super::integrate::{Span, integrate, substeps};
 use super::node::{Node, Prediction, in_deviations};
 use super::note::{MpcNote, alternating, beyond_limits, beyond_rows, dry_friction, not_kept};
 use super::observer::DisturbanceObserver;
 use super::options::MpcOptions;
 use super::row;
+use crate::control_loop::zero_order_hold::{discretize, flat_input, flat_state};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
 use crate::dynamics::{Discretizable, Discretization};
 use crate::feed_forward::{FeedForward, FeedForwardError};
@@ -120,7 +121,7 @@ where
         Ok(horizon)
     }
 
-    /// Notes what the implicit midpoint rule does not serve.
+    /// Notes of cases that the implicit midpoint rule does not suit.
     pub fn note_alternating(&mut self) {
         let (start, period) = (self.trajectory.sample(0.0).positions, self.options.period);
         let notes = self.model().at_time(0.0, |model| alternating(model, &start, period));

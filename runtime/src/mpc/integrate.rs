@@ -1,8 +1,8 @@
-//! Whole periods of the nonlinear robot, in as many Runge–Kutta steps as its fastest motion needs, and the
-//! flat form of blocks.
+//! Whole periods of the nonlinear robot, in as many Runge–Kutta steps as its fastest motion needs.
 
-use crate::control_loop::{ControllerFault, TooFast};
-use crate::dynamics::{Discretizable, Discretization, Linearization, Step};
+use crate::control_loop::ControllerFault;
+use crate::control_loop::zero_order_hold::{magnitude, rate, too_fast};
+use crate::dynamics::{Discretizable, Linearization, Step};
 
 /// The fastest rate of the robot times the length of a Runge–Kutta step stays below this; the method is
 /// stable up to 2.78.
@@ -19,33 +19,9 @@ pub(super) fn substeps<const N: usize, const M: usize, const NY: usize>(
     ((period * rate / STABLE).ceil().max(1.0) as usize).min(MAX_SUBSTEPS)
 }
 
-fn rate(a: f64, b: f64) -> f64 {
-    0.5 * (b + (b * b + 4.0 * a).sqrt())
-}
-
 /// Largest sum of magnitudes in a row.
 fn norm<const N: usize>(a: &[[f64; N]; N]) -> f64 {
     a.iter().map(magnitude).fold(0.0, f64::max)
-}
-
-fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
-    row.iter().map(|x| x.abs()).sum()
-}
-
-/// The zero-order hold at a state.
-///
-/// # Errors
-/// [`ControllerFault::TooFast`] names the joint where it does not exist; [`ControllerFault::NotFinite`] if
-/// state or model are not finite.
-pub(super) fn discretize<const N: usize, const M: usize, const NY: usize>(
-    model: &impl Discretizable<N, M, NY>,
-    y: &[f64; NY],
-    v: &[f64; N],
-    u: &[f64; M],
-    period: f64,
-) -> Result<Discretization<N, M, NY>, ControllerFault> {
-    let discrete = model.discretize(y, v, u, period);
-    if discrete.is_finite() { Ok(discrete) } else { Err(too_fast(model, y, v, u, period)) }
 }
 
 /// A step of the implicit midpoint rule.
@@ -53,7 +29,7 @@ pub(super) fn discretize<const N: usize, const M: usize, const NY: usize>(
 /// - `at`: positions and velocities before, and the accelerations that are the guess
 ///
 /// # Errors
-/// As [`discretize`].
+/// As [`discretize`](crate::control_loop::zero_order_hold::discretize).
 pub(super) fn midpoint<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
     (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
@@ -62,31 +38,6 @@ pub(super) fn midpoint<const N: usize, const M: usize, const NY: usize>(
 ) -> Result<Step<N, M, NY>, ControllerFault> {
     let step = model.midpoint_step(y, v, a, u, period);
     if step.is_finite() { Ok(step) } else { Err(too_fast(model, y, v, u, period)) }
-}
-
-fn too_fast<const N: usize, const M: usize, const NY: usize>(
-    model: &impl Discretizable<N, M, NY>,
-    y: &[f64; NY],
-    v: &[f64; N],
-    u: &[f64; M],
-    period: f64,
-) -> ControllerFault {
-    let linear = model.linearize(y, v, u);
-    let rates: [f64; N] = core::array::from_fn(|i| {
-        rate(magnitude(&linear.by_coordinates[i]), magnitude(&linear.by_velocities[i]))
-    });
-    let fastest = (0..N).max_by(|i, j| rates[*i].total_cmp(&rates[*j]));
-    let Some(joint) = fastest.filter(|joint| rates[*joint].is_finite()) else {
-        return ControllerFault::NotFinite;
-    };
-    let forces = model.inverse_dynamics_derivatives(y, v, &[0.0; N]);
-    ControllerFault::TooFast(TooFast {
-        joint,
-        name: model.joint_names()[joint],
-        slope: forces.by_velocities[joint][joint],
-        rate: rates[joint],
-        period,
-    })
 }
 
 /// A period of the nonlinear robot.
@@ -152,29 +103,6 @@ pub(super) fn add_product<const N: usize, const C: usize>(
                 sum[i][j] += a[i][k] * b[k][j];
             }
         }
-    }
-}
-
-/// Blocks as one matrix.
-pub(super) fn flat_state<const N: usize, const NX: usize>(
-    blocks: &[[[[f64; N]; N]; 2]; 2],
-    flat: &mut [[f64; NX]; NX],
-) {
-    for (half, rows) in blocks.iter().enumerate() {
-        for i in 0..N {
-            flat[half * N + i][..N].copy_from_slice(&rows[0][i]);
-            flat[half * N + i][N..].copy_from_slice(&rows[1][i]);
-        }
-    }
-}
-
-/// Blocks as one matrix.
-pub(super) fn flat_input<const N: usize, const M: usize, const NX: usize>(
-    blocks: &[[[f64; M]; N]; 2],
-    flat: &mut [[f64; M]; NX],
-) {
-    for (half, rows) in blocks.iter().enumerate() {
-        flat[half * N..][..N].copy_from_slice(rows);
     }
 }
 

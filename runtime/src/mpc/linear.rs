@@ -2,10 +2,11 @@
 
 use super::error::MpcError;
 use super::horizon::Horizon;
-use super::integrate::{discretize, midpoint};
+use super::integrate::midpoint;
 use super::node::{Node, Prediction};
 use super::of_the_horizon::{of_the_horizon, plan_of_the_horizon};
 use super::options::{LinearizationPoint, MpcOptions, PredictionRule};
+use crate::control_loop::zero_order_hold::discretize;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
 use crate::dynamics::{Discretizable, PhaseSpace};
 use crate::feed_forward::FeedForwardError;
@@ -70,7 +71,7 @@ where
 
     /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
     /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
-    /// change little with friction. Allocates nothing where the input matrix is the same.
+    /// change little with friction. Allocates nothing if the input matrix is the same.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]; the model then stays.

@@ -16,7 +16,7 @@ use crate::trajectory::Trajectory;
 ///
 /// A period has two parts. [`prepare`](Self::prepare) integrates and differentiates the shifted plan and
 /// needs no measurement; [`feedback`](Self::feedback) takes the measurement and solves the QP, so that only
-/// this lies between measurement and input. [`Controller::step`] does both, the first only where it has not
+/// this lies between measurement and input. [`Controller::step`] does both, the first only if it has not
 /// been done.
 #[derive(Debug, Clone)]
 pub struct Nmpc<
@@ -55,7 +55,7 @@ where
 
     /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
     /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
-    /// change little with friction. Allocates nothing where the input matrix is the same.
+    /// change little with friction. Allocates nothing if the input matrix is the same.
     ///
     /// # Errors
     /// [`FeedForwardError::InputMatrix`]; the model then stays.

@@ -103,8 +103,7 @@ impl fmt::Display for MpcNote {
             ),
             Self::Dependent { joint } => write!(
                 f,
-                "joint {} follows a driven joint, and this controller does not keep its limits: the loop brakes at them; check the \
-                 trajectory beside the driven motion (`limits::violations`)",
+                "joint {} follows a driven joint, and this controller does not keep its limits: the loop brakes at them; check the trajectory together with the driven motion (`limits::violations`)",
                 Named(joint)
             ),
             Self::DryFriction { joint, jump } => write!(

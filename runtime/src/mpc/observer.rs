@@ -283,7 +283,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Tells whether every estimate is finite. A reading so wild that the prediction from it overflows leaves
+    /// Whether every estimate is finite. A reading so wild that the prediction from it overflows leaves
     /// others.
     pub(super) fn is_finite(&self) -> bool {
         let state = self.positions.iter().chain(&self.velocities);

@@ -9,7 +9,7 @@ macro_rules! of_the_horizon {
         }
 
         /// Findings from when the controller was made, which should be read before it drives: a trajectory beyond
-        /// the soft limits or a row, terminal weights of few digits. Empty where all is well.
+        /// the soft limits or a row, terminal weights of few digits. Empty if all is well.
         pub fn notes(&self) -> &[$crate::mpc::MpcNote] {
             &self.horizon.notes
         }

@@ -39,7 +39,7 @@ pub enum PredictionRule {
     ///     (m + T/2 D + T²/4 K) δv⁺ = (m − T/2 D − T²/4 K) δv − T K δy + T B δu − T r,   δy⁺ = δy + T/2 (δv + δv⁺)
     /// ```
     ///
-    /// It costs little more than these Jacobians, and has an error of order T³ in a period where the hold has that of the
+    /// It costs little more than these Jacobians, and has an error of order T³ in a period if the hold has that of the
     /// linearization alone. The middle has the acceleration of the plan, (v⁺ − v)/T, or of the reference, and r is the force
     /// that the plan lacks there.
     ///
@@ -51,7 +51,7 @@ pub enum PredictionRule {
     ImplicitMidpoint,
 }
 
-/// The weight P of the state at the end of the horizon: the cost of what comes after, by an optimal regulator
+/// The weight P of the state at the end of the horizon: the cost after it, by an optimal regulator
 /// without limits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TerminalWeight {
@@ -103,9 +103,9 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub terminal_weight: TerminalWeight,
     /// Hard lower and upper bounds of the inputs.
     pub input_limits: [[f64; 2]; M],
-    /// Soft lower and upper bounds of the positions; infinite where there is none.
+    /// Soft lower and upper bounds of the positions; infinite if there is none.
     pub position_limits: [[f64; 2]; N],
-    /// Soft bounds of the speeds; infinite where there is none.
+    /// Soft bounds of the speeds; infinite if there is none.
     pub velocity_limits: [f64; N],
     /// Limits of sums of positions, velocities and inputs, see [`Self::with_rows`].
     pub rows: [MpcRow<N, M>; NR],
@@ -255,7 +255,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         Ok(())
     }
 
-    /// Tells whether the bounds of the positions keep those of a joint.
+    /// Whether the bounds of the positions keep those of a joint.
     fn keep_position(&self, joint: &DependentJoint<N>) -> bool {
         let [least, most] = range(&joint.ratios, &self.position_limits).map(|end| joint.offset + end);
         let [low, high] = joint.position;
@@ -264,7 +264,7 @@ impl<const N: usize, const M: usize, const NR: usize> MpcOptions<N, M, NR> {
         least >= low - rounding(low) && most <= high + rounding(high)
     }
 
-    /// Tells whether the bounds of the speeds keep that of a joint.
+    /// Whether the bounds of the speeds keep that of a joint.
     fn keep_velocity(&self, joint: &DependentJoint<N>) -> bool {
         let [_, fastest] = range(&joint.ratios, &self.velocity_limits.map(|limit| [-limit, limit]));
         fastest <= joint.velocity * (1.0 + ROUNDING)

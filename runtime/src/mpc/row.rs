@@ -51,9 +51,9 @@ pub struct MpcRow<const N: usize, const M: usize> {
     pub velocities: [f64; N],
     /// G_u, per N m, N or A.
     pub inputs: [f64; M],
-    /// Lower side; −∞ where there is none.
+    /// Lower side; −∞ if there is none.
     pub lower: f64,
-    /// Upper side; +∞ where there is none.
+    /// Upper side; +∞ if there is none.
     pub upper: f64,
     /// Behaviour if the row cannot be kept.
     pub kind: RowKind,
@@ -72,8 +72,8 @@ pub enum RowKind {
 }
 
 impl<const N: usize, const M: usize> MpcRow<N, M> {
-    /// `lower ≤ G_y y + G_v ẏ + G_u u ≤ upper`; hard where it has inputs, which can always be chosen, and soft
-    /// where it has none, since a disturbance may leave no way to keep it.
+    /// `lower ≤ G_y y + G_v ẏ + G_u u ≤ upper`; hard if it has inputs, which can always be chosen, and soft
+    /// if it has none, since a disturbance may leave no way to keep it.
     pub const fn new(
         name: &'static str,
         positions: [f64; N],
@@ -236,7 +236,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Tells whether the QP takes a penalty.
+/// Whether the QP takes a penalty.
 pub(super) fn is_penalty(p: &Penalty) -> bool {
     p.linear > 0.0 && p.linear.is_finite() && p.quadratic >= 0.0 && p.quadratic.is_finite()
 }
@@ -308,7 +308,7 @@ impl fmt::Display for RowFault {
             Self::NotFinite { value } => write!(f, "it has the coefficient {value}; all must be finite"),
             Self::Sides { lower, upper } => write!(
                 f,
-                "its sides are {lower} and {upper}; they must be numbers, lower before upper, infinite only where there is no limit"
+                "its sides are {lower} and {upper}; they must be numbers, lower before upper, infinite only if there is no limit"
             ),
             Self::Zero { lower, upper } => {
                 write!(
@@ -318,7 +318,7 @@ impl fmt::Display for RowFault {
             }
             Self::Attitude { joint } => write!(
                 f,
-                "it has a position of joint {}, whose attitude is a quaternion; only its velocities can stand in a row",
+                "it has a position of joint {}, whose attitude is a quaternion; only its velocities can be in a row",
                 Named(joint)
             ),
             Self::OutOfReach { lower, upper, least, most } => write!(

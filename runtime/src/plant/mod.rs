@@ -393,7 +393,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
     }
 }
 
-/// Fails where friction jumps with the motion of one joint and acts on another: modes are those of single joints. Where free
+/// Fails if friction jumps with the motion of one joint and acts on another: modes are those of single joints. Where free
 /// parameters or the positions make such a jump 0, there is none.
 fn refuse_shared_friction<const N: usize, const M: usize, const NY: usize>(
     model: &impl Dynamics<N, M, NY>,

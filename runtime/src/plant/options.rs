@@ -38,7 +38,7 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     /// before.
     pub measurement_loss: f64,
     /// Friction torque of each engaged brake [N m or N]. Infinite: the joint locks at once. None: twice the
-    /// peak effort of the model for joints that an input acts on (infinite where the model gives no effort),
+    /// peak effort of the model for joints that an input acts on (infinite if the model gives no effort),
     /// no brake on the others. Joints that inputs at frames move, as cylinders do, have none by themselves: where the
     /// valves of the real robot hold it, give them one.
     pub brake_torque: Option<[f64; N]>,

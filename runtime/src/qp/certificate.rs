@@ -11,7 +11,7 @@ pub(super) struct Certificate {
     pub(super) decrease: f64,
     /// The gap that a solution may have.
     pub(super) allowed: f64,
-    /// Residuals divided by their tolerances: at most 1 where the problem is solved, infinite where a number is
+    /// Residuals divided by their tolerances: at most 1 if the problem is solved, infinite if a number is
     /// not finite.
     pub(super) merit: f64,
 }

@@ -26,7 +26,7 @@ pub(super) enum Start {
     Cold,
     /// The last solution.
     Near,
-    /// A point deep inside the bounds, with the steps that are safest: where the others have not led to a
+    /// A point deep inside the bounds, with the steps that are safest: if the others have not led to a
     /// solution.
     Deep,
     /// The unconstrained optimum, hard state bounds and rows replaced by penalties.
@@ -235,7 +235,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         *pause = ::core::mem::take(&mut self.pause);
     }
 
-    /// Makes what was set aside the solution again.
+    /// Restores the solution that was set aside.
     #[inline(always)]
     pub(super) fn take_back(&mut self) {
         if !self.solved {

@@ -26,7 +26,7 @@ const FIXING: f64 = 1e100;
 #[derive(Debug, Clone)]
 struct Targets<V> {
     any: bool,
-    /// 1 where a number has a target, 0 elsewhere.
+    /// 1 if a number has a target, 0 otherwise.
     active: Vec<V>,
     target: Vec<V>,
 }

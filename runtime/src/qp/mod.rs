@@ -1,6 +1,6 @@
 //! The QP underneath the MPC: a Riccati-factorized interior-point method.
 //!
-//! [`QpProblem`] is plain data, [`QpSolver`] the method with its memory, [`QpReport`] what came of it.
+//! [`QpProblem`] is plain data, [`QpSolver`] the method with its memory, [`QpReport`] the result.
 //! Inside, from the paper to the arithmetic:
 //!
 //! | module | holds |

@@ -11,7 +11,7 @@ pub(super) struct Pause {
 }
 
 impl Pause {
-    /// Tells whether to try the next problem; counts that problem if not.
+    /// Whether to try the next problem; counts that problem if not.
     pub(super) fn is_over(&mut self) -> bool {
         let is_over = self.left == 0;
         self.left = self.left.saturating_sub(1);

@@ -49,9 +49,9 @@ pub struct QpRows<const NX: usize, const NU: usize, const NR: usize> {
     pub state_matrix: [[f64; NX]; NR],
     /// `D`, rows first.
     pub input_matrix: [[f64; NU]; NR],
-    /// Lower sides; −∞ where there is none.
+    /// Lower sides; −∞ if there is none.
     pub lower: [f64; NR],
-    /// Upper sides; +∞ where there is none.
+    /// Upper sides; +∞ if there is none.
     pub upper: [f64; NR],
 }
 
@@ -97,13 +97,13 @@ pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
     pub input_gradient: [f64; NU],
     /// Linear cost `q_{k+1}` of `x_{k+1}`.
     pub state_gradient: [f64; NX],
-    /// Lower bounds of `u_k`, always hard; −∞ where there is none.
+    /// Lower bounds of `u_k`, always hard; −∞ if there is none.
     pub input_lower: [f64; NU],
-    /// Upper bounds of `u_k`, always hard; +∞ where there is none.
+    /// Upper bounds of `u_k`, always hard; +∞ if there is none.
     pub input_upper: [f64; NU],
-    /// Lower bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; −∞ where there is none.
+    /// Lower bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; −∞ if there is none.
     pub state_lower: [f64; NX],
-    /// Upper bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; +∞ where there is none.
+    /// Upper bounds of `x_{k+1}`, hard or soft by [`QpProblem::state_penalty`]; +∞ if there is none.
     pub state_upper: [f64; NX],
     /// `lo ≤ C x_k + D u_k ≤ hi`.
     pub rows: QpRows<NX, NU, NR>,
@@ -131,7 +131,7 @@ pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     pub input_weight: [[f64; NU]; NU],
     /// `P`, of x_N.
     pub terminal_weight: [[f64; NX]; NX],
-    /// `W`, of the changes u_k − u_{k−1}; zero where they cost nothing. With torques as inputs this is the
+    /// `W`, of the changes u_k − u_{k−1}; zero if they cost nothing. With torques as inputs this is the
     /// torque-rate weight, times T².
     pub input_rate_weight: [[f64; NU]; NU],
     /// `u_{−1}`, the input before the horizon; counts only with a rate weight.
@@ -222,7 +222,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
     }
 }
 
-/// The unit of a row: the power of two at or below its largest coefficient; 1 where all are zero.
+/// The unit of a row: the power of two at or below its largest coefficient; 1 if all are zero.
 #[inline(always)]
 pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
     let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));

@@ -85,7 +85,7 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
 }
 
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
-    /// Forgets what factorizations and solves have left; the problem's data stay.
+    /// Forgets results of factorizations and solves; the problem's data stay.
     pub(super) fn forget(&mut self) {
         let of_lanes = [
             &mut self.k,

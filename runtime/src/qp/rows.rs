@@ -1,7 +1,7 @@
 //! Rows `w = C x + D u` with limits `lo ≤ w ≤ hi`.
 //!
 //! To bounds, barrier and certificate the values w are further states: they stand behind x_1 … x_N in each
-//! [`Trajectory`], node by node, and what holds for a bound of a state holds for them, hard, soft or equal.
+//! [`Trajectory`], node by node; the rules for bounds of states apply to them, hard, soft or equal.
 //! They differ in that they follow from x and u: a linear cost e of w is the cost `Cᵀe` of x and `Dᵀe` of u,
 //! and diagonal terms ω add
 //!

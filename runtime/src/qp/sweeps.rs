@@ -21,7 +21,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.backward(gradient, flat_mut(&mut scratch.u), false)
     }
 
-    /// The backward sweep: feed-forward terms `d_k` into `d`. Returns what they take off the cost.
+    /// The backward sweep: feed-forward terms `d_k` into `d`. Returns their reduction of the cost.
     #[inline(always)]
     fn backward(&self, gradient: &Trajectory<V>, d: &mut [f64], affine: bool) -> f64 {
         let mut decrease = 0.0;

@@ -24,7 +24,7 @@ pub enum CartesianError {
         /// Why not.
         source: KinematicsError,
     },
-    /// The straight way to a pose leaves what the arm reaches.
+    /// The straight way to a pose leaves the arm's workspace.
     #[error("on the way to pose {}, after {time} s: {source}", .pose + 1)]
     WayUnreachable {
         /// Index of the pose at its end; messages count from 1.

@@ -229,7 +229,7 @@ pub enum TrajectoryError {
         /// How many there are.
         given: usize,
     },
-    /// A number lies outside what is allowed.
+    /// A number lies outside its range.
     #[error("{what} is {value}; it must be {range}")]
     OutOfRange {
         /// Which number.

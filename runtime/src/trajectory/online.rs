@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 ///
 /// Clones share the target and the motion: give one to the loop and one to its controller, and keep one to
 /// [`set`](Self::set) targets from any thread. The loop takes a new target over at the beginning of a period
-/// ([`Trajectory::begin_period`]; call it yourself where there is no loop). Its duration is infinite: the
+/// ([`Trajectory::begin_period`]; call it yourself if there is no loop). Its duration is infinite: the
 /// loop ends when it is asked to stop. A predictive controller sees the motion to the present target ahead of
 /// it; its terminal weights are those of the start.
 ///
@@ -201,7 +201,7 @@ impl<const N: usize> Plan<N> {
         Sample { positions: array(&y), velocities: array(&v), accelerations: array(&a) }
     }
 
-    /// Moves on to `target` from the state at `time`. False, and nothing changes, where there is no such
+    /// Moves on to `target` from the state at `time`. False, and nothing changes, if there is no such
     /// motion.
     fn turn_to(&mut self, target: [f64; N], time: f64) -> bool {
         let now = self.sample(time);

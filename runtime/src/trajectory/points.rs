@@ -13,7 +13,7 @@ pub struct PointSequence<const N: usize> {
 }
 
 impl<const N: usize> PointSequence<N> {
-    /// Through `points` [rad or m], each way as fast as `speeds` and `accelerations` allow (see
+    /// A motion through `points` [rad or m], each part as fast as `speeds` and `accelerations` allow (see
     /// [`RestToRest::within`]), resting `dwell` ≥ 0 (s) at every point between.
     ///
     /// # Errors

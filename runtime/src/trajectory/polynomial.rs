@@ -66,7 +66,7 @@ impl Quintic {
         [p, v, a]
     }
 
-    /// Bounds of what is summed up in position, velocity and acceleration until `duration`; infinite where it
+    /// Bounds of what is summed up in position, velocity and acceleration until `duration`; infinite if it
     /// overflows.
     pub fn bounds(&self, duration: f64) -> End {
         let absolute = Self { coefficients: self.coefficients.map(f64::abs) };

@@ -15,7 +15,7 @@ pub struct Columns<'c, const N: usize> {
     pub time: &'c str,
     /// Positions [rad or m].
     pub positions: [&'c str; N],
-    /// Velocities [rad/s or m/s], where the file has them.
+    /// Velocities [rad/s or m/s], if the file has them.
     pub velocities: Option<[&'c str; N]>,
 }
 
@@ -74,7 +74,7 @@ impl<const N: usize> Recording<N> {
     /// Reads a CSV file with a head. Times must be evenly spaced; the first counts as 0.
     ///
     /// # Errors
-    /// [`TrajectoryError::File`] with the row for what cannot be read; as [`Recording::new`].
+    /// [`TrajectoryError::File`] with the row for unreadable values; as [`Recording::new`].
     pub fn open(path: impl AsRef<Path>, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
         let path = path.as_ref();
         let file = std::fs::File::open(path).map_err(|e| TrajectoryError::File {
@@ -113,8 +113,9 @@ impl<const N: usize> Recording<N> {
             let record = record.map_err(|e| fault(k + 1, e.to_string()))?;
             let number = |column: usize| {
                 let text = record.get(column).unwrap_or_default();
-                text.parse::<f64>()
-                    .map_err(|_| fault(k + 1, format!("{text:?} in column {} is no number", &head[column])))
+                text.parse::<f64>().map_err(|_| {
+                    fault(k + 1, format!("{text:?} in column {} is not a number", &head[column]))
+                })
             };
             let row = |columns: &[usize; N]| -> Result<[f64; N], TrajectoryError> {
                 let mut values = [0.0; N];
@@ -161,7 +162,7 @@ impl<const N: usize> Recording<N> {
     /// ```
     ///
     /// exceeds `tolerance` [rad or m] in magnitude. Samples of one smooth motion have defects of T³/12 times
-    /// its jerk. Empty where no velocities were recorded.
+    /// its jerk. Empty if no velocities were recorded.
     #[must_use]
     pub fn inconsistencies(&self, tolerance: f64) -> Vec<Inconsistency> {
         let Some(v) = &self.velocities else {
@@ -187,7 +188,7 @@ impl<const N: usize> Recording<N> {
         found
     }
 
-    /// The recording as it is: its velocities where it has them, else central differences; accelerations by
+    /// The recording as it is: its velocities if it has them, else central differences; accelerations by
     /// central differences, at the ends by one-sided ones. What is inconsistent stays so; compare
     /// [`Recording::smoothed`].
     ///
@@ -243,7 +244,7 @@ fn even_period(
         Some(k) => {
             let (time, due) = (times[k], expected(k));
             let message = format!(
-                "time is {time} s where an even spacing of {period} s gives {due} s; resample the file"
+                "time is {time} s but an even spacing of {period} s gives {due} s; resample the file"
             );
             Err(fault(k + 1, message))
         }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 /// How [`Recording::smoothed`] weighs samples and smoothness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smoothing {
-    /// τ (s): what happens faster is smoothed away; 1 to 20 periods.
+    /// τ (s): faster motion is smoothed away; 1 to 20 periods.
     pub time_constant: f64,
     /// ρ (s): time in which the motion, following the velocities, returns to positions that contradict them;
     /// at least τ. Without meaning for a recording without velocities.
@@ -31,7 +31,7 @@ pub struct Smoothed<const N: usize> {
     pub trajectory: Sampled<N>,
     /// Largest distance from a recorded position [rad or m].
     pub position_deviation: [f64; N],
-    /// Largest distance from a recorded velocity [rad/s or m/s]; 0 where there are none.
+    /// Largest distance from a recorded velocity [rad/s or m/s]; 0 if there are none.
     pub velocity_deviation: [f64; N],
 }
 
@@ -157,7 +157,7 @@ impl<const N: usize> Recording<N> {
         })
     }
 
-    /// Position and T·velocity of each sample; zero where there is no velocity.
+    /// Position and T·velocity of each sample; zero if there is no velocity.
     fn coordinate(&self, i: usize) -> Vec<[f64; 2]> {
         let velocity = |k: usize| self.velocities().map_or(0.0, |v| self.period() * v[k][i]);
         let rows = self.positions().iter().enumerate();
@@ -171,7 +171,7 @@ struct Weights {
     jerk: f64,
 }
 
-/// None where numbers overflow.
+/// None if numbers overflow.
 fn smooth(data: &[[f64; 2]], weights: &Weights) -> Option<Vec<Node>> {
     let [[first, coupling], [_, second]] = jerk_energy();
     let last = data.len() - 1;
@@ -256,7 +256,7 @@ impl BlockTridiagonal {
         }
     }
 
-    /// Block elimination, then one step of iterative refinement. None where a pivot is singular, which
+    /// Block elimination, then one step of iterative refinement. None if a pivot is singular, which
     /// overflow alone makes.
     fn solve(&self, right: &[Node]) -> Option<Vec<Node>> {
         let n = self.diagonal.len();

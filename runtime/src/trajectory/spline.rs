@@ -90,7 +90,7 @@ fn keeps_within(spline: &[Quintic], spans: &[f64], [low, high]: [f64; 2]) -> boo
 /// ```
 ///
 /// and the positions of the two knots that are not points follow from rest: y_1 = y_0 + g_0² M_1/6, and so at
-/// the end. None where numbers overflow.
+/// the end. None if numbers overflow.
 fn cubic(values: &[f64], spans: &[f64]) -> Option<Vec<Quintic>> {
     let knots = spans.len();
     // y_j = base_j + factor_j M_j.
@@ -149,7 +149,7 @@ impl Tridiagonal {
         self.rows.push([below, diagonal, above, right]);
     }
 
-    /// Elimination without pivoting: the spline's diagonal dominates. None where numbers overflow.
+    /// Elimination without pivoting: the spline's diagonal dominates. None if numbers overflow.
     fn solve(mut self) -> Option<Vec<f64>> {
         let n = self.rows.len();
         for j in 1..n {

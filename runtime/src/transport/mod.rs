@@ -48,10 +48,10 @@ pub struct Reading<const N: usize, const NY: usize = N> {
     /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any
     /// way.
     pub positions: [f64; NY],
-    /// Velocities of the coordinates at the same instant, where the drives measure them [rad/s or m/s]. The
+    /// Velocities of the coordinates at the same instant, if the drives measure them [rad/s or m/s]. The
     /// loop compares them with the positions, and then uses them instead of differences.
     pub velocities: Option<[f64; N]>,
-    /// Forces of the drives at their joints, after the gear and positive as B u is, where they are measured
+    /// Forces of the drives at their joints, after the gear and positive as B u is, if they are measured
     /// [N m or N]. For controllers and the log; the loop itself decides nothing by them.
     pub torques: Option<[f64; N]>,
     /// Brakes at the time of the measurement.
@@ -66,7 +66,7 @@ impl<const N: usize, const NY: usize> Reading<N, NY> {
     }
 }
 
-/// Why a transport could not do what it was asked.
+/// Error of a transport.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum TransportError {
     /// The robot's side started anew since the last reading, or another controller has connected to it: its brakes,
@@ -117,7 +117,7 @@ impl From<io::ErrorKind> for TransportError {
 ///
 /// No method may allocate, or block for longer than a fraction of the period: a real-time thread calls them.
 pub trait Transport<const N: usize, const M: usize, const NY: usize = N> {
-    /// Positions now. `None` where nothing arrived in time, or nothing new; a reading is never returned
+    /// Positions now. `None` if nothing arrived in time, or nothing new; a reading is never returned
     /// twice.
     ///
     /// # Errors
@@ -128,7 +128,7 @@ pub trait Transport<const N: usize, const M: usize, const NY: usize = N> {
     /// Sends inputs; the robot holds them until the next ones. Never releases a brake.
     ///
     /// # Errors
-    /// Where the connection fails. The loop goes on: the robot holds what it has.
+    /// The connection fails. The loop goes on: the robot holds its inputs.
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError>;
 
     /// Releases the brakes and switches the drives on. The loop writes the inputs that hold the robot before

@@ -263,7 +263,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(true)
     }
 
-    /// Takes in what somebody says and answers it, if it is a question: for connections other than this
+    /// Takes in a message and answers it, if it is a question: for connections other than this
     /// server's socket.
     ///
     /// # Errors
@@ -322,7 +322,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         })
     }
 
-    /// Tells whether a command is the controller's and a new one. The first with an offered number connects.
+    /// Whether a command is the controller's and a new one. The first with an offered number connects.
     fn obeys(&mut self, question: &Datagram<N, M, NY>, from: SocketAddr) -> bool {
         if matches!(question.message, Message::Inspect | Message::Connect) {
             return false;

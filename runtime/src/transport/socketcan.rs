@@ -22,7 +22,7 @@ impl<const N: usize, const M: usize, const NY: usize> CanTransport<N, M, NY> {
     /// frames of a period: `ip link set can0 txqueuelen 64`.
     ///
     /// # Errors
-    /// [`io::Error`] where there is no such interface.
+    /// [`io::Error`] if there is no such interface.
     pub fn open(interface: &str, codec: CanCodec<N, M, NY>) -> io::Result<Self> {
         let socket = CanSocket::open(interface)?;
         socket.set_nonblocking(true)?;

@@ -32,7 +32,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
     /// answer: a quarter of the period in real time; seconds in lock-step, where nothing moves meanwhile.
     ///
     /// # Errors
-    /// [`io::Error`] where the address or socket cannot be had, `timeout` is zero or above an hour, or the
+    /// [`io::Error`] if the address or socket cannot be had, `timeout` is zero or above an hour, or the
     /// robot has more coordinates than fit in a datagram.
     pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
         if timeout.is_zero() || timeout > LONGEST_TIMEOUT {
@@ -58,7 +58,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(transport)
     }
 
-    /// True state of a simulated robot; for tests and displays, not for control. None where no answer came in
+    /// True state of a simulated robot; for tests and displays, not for control. None if no answer came in
     /// time.
     ///
     /// # Errors
@@ -82,7 +82,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
     }
 
     /// # Errors
-    /// [`TransportError::NoAnswer`] where no connection is offered.
+    /// [`TransportError::NoAnswer`] if no connection is offered.
     fn offered_number(&mut self) -> Result<u32, TransportError> {
         let answer = self.ask(0, Message::Connect)?;
         let offer = answer.filter(|answer| answer.message == Message::Connect);
@@ -95,7 +95,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(number)
     }
 
-    /// The answer to the robot's controller; None where it does not come in time.
+    /// The answer to the robot's controller; None if it does not come in time.
     fn ask_connected(
         &mut self,
         message: Message<N, M, NY>,
@@ -128,7 +128,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(())
     }
 
-    /// The answer to a question; None where it does not come in time.
+    /// The answer to a question; None if it does not come in time.
     fn ask(
         &mut self,
         connection: u32,

@@ -65,7 +65,7 @@ fn quaternions_that_are_no_attitudes_name_their_joint() {
         Quadrotor.check_attitudes(&y).map_err(|error| error.to_string())
     };
     let message = |text: &str| Err(format!("the quaternion of joint base, {text}"));
-    assert_eq!(with([0.0; 4]), message("x 0 y 0 z 0 w 0, is zero, which is no attitude"));
+    assert_eq!(with([0.0; 4]), message("x 0 y 0 z 0 w 0, is zero, which is not an attitude"));
     assert_eq!(with([0.0, f64::NAN, 0.0, 1.0]), message("x 0 y NaN z 0 w 1, is not finite"));
     assert_eq!(
         with([0.0, 0.0, 0.0, 1.1]),

@@ -72,7 +72,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     finish(arguments, format, (&loaded, &robot), &found, &validation, &command(arguments), &output)
 }
 
-/// Writes what was found: the description, the page, and a table on standard output.
+/// Writes the results: the description, the page, and a table on standard output.
 pub(super) fn finish(
     arguments: &Identify,
     format: Format,

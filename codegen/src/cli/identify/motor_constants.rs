@@ -1,4 +1,4 @@
-//! Motor constants that logs of currents give where none are described.
+//! Motor constants that logs of currents give if none are described.
 
 use gelenk_findings::digits::{plain, rounded};
 use gelenk_identification::estimation::{JointEstimate, Uncertain};

@@ -111,7 +111,7 @@ fn free_name(model: &Model) -> String {
     names.find(|name| !is_taken(name)).unwrap_or_else(|| NAME.to_owned())
 }
 
-/// Values of the load with what they are called and measured in.
+/// Values of the load with their names and units.
 fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
     const CENTRE: [&str; 3] = ["centre of mass x", "centre of mass y", "centre of mass z"];
     const MOMENTS: [&str; 6] = ["Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];

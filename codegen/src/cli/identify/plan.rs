@@ -61,8 +61,9 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
     let fault = |message: String| Failure::Usage(format!("--start '{text}': {message}"));
     let mut positions = vec![None; names.len()];
     for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
-        let (name, value) =
-            part.split_once('=').ok_or_else(|| fault(format!("'{part}' is no JOINT=POSITION")))?;
+        let (name, value) = part
+            .split_once('=')
+            .ok_or_else(|| fault(format!("'{part}' is not of the form JOINT=POSITION")))?;
         let place = names.iter().position(|joint| joint == name.trim());
         let place = place.ok_or_else(|| {
             fault(format!("there is no joint '{}'; the joints are {}", name.trim(), names.join(", ")))

@@ -44,7 +44,7 @@ fn held(arguments: &Identify, model: &Model) -> Result<Vec<String>, Failure> {
     Ok(names.into_iter().zip(held).filter(|(_, held)| held.is_some()).map(|(name, _)| name).collect())
 }
 
-/// Says on standard error what is being done.
+/// Prints the progress on standard error.
 pub(super) fn say(sentence: &str) {
     print::err(&format!("gelenk: {sentence}\n"));
 }

@@ -60,7 +60,7 @@ pub struct Term {
     pub group: usize,
     /// The parameter.
     pub parameter: usize,
-    /// The factor of the parameter; `None` where it changes with the free parameters.
+    /// The factor of the parameter; `None` if it changes with the free parameters.
     pub coefficient: Option<f64>,
 }
 
@@ -80,7 +80,7 @@ impl BaseParameters {
         Self::in_common(&found.collect::<Vec<_>>())
     }
 
-    /// The constant terms: β\[group\] = Σ coefficient · π\[parameter\]. `None` where some are not constant.
+    /// The constant terms: β\[group\] = Σ coefficient · π\[parameter\]. `None` if some are not constant.
     pub fn constant_terms(&self) -> Option<Vec<(usize, usize, f64)>> {
         let terms = self.terms.iter();
         terms.map(|term| Some((term.group, term.parameter, term.coefficient?))).collect()
@@ -303,7 +303,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// Within 30 % of a described value, and anywhere near zero where that is described: a value without
+    /// Within 30 % of a described value, and anywhere near zero if that is described: a value without
     /// special meaning.
     fn near(&mut self, described: f64) -> f64 {
         match described {

@@ -167,7 +167,7 @@ impl<'g> LinkMotion<'g> {
         Motion { angular: rotate(&self.rotation, motion.angular), linear: rotate(&self.rotation, at_origin) }
     }
 
-    /// Powers of what a unit of each parameter needs, at a velocity.
+    /// Powers of the units of each parameter's factor, at a velocity.
     fn powers(&self, screw: Motion<'g>) -> [Scalar<'g>; PER_LINK] {
         let (a, u, turn) = (self.acceleration, &self.spread, screw.angular);
         let by_force = Vector3([0, 1, 2].map(|k| u.column(k).dot(screw.linear)));

@@ -1,4 +1,4 @@
-//! Motion of the bodies, and what they need.
+//! Motion of the bodies, and their forces and moments.
 
 use super::builder::{ArrayBuilder, Rows};
 use super::rows::{entries_of, flat, flow_of, force_of, moments_of, motion_of, moved, vector};
@@ -6,7 +6,7 @@ use super::setup::Setup;
 use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 
-/// The motion of all bodies, their inertia, and what their velocities ask for.
+/// The motion of all bodies, their inertia, and the forces for their velocities.
 pub(super) struct Motions {
     /// Velocity that each joint adds.
     pub joint_velocity: ArrayId,

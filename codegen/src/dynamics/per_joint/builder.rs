@@ -18,7 +18,7 @@ pub(super) struct ArrayBuilder {
 }
 
 impl ArrayBuilder {
-    /// - `coordinates`: how the joints follow coordinates, where they are not these
+    /// - `coordinates`: how the joints follow coordinates, if they are not these
     /// - `chains`: the velocities of each joint with a quaternion
     pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>, chains: Vec<Vec<usize>>) -> Self {
         Self {
@@ -80,7 +80,7 @@ impl ArrayBuilder {
         self.array(name, rows.len())
     }
 
-    /// A matrix over coordinates from straight-line code, where each joint is one.
+    /// A matrix over coordinates from straight-line code, if each joint is one.
     pub(super) fn set_up_matrix(&mut self, name: &str, matrix: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         let array = self.set_up(name, matrix);
         let n = self.each_coordinate();
@@ -184,7 +184,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// Tells whether joints have quaternions.
+    /// Whether joints have quaternions.
     pub(super) fn has_quaternions(&self) -> bool {
         !self.form.chains.is_empty()
     }
@@ -196,7 +196,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// For each velocity of a joint what its last one has: the array itself where joints have no quaternions.
+    /// The values at the last velocity of each velocity's joint: the array itself if joints have no quaternions.
     pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if !self.has_quaternions() {
             return from;
@@ -206,7 +206,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// `matrix − other`, where the other one has as many rows as there are coordinates, and none beyond.
+    /// `matrix − other`, if the other one has as many rows as there are coordinates, and none beyond.
     pub(super) fn subtract(
         &mut self,
         (matrix, other): (ArrayId, ArrayId),

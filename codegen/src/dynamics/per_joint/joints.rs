@@ -82,7 +82,7 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
     builder.project(mass, "mass_matrix_of_coordinates")
 }
 
-/// How a joint moves what is beyond it.
+/// The motion that a joint gives to the bodies beyond it.
 struct Displacement<'g> {
     /// Ψ̇
     rate: Motion<'g>,

@@ -44,7 +44,7 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Tells whether there are loops over joints for a mechanism: no joint is driven, and where no joint follows another
+/// Whether there are loops over joints for a mechanism: no joint is driven, and where no joint follows another
 /// one or has a quaternion, no rotor sits further from its joint than on the joint's parent.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
@@ -90,7 +90,7 @@ fn begin<'g>(
     (builder, setup)
 }
 
-/// The forces and their Jacobians, with what M is made of.
+/// The forces and their Jacobians, and the intermediate values of M.
 fn inverse_dynamics_and_jacobians<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,

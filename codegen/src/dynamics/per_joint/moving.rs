@@ -11,7 +11,7 @@ use crate::program::arrays::ArrayId;
 pub(super) struct Moving {
     pub setup: Setup,
     pub motions: Motions,
-    /// `None` where no moving body carries a rotor.
+    /// `None` if no moving body carries a rotor.
     pub rotors: Option<Rotors>,
     /// Composites including the rotors.
     pub composites: Composites,

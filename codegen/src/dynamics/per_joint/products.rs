@@ -12,7 +12,7 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::{ArrayId, Arrays};
 use crate::program::{InputArray, Shape};
 
-/// Tells whether each joint of the loops is a coordinate.
+/// Whether each joint of the loops is a coordinate.
 pub fn products_are_possible(mechanism: &Mechanism<Number>) -> bool {
     LoopJoints::new(mechanism).coordinates(mechanism).is_none()
 }

@@ -23,7 +23,7 @@ pub(super) struct Rotors {
 }
 
 impl Rotors {
-    /// `None` where no moving body carries a rotor.
+    /// `None` if no moving body carries a rotor.
     pub fn new(builder: &mut ArrayBuilder, setup: &Setup, motions: &Motions) -> Option<Self> {
         let momentum = setup.momenta?;
         let [swept, spin] = builder.map(
@@ -64,7 +64,7 @@ impl Rotors {
         moments
     }
 
-    /// `ÿ h`: what accelerations add to the moments.
+    /// `ÿ h`: the contribution of accelerations to the moments.
     pub fn added_moments(&self, builder: &mut ArrayBuilder, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
             (
@@ -94,7 +94,7 @@ impl Rotors {
         force
     }
 
-    /// Forces, and what turns with the bodies, with the rotors.
+    /// Forces, and the angular momentum of the bodies, rotors included.
     pub fn complete(&self, builder: &mut ArrayBuilder, bodies: Composites, moments: ArrayId) -> Composites {
         let force = Self::add_moments(builder, bodies.force, moments);
         let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");
@@ -125,7 +125,7 @@ impl Rotors {
         carried
     }
 
-    /// Adds `h` to what a unit acceleration of each joint needs of the joints before it.
+    /// Adds `h` to the moments that a unit acceleration of each joint needs at the joints before it.
     pub fn add_momentum(&self, builder: &mut ArrayBuilder, needed: ArrayId) -> ArrayId {
         let [needed] = builder.map(
             ("unit_accelerations_with_rotors", "What a unit acceleration of each joint and its rotor needs."),

@@ -25,7 +25,7 @@ pub(super) struct Setup {
     pub base_acceleration: Option<ArrayId>,
     /// i² J of rotors.
     pub rotors: ArrayId,
-    /// Accelerations, or what drives them.
+    /// Accelerations, or the forces that cause them.
     pub last: ArrayId,
     /// Springs and friction: by y, by ẏ, and their force.
     pub joint_forces: ArrayId,
@@ -49,7 +49,7 @@ pub(super) enum Last<'g> {
     DrivingForces(Vec<Scalar<'g>>),
 }
 
-/// Straight-line code: poses, and what depends on single joints.
+/// Straight-line code: poses, and values of single joints.
 pub(super) fn set_up<'g>(
     builder: &mut ArrayBuilder,
     equations: &Equations<'_, 'g>,
@@ -154,7 +154,7 @@ impl<'g> Joints<'_, 'g> {
         self.loops.tree.parents[self.loops.places[first]].is_none()
     }
 
-    /// The pose of what a joint moves; that of a rotor does not show its turns.
+    /// The pose of the body that a joint moves; that of a rotor does not show its turns.
     fn pose(&self, poses: &BasePoses<'g>, joint: usize) -> FramePose<'g> {
         match self.loops.list[joint].moved {
             Moved::Body(index) => *poses.body(index),
@@ -232,7 +232,7 @@ impl<'a, 'g> JointForces<'a, 'g> {
         [by_position, by_velocity, self.forces[coordinate]]
     }
 
-    /// Derivatives by other coordinates, where there are some.
+    /// Derivatives by other coordinates, if there are some.
     fn coupled(&self) -> Option<[Matrix<'g>; 2]> {
         if self.equations.forces_are_local() {
             return None;
@@ -262,7 +262,7 @@ fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     (0..n).map(|coordinate| matrix[coordinate][coordinate]).collect()
 }
 
-/// `i J a` in the base frame of the rotors on the parents of the joints that they drive, by joint; `None` where there are
+/// `i J a` in the base frame of the rotors on the parents of the joints that they drive, by joint; `None` if there are
 /// none.
 fn rotor_momenta<'g>(joints: &Joints<'_, 'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<Scalar<'g>>>> {
     let Joints { mechanism, loops } = joints;

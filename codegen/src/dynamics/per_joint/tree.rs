@@ -81,7 +81,7 @@ impl<S: Numbers> LoopJoints<S> {
         Self { list, places, tree, beside }
     }
 
-    /// How they follow coordinates; `None` where each is one.
+    /// How they follow coordinates; `None` if each is one.
     pub(super) fn coordinates(&self, mechanism: &Mechanism<S>) -> Option<Coordinates> {
         let mut of_joints = vec![0; self.list.len()];
         for (joint, &place) in self.list.iter().zip(&self.places) {

@@ -353,7 +353,7 @@ fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<Scalar<'g>>, per: Vector3<Sca
     result
 }
 
-/// `A − u wᵀ/d` with `u/d` and `w/d` at hand; exact zeros where one of them is 1.
+/// `A − u wᵀ/d` with `u/d` and `w/d` at hand; exact zeros if one of them is 1.
 fn minus_product<'g>(
     a: &Matrix3<'g>,
     u: Vector3<Scalar<'g>>,

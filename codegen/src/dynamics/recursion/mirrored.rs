@@ -17,7 +17,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Vector3};
 
-/// The constant origin of a body in its parent's frame, along its axis included; `None` where no other branch of the parent
+/// The constant origin of a body in its parent's frame, along its axis included; `None` if no other branch of the parent
 /// shares a lever with it.
 pub(super) fn mirrored<'g>(
     mechanism: &Mechanism<Scalar<'g>>,

@@ -1,4 +1,4 @@
-//! How bodies move, and what motion the equations are evaluated for.
+//! Motions of the bodies, and the states at which the equations are evaluated.
 
 use crate::dynamics::formulation::Diagonal;
 use crate::graph::Scalar;
@@ -14,7 +14,7 @@ pub(in crate::dynamics) struct BodyMotion<'g> {
     pub(super) angular: [Option<Scalar<'g>>; 3],
     /// U = ω̇× + ω× ω×.
     pub spread: Matrix3<'g>,
-    /// U_zz − U_yy, U_xx − U_zz and U_yy − U_xx, where they do not come from U.
+    /// U_zz − U_yy, U_xx − U_zz and U_yy − U_xx, if they do not come from U.
     pub(super) differences: Option<[Scalar<'g>; 3]>,
     /// Acceleration of the origin, minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
@@ -33,7 +33,7 @@ pub struct MotionInput<'a, 'g> {
     pub a: &'a [Scalar<'g>],
 }
 
-/// The motion of the last body of a chain, with what it comes from.
+/// The motion of the last body of a chain, with its intermediate values.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct ChainMotion<'g> {
     /// Angular velocity ω_c that the joint's parent gives.
@@ -103,7 +103,7 @@ impl<'g> BodyMotion<'g> {
         self
     }
 
-    /// Angular acceleration ω̇, where it is not known from the antisymmetric part of U.
+    /// Angular acceleration ω̇, if it is not known from the antisymmetric part of U.
     pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];

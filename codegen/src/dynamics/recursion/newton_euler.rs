@@ -21,7 +21,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 
-/// The inverse dynamics with what they were made from.
+/// The inverse dynamics with their intermediate values.
 pub(super) struct InverseDynamicsParts<'g> {
     /// Working frames.
     pub placements: Vec<Placement<'g>>,
@@ -53,7 +53,7 @@ pub fn wrenches<'g>(
     inverse_dynamics_parts(mechanism, formulation, input).wrenches
 }
 
-/// The inverse dynamics with what they were made from.
+/// The inverse dynamics with their intermediate values.
 pub(super) fn inverse_dynamics_parts<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -298,7 +298,7 @@ fn moment_of_second<'g>(motion: &BodyMotion<'g>, s: Symmetric3<Scalar<'g>>) -> V
     ])
 }
 
-/// Rotors: what their spin needs of the coordinates that they follow, and of the bodies that carry them.
+/// Rotors: forces of their spin on the coordinates that they follow, and on the bodies that carry them.
 fn add_rotors<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -322,7 +322,7 @@ fn add_rotors<'g>(
     }
 }
 
-/// From the leaves to the base: what a body needs, its parent passes on.
+/// From the leaves to the base: each body passes its force on to its parent.
 fn gather<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,

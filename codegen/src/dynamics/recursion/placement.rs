@@ -12,7 +12,7 @@ pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
 /// The working frame of one body.
 #[derive(Debug, Clone, Copy)]
 pub struct Placement<'g> {
-    /// Turn about z from the parent's working frame, after the twist; `None` where the frames coincide.
+    /// Turn about z from the parent's working frame, after the twist; `None` if the frames coincide.
     pub turn: Option<Turn<'g>>,
     /// Rotation by a quaternion after that turn.
     pub attitude: Option<Attitude<Scalar<'g>>>,
@@ -127,7 +127,7 @@ fn turn_between<'g>(
     Some(offset.advance((sine, cosine)))
 }
 
-/// Tells whether a body's parent is a revolute joint on the base with another direction: nothing but its own
+/// Whether a body's parent is a revolute joint on the base with another direction: nothing but its own
 /// torque then needs what arrives there.
 pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
     let child = &mechanism.bodies[body];

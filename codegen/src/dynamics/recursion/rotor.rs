@@ -53,7 +53,7 @@ impl<'g> Gyrostat<'g> {
         self.coupling * self.axis.dot(angular)
     }
 
-    /// `(i J ẏ a)×`: what a rotation of the carrier makes of the rotor's spin.
+    /// `(i J ẏ a)×`: moment of the rotor's spin per angular velocity of the carrier.
     pub(super) fn spin(&self, rate: Scalar<'g>) -> Matrix3<'g> {
         Matrix3::cross(self.axis.scaled(self.coupling * rate))
     }

@@ -35,7 +35,7 @@ impl<'g> SharedRatios<'g> {
         Self { sums: several }
     }
 
-    /// Adds what a force along the motion does to the coordinates, at once or [at last](Self::finish).
+    /// Adds the generalized forces of a force along the motion to the coordinates, immediately or in [`finish`](Self::finish).
     pub(super) fn add_force(
         &mut self,
         moved: &Transmission<Scalar<'g>>,

@@ -124,7 +124,7 @@ impl SearchSpace {
     }
 }
 
-/// Tells whether a body has a revolute joint of its own; a chain of a joint with a quaternion leaves no choice.
+/// Whether a body has a revolute joint of its own; a chain of a joint with a quaternion leaves no choice.
 fn is_single_turn(body: &Body<Number>) -> bool {
     body.axis == JointAxis::Revolute && body.chain.is_none()
 }

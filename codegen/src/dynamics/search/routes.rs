@@ -163,7 +163,7 @@ impl<'m> Formulations<'m> {
         cheapest(&self.space, |formulation| recursion(self.mechanism, formulation, moving))
     }
 
-    /// As [`Self::recursive`], or the formulation of the inverse dynamics, which is searched for more finely where there are
+    /// As [`Self::recursive`], or the formulation of the inverse dynamics, which is searched for more finely if there are
     /// quaternions.
     fn recursive_or_refined(&self, moving: Moving) -> Formulation {
         let own = self.recursive(moving);

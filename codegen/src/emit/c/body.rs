@@ -12,7 +12,7 @@ pub(super) struct Body<'a> {
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     pub(super) names: ProgramNames,
-    /// It is true where a value is that of several states, and arguments hold [`group::COUNT`] states.
+    /// It is true if a value is that of several states, and arguments hold [`group::COUNT`] states.
     pub(super) over_lanes: bool,
     /// Where inputs and results are rows of a loop over joints: how long these are.
     pub(super) row: Option<usize>,
@@ -113,7 +113,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The value that an entry is, where it is one.
+    /// The value that an entry is, if it is one.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
@@ -121,7 +121,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The statement that returns a number alone, where the function does.
+    /// The return statement, if the function returns a single number.
     pub(super) fn return_statement(&self) -> Option<String> {
         let returns = returns_number(self.program) && !self.over_lanes;
         let number = self.program.outputs.first().filter(|_| returns)?;
@@ -156,7 +156,7 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Tells whether a program has one number as its only result.
+/// Whether a program has one number as its only result.
 pub(super) fn returns_number(program: &Program) -> bool {
     matches!(program.outputs.as_slice(), [Output { shape: Shape::Scalar, .. }])
 }

@@ -33,7 +33,7 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
     [comment::documentation(&blocks), text].concat()
 }
 
-/// The definition of a constant; none where its declaration is all. That of a hash compares header and source.
+/// The definition of a constant; none if its declaration is all. That of a hash compares header and source.
 pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<String> {
     let name = context.constant(constant.name);
     match object(context, constant) {
@@ -49,7 +49,7 @@ pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<S
     }
 }
 
-/// The type that sparse matrices have as entries, where the module has such a matrix.
+/// The type that sparse matrices have as entries, if the module has such a matrix.
 pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
     let module = context.module;
     let constants = module.functions.iter().flat_map(|function| &function.constants);

@@ -80,7 +80,7 @@ impl<'a> Context<'a> {
         format!("{}_{name}", self.prefix)
     }
 
-    /// The form of a function over several states, where it has one.
+    /// The form of a function over several states, if it has one.
     pub(super) fn lanes_of(&self, function: &str) -> Option<&str> {
         self.lanes.get(function).map(String::as_str)
     }

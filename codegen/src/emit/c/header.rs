@@ -1,4 +1,4 @@
-//! The header of a module: what its users see.
+//! The header of a module, the part for its users.
 
 use super::context::Context;
 use super::{comment, constants, discrete_time, lanes, parameters, positions, public, stack};

@@ -65,7 +65,7 @@ impl Emission<'_> {
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
-    /// Copies of entries; what has no source stays zero.
+    /// Copies of entries; entries without a source stay zero.
     fn gather(&self, stem: &str, about: &str, lengths: [usize; 2], sources: &[Option<usize>]) -> String {
         let copies = sources.iter().enumerate();
         let copies = copies.filter_map(|(place, &source)| Some(format!("to[{place}] = from[{}];", source?)));

@@ -17,14 +17,14 @@ use crate::emit::text::code;
 use crate::functions::function::Function;
 use crate::layout::Extent;
 
-/// The number of states in the header, where there are functions over several.
+/// The number of states in the header, if there are functions over several.
 pub(super) fn size(context: &Context<'_>) -> Option<String> {
     let about =
         comment::paragraph("Number of states that functions whose names end in `_lanes` take at once.");
     context.has_lanes().then(|| format!("{about}#define {} {COUNT}\n", context.constant("LANES")))
 }
 
-/// The declaration of a function over several states, with what differs from that over one.
+/// The declaration of a function over several states, and its difference from that over one.
 pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<String> {
     let name = context.lanes_of(&function.name)?;
     let body = Body::over_lanes(context, &function.program);

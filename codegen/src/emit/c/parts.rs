@@ -1,4 +1,4 @@
-//! The private functions that a long one is split into, and what they exchange.
+//! The private functions that a long one is split into, and the values that they exchange.
 
 use super::body::Body;
 use super::{layout, signature};

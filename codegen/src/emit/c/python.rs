@@ -38,7 +38,7 @@ const LOOP: &str = include_str!("python/loop.c");
 /// Numbers of eight states that a loop keeps on the stack, where there may be 100 kB: 64 kB.
 const LARGEST_BLOCK: usize = 8_192;
 
-/// The loop of a function; none where no result has entries. Operands without entries are left out: NumPy has no
+/// The loop of a function; none if no result has entries. Operands without entries are left out: NumPy has no
 /// lengths of zero.
 fn function(context: &Context<'_>, interface: &Interface, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| argument.extents.clone());
@@ -101,7 +101,7 @@ fn operand(extents: &[Extent]) -> String {
     format!("{{{}, {}, {{{}}}}}", extents.len(), entries(extents), lengths.join(", "))
 }
 
-/// The form of a function over several states, where it has one and the stack has place for its operands.
+/// The form of a function over several states, if it has one and the stack has place for its operands.
 fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| entries(&argument.extents));
     let total: usize = arguments.chain(function.results.iter().map(|result| entries(&result.extents))).sum();

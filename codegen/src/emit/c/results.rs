@@ -32,7 +32,7 @@ impl Body<'_> {
 
     /// The statement that writes an entry which has just been made and its neighbour; none if that is made later.
     ///
-    /// - `index`: what was made
+    /// - `index`: of the value
     fn store_pair_of(&self, result: usize, entry: usize, index: usize) -> Option<String> {
         let first = entry - entry % 2;
         let beside = self.program.outputs[result].entries.get(first + 1 - entry % 2);
@@ -44,7 +44,7 @@ impl Body<'_> {
         is_known.then(|| self.store(result, first))
     }
 
-    /// Writes an entry, over several states also the one behind it, where there is one.
+    /// Writes an entry, over several states also the one behind it, if there is one.
     fn store(&self, result: usize, first: usize) -> String {
         let (name, entries) = (&self.names.results[result], &self.program.outputs[result].entries);
         if self.over_lanes {

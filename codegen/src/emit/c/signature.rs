@@ -16,7 +16,7 @@ pub(super) fn written(context: &Context<'_>, name: &str) -> String {
     pointer(context, context.ty(), name)
 }
 
-/// A pointer to what no other pointer of the function leads to.
+/// A pointer that no other pointer of the function aliases.
 pub(super) fn pointer(context: &Context<'_>, ty: &str, name: &str) -> String {
     format!("{ty} *{} {name}", context.constant("RESTRICT"))
 }

@@ -41,7 +41,7 @@ impl Body<'_> {
 
     /// The statements of an instruction.
     ///
-    /// - `helper`: a name for what nothing reads
+    /// - `helper`: a name for an unused value
     fn statement(&self, index: usize, helper: &str) -> Vec<String> {
         let (ty, name) = (self.ty(), &self.names.values[index]);
         let pair = |angle: Operand, sine: &str, cosine: &str| {

@@ -26,7 +26,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> V
     items
 }
 
-/// The private functions of a body's parts, where it is long, and the statements of the function.
+/// The private functions of a body's parts, if it is long, and the statements of the function.
 ///
 /// - `longest`: largest number of statements of one function
 /// - `again`: makes the body once more

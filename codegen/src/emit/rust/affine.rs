@@ -1,4 +1,4 @@
-//! `linearize` in array form: a call, and what follows from its results.
+//! `linearize` in array form: a call, and the values computed from its results.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};

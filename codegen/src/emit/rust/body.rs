@@ -18,7 +18,7 @@ pub(super) struct Body<'a> {
     pub(super) flow: Flow,
     /// Names of the input arrays.
     pub(super) arguments: Vec<Ident>,
-    /// Names of the results, where they are written in place.
+    /// Names of the results, if they are written in place.
     pub(super) results: Vec<Ident>,
     /// Name of each value.
     pub(super) names: Vec<Ident>,
@@ -126,7 +126,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The value that an entry is, where it is one.
+    /// The value that an entry is, if it is one.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),

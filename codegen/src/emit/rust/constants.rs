@@ -31,7 +31,7 @@ pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
     ]
 }
 
-/// The type of the argument that has the driven coordinates, where there are some.
+/// The type of the argument that has the driven coordinates, if there are some.
 pub(super) fn driven(context: &Context<'_>) -> Option<TokenStream> {
     let ty = context.ty();
     (context.module.driven > 0).then(|| {

@@ -39,7 +39,7 @@ impl DocComment {
         Self { lines: wrap(text, "") }
     }
 
-    /// A paragraph of Markdown, apart from what stands above.
+    /// A paragraph of Markdown, separated from the text above.
     pub(super) fn paragraph(&mut self, text: &str) {
         if text.trim().is_empty() {
             return;
@@ -54,7 +54,7 @@ impl DocComment {
         self.lines.push(format!("# {title}"));
     }
 
-    /// A list item of Markdown. `gap` separates a list from what stands above.
+    /// A list item of Markdown. `gap` separates a list from the text above.
     pub(super) fn item(&mut self, text: &str) {
         self.lines.extend(wrap(&format!("- {}", markdown(text)), "  "));
     }

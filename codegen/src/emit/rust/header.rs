@@ -1,4 +1,4 @@
-//! The comment at the top of a generated module, and what of it is documentation.
+//! The comment at the top of a generated module, and its documentation part.
 
 use super::doc_comment::plain;
 use crate::emit::header::{self, ROBOT};

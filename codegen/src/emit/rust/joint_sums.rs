@@ -88,7 +88,7 @@ impl Emission<'_> {
         self.gather(("gather_last", about), [self.row.len; 2], &sources)
     }
 
-    /// Copies of entries; what has no source becomes zero, padding too.
+    /// Copies of entries; entries without a source become zero, and so does padding.
     fn gather(
         &self,
         (stem, about): (&str, &str),

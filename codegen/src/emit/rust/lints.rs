@@ -6,7 +6,7 @@ use quote::quote;
 use super::literal::resembles_constant;
 use super::names::is_snake_case;
 
-/// Allows numbers that look like rounded π, e, …, where there are such.
+/// Allows numbers that look like rounded π, e, …, if there are such.
 pub(super) fn for_numbers(numbers: impl IntoIterator<Item = f64>) -> Option<TokenStream> {
     numbers
         .into_iter()
@@ -14,7 +14,7 @@ pub(super) fn for_numbers(numbers: impl IntoIterator<Item = f64>) -> Option<Toke
         .then(|| quote!(#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]))
 }
 
-/// Allows names with capitals, where there are such.
+/// Allows names with capitals, if there are such.
 pub(super) fn for_names<'a>(names: impl IntoIterator<Item = &'a proc_macro2::Ident>) -> Option<TokenStream> {
     names
         .into_iter()

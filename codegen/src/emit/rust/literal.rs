@@ -19,7 +19,7 @@ impl Scalar {
         self.signed(number, Suffix::None)
     }
 
-    /// `number` as what a method is called on: in parentheses where negative, its type named.
+    /// `number` as the receiver of a method: in parentheses if negative, its type named.
     pub(super) fn receiver(self, number: f64) -> TokenStream {
         let literal = self.typed(number);
         if number.is_sign_negative() { quote!((#literal)) } else { literal }
@@ -75,7 +75,7 @@ pub(super) fn hexadecimal(number: u64) -> TokenStream {
     shortest(&format!("0x{}", groups.join("_")))
 }
 
-/// Tells whether clippy takes a literal for a badly written constant of `core::f64::consts`
+/// Whether clippy takes a literal for a badly written constant of `core::f64::consts`
 /// (`approx_constant`).
 ///
 /// A superset of what clippy reports: an `allow` too many does no harm.

@@ -37,7 +37,7 @@ fn ident(spelled: &str) -> Ident {
     Ident::new(spelled, Span::call_site())
 }
 
-/// Tells whether rustc accepts the spelling of a variable, field or function.
+/// Whether rustc accepts the spelling of a variable, field or function.
 pub(super) fn is_snake_case(name: &str) -> bool {
     let name = name.trim_start_matches('_');
     !name.contains("__") && !name.contains(char::is_uppercase)

@@ -1,4 +1,4 @@
-//! The private functions that a long one is split into, and what they exchange.
+//! The private functions that a long one is split into, and the values that they exchange.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -78,7 +78,7 @@ pub(super) fn calls(body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStrea
     quote!(#(#calls)* #(#stores)*)
 }
 
-/// The private functions of the parts; none where a function is whole.
+/// The private functions of the parts; none if a function is whole.
 pub(super) fn items(
     body: &Body<'_>,
     name: &Ident,

@@ -16,7 +16,7 @@ use crate::functions::function::Function;
 /// do.
 const INLINE_UP_TO: usize = 40;
 
-/// The functions that callers see. `statements` return the results of a body, or store them where it has
+/// The functions that callers see. `statements` return the results of a body, or store them if it has
 /// names for them.
 pub(super) fn items(
     function: &Function,

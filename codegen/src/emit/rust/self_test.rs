@@ -20,7 +20,7 @@ fn tolerance(scalar: Scalar) -> f64 {
     }
 }
 
-/// The test module; nothing where there are no tests.
+/// The test module; nothing if there are no tests.
 pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
     let tests = &context.module.self_tests;
     if tests.is_empty() {

@@ -106,7 +106,7 @@ impl Body<'_> {
         quote!(let (#sines, #cosines) = #call;)
     }
 
-    /// The statement of an instruction; `None` where nothing reads its value, or another statement makes it.
+    /// The statement of an instruction; `None` if nothing reads its value, or another statement makes it.
     fn statement(&self, index: usize) -> Option<TokenStream> {
         if !self.flow.is_made(index) {
             return None;
@@ -122,7 +122,7 @@ impl Body<'_> {
         Some(quote!(let (#sine, #cosine) = #value;))
     }
 
-    /// Names for what a `SinCos` makes, where it is read.
+    /// Names of the results of a `SinCos`, if they are read.
     fn sine_and_cosine(&self, index: usize) -> (Option<&Ident>, Option<&Ident>) {
         (
             self.flow.is_read[index].then(|| &self.names[index]),
@@ -176,7 +176,7 @@ fn or_nothing(name: Option<&Ident>) -> TokenStream {
     name.map_or_else(|| quote!(_), |name| quote!(#name))
 }
 
-/// An array pattern of `len` entries; what is not read at its end is not named.
+/// An array pattern of `len` entries; unread entries at its end are not named.
 fn pattern(mut names: Vec<Option<&Ident>>, len: usize) -> TokenStream {
     while names.last().is_some_and(Option::is_none) {
         names.pop();

@@ -8,7 +8,7 @@ use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, numbers};
 use crate::model::{Attachment, Drive, ForceEffect, Input};
 
-const TORQUES: &str = "has one range of an input; the nominal torque was left out beside the peak at";
+const TORQUES: &str = "has one range of an input; the nominal torque was left out, next to the peak, at";
 const POINT_FORCE: &str = "has linear springs and dampers between sites, and no other laws; left out";
 const SHAFT: &str =
     "has viscous and dry friction of tendons, and no other laws; left out in part at the drive";

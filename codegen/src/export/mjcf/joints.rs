@@ -12,7 +12,7 @@ const OTHER_FRICTION: &str =
 const OTHER_SPRINGS: &str = "has linear springs and dampers, and no other laws; left out at";
 const LOAD: &str = "has no friction that grows with the load; left out at";
 pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; left out at";
-const EFFORT: &str = "has one limit of force at a joint; the nominal one was left out beside the peak at";
+const EFFORT: &str = "has one limit of force at a joint; the nominal one was left out, next to the peak, at";
 const RANGE: &str = "has no range of a single position; left out at";
 const QUATERNION_FRICTION: &str =
     "has one damping for all velocities of a joint with a quaternion; friction that differs was left out at";

@@ -229,7 +229,7 @@ impl Writer<'_> {
     }
 }
 
-/// Position and attitude, where they are not those of the parent.
+/// Position and attitude, if they are not those of the parent.
 fn place(placed: &Placed) -> Attributes {
     let position = (placed.origin != [0.0; 3]).then(|| ("pos", numbers(&placed.origin)));
     let attitude = placed.is_turned().then(|| ("quat", numbers(&placed.quaternion())));

@@ -66,7 +66,7 @@ impl<'m> Writer<'m> {
         drive.acts_on.iter().any(|term| self.model.quaternion_joint_of(term.coordinate).is_some())
     }
 
-    /// Tells whether MuJoCo takes the inertia of a link without that of its rotors across their axes.
+    /// Whether MuJoCo takes the inertia of a link without that of its rotors across their axes.
     fn is_body(&self, link: usize) -> bool {
         let (moments, _) = principal_axes(self.lump(link).inertia);
         let largest = moments.iter().fold(0.0, |most: f64, moment| most.max(*moment));
@@ -118,7 +118,7 @@ impl<'m> Writer<'m> {
     }
 }
 
-/// Tells whether of any two joints that a drive acts on one carries the other: MuJoCo's M has no entries for others, and the
+/// Whether of any two joints that a drive acts on one carries the other: MuJoCo's M has no entries for others, and the
 /// armature of a tendon would lose them.
 fn is_chain(model: &Model, drive: &Drive) -> bool {
     let links: Vec<usize> = drive.acts_on.iter().map(|term| model.coordinates[term.coordinate]).collect();

@@ -20,7 +20,7 @@ pub(super) struct Rotor<'m> {
     pub(super) carrier: usize,
 }
 
-/// The model, and what of its file exists.
+/// The model, and the parts of its file that exist.
 pub(super) struct Writer<'m> {
     pub(super) model: &'m Model,
     pub(super) values: Values,

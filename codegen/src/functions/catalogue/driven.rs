@@ -7,7 +7,7 @@ use crate::dynamics::arguments::Arguments;
 use crate::function_names;
 use crate::layout::Dimension;
 
-/// The rows that only robots with driven joints have; they are derived where they are asked for by name.
+/// The rows that only robots with driven joints have; they are derived if they are asked for by name.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: function_names::DRIVING_FORCES,
     summary: "Driving forces: what moves the driven joints as prescribed.",

@@ -55,7 +55,7 @@ pub const INVERSE_DYNAMICS: Otherwise = Otherwise {
     ..OTHERWISE
 };
 
-/// The forward dynamics undo what the load adds.
+/// Forward dynamics with friction under load.
 pub const FORWARD_DYNAMICS: Otherwise = Otherwise {
     equation: Some(
         "ÿ = M⁻¹ (τ_l + gravity_forces + spring_forces − k), τ_l = w / (1 + s₁ sign w), w = B u − friction_torques",

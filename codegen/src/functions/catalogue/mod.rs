@@ -59,24 +59,24 @@ fn rows_if(are_there: bool, rows: &'static [Quantity]) -> &'static [Quantity] {
     if are_there { rows } else { &[] }
 }
 
-/// The quantities of a model, and those that are derived where they are asked for by name.
+/// The quantities of a model, and those that are derived if they are asked for by name.
 pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
     let of_driven = rows_if(!model.driven.is_empty(), driven::QUANTITIES);
     quantities_of(model).chain(ON_REQUEST).chain(of_driven)
 }
 
-/// Tells whether a function is derived only where it is asked for by name.
+/// Whether a function is derived only if it is asked for by name.
 pub(super) fn is_on_request(name: &str) -> bool {
     ON_REQUEST.iter().chain(driven::QUANTITIES).any(|quantity| quantity.name == name)
 }
 
-/// Functions that are derived where they are asked for by name: few need them.
+/// Functions that are derived if they are asked for by name: few need them.
 const ON_REQUEST: &[Quantity] = {
     let [center, jacobian, matrix, momentum] = momentum::QUANTITIES;
     &[hessian::QUANTITY, reactions::QUANTITY, center, jacobian, matrix, momentum]
 };
 
-/// Tells whether a function may be written as loops over joints.
+/// Whether a function may be written as loops over joints.
 pub(crate) fn may_be_loops(name: &str) -> bool {
     row(name).is_some_and(|quantity| quantity.loops.is_some())
 }
@@ -96,7 +96,7 @@ fn all() -> impl Iterator<Item = &'static Quantity> {
     quantities().chain(ON_REQUEST).chain(of_some)
 }
 
-/// Tells whether a function differentiates friction by the velocity.
+/// Whether a function differentiates friction by the velocity.
 pub(crate) fn differentiates_friction(name: &str) -> bool {
     row(name).is_some_and(|row| row.differentiates_friction)
 }

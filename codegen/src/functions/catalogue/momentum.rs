@@ -11,7 +11,7 @@ const NOTES: &[&str] = &[
      Rotors with `coupling = \"body\"` spin with their gear ratio.",
 ];
 
-/// The rows, which are derived where they are asked for by name.
+/// The rows, which are derived if they are asked for by name.
 pub const QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: function_names::CENTER_OF_MASS,

@@ -1,4 +1,4 @@
-//! Rows of the equations of motion and what follows from them.
+//! Rows of the equations of motion and of functions derived from them.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities};
 use super::quantity::{
@@ -12,7 +12,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::functions::module_constants;
 
-/// The equations of motion and what follows from them.
+/// The equations of motion and functions derived from them.
 pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::MASS_MATRIX,

@@ -34,7 +34,7 @@ impl Robots {
     }
 }
 
-/// The documentation of a function of these robots, where it is not that of the row.
+/// The documentation of a function of these robots, if it is not that of the row.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::functions) struct Otherwise {
     pub(in crate::functions) robots: Robots,

@@ -152,7 +152,7 @@ pub(in crate::functions) fn matrix(rows: Matrix<'_>) -> Value<'_> {
     Value { lengths: vec![rows.len(), rows.first().map_or(0, Vec::len)], entries: rows.concat() }
 }
 
-/// A result of a quantity: its symbol, what its dimensions are, rows first, and its meaning.
+/// A result of a quantity: symbol, dimensions, rows first, and meaning.
 pub(in crate::functions) type QuantityResult = (&'static str, &'static [Dimension], &'static str);
 
 pub(in crate::functions) const SCALAR: &[Dimension] = &[];
@@ -199,7 +199,7 @@ pub struct Quantity {
     pub(in crate::functions) notes: &'static [&'static str],
     /// Exceptions to the row, in order.
     pub(in crate::functions) otherwise: &'static [Otherwise],
-    /// Says what depends on more of the model.
+    /// Functions that depend on more of the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
     /// Which of several derivations was cheapest, for the documentation.
@@ -215,7 +215,7 @@ pub struct Quantity {
     pub(in crate::functions) ignores_load: bool,
     /// Operations that straight-line code takes at least, for robots that make it very large.
     pub(in crate::functions) straight_size: Option<Estimate>,
-    /// How it is written as loops over joints, where it can be.
+    /// How it is written as loops over joints, if it can be.
     pub(in crate::functions) loops: Option<Loops>,
 }
 

@@ -75,7 +75,7 @@ impl JointReplay {
     }
 }
 
-/// Replays runs in their order. Between runs the estimator keeps what it learned, as over a new start of the loop.
+/// Replays runs in their order. Between runs the estimator keeps its laws, as over a new start of the loop.
 ///
 /// Efforts at the joints belong to the row of their positions; between rows they are taken as linear. Inputs were written after the positions of their row, so they
 /// act over the period behind it, as in the log of the loop.
@@ -282,7 +282,7 @@ impl<'a> Described<'a> {
             scales[joint] = Some(magnitudes.scale(joint, friction).ok_or_else(|| {
                 fault(
                     format!("joint {}", self.robot.joint_names()[joint]),
-                    "neither its largest speed nor its friction and effort say how large its friction may be: describe its limits",
+                    "the size of its friction is unknown, because neither its largest speed nor its friction and effort are described: describe its limits",
                 )
             })?);
         }

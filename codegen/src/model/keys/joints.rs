@@ -28,7 +28,7 @@ pub(super) static JOINT: Keys = Keys {
             key("held", Value::ByPart(&Value::Number), "0.5", "position at which the joint is held; it is then no coordinate").unit("rad or m"),
             key("motion", Value::ByPart(&Value::Words(&["free", "driven"])), r#""driven""#, "the motion follows from forces, or it is prescribed from outside").default(r#"`"free"`"#),
             key("follows", Value::Names(&Value::Formula), "{ shoulder = -0.5 }", "the joints that this one follows, with their ratios").also(&["mimic"]),
-            key("offset", Value::Number, "0.1", "position where the joints that are followed are at 0").unit("rad or m").default("0"),
+            key("offset", Value::Number, "0.1", "position when the joints that it follows are at 0").unit("rad or m").default("0"),
             key("limits", Value::ByPart(&Value::Table(&LIMITS)), "{ position = [-1.5, 1.5], velocity = 2, effort = 40 }", "limits at the joint; controllers keep the smaller of effort over gear ratio and the motor's `torque`"),
             key("spring", Value::ByPart(&Value::Either(&[Value::Law, Value::Table(&SPRING), Value::List(&Value::Either(&[Value::Law, Value::Table(&SPRING)]), None)])), "{ stiffness = 100, rest = 0.2 }", "a spring, a list of springs, or a force law in `y` and `v` that is added to the forces").default("none"),
             key("friction", Value::ByPart(&Value::Either(&[Value::Law, Value::Table(&FRICTION)])), "{ viscous = 0.4 }", "a force law in `v` and `y` that brakes, or a table of laws that add up").default("none"),

@@ -17,7 +17,7 @@ pub(crate) struct Keys {
 pub(crate) struct Key {
     pub(crate) name: &'static str,
     pub(crate) value: Value,
-    /// SI unit of the value, empty where it has none or several.
+    /// SI unit of the value, empty if it has none or several.
     pub(crate) unit: &'static str,
     /// Value or meaning if the key is absent, as text.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
@@ -62,7 +62,7 @@ pub(crate) enum Value {
     Either(&'static [Self]),
 }
 
-/// A row with what every key has.
+/// A row with the fields that every key has.
 pub(super) const fn key(name: &'static str, value: Value, example: &'static str, says: &'static str) -> Key {
     Key { name, value, unit: "", default: "", example, says, also: &[], is_needed: false }
 }
@@ -144,12 +144,12 @@ impl Value {
         }
     }
 
-    /// Tells whether numbers must be greater than 0.
+    /// Whether numbers must be greater than 0.
     pub(crate) fn is_positive(&self) -> bool {
         matches!(self, Self::Positive) || self.parts().iter().any(Self::is_positive)
     }
 
-    /// Tells whether it is a list of tables.
+    /// Whether it is a list of tables.
     pub(crate) fn is_tables(&self) -> bool {
         matches!(self, Self::List(Self::Table(_), None))
     }

@@ -277,7 +277,7 @@ impl<'a> Reader<'_, 'a> {
 }
 
 impl Motor {
-    /// No motor: what moves with a joint or a tendon.
+    /// No motor, but a property of a joint or a tendon.
     fn passive(span: Span) -> Self {
         let torque = MotorTorque::default();
         Self { gear: 1.0, rotor_inertia: 0.0, friction: Vec::new(), input: Input::None, torque, span }

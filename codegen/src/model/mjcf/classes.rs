@@ -1,4 +1,4 @@
-//! Default classes: what elements have that do not say otherwise.
+//! Default classes: values of attributes that elements do not set.
 
 use super::files::{Element, Files, Given};
 
@@ -19,7 +19,7 @@ const ACTUATORS: [&str; 13] = [
     "plugin",
 ];
 
-/// A class, with what it says of each kind of elements.
+/// A class, with its default attributes for each kind of element.
 struct Class<'a> {
     name: &'a str,
     parent: Option<usize>,

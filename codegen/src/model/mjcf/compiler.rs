@@ -63,7 +63,7 @@ impl Compiler {
     }
 }
 
-/// Flags that take away what is read: forces of springs, dampers and friction, couplings, inputs.
+/// Flags that switch parts of the model off: forces of springs, dampers and friction, couplings, inputs.
 const DISABLING: [&str; 6] = ["passive", "spring", "damper", "frictionloss", "equality", "actuation"];
 
 impl<'a> Reader<'_, 'a> {
@@ -122,16 +122,12 @@ impl<'a> Reader<'_, 'a> {
             self.compiler.total_mass = (total.value > 0.0).then_some(total.value);
         }
         if let Some(global) = element.attribute("coordinate").filter(|given| given.text == "global") {
-            self.report.error(
-                global.span,
-                "global-coordinates",
-                "global coordinates are none of today's MuJoCo",
-            );
+            self.report.error(global.span, "global-coordinates", "MuJoCo no longer has global coordinates");
             self.report.help("MuJoCo 2.3.3 and older convert such files: load and save them there");
         }
     }
 
-    /// Gravity, and what acts besides it.
+    /// Gravity and other global forces.
     pub(super) fn option(&mut self, element: Element<'a>) {
         if let Some(gravity) = self.vector(element.attribute("gravity"), "gravity") {
             self.gravity = gravity.value;

@@ -68,7 +68,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The joints of a length with their factors; nothing where it is none of joints.
+    /// The joints of a length with their factors; nothing if it is none of joints.
     fn length(
         &mut self,
         element: Element<'a>,
@@ -121,7 +121,7 @@ impl<'a> Reader<'_, 'a> {
         numbers.map_or(vec![0.0, 1.0], |numbers| numbers.value)
     }
 
-    /// The joint that an attribute names; complains where there is none.
+    /// The joint that an attribute names; reports an error if there is none.
     pub(super) fn joint_of(&mut self, element: Element<'a>, key: &str) -> Option<String> {
         let Some(given) = element.attribute(key) else {
             let message = format!("<{}> has no `{key}`", element.tag());

@@ -1,4 +1,4 @@
-//! The files of an MJCF: the model, and what it includes.
+//! The files of an MJCF: the model, and the files that it includes.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub(super) struct Text {
     text: UrdfText,
 }
 
-/// Reads the model's text and all that it includes; `None` where something is wrong with them, which was reported.
+/// Reads the model's text and all that it includes; `None` if something is wrong with them, which was reported.
 ///
 /// - `path`: that of the model, from which the paths of included files begin, else from the file that includes them
 pub(super) fn gather(

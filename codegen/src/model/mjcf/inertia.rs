@@ -235,7 +235,7 @@ impl<'a> Reader<'_, 'a> {
         Some(lump)
     }
 
-    /// Brings the sum of all masses to what `<compiler>` says.
+    /// Scales all masses so that their sum is the value of `<compiler>`.
     pub(super) fn scale_masses(&mut self) {
         let Some(total) = self.compiler.total_mass else { return };
         let masses = self.robot.bodies.iter().filter_map(|body| body.mass.as_ref()?.value.as_number());

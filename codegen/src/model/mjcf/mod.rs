@@ -316,7 +316,7 @@ fn or(given: Option<At<f64>>, default: f64) -> f64 {
     given.map_or(default, |given| given.value)
 }
 
-/// The place of a number, or of what it belongs to.
+/// The place of a number, or of its element.
 fn span_of<T>(given: Option<&At<T>>, otherwise: Span) -> Span {
     given.map_or(otherwise, |given| given.span)
 }

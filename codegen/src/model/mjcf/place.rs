@@ -30,7 +30,7 @@ impl<'a> Reader<'_, 'a> {
         if let Some(given) = self.vector::<4>(find("quat"), "quat") {
             let size = length(given.value);
             if size <= NO_LENGTH {
-                let message = "`quat` has length 0, and is no rotation";
+                let message = "`quat` has length 0 and is not a rotation";
                 self.report.error(given.span, "quaternion-not-unit", message);
                 self.report.help("that of no rotation is \"1 0 0 0\"");
                 return IDENTITY;
@@ -103,7 +103,7 @@ impl<'a> Reader<'_, 'a> {
         std::array::from_fn(|row| [x[row], y[row], z[row]])
     }
 
-    /// Complains about what has no direction.
+    /// Reports vectors without a direction.
     fn is_direction<const N: usize>(&mut self, given: &At<[f64; N]>, size: f64, key: &str) -> bool {
         let is_direction = size > NO_LENGTH;
         if !is_direction {

@@ -6,7 +6,7 @@ use super::schema::{ORIENTATIONS, Place, attributes, inside, tags};
 use crate::diagnostic::nearest;
 
 impl<'a> Reader<'_, 'a> {
-    /// Complains about elements and attributes that are none of MuJoCo's: a value under a wrong name would be lost.
+    /// Reports elements and attributes that are none of MuJoCo's: a value under a wrong name would be lost.
     pub(super) fn vocabulary(&mut self, sections: &[Element<'a>]) {
         let files = self.files;
         let mut stack: Vec<_> = sections.iter().rev().map(|section| (Place::Model, *section)).collect();

@@ -6,7 +6,7 @@ use super::{
     motion_axis,
 };
 
-/// M, and for each coordinate the sum of the magnitudes in its entry: what may be left of them is rounding.
+/// M, and for each coordinate the sum of the magnitudes in its entry, which bounds the rounding.
 pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     let all = model.motion_count();
     let (mut mass, mut sizes) = (vec![vec![0.0; all]; all], vec![0.0; all]);
@@ -44,7 +44,7 @@ fn eliminate(mass: &mut [Vec<f64>], k: usize) {
     }
 }
 
-/// A link's joint as a row of G; empty where it does not move.
+/// A link's joint as a row of G; empty if it does not move.
 fn rows(model: &Model, described: &[f64]) -> Vec<Vec<(usize, f64)>> {
     let mut rows = vec![Vec::new(); model.links.len()];
     for moving in model.moving_joints() {
@@ -105,7 +105,7 @@ fn add_column(
     }
 }
 
-/// `i² J_R` of what each drive acts on.
+/// `i² J_R` of the coordinates that each drive acts on.
 fn add_rotors(model: &Model, described: &[f64], mass: &mut [Vec<f64>], sizes: &mut [f64]) {
     let value = |formula: &gelenk_formula::Formula| formula.evaluate(described, 0.0, 0.0);
     for drive in &model.drives {

@@ -16,7 +16,7 @@ use crate::diagnostic::{At, Report, nearest};
 use gelenk_formula::Formula;
 use std::collections::BTreeMap;
 
-/// Gravity where none is described (m/s²).
+/// Gravity if none is described (m/s²).
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 pub(super) struct Builder<'d, 'r> {
@@ -117,11 +117,11 @@ impl Builder<'_, '_> {
                     let is_driven =
                         joints.iter().any(|joint| joint.name.value == name.value && joint.is_driven());
                     let message = match (follows, is_driven) {
-                        (true, _) => format!("`{}` follows other joints, it is no coordinate", name.value),
+                        (true, _) => format!("`{}` follows other joints and is not a coordinate", name.value),
                         (_, true) => {
                             format!("`{}` is driven: its motion is an argument of its own", name.value)
                         }
-                        (false, false) => format!("`{}` is no moving joint", name.value),
+                        (false, false) => format!("`{}` is not a moving joint", name.value),
                     };
                     self.report.error(name.span, "unknown-joint", message);
                     if let Some(help) = nearest(&name.value, by_name.keys().copied()) {
@@ -209,8 +209,9 @@ impl Builder<'_, '_> {
                 joint.name.value
             );
             self.report.error(load.span, "load-in-couplings", message);
-            self.report
-                .help("a joint's load is known where every joint has an input of its own: leave `load` out");
+            self.report.help(
+                "a joint's load is known only if every joint has an input of its own: leave `load` out",
+            );
         } else if matches!(motion, Motion::Coordinate(_))
             && matches!(self.robot.drive_of(joint), DriveChoice::Passive)
         {

@@ -57,7 +57,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     {
         let message = format!("joint `{}` has an `offset` and follows no joint", name.value);
         report.error(offset.span, "conflicting-keys", message);
-        report.help("an offset is the position where all joints that are followed are at 0: add `follows`");
+        report.help("an offset is the position when all followed joints are at 0: add `follows`");
     }
 }
 
@@ -82,7 +82,7 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
             as_written(peak.value)
         );
         report.error(peak.span, "limits-reversed", message);
-        report.help("`effort` is what the joint may bear all the time, `peak_effort` for a moment: exchange them, or correct one");
+        report.help("`effort` is the continuous limit of the joint, `peak_effort` the one for a short time: exchange them, or correct one");
     }
 }
 

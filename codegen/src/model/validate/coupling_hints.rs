@@ -11,7 +11,7 @@ use crate::wording::list;
 /// Directions and ratios are written numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Notes what is strange about joints that follow others and about drives. Whoever means it so loses nothing.
+/// Notes on probable mistakes in joints that follow others and in drives.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     for follower in &model.followers {
@@ -39,11 +39,11 @@ fn note_stillness(
     }
     let (name, carrying) = (&joint.name, &carrying.name);
     let message = format!(
-        "joint `{name}` sits on `{carrying}` and undoes its motion: the link of `{name}` stands still against what carries `{carrying}`"
+        "joint `{name}` is carried by `{carrying}` and undoes its motion: the link of `{name}` does not move relative to the link that carries `{carrying}`"
     );
     let Some(described) = robot.joints.iter().find(|described| described.name.value == *name) else { return };
     report.note(Some(described.name.span), "follower-stands-still", message);
-    report.help("a joint without `parent` sits on the joint before it; the second finger of a gripper has the `parent` of the first");
+    report.help("the joint before it carries a joint without `parent`; the second finger of a gripper has the `parent` of the first");
 }
 
 /// Whether two motions cancel that follow one coordinate by 1 and by the ratio.
@@ -90,7 +90,7 @@ fn note_alike(robot: &RobotDescription, model: &Model, described: &[f64], report
     };
     let last = pair.map_or(drives.len() - 1, |(_, b)| b);
     let message =
-        format!("{who}: no forces at the joints tell their torques apart, and B has no left inverse");
+        format!("{who}: forces at the joints do not determine their torques, and B has no left inverse");
     report.note(Some(place(robot, drives[last])), "drives-alike", message);
     report.help("weights of opposite signs (`on = { pitch = 1, roll = -1 }`) make a differential; a joint that `[[drives]]` moves \
          needs no `drive` of its own");

@@ -27,7 +27,7 @@ struct Combined {
 
 /// The rows of all joints and drives, by their order in the description.
 pub(super) struct Couplings {
-    /// `None` for joints that are fixed, and where the description has an error.
+    /// `None` for joints that are fixed, and if the description has an error.
     joints: Vec<Option<Row>>,
     /// Rows of the drives that are not on a joint; `None` if the description has an error.
     pub(super) drives: Vec<Option<Row>>,
@@ -35,7 +35,7 @@ pub(super) struct Couplings {
 }
 
 impl Couplings {
-    /// Resolves what joints and drives follow, along chains of followers, to coordinates.
+    /// Writes the motions of joints and drives in terms of coordinates, along chains of followers.
     pub(super) fn resolve(
         robot: &RobotDescription,
         tree: &Tree,
@@ -206,7 +206,7 @@ impl Resolver<'_, '_> {
             let message =
                 format!("{what} `{}` does not move with {}: {ways}", name.value, list(names.into_iter()));
             self.report.note(Some(name.span), "follows-cancel", message);
-            self.report.help(format!("{ADDED_UP}; where that is not meant, correct a sign"));
+            self.report.help(format!("{ADDED_UP}; if that is not intended, correct a sign"));
         }
         (!row.terms.is_empty()).then_some(row)
     }

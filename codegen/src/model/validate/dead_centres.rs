@@ -13,7 +13,7 @@ const HALVINGS: u32 = 64;
 /// Part of the longest lever below which a lever at the end of the range is none.
 const NONE: f64 = 1e-6;
 
-/// Warns where an input alone moves a joint through positions at which it cannot. A cylinder over several joints is left out: where
+/// Warns if an input alone moves a joint through positions at which it cannot. A cylinder over several joints is left out: where
 /// its lever about one of them vanishes, the others decide what it does.
 pub(super) fn warn(
     force: &PointForceDescription,
@@ -47,7 +47,7 @@ pub(super) fn warn(
     report.help("no controller holds the joint there, and the force changes its sign: narrow the joint's `position` to one side, or move a frame");
 }
 
-/// Tells whether a drive or another cylinder moves the joint of a link too. A propeller beyond it seldom holds it.
+/// Whether a drive or another cylinder moves the joint of a link too. A propeller beyond it seldom holds it.
 fn others_act_on(link: usize, force: &PointForceDescription, model: &Model) -> bool {
     let mut driven = model.input_drives().flat_map(|drive| &drive.acts_on);
     let pulls = |input: &ForceInput| match &input.effect {

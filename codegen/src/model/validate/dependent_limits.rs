@@ -1,4 +1,4 @@
-//! Limits of joints that follow others: what those of the coordinates leave to them.
+//! Limits of joints that follow others, and the ranges that those of the coordinates leave to them.
 
 use super::super::Follower;
 use super::super::description::{JointDescription, LimitsDescription, RobotDescription};
@@ -22,7 +22,7 @@ pub(super) struct Limited<'d> {
 }
 
 impl<'d> Limited<'d> {
-    /// Complains where joints that follow others cannot keep their limits, and says where nothing makes them.
+    /// Reports an error if joints that follow others cannot keep their limits, and says where nothing makes them.
     pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
         for follower in followers {
             let joint = self.joint(follower.link);
@@ -52,7 +52,7 @@ impl<'d> Limited<'d> {
         })
     }
 
-    /// Complains where no position of the coordinates within their limits puts a joint within its own.
+    /// Reports an error if no position of the coordinates within their limits puts a joint within its own.
     fn check_positions(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
         let Some(limits) = &joint.limits.position else { return };
         let mut reach = [follower.offset; 2];
@@ -73,7 +73,7 @@ impl<'d> Limited<'d> {
                 as_written(high)
             );
             report.error(limits.span, "limits-exclude", message);
-            report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+            report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
         } else if (reach[0] < low || reach[1] > high) && !is_free(follower) {
             let message = format!(
                 "joint `{}` can leave its limits while the joints that it follows keep theirs",
@@ -84,17 +84,16 @@ impl<'d> Limited<'d> {
         }
     }
 
-    /// Says what of the runtime keeps the limits of a joint that can leave them.
+    /// Names the parts of the runtime that keep the limits of a joint that can leave them.
     fn say_who_keeps(&self, follower: &Follower, report: &mut Report) {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {
             terms if terms.iter().any(|term| term.coordinate >= driven) => {
-                "the loop brakes there, and checks of trajectories tell of it; predictive controllers do not keep limits that move \
-                 with a driven joint, and say so"
+                "the loop brakes there, and checks of trajectories report it; predictive controllers do not keep limits that move with a driven joint, and report this"
             }
             [_] => "the runtime narrows the limits of the joint that is followed: the loop, predictive controllers and planned motions keep them",
             _ => {
-                "the loop brakes there, and checks of trajectories tell of it; predictive controllers keep them by rows, \
+                "the loop brakes there, and checks of trajectories report it; predictive controllers keep them by rows, \
                  `MpcRow::of_limits`"
             }
         });
@@ -122,7 +121,7 @@ impl<'d> Limited<'d> {
         report.help("give the ratios numbers, or keep these limits yourself, by `MpcRow::dependent_joint` and `violations`");
     }
 
-    /// Complains where joints that follow the same coordinate alone leave it no position.
+    /// Reports an error if joints that follow the same coordinate alone leave it no position.
     fn check_together(&self, coordinate: usize, followers: &[Follower], report: &mut Report) {
         let own = self.joint(self.coordinates[coordinate]).limits.position.as_ref();
         let mut lowest = own.map(|limits| (limits.value[0], None));
@@ -153,7 +152,7 @@ impl<'d> Limited<'d> {
             as_written(high)
         );
         report.error(limits.span, "limits-exclude", message);
-        report.help("mend the limits, the ratios or the `offset`: no position satisfies them all");
+        report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
     }
 
     /// Positions of a coordinate that put a joint within its limits which follows nothing else.
@@ -186,7 +185,7 @@ impl<'d> Limited<'d> {
     }
 }
 
-/// Tells whether a ratio depends on free parameters. A warning of its own says that nothing keeps the limits of such joints.
+/// Whether a ratio depends on free parameters. A warning of its own says that nothing keeps the limits of such joints.
 fn is_free(follower: &Follower) -> bool {
     follower.follows.iter().any(|term| term.ratio.value(&[]).is_none())
 }
@@ -198,5 +197,6 @@ fn note_efforts(followers: &[&JointDescription], report: &mut Report) {
     let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
     let message = format!("the efforts of joints that follow others limit nothing: {names}");
     report.note(Some(first.span), "dependent-limits", message);
-    report.help("what such a joint transmits is no input: limit the drives, or the joints that are followed");
+    report
+        .help("the force of such a joint is not an input: limit the drives, or the joints that are followed");
 }

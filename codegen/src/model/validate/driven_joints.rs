@@ -1,4 +1,4 @@
-//! Joints whose motion is prescribed: what they may have.
+//! Keys of joints whose motion is prescribed.
 
 use super::super::description::{DriveChoice, JointDescription, Name, RobotDescription};
 use super::super::tree::Tree;
@@ -8,7 +8,7 @@ use crate::diagnostic::{Report, Span};
 
 const CODE: &str = "driven-joint";
 
-/// Complains about what has no meaning at a joint whose motion is prescribed, and in robots that have one.
+/// Reports keys without meaning at a joint whose motion is prescribed, and in robots that have one.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         // The velocities of one joint are told once.
@@ -24,7 +24,7 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
             let message =
                 format!("`{}` is {}, and joint `{first}` is driven", part.joint.value, part.kind.name());
             report.error(joint.name.span, CODE, message);
-            report.help("driven joints stand in robots without quaternions yet: describe the motion by joints of one coordinate");
+            report.help("driven joints and quaternions in one robot are not supported: describe the motion by joints of one coordinate");
             break;
         }
     }
@@ -36,8 +36,9 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
                 joint.name.value
             );
             report.error(load.span, CODE, message);
-            report
-                .help("a joint's load is known where every joint has an input of its own: leave `load` out");
+            report.help(
+                "a joint's load is known only if every joint has an input of its own: leave `load` out",
+            );
         }
     }
 }
@@ -79,7 +80,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
             format!("nothing limits the motion and effort of joint `{name}`, which is driven"),
         );
         report.help(
-            "only limits of its position count: seeded states, which checks and self-tests take, keep them",
+            "only its position limits have an effect: the seeded states of checks and self-tests keep them",
         );
     }
 }
@@ -91,7 +92,7 @@ pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     driven.map(|(link, _)| link).collect()
 }
 
-/// Complains about a drive on driven joints alone, which would be an input without effect.
+/// Reports a drive on driven joints alone, which would be an input without effect.
 pub(super) fn check_shared_drive(
     robot: &RobotDescription,
     tree: &Tree,

@@ -132,7 +132,7 @@ impl Builder<'_, '_> {
                 self.report.error(described.name.span, "missing-key", message);
                 self.report.help(
                     "`carrier` is the link that carries the rotor, `axis` its axis there; `coupling = \"diagonal\"` \
-                     takes only what the rotor adds to the motion that the drive acts on",
+                     takes only the rotor's inertia along the motion that the drive acts on",
                 );
                 None
             }

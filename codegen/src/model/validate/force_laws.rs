@@ -12,7 +12,7 @@ use crate::numeric;
 use crate::wording::three_digits;
 use gelenk_formula::Formula;
 
-/// Largest speed [rad/s or m/s] looked at where a joint has no limit.
+/// Largest speed [rad/s or m/s] looked at if a joint has no limit.
 const SPEED: f64 = 10.0;
 /// Largest speed [rad/s] looked at of a motor whose joint has no limit.
 const MOTOR_SPEED: f64 = 1000.0;
@@ -51,7 +51,7 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
 
 /// The same for friction of a drive's shaft.
 ///
-/// - `speed`: of the motor at the limit of the joint that it moves, where there is one [rad/s]
+/// - `speed`: of the motor at the limit of the joint that it moves, if there is one [rad/s]
 pub(super) fn check_shaft(
     drive: &str,
     friction: &At<Vec<FrictionTerm>>,
@@ -141,7 +141,7 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         );
         report.error(span, "friction-drives", message);
         report.help(
-            "a law by the position has the velocity's sign at every position within the limits: squares, `abs` or a summand keep its factor positive",
+            "the law must have the sign of the velocity at every position within the limits: squares, `abs` or a summand keep its factor positive",
         );
     } else if driven.iter().all(|(_, is_driven)| *is_driven) {
         let message = format!("the {what} of {name} drives it at every speed");
@@ -203,7 +203,7 @@ impl<'a> Law<'a> {
         Self { what, summands: summands.collect(), defaults }
     }
 
-    /// A bound of the law's magnitude over all positions and velocities; infinite where none is known.
+    /// A bound of the law's magnitude over all positions and velocities; infinite if none is known.
     fn largest(&self) -> f64 {
         let products = self.summands.iter();
         let magnitudes = products.map(|(coefficient, basis)| {
@@ -229,7 +229,7 @@ struct Grid {
     /// Its kind and name.
     owner: String,
     unit: &'static str,
-    /// Largest position looked at where there are no limits.
+    /// Largest position looked at if there are no limits.
     widest: f64,
     /// Limits of the position.
     position: Option<[f64; 2]>,
@@ -253,7 +253,7 @@ impl Grid {
         }
     }
 
-    /// Tells whether limits keep the joint where the grid is.
+    /// Whether limits keep the joint where the grid is.
     fn holds_all(&self, law: &Law<'_>) -> bool {
         self.velocity.is_some() && (self.position.is_some() || !law.depends_on_position())
     }

@@ -42,7 +42,7 @@ pub(super) struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    /// Everything that acts at frames; what has an error is left out.
+    /// All forces at frames; those with an error are left out.
     pub(super) fn resolve(mut self) -> FrameForces {
         let robot = self.robot;
         let mut found = FrameForces::default();
@@ -110,7 +110,7 @@ impl Resolver<'_> {
     fn moving(&mut self, name: &Name) -> Option<Attachment> {
         let at = self.attachment(name)?;
         if self.tree.carriers(self.robot)[at.link] == 0 {
-            let message = format!("`{}` is fixed to the base: what acts there moves nothing", name.value);
+            let message = format!("`{}` is fixed to the base: a force there moves nothing", name.value);
             self.report.error(name.span, "force-on-base", message);
             self.report.help("name a frame or link that a joint moves");
             return None;
@@ -118,7 +118,7 @@ impl Resolver<'_> {
         Some(at)
     }
 
-    /// Complains where a name may be that of a site and that of a body. `frame = …` of inputs and wrenches means the site.
+    /// Reports an error if a name may be that of a site and that of a body. `frame = …` of inputs and wrenches means the site.
     fn is_clear(&mut self, name: &Name) -> bool {
         let mut sites =
             self.robot.frames.iter().filter(|frame| frame.is_site && frame.name.value == name.value);
@@ -163,7 +163,7 @@ impl Resolver<'_> {
         } else if *low > 0.0 || *high < 0.0 {
             let message = format!("the limits of input `{}` exclude 0", name.value);
             self.report.error(*span, "limits-exclude", message);
-            self.report.help("guards command 0 where they stop a robot: give limits that contain it");
+            self.report.help("guards command 0 when they stop a robot: give limits that contain it");
         }
         Some([*low, *high])
     }
@@ -303,7 +303,7 @@ fn check_law(
     }
 }
 
-/// Warns where the part of a law that depends on the rate feeds every motion: a damper with the sign of other conventions.
+/// Warns if the part of a law that depends on the rate feeds every motion: a damper with the sign of other conventions.
 fn warn_of_drive(
     force: &PointForceDescription,
     law: &At<Formula>,
@@ -316,7 +316,7 @@ fn warn_of_drive(
     let mut taken = rates.flat_map(|rate| lengths.iter().map(move |l| (at(*l, rate) - at(*l, 0.0)) * rate));
     if taken.all(|power| power < 0.0) {
         let message =
-            format!("the force `{}` drives its ends at every rate: it is no damper", force.name.value);
+            format!("the force `{}` drives its ends at every rate: it is not a damper", force.name.value);
         report.warning(law.span, "driving-force", message);
         report.help("positive pulls together, so that a damper is `40*dl` and not `-40*dl`");
     }
@@ -361,7 +361,7 @@ fn note_drive_beside(
         |link: &&usize| driven.iter().any(|&coordinate| model.coordinates.get(coordinate) == Some(*link));
     for link in between.filter(driven) {
         let joint = model.links[*link].joint.as_ref().map_or("", |joint| &joint.name);
-        let message = format!("joint `{joint}` has a drive beside the input `{}`", force.name.value);
+        let message = format!("joint `{joint}` has a drive in addition to the input `{}`", force.name.value);
         report.note(Some(force.name.span), "drive-beside-input", message);
         report.help("`drive = \"none\"` at the joint leaves the input alone");
     }
@@ -380,6 +380,7 @@ fn refuse_load(robot: &RobotDescription, model: &Model, report: &mut Report) {
             joint.name.value
         );
         report.error(load.span, "load-with-forces", message);
-        report.help("a joint's load is known where drives at the joints are all that acts: leave `load` out");
+        report
+            .help("a joint's load is known only if nothing but drives at the joints acts: leave `load` out");
     }
 }

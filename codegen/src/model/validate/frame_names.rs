@@ -4,7 +4,7 @@ use super::super::description::{FrameDescription, RobotDescription};
 use super::super::tree::Tree;
 use crate::diagnostic::Report;
 
-/// Complains about frames with the name of a link that are not at its origin. Sites of an MJCF have names of their own:
+/// Reports frames with the name of a link that are not at its origin. Sites of an MJCF have names of their own:
 /// they are reported if a force names them ([`is_ambiguous`]).
 pub(super) fn check(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     for frame in robot.frames.iter().filter(|frame| !frame.is_site && is_ambiguous(frame, tree)) {
@@ -20,7 +20,7 @@ pub(super) fn check(robot: &RobotDescription, tree: &Tree, report: &mut Report) 
     }
 }
 
-/// Tells whether the name of a frame stands for another place too: the origin of a link.
+/// Whether the name of a frame stands for another place too: the origin of a link.
 pub(super) fn is_ambiguous(frame: &FrameDescription, tree: &Tree) -> bool {
     tree.index.contains_key(&frame.name.value)
         && !(frame.link.value == frame.name.value && frame.pose.is_identity())

@@ -18,7 +18,7 @@ const FAR: f64 = 50.0;
 /// Parts of the names of legs.
 const LEG_WORDS: [&str; 9] = ["leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank"];
 
-/// Notes what is strange about a robot whose links form a tree.
+/// Notes on probable mistakes in a robot whose links form a tree.
 pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], report: &mut Report) {
     let moving = tree.moving(robot);
     note_degrees(robot, report);
@@ -122,11 +122,14 @@ fn note_inertias(
         let radius = (largest / mass).sqrt();
         if moves && radius.is_finite() && radius > FAR {
             let [mass, largest, radius] = [mass, largest, radius].map(three_digits);
-            let entry = format!("{} of {mass} kg has {largest} kg m², as at {radius} m", body.name.quoted());
+            let entry = format!(
+                "{} of {mass} kg has {largest} kg m², a radius of gyration of {radius} m",
+                body.name.quoted()
+            );
             found.push((inertia.span, entry));
         }
     }
-    let message = |entries| format!("inertias that fit no mass so small: {entries}; are they in kg mm²?");
+    let message = |entries| format!("inertias too large for their masses: {entries}; are they in kg mm²?");
     note_found(found, "large-inertia", message, "inertias are in kg m²: 1 kg m² is 1e6 kg mm²", report);
 }
 
@@ -208,7 +211,7 @@ fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
     }
     let Some(&(first, _)) = found.first() else { return };
     let entries = listed(found.into_iter().map(|(_, entry)| entry));
-    let message = format!("the effort of joints without a drive bounds nothing: {entries}");
+    let message = format!("the effort of joints without a drive has no effect: {entries}");
     report.warning(first, "effort-without-drive", message);
-    report.help("`drive = \"ideal\"` makes the joint's force or torque an input, `drive = \"none\"` says that it has none");
+    report.help("`drive = \"ideal\"` makes the joint's force or torque an input, `drive = \"none\"` gives it no input");
 }

@@ -10,7 +10,7 @@ use gelenk_formula::Formula;
 
 const SEED: u64 = 0x6964_6c65;
 
-/// Complains about inputs that are wrenches and move nothing.
+/// Reports inputs that are wrenches and move nothing.
 pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
         let ForceEffect::Wrench { at, wrench } = &found.effect else { continue };
@@ -27,7 +27,7 @@ fn pulls(model: &Model) -> usize {
     model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
 }
 
-/// Tells whether a coordinate moves a link, by a joint of its own or by one that follows.
+/// Whether a coordinate moves a link, by a joint of its own or by one that follows.
 fn is_moved(link: usize, model: &Model) -> bool {
     let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
     let follows = |link: usize| {
@@ -63,7 +63,7 @@ fn check_levers(
     let others = described.iter().map(|value| value + random.either_side(0.1, 1.0)).collect();
     let (name, frame) = (&input.name.value, &at.name);
     let message = format!("input `{name}` moves nothing: no joint gives way to its wrench at `{frame}`");
-    let help = "a force moves a joint that turns where it passes by the axis, and one that slides where it has a part along the axis; a \
+    let help = "a force moves a joint that turns if it passes by the axis, and one that slides if it has a part along the axis; a \
                 moment turns about axes that are not across it";
     if Levers::new(model, others).are_moved_by(at, wrench) {
         let message = format!("{message} at the described values of the free parameters");

@@ -12,7 +12,7 @@ use crate::diagnostic::{Diagnostic, Report, Severity, Span};
 use crate::wording::listed;
 use gelenk_formula::Formula;
 
-/// A body and what is wrong with it.
+/// A body and its fault.
 struct Finding<'d> {
     body: &'d BodyDescription,
     flaw: Flaw,
@@ -98,7 +98,7 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
 impl Published<'_> {
     /// One warning about all of them.
     ///
-    /// - `pivots`: those of the mass matrix, where there is a model
+    /// - `pivots`: those of the mass matrix, if there is a model
     pub(super) fn report(&self, pivots: Option<&Pivots>, report: &mut Report) {
         let Some(first) = self.findings.first() else {
             return;

@@ -4,12 +4,12 @@ use super::super::description::{DriveChoice, JointDescription, Name, RobotDescri
 use crate::diagnostic::Report;
 use std::collections::BTreeMap;
 
-/// Complains about everything that is fixed to such a link.
+/// Reports everything that is fixed to such a link.
 pub(super) fn refuse(robot: &RobotDescription, report: &mut Report) {
     let inner: BTreeMap<&str, &str> = robot.joints.iter().filter_map(inner_link).collect();
     for name in named_links(robot) {
         if let Some(joint) = inner.get(name.value.as_str()) {
-            let message = format!("`{}` is no link: it is a velocity of joint `{joint}`", name.value);
+            let message = format!("`{}` is not a link: it is a velocity of joint `{joint}`", name.value);
             report.error(name.span, "quaternion-joint", message);
             report.help("name the link that the joint carries");
         }

@@ -43,7 +43,7 @@ fn are_parallel(some: &[Vec<f64>], others: &[Vec<f64>]) -> bool {
 
 fn note_inputs(robot: &RobotDescription, [first, second]: [&str; 2], report: &mut Report) {
     let message = format!(
-        "inputs `{first}` and `{second}` act alike at every position: no forces at the joints tell theirs apart, and B has no left inverse"
+        "inputs `{first}` and `{second}` act alike at every position: forces at the joints do not determine theirs, and B has no left inverse"
     );
     report.note(Some(place(robot, second)), "inputs-alike", message);
     report.help("cylinders side by side are one input with the sum of their limits, unless each is commanded by itself");
@@ -72,7 +72,7 @@ fn note_springs(robot: &RobotDescription, model: &Model, described: &[f64], repo
     }
 }
 
-/// Tells whether two pairs are the same points, in either order.
+/// Whether two pairs are the same points, in either order.
 fn are_between([a, b]: &[Attachment; 2], [c, d]: &[Attachment; 2], described: &[f64]) -> bool {
     let value = |x: &Formula| x.evaluate(described, 0.0, 0.0);
     let same = |one: &Attachment, other: &Attachment| {

@@ -18,7 +18,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, re
     }
 }
 
-/// Warns of the rotors of a URDF whose place is not clear, with what they would add to M.
+/// Warns of the rotors of a URDF whose place is not clear, with their terms in M.
 pub(super) fn warn_of_skipped_rotors(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if robot.skipped_rotors.is_empty() {
         return;
@@ -34,7 +34,7 @@ pub(super) fn warn_of_skipped_rotors(robot: &RobotDescription, model: &Model, re
             "a rotor of {} kg m² was skipped, {}: i² J = {} kg m²{}",
             as_written(inertia),
             match (rotor.joints.len(), rotor.ratios.len()) {
-                (1, 1) => "whose joint is no coordinate with one position",
+                (1, 1) => "whose joint is not a coordinate with one position",
                 (1, 0) => "whose transmission has no gear ratio",
                 (1, _) => "whose transmission has several gear ratios",
                 _ => "whose transmission has not one joint",
@@ -82,7 +82,7 @@ fn report_indefinite(
     }
     report.error(span, CODE, message);
     report.help(
-        "mend the bodies that these joints move, or take the model as it is: `--accept-unphysical`, or \
+        "correct the bodies that these joints move, or accept the model as it is: `--accept-unphysical`, or \
          `accept_unphysical = true` at the top of a TOML file",
     );
 }

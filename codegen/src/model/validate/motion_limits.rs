@@ -100,7 +100,7 @@ struct Path {
 }
 
 impl Path {
-    /// Complains if the distance is not that of one coordinate within limits. A distance that does not move is reported elsewhere.
+    /// Reports an error if the distance is not that of one coordinate within limits. A distance that does not move is reported elsewhere.
     fn find(
         force: &PointForceDescription,
         between: &[Attachment; 2],
@@ -147,9 +147,9 @@ impl Path {
     }
 }
 
-const HELP_JOINTS: &str = "`stroke` and `speed` are kept where one joint alone changes the length: limit the joints instead, by `position` and `velocity`";
+const HELP_JOINTS: &str = "`stroke` and `speed` are kept only if one joint alone changes the length: limit the joints instead, by `position` and `velocity`";
 
-/// Tells whether other parameters put the frames elsewhere.
+/// Whether other parameters put the frames elsewhere.
 fn depends_on_parameters(model: &Model, between: &[Attachment; 2]) -> bool {
     let described = Distances::new(model, between).at_states();
     (0..model.parameters.len()).any(|changed| {
@@ -217,7 +217,7 @@ fn allowed(
     if !lengths.windows(2).all(goes_on) {
         let message = format!("the length of `{name}` has an extremum within the limits of joint `{joint}`");
         report.error(stroke.span, "length-turns-back", message);
-        report.help("a stroke is a range of the joint where the length only grows or only shrinks: narrow the joint's `position` to one side");
+        report.help("a stroke is a range of the joint in which the length only grows or only shrinks: narrow the joint's `position` to one side");
         return None;
     }
     let [shortest, longest] = stroke.value;
@@ -231,7 +231,7 @@ fn allowed(
             as_written(longest)
         );
         report.error(stroke.span, "limits-exclude", message);
-        report.help("mend the stroke, the places of the frames or the limits of the joint: no position satisfies them all");
+        report.help("correct the stroke, the places of the frames or the limits of the joint: no position satisfies them all");
         return None;
     }
     let is_within = |position: &f64| (shortest..=longest).contains(&length(*position));

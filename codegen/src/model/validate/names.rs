@@ -70,7 +70,7 @@ impl Identifiers {
         }
     }
 
-    /// Says where the module and the functions of frames are not called what the description says.
+    /// Reports names of the module and of the functions of frames that differ from the description.
     pub(super) fn note(&self, robot: &RobotDescription, report: &mut Report) {
         let module = (&robot.name, self.module.clone());
         let module = Some(module).filter(|(name, identifier)| name.value != *identifier);
@@ -119,7 +119,7 @@ pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what:
             continue;
         };
         let place = report.place(first.span);
-        let message = format!("two {what} are named `{}`; the other one stands at {place}", name.value);
+        let message = format!("two {what} are named `{}`; the other one is at {place}", name.value);
         report.error(name.span, "duplicate-name", message);
         report.help("give each its own name");
     }

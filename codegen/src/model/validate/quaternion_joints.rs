@@ -1,4 +1,4 @@
-//! Spherical and floating joints: what their velocities may have, and how they stand among the coordinates.
+//! Spherical and floating joints: keys of their velocities, and their order among the coordinates.
 
 use super::super::QuaternionJoint;
 use super::super::QuaternionKind;
@@ -9,7 +9,7 @@ use super::inner_links;
 use crate::diagnostic::{Report, Span};
 use gelenk_formula::Formula;
 
-/// Complains about what no velocity of a joint with a quaternion can have.
+/// Reports keys that no velocity of a joint with a quaternion can have.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         if let Some(part) = &joint.part_of {
@@ -105,13 +105,13 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
     let first = floating.next();
     for (second, first) in floating.filter_map(|second| Some((second, first?))) {
         let message =
-            format!("`{}` is a second floating joint beside `{}`", second.joint.value, first.joint.value);
+            format!("`{}` is a second floating joint, next to `{}`", second.joint.value, first.joint.value);
         report.error(second.joint.span, "second-floating-joint", message);
         report.help("two bodies that both move freely are two robots: generate a module for each");
     }
 }
 
-/// The joints with quaternions in the order of the coordinates; complains where the velocities of one do not
+/// The joints with quaternions in the order of the coordinates; reports an error if the velocities of one do not
 /// stand together.
 pub(super) fn find(
     robot: &RobotDescription,
@@ -141,7 +141,7 @@ pub(super) fn find(
             }
             let span = robot.coordinates.as_ref().and_then(|listed| listed.get(next));
             let span = span.map_or(first.joint.span, |name| name.span);
-            let message = format!("the velocities of `{}` do not stand together", first.joint.value);
+            let message = format!("the velocities of `{}` are not adjacent", first.joint.value);
             report.error(span, "quaternion-joint", message);
             report.help("in `coordinates` those of one joint follow each other in their order");
             return joints;

@@ -8,7 +8,7 @@ use crate::wording::{as_written, three_digits};
 /// Limits are written numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Complains about lines that are not constants of the module. The motor of a held joint turns nothing and has none.
+/// Reports lines that are not constants of the module. The motor of a held joint turns nothing and has none.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
     let lines = model.limited_inputs(&described);
@@ -91,11 +91,11 @@ fn has_known_ratio(drive: &Drive) -> bool {
 fn refuse_free_ratio(name: &str, motor: &DriveDescription, report: &mut Report) {
     let message = format!("motor `{name}` has a torque–speed line, and its ratio is a free parameter");
     report.error(motor.gear_ratio.span, "torque-speed-line", message);
-    report.help("the line is a limit of the joints' speeds for a known ratio: give the ratio a number, or give controllers the row yourself, `MpcRow::torque_speed_line`");
+    report.help("a line needs a known ratio: give the ratio as a number, or give controllers a row of your own, `MpcRow::torque_speed_line`");
 }
 
 fn refuse_driven(name: &str, span: Span, report: &mut Report) {
     let message = format!("motor `{name}` has a torque–speed line, and turns with a driven joint too");
     report.error(span, "torque-speed-line", message);
-    report.help("what the line leaves to the torque would change with the prescribed motion, which no row of a controller has: leave `stall_torque` and `no_load_speed` out, and limit `torque`");
+    report.help("the torque that the line allows would change with the prescribed motion, which no row of a controller contains: leave `stall_torque` and `no_load_speed` out, and limit `torque`");
 }

@@ -75,7 +75,7 @@ pub(super) fn names(model: &Model) -> Vec<Constant> {
     ]
 }
 
-/// The number of position entries of each joint; none where the positions are one for each coordinate.
+/// The number of position entries of each joint; none if the positions are one for each coordinate.
 pub(in crate::module) fn joint_positions(model: &Model) -> Vec<usize> {
     let entries = |joint: JointPosition<'_>| match joint {
         JointPosition::Coordinate(_) => 1,

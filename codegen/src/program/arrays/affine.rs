@@ -15,7 +15,7 @@ pub struct Affine {
     pub called: Arrays,
     /// For each input: the coordinates that it acts on, each with its gain, a constant or a parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
-    /// D, where positions have quaternions: `c` has no term of y then.
+    /// D, if positions have quaternions: `c` has no term of y then.
     pub drift: Option<Vec<Drift>>,
 }
 

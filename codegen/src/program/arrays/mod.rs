@@ -67,7 +67,7 @@ pub struct Arrays {
     pub outputs: Vec<ArrayOutput>,
     /// The joints.
     pub joints: Tree,
-    /// The coordinates that the joints follow; `None` where each joint is one.
+    /// The coordinates that the joints follow; `None` if each joint is one.
     pub coordinates: Option<Coordinates>,
     /// Joints that are the velocities of one joint with a quaternion, from the base outwards.
     pub chains: Vec<Vec<usize>>,
@@ -158,7 +158,7 @@ pub enum Step {
         /// A matrix over coordinates.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 where that is the base.
+    /// `to[·][j] = from[·][k]` with the carrier k of joint j, or 0 if that is the base.
     GatherCarriers {
         /// Source array.
         from: ArrayId,
@@ -255,7 +255,7 @@ impl Arrays {
         }
     }
 
-    /// Tells whether each joint but the first follows the one before it, and none has a quaternion.
+    /// Whether each joint but the first follows the one before it, and none has a quaternion.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         self.joints.is_chain() && self.chains.is_empty()
@@ -291,7 +291,7 @@ impl Arrays {
         self.over(self.arrays[array].over)
     }
 
-    /// Tells whether a matrix over coordinates is zero where two of them are on no path. Forces of one coordinate that depend on
+    /// Whether a matrix over coordinates is zero if two of them are on no path. Forces of one coordinate that depend on
     /// another branch, as the friction of a shaft that moves two, are elsewhere.
     #[must_use]
     pub fn is_over_paths(&self, array: ArrayId) -> bool {
@@ -316,7 +316,7 @@ impl Arrays {
         }
     }
 
-    /// The same with each product that only sums read contracted into a fused multiply-add.
+    /// The same with fused multiply-adds: each product that only sums read is part of these sums.
     #[must_use]
     pub fn fused(&self) -> Self {
         let mut fused = self.clone();
@@ -332,7 +332,7 @@ impl Arrays {
 }
 
 impl Step {
-    /// Tells whether the step reads an array.
+    /// Whether the step reads an array.
     #[must_use]
     pub fn reads(&self, array: ArrayId) -> bool {
         match self {
@@ -353,7 +353,7 @@ impl Step {
         }
     }
 
-    /// Tells whether the step writes an array.
+    /// Whether the step writes an array.
     #[must_use]
     pub fn writes(&self, array: ArrayId) -> bool {
         match self {

@@ -16,34 +16,34 @@ impl Tree {
         self.parents.len()
     }
 
-    /// Tells whether there are no entries.
+    /// Whether there are no entries.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.parents.is_empty()
     }
 
-    /// Tells whether each entry but the first follows the one before it.
+    /// Whether each entry but the first follows the one before it.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         let parents = self.parents.iter().enumerate();
         parents.into_iter().all(|(index, parent)| *parent == index.checked_sub(1))
     }
 
-    /// Tells whether entry `j` stands before entry `i` on its path to the base.
+    /// Whether entry `j` stands before entry `i` on its path to the base.
     #[must_use]
     pub fn is_before(&self, j: usize, i: usize) -> bool {
         let path = std::iter::successors(self.parents[i], |&next| self.parents[next]);
         path.into_iter().any(|ancestor| ancestor == j)
     }
 
-    /// Tells whether two entries are one, or stand on one path to the base.
+    /// Whether two entries are one, or stand on one path to the base.
     #[must_use]
     pub fn meet(&self, i: usize, j: usize) -> bool {
         i == j || self.is_before(i, j) || self.is_before(j, i)
     }
 }
 
-/// How joints follow coordinates, where they are not the coordinates themselves.
+/// How joints follow coordinates, if they are not the coordinates themselves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coordinates {
     /// The coordinate that each joint follows. The joints of the coordinates themselves stand first, in order.

@@ -7,7 +7,7 @@ pub struct DependentJoint<const N: usize> {
     pub name: &'static str,
     /// G: its motion for a unit of motion of each coordinate.
     pub ratios: [f64; N],
-    /// G_d: likewise for the driven joints; empty where the robot has none.
+    /// G_d: likewise for the driven joints; empty if the robot has none.
     pub driven_ratios: &'static [f64],
     /// g₀: its position where all that it follows stands at 0 [rad or m].
     pub offset: f64,
@@ -19,7 +19,7 @@ pub struct DependentJoint<const N: usize> {
 
 impl<const N: usize> DependentJoint<N> {
     /// Position and velocity, given those of the coordinates and of the driven joints
-    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)); NaN where it follows a driven joint whose motion is
+    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)); NaN if it follows a driven joint whose motion is
     /// not given.
     #[must_use]
     pub fn motion(&self, y: &[f64; N], v: &[f64; N], driven: &[[f64; 3]]) -> [f64; 2] {
@@ -41,13 +41,13 @@ impl<const N: usize> DependentJoint<N> {
         motion
     }
 
-    /// Tells whether it follows driven joints.
+    /// Whether it follows driven joints.
     #[must_use]
     pub const fn follows_driven_joints(&self) -> bool {
         count(self.driven_ratios) > 0
     }
 
-    /// The coordinate that it follows, where this is the only one and it follows nothing else.
+    /// The coordinate that it follows, if this is the only one and it follows nothing else.
     #[must_use]
     pub fn followed_alone(&self) -> Option<usize> {
         if self.follows_driven_joints() || count(&self.ratios) != 1 {
@@ -56,19 +56,19 @@ impl<const N: usize> DependentJoint<N> {
         self.ratios.iter().position(|ratio| *ratio != 0.0)
     }
 
-    /// Tells whether it follows several coordinates and nothing else.
+    /// Whether it follows several coordinates and nothing else.
     #[must_use]
     pub const fn is_sum(&self) -> bool {
         !self.follows_driven_joints() && count(&self.ratios) > 1
     }
 
-    /// Tells whether its position has a limit.
+    /// Whether its position has a limit.
     #[must_use]
     pub const fn has_position_limit(&self) -> bool {
         self.position[0] != f64::NEG_INFINITY || self.position[1] != f64::INFINITY
     }
 
-    /// Tells whether its speed has a limit.
+    /// Whether its speed has a limit.
     #[must_use]
     pub const fn has_velocity_limit(&self) -> bool {
         self.velocity != f64::INFINITY

@@ -26,7 +26,7 @@ pub const fn unknown<const K: usize>() -> [[f64; 3]; K] {
     [UNKNOWN; K]
 }
 
-/// The driven joints at other times, where this is all that is known: a joint at rest stays, of the others nothing is
+/// The driven joints at other times, if this is all that is known: a joint at rest stays, of the others nothing is
 /// known.
 #[must_use]
 pub fn at_rest_or_unknown<const K: usize>(driven: &[[f64; 3]; K]) -> [[f64; 3]; K] {

@@ -95,7 +95,7 @@ functions!(a: A, b: B, c: C);
 functions!(a: A, b: B, c: C, d: D);
 functions!(a: A, b: B, c: C, d: D, e: E);
 
-/// Tells whether a module has a function.
+/// Whether a module has a function.
 #[must_use]
 pub const fn has(functions: &[&str], name: &str) -> bool {
     let mut k = 0;
@@ -120,7 +120,7 @@ const fn is_same(a: &[u8], b: &[u8]) -> bool {
 #[derive(Debug, Clone, Copy)]
 pub struct HasDerivatives<const B: bool>;
 
-/// Implemented where it has.
+/// Implemented if it has.
 ///
 /// ```compile_fail,E0277
 /// mod arm {

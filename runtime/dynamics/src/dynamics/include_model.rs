@@ -25,7 +25,7 @@ macro_rules! include_model {
             include!(concat!(
                 env!(
                     "OUT_DIR",
-                    "include_model! needs a build script, build.rs beside Cargo.toml, that calls `gelenk_codegen::build`"
+                    "include_model! needs a build script, build.rs next to Cargo.toml, that calls `gelenk_codegen::build`"
                 ),
                 "/gelenk.modules.rs"
             ));

@@ -107,7 +107,7 @@ where
     }
 }
 
-/// The module's `INPUT_RANGES`, or [`Missing`] where its limits are magnitudes alone.
+/// The module's `INPUT_RANGES`, or [`Missing`] if its limits are magnitudes alone.
 pub trait InputRanges<const M: usize> {
     /// Ranges within these magnitudes.
     fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M];

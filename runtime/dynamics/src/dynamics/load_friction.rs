@@ -1,4 +1,4 @@
-//! Friction that grows with what a gear transmits: `|τ_l| s₁` in addition to the friction s₀ of the velocity alone.
+//! Friction that grows with the load of a gear: `|τ_l| s₁` in addition to the friction s₀ of the velocity alone.
 //!
 //! The load τ_l is what the drive of a joint would exert without friction. The drive exerts `s₀ + τ_l + |τ_l|
 //! s₁` (Hamon, Gautier and Garrec 2010), which grows with the load where |s₁| < 1.
@@ -10,7 +10,7 @@ pub fn under_load(load: f64, share: f64) -> f64 {
 }
 
 /// The load of a joint whose drive exerts so much beyond the friction of the velocity:
-/// `τ_l = w / (1 + s₁ sign w)`, the one solution of `w = τ_l + |τ_l| s₁` where |s₁| < 1; NaN where it is not.
+/// `τ_l = w / (1 + s₁ sign w)`, the one solution of `w = τ_l + |τ_l| s₁` where |s₁| < 1; NaN if it is not.
 #[must_use]
 pub fn load(exerted: f64, share: f64) -> f64 {
     if share == 0.0 {

@@ -2,7 +2,7 @@
 
 /// Makes a type of a generated module that implements [`Dynamics`](crate::dynamics::Dynamics), and
 /// [`Differentiable`](crate::dynamics::Differentiable) and [`Discretizable`](crate::dynamics::Discretizable)
-/// where the module has derivatives.
+/// if the module has derivatives.
 ///
 /// ```
 /// use gelenk_dynamics::dynamics::Dynamics;

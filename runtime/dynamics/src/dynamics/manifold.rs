@@ -4,10 +4,10 @@ use super::names::Named;
 use core::fmt;
 use gelenk_kernels::manifold;
 
-/// The module's `NY`, or this where it has none: every position entry then has its velocity.
+/// The module's `NY`, or this if it has none: every position entry then has its velocity.
 pub const NO_POSITIONS: usize = usize::MAX;
 
-/// The module's `JOINT_POSITIONS`, or this where it has none.
+/// The module's `JOINT_POSITIONS`, or this if it has none.
 pub const NO_WIDTHS: [usize; 0] = [];
 
 /// The number of position entries of a robot with `n` velocities.
@@ -178,7 +178,7 @@ impl fmt::Display for AttitudeError {
         write!(f, "the quaternion of joint {joint}, x {x} y {y} z {z} w {w}, ")?;
         match length(&self.quaternion) {
             length if !length.is_finite() => write!(f, "is not finite"),
-            0.0 => write!(f, "is zero, which is no attitude"),
+            0.0 => write!(f, "is zero, which is not an attitude"),
             length => write!(f, "has the length {length}; an attitude has length 1: normalize it"),
         }
     }

@@ -43,7 +43,7 @@ impl<const L: usize> Numbers<L> {
     };
 }
 
-/// Names for what has none: its number, counted from 1.
+/// Names of joints without one: the number, counted from 1.
 pub fn numbered<const L: usize>() -> [&'static str; L] {
     Numbers::<L>::NAMES
 }

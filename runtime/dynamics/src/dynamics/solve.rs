@@ -5,7 +5,7 @@ pub(super) fn product<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 }
 
 /// Solves `A x = b` by the factorization `A = L D Lᵀ` (Golub and Van Loan, Matrix Computations, 2013, section
-/// 4.1); NaN where A is not positive definite.
+/// 4.1); NaN if A is not positive definite.
 pub(super) fn solve_positive_definite<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
     for j in 0..N {
         let pivot = a[j][j];

@@ -7,7 +7,7 @@ pub struct TorqueSpeedLine<const N: usize> {
     pub name: &'static str,
     /// Its index.
     pub input: usize,
-    /// C: what each velocity takes from the input, in its unit.
+    /// C: the torque that each velocity takes from the input, in its unit.
     pub slopes: [f64; N],
     /// Largest input at rest, in the unit of the input.
     pub limit: f64,
@@ -28,7 +28,7 @@ impl<const N: usize> TorqueSpeedLine<N> {
     }
 }
 
-/// Number of lines among the limits of a module's `TORQUE_SPEED_LIMITS`, which are infinite where there is none.
+/// Number of lines among the limits of a module's `TORQUE_SPEED_LIMITS`, which are infinite if there is none.
 pub const fn count_lines(limits: &[f64]) -> usize {
     let (mut i, mut lines) = (0, 0);
     while i < limits.len() {

@@ -74,7 +74,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         &[]
     }
 
-    /// Tells whether the quaternions of positions are attitudes.
+    /// Whether the quaternions of positions are attitudes.
     ///
     /// # Errors
     /// The first one that is zero, not finite, or whose length differs from 1 by more than
@@ -85,7 +85,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
 
     /// Positions 0, and the identity for quaternions.
     fn neutral(&self) -> [f64; NY] {
-        const { assert!(NY == N, "zero is no attitude") }
+        const { assert!(NY == N, "zero is not an attitude") }
         [0.0; NY]
     }
 
@@ -119,7 +119,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         manifold::bracket(&NO_WIDTHS, a, b)
     }
 
-    /// Gives all quaternions unit length. The result is false where one is zero or not finite, which then is the
+    /// Gives all quaternions unit length. The result is false if one is zero or not finite, which then is the
     /// identity.
     #[must_use]
     fn normalize(&self, y: &mut [f64; NY]) -> bool {
@@ -141,13 +141,13 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         f(self)
     }
 
-    /// Position, velocity and acceleration of each driven joint, where the robot has some and their motion is known.
+    /// Position, velocity and acceleration of each driven joint, if the robot has some and their motion is known.
     #[inline]
     fn driven_motion(&self) -> &[[f64; 3]] {
         &[]
     }
 
-    /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … where there are none.
+    /// Names of the inputs: the module's `INPUT_NAMES`; "1", "2", … if there are none.
     fn input_names(&self) -> [&'static str; M] {
         numbered()
     }
@@ -221,12 +221,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         self.limits().at_inputs(&self.drive_matrix())
     }
 
-    /// Applied forces `q(y, ẏ) = gravity + springs − τ`, without what a load adds to friction.
+    /// Applied forces `q(y, ẏ) = gravity + springs − τ`, without friction under load.
     fn applied_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::applied_forces(self, y, v)
     }
 
-    /// Bias forces `k − gravity`, what other libraries call `nle`.
+    /// Bias forces `k − gravity`; other libraries call them `nle`.
     fn bias_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::bias_forces(self, y, v)
     }
@@ -236,12 +236,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         defaults::equations_of_motion(self, y, v)
     }
 
-    /// Forces `M ÿ + k − q` that the inputs must make at the joints, what a load adds to friction included.
+    /// Forces `M ÿ + k − q` that the inputs must make at the joints, friction under load included.
     fn inverse_dynamics(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
         defaults::inverse_dynamics(self, y, v, a)
     }
 
-    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, what a load adds to friction subtracted from q; NaN where M is not
+    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, with friction under load subtracted from q; NaN if M is not
     /// positive definite.
     fn forward_dynamics(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         defaults::forward_dynamics(self, y, v, u)
@@ -270,7 +270,7 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
         defaults::inverse_dynamics_derivatives_and_mass_matrix(self, y, v, a)
     }
 
-    /// Forces `B(y) u` of the inputs, and ∂(B u)/∂y, which is zero where all inputs are [drives](Dynamics::drives).
+    /// Forces `B(y) u` of the inputs, and ∂(B u)/∂y, which is zero if all inputs are [drives](Dynamics::drives).
     ///
     /// The body computes the derivative from the others, as `∂f/∂y + (∂f/∂ÿ) (∂ÿ/∂y)` with f the inverse dynamics at the
     /// accelerations that u causes at rest.

@@ -88,13 +88,13 @@ pub struct Discretization<const N: usize, const M: usize, const NY: usize = N> {
     pub state: [[[[f64; N]; N]; 2]; 2],
     /// B_d by blocks: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
     pub input: [[[f64; M]; N]; 2],
-    /// c_d: what remains of y⁺ and ẏ⁺.
+    /// c_d: the remainder of y⁺ and ẏ⁺.
     pub affine: [[f64; N]; 2],
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
-    /// Tells whether every entry is finite. Infinite ones stand where the robot is too fast for the period,
-    /// NaN where its linearization was not finite.
+    /// Whether every entry is finite. Infinite ones stand where the robot is too fast for the period,
+    /// NaN if its linearization was not finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let state = self.state.as_flattened().as_flattened().as_flattened();
@@ -141,7 +141,7 @@ pub struct Step<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Step<N, M, NY> {
-    /// Tells whether every entry is finite.
+    /// Whether every entry is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let state = self.state.as_flattened().as_flattened().as_flattened();
@@ -151,7 +151,7 @@ impl<const N: usize, const M: usize, const NY: usize> Step<N, M, NY> {
     }
 }
 
-/// Limits of joints and inputs; infinite where the description gives none.
+/// Limits of joints and inputs; infinite if the description gives none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<const N: usize, const M: usize> {
     /// Lowest and highest position [rad or m].
@@ -205,7 +205,7 @@ impl<const N: usize, const M: usize> Limits<N, M> {
     }
 }
 
-/// Lowest and highest inputs that keep the limits of motors and joints; infinite where neither is described.
+/// Lowest and highest inputs that keep the limits of motors and joints; infinite if neither is described.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputLimits<const M: usize> {
     /// Limits that motors and joints bear continuously, in the units of the inputs.
@@ -245,12 +245,12 @@ fn within_efforts<const N: usize, const M: usize>(
     })
 }
 
-/// The larger number; NaN where either is none.
+/// The larger number; NaN if either is none.
 fn larger(a: f64, b: f64) -> f64 {
     -smaller(-a, -b)
 }
 
-/// The smaller number; NaN where either is none.
+/// The smaller number; NaN if either is none.
 fn smaller(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
 }
@@ -291,7 +291,7 @@ impl<const N: usize, const M: usize> OfResults<discrete_time::Linear<N, M>> for 
     }
 }
 
-/// D is left out: it is what `drift` makes of the velocities.
+/// D is left out: `drift` computes it from the velocities.
 impl<const N: usize, const M: usize, const NY: usize> OfResults<discrete_time::LinearOnManifold<N, M>>
     for Linearization<N, M, NY>
 {

@@ -114,7 +114,7 @@ pub struct Adaptation {
     ratios: Vec<[f64; 2]>,
     /// The plant's.
     truth: [f64; 2],
-    /// Time after the change until the curve stays found (s), by joint; infinite where it never does.
+    /// Time after the change until the curve stays found (s), by joint; infinite if it never does.
     pub settled: [f64; 2],
 }
 

@@ -84,7 +84,7 @@ fn track(case: &Case, friction: [Friction; 2], regime: Regime, control: Control,
     run::linear(&setup, model, options, &case.reference)
 }
 
-/// From ideal to realistic, and what would help.
+/// From ideal to realistic conditions, and possible remedies.
 fn rows() -> [(&'static str, Regime, Control); 9] {
     let (ideal, all) = (Regime::IDEAL, Regime::REALISTIC);
     let late = Regime { delay: 1, ..ideal };

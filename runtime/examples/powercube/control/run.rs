@@ -1,4 +1,4 @@
-//! Runs of a controller on the simulated arm, and what they show.
+//! Runs of a controller on the simulated arm, and their results.
 
 use crate::arm::{Arm, GEAR, PEAK, PERIOD, Regime};
 use crate::study::Outcome;

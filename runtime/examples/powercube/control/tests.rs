@@ -1,4 +1,4 @@
-//! Verdicts of the short form as values, and what flips each.
+//! Verdicts of the short form as values, and the condition that flips each.
 
 use super::identified::FrictionSamples;
 use super::*;
@@ -21,7 +21,7 @@ fn identified() -> Arm {
     arm(identified::identify(plant, plant, DURATION).unwrap())
 }
 
-/// Verdict and numbers of an experiment's only claim, the numbers within a share of what is expected.
+/// Verdict and numbers of an experiment's only claim, the numbers within a share of the expected ones.
 fn holds(experiment: fn(&Study) -> Outcome<Part>, verdict: Verdict, expected: &[(f64, f64)]) {
     let part = experiment(&SHORT).unwrap();
     let [claim] = &part.claims[..] else {

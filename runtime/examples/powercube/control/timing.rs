@@ -1,4 +1,4 @@
-//! Claim 11: what a step costs, and what the regressions cost.
+//! Claim 11: cost of a step, and of the regressions.
 
 use super::identified::{FrictionSamples, identify, record};
 use super::run::{Faster, HORIZON, Ltv, Modelled, Nonlinear, Run, Setup, drive};

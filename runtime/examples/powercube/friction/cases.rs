@@ -85,7 +85,7 @@ impl Case {
         curve_error(&self.law(method)?, |v| self.truth(v), FASTEST)
     }
 
-    /// The same, not-a-number where the method gives no law.
+    /// The same, not-a-number if the method gives no law.
     pub fn error_or_nan(&self, method: Method) -> f64 {
         self.error(method).unwrap_or(f64::NAN)
     }
@@ -161,7 +161,7 @@ pub fn narrow(b: &Case) -> Case {
     b.with("B, |β| < 0.1", kept)
 }
 
-/// Largest error of a method [N m rms]; not-a-number where it gives no law.
+/// Largest error of a method [N m rms]; not-a-number if it gives no law.
 pub fn worst(cases: &[Case], method: Method) -> f64 {
     let errors = cases.iter().map(|case| case.error_or_nan(method));
     errors.fold(0.0, |worst, error| if error > worst || error.is_nan() { error } else { worst })

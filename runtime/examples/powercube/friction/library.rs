@@ -157,7 +157,7 @@ pub fn front_claim(fronts: &[[Front; 2]; 3]) -> Claim {
     .shown_in("pareto")
 }
 
-/// Claim 7c on what LASSO chose for joints A, B, C.
+/// Claim 7c on the law that LASSO chose for joints A, B, C.
 pub fn choice_claim(chosen: &[(FrictionReport, f64); 3]) -> Claim {
     let most = chosen.iter().map(|(report, _)| terms_of(report).len());
     let worst = chosen.iter().fold(0.0, |worst: f64, (_, error)| worst.max(*error));

@@ -1,4 +1,4 @@
-//! Verdicts of claims 5 to 9 in the short form, and what flips each.
+//! Verdicts of claims 5 to 9 in the short form, and the condition that flips each.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 

@@ -235,10 +235,10 @@ fn not_written(joint: &JointEstimate, recordings: usize, with_offsets: f64) -> F
     let unit = joint.unit;
     let said = match recordings {
         1 => format!(
-            "its offset of {high} {unit} is not part of the law, because one run does not tell whether it repeats"
+            "its offset of {high} {unit} is not part of the law, because one run does not show that it repeats"
         ),
         n => format!(
-            "its offsets of {low} to {high} {unit} are not part of the law, because {n} runs do not tell whether they repeat"
+            "its offsets of {low} to {high} {unit} are not part of the law, because {n} runs do not show that they repeat"
         ),
     };
     let message = format!(

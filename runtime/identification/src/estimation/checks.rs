@@ -51,7 +51,7 @@ pub(super) struct Checked<'a> {
     pub(super) loads_are_known: bool,
 }
 
-/// Tells whether a finding is of a residual that follows the acceleration.
+/// Whether a finding is of a residual that follows the acceleration.
 pub(super) fn is_of_acceleration(finding: &Finding) -> bool {
     finding.code == ACCELERATION.code
 }

@@ -22,7 +22,7 @@ const WEIGHTS: usize = 23;
 const LESS_TRUST: f64 = 0.01;
 const LESS_TRUST_STEPS: usize = 2;
 
-/// A choice, and what it was chosen from.
+/// A choice, and its candidates.
 pub(super) struct Chosen<'a> {
     pub(super) model: Model,
     pub(super) weighting: Weighting,
@@ -275,7 +275,7 @@ impl<'a> Chosen<'a> {
         Ok(())
     }
 
-    /// Offsets for each run, where there are several and they lower the error by more than a standard error.
+    /// Offsets for each run, if there are several and they lower the error by more than a standard error.
     fn choose_offsets(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
         if sums.by_run(0, None).len() < 2 {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Delays of the efforts that are not known: a first fit, and what it gives to the last one.
+//! Delays of the efforts that are not known: a first fit, and its results for the last one.
 //!
 //! The column of a delay is the rate of an effort. Noise stands in measured rates, which makes a delay and its error come out too
 //! small. So a first fit takes these, and the last one the rates of the forces that the first one predicts, over efforts from which
@@ -14,7 +14,7 @@ use super::residuals::Forces;
 pub(super) struct FirstFit {
     /// Delays by their numbers \[s\].
     pub(super) delays: Vec<f64>,
-    /// Rates of the efforts at the joints, `[run][joint][sample]`, for gains of one; empty where a joint's efforts have
+    /// Rates of the efforts at the joints, `[run][joint][sample]`, for gains of one; empty if a joint's efforts have
     /// several delays.
     pub(super) rates: Vec<Vec<Vec<f64>>>,
     /// The runs without the delays.

@@ -47,7 +47,7 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 ///
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
-/// z is the measured effort times B; K the drive's gain, which is one except for currents, where it is estimated first, relative to
+/// z is the measured effort times B; K the drive's gain, which is one except for currents, if it is estimated first, relative to
 /// the described masses; s the description's non-inertial forces; o the offset. π is held near the description along directions
 /// that the data do not determine: `λ` times the squared distance from the described bodies is added, with the largest λ
 /// whose held-out error exceeds the best by at most one standard error.
@@ -88,7 +88,7 @@ pub fn estimate(
     }
 }
 
-/// The joint whose effort nothing explains that was tried, and what is said of it.
+/// The joint whose effort no hypothesis explains, and the text about it.
 fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Finding)> {
     let IdentificationError::Unexplained { subject, r_squared, least, reasons } = error else { return None };
     let (reason, remedy) = match reasons.iter().find(|reason| is_driving(reason)) {
@@ -99,8 +99,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
             (format!("its effort is hardly explained: {poor}"), None)
         }
     };
-    let kept =
-        "It is left out: friction, drive, and what other joints do not tell of its bodies stay as described";
+    let kept = "It is left out: its friction, its drive, and parameters of its bodies that other joints do not determine stay as described";
     let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(subject.clone());
     let joint = (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == *subject)?;
     Some((joint, Finding { remedy, ..finding }))
@@ -242,7 +241,7 @@ impl Task<'_> {
         })
     }
 
-    /// The first fit of unknown delays; `None` where they are known.
+    /// The first fit of unknown delays; `None` if they are known.
     fn first_fit(&self, sums: &Sums) -> Result<Option<FirstFit>> {
         if self.layout.delays.is_empty() {
             return Ok(None);
@@ -256,7 +255,7 @@ impl Task<'_> {
         sum(&mut self.rows(), self.layout, self.runs, &self.pieces, weights)
     }
 
-    /// R² of each joint on held-out data with the samples at rest, which the fit leaves out; `None` where no joint rests.
+    /// R² of each joint on held-out data with the samples at rest, which the fit leaves out; `None` if no joint rests.
     ///
     /// - `judged`: the fit to the sums of moving samples, and its errors
     fn with_rest(&self, judged: &Chosen, errors: &HeldOut) -> Option<Vec<f64>> {
@@ -304,7 +303,7 @@ impl Task<'_> {
         Ok((as_described, other_sums))
     }
 
-    /// How offsets are estimated, where that is decided.
+    /// How offsets are estimated, if that is decided.
     fn offsets(&self) -> Option<Offsets> {
         let weighs = self.gravity == Gravity::CompensatedAsDescribed;
         self.settings.offsets.or(weighs.then_some(Offsets::Common))
@@ -430,7 +429,7 @@ impl Task<'_> {
         Ok(doubts)
     }
 
-    /// Refuses a fit that explains too little, with what may be the reason.
+    /// Refuses a fit that explains too little, with the likely reason.
     fn require_explained(&self, held_out: &[f64], doubts: &Doubts, checked: &Checked) -> Result<()> {
         let reasons = |joint: usize| {
             let reasons = doubts.of_all.iter().cloned().chain(checked.joint(joint));
@@ -463,7 +462,7 @@ impl Chosen<'_> {
         offsets_of(&self.centred, &self.values)
     }
 
-    /// R² of each joint for given residual sums: centred over what shares an offset.
+    /// R² of each joint for given residual sums, centred over the runs that share an offset.
     pub(super) fn centred_r_squared(&self, rss: &[f64]) -> Vec<f64> {
         let share = |(joint, rss): (usize, &f64)| {
             let variation = self.centred.variation(joint);

@@ -25,7 +25,7 @@ use nalgebra::{DMatrix, DVector};
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const OFFSETS: Rule = Rule::note("offsets");
 
-/// Sees: what is left of the delays of the efforts.
+/// Sees: the remaining delays of the efforts.
 /// Matters: intervals count how far a delay is known.
 /// Example: 0.2 ± 0.3 ms.
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
@@ -49,7 +49,7 @@ const CONTRADICTED: Rule = Rule::note("body-contradicted");
 /// Fixture: `estimation/tests/currents.rs`.
 const MOTOR_CONSTANT: Rule = Rule::warning("motor-constant-unknown");
 
-/// The last fit, and what it was made with.
+/// The last fit, and its inputs.
 pub(super) struct Estimated<'a> {
     pub(super) robot: &'a dyn Robot,
     pub(super) settings: &'a EstimationSettings,
@@ -147,7 +147,7 @@ impl Estimated<'_> {
         Sensitivity { joints: (0..layout.joints).filter(|j| layout.moves[*j]).map(joint).collect() }
     }
 
-    /// Covariance of the inertial parameters, scaled to the reported standard errors; zero where the data may not change them.
+    /// Covariance of the inertial parameters, scaled to the reported standard errors; zero if the data may not change them.
     fn parameter_covariance(&self) -> DMatrix<f64> {
         let count = self.layout.parameters;
         let active = self.solved.active.iter().enumerate().take_while(|(_, global)| **global < count);
@@ -190,8 +190,7 @@ impl Estimated<'_> {
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "the delay of the efforts is estimated with all else, and intervals count how far it is known: {} beyond what \
-                 was removed before",
+                "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: {} in addition to the delay that was removed before",
                 said.join(", ")
             );
             DELAYS.found(message).help("--delay takes one as known")
@@ -349,7 +348,7 @@ pub(super) fn is_unexplained(finding: &Finding) -> bool {
 /// Refuses a fit that explains too little of a moving joint, or another sign better.
 ///
 /// - `held_out`: R² of each joint on held-out data; `doubts`: about the signs of their efforts
-/// - `reasons`: what may be the reason for a joint
+/// - `reasons`: likely reasons for a joint
 ///
 /// # Errors
 /// [`IdentificationError::Unexplained`] with the first such joint.

@@ -57,7 +57,7 @@ fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
     chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= POOR)
 }
 
-/// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` where none does.
+/// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` if none does.
 pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Finding)>> {
     let layout = chosen.centred.layout;
     if layout.known_gains.contains(&false) {

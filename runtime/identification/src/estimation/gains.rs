@@ -40,7 +40,7 @@ const SETTLED: f64 = 1e-4;
 pub(super) struct Gains {
     /// One where the effort is a force, or not measured.
     pub(super) values: Vec<f64>,
-    /// Covariance of their logarithms; zero where they are known.
+    /// Covariance of their logarithms; zero if they are known.
     pub(super) covariance: DMatrix<f64>,
 }
 
@@ -117,7 +117,7 @@ impl Projection {
     }
 }
 
-/// Products of a joint without what friction and the drive's inertia explain.
+/// Products of a joint without the part that friction and the drive's inertia explain.
 fn without_friction(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> DMatrix<f64> {
     let places: Vec<usize> = terms(layout, joint).map(|term| layout.first_term(joint) + term).collect();
     let rows = products.select_rows(&places);
@@ -154,7 +154,7 @@ struct Equations<'a> {
     without: Vec<Vec<DMatrix<f64>>>,
     /// Samples of each joint that count as one.
     times: Vec<f64>,
-    /// Those whose gains are unknown, what projections say of these, and the inverse of their logarithms' covariance.
+    /// Joints whose gains are unknown, the information of projections about these, and the inverse of their logarithms' covariance.
     joints: &'a [usize],
     first: Vec<f64>,
     precision: DMatrix<f64>,

@@ -89,7 +89,7 @@ pub(super) struct Doubts {
 }
 
 impl Doubts {
-    /// All of them; what would refuse a result and was accepted is a warning.
+    /// All of them; a refusal that was accepted is a warning.
     pub(super) fn findings(self) -> Vec<Finding> {
         self.of_all.into_iter().chain(self.of_joints.into_iter().flatten()).map(Finding::accepted).collect()
     }
@@ -233,7 +233,7 @@ fn in_order(task: &Task, chosen: &Chosen, order: &[usize]) -> Result<HeldOut> {
     Ok(HeldOut { rss, ..errors })
 }
 
-/// Delays that the residual follows, where delays are stated and the effort is better explained with another one. Delays that are not stated
+/// Delays that the residual follows, if delays are stated and the effort is better explained with another one. Delays that are not stated
 /// are estimated with all else.
 pub(super) fn other_delays(
     task: &Task,
@@ -326,7 +326,7 @@ fn too_short(task: &Task) -> Option<Finding> {
     let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
     (samples < FEWEST_SAMPLES).then(|| {
         let message = format!(
-            "the log is too short: {samples} samples are left after the filter, and friction cannot be told from chance"
+            "the log is too short: {samples} samples are left after the filter, and friction cannot be distinguished from noise"
         );
         TOO_SHORT.found(message).help("record a motion of 10 s or more")
     })
@@ -357,8 +357,8 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
     } else {
         (
             "without",
-            "say --gravity-compensated if the robot compensates gravity outside the recorded efforts; if it is mounted otherwise \
-             than described, as on a wall or a ceiling, say `gravity = [x, y, z]`",
+            "use --gravity-compensated if the robot compensates gravity outside the recorded efforts; if it is mounted otherwise \
+             than described, as on a wall or a ceiling, set `gravity = [x, y, z]`",
         )
     };
     let finding = GRAVITY.found(format!("the data are explained better {what} gravity")).help(remedy);

@@ -1,4 +1,4 @@
-//! Covariance of the estimate under correlated residuals, and of what the description contributes.
+//! Covariance of the estimate under correlated residuals, and with the uncertainty of the description.
 //!
 //! With the normal matrix H, the description's metric Λ (its weight included), and `A = H + Λ`, it is
 //! `A⁻¹ (S + ω² Λ) A⁻¹`. S is the variance of the score, from its sums over short blocks ([`super::cosines`]): it has
@@ -135,7 +135,7 @@ fn add(
     }
 }
 
-/// Means of a joint's columns over what shares an offset, for each run.
+/// Means of a joint's columns over samples that share an offset, for each run.
 pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<DVector<f64>> {
     let means: Vec<DVector<f64>> = centred.means(joint).into_iter().map(|(_, mean)| mean).collect();
     match centred.layout.offsets(joint, centred.offsets) {
@@ -227,7 +227,7 @@ impl Scores {
     }
 }
 
-/// Covariance of the active unknowns, and what decides them.
+/// Covariance of the active unknowns, and the factors that determine them.
 pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
     /// Number of combinations of inertial parameters that the data decide: `tr(A⁻¹ H)` over them.
@@ -237,12 +237,12 @@ pub(super) struct Covariance {
 }
 
 impl Covariance {
-    /// Standard error of an unknown; zero where it is not estimated.
+    /// Standard error of an unknown; zero if it is not estimated.
     pub(super) fn deviation(&self, solved: &Solved, global: usize) -> f64 {
         self.of(solved, global, global).max(0.0).sqrt()
     }
 
-    /// Covariance of two unknowns; zero where one of them is not estimated.
+    /// Covariance of two unknowns; zero if one of them is not estimated.
     pub(super) fn of(&self, solved: &Solved, one: usize, other: usize) -> f64 {
         let place = |global: usize| solved.active.iter().position(|&active| active == global);
         place(one).zip(place(other)).map_or(0.0, |at| self.matrix[at])

@@ -17,7 +17,7 @@ pub(super) const VISCOUS: usize = 0;
 pub(super) const COULOMB: Range<usize> = 1..1 + WIDTHS.len();
 pub(super) const ASYMMETRY: usize = TERMS - 2;
 pub(super) const ARMATURE: usize = TERMS - 1;
-/// The term under load, |τ_l| tanh(k v), behind the others where the layout has it.
+/// The term under load, |τ_l| tanh(k v), behind the others if the layout has it.
 pub(super) const LOAD: usize = TERMS;
 
 /// A joint that moves less than this [rad or m] stands still; a shaft, less than its gear makes of it.
@@ -25,7 +25,7 @@ pub(crate) const STANDSTILL: f64 = 1e-3;
 /// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
 const PROBES: usize = 4;
 
-/// Columns of the equations, and what is known about the data before the first pass.
+/// Columns of the equations, and prior knowledge about the data.
 ///
 /// Unknowns count globally: the P inertial parameters (as differences from the description), then the candidate
 /// terms of each joint, then what is left of the efforts' delays.
@@ -38,7 +38,7 @@ pub(super) struct Layout {
     /// Global columns with entries in the joint's equation, ascending; behind them stand the described rigid force and
     /// the measured force.
     pub(super) local: Vec<Vec<usize>>,
-    /// Number of the delay of each effort, where delays are not known; empty otherwise.
+    /// Number of the delay of each effort, if delays are not known; empty otherwise.
     pub(super) delays: Vec<usize>,
     /// Delays with entries in the joint's equation.
     pub(super) late: Vec<Vec<usize>>,
@@ -61,7 +61,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Joints that move, and whose efforts are measured; none where the described bodies calibrate the current.
+    /// Joints that move, and whose efforts are measured; none if the described bodies calibrate the current.
     pub(super) fn known_efforts(&self) -> Vec<bool> {
         let is_known = |joint: usize| self.known_gains[joint] && self.moves[joint] && self.measured[joint];
         (0..self.joints).map(is_known).collect()
@@ -188,7 +188,7 @@ impl Layout {
         own.into_iter().chain(row.filter(|(_, factor)| *factor != 0.0))
     }
 
-    /// Global number of what is left of a delay.
+    /// Global number of a remaining delay.
     pub(super) fn delay(&self, number: usize) -> usize {
         self.parameters + self.joints * self.terms + number
     }
@@ -315,7 +315,7 @@ fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
 }
 
-/// Tells of each joint whether its efforts are forces up to B: no currents, or all with described motor constants.
+/// For each joint, whether its efforts are forces up to B: no currents, or all with described motor constants.
 fn known_gains(robot: &dyn Robot, effort: Effort) -> Vec<bool> {
     let joints = robot.joint_names().len();
     if effort != Effort::Current {
@@ -338,10 +338,9 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
     }
     Err(IdentificationError::File {
         place: "drive gains".into(),
-        message:
-            "currents give gains only where each joint has one input of its own; convert the currents to \
+        message: "currents give gains only if each joint has one input of its own; convert the currents to \
                   forces of the inputs first"
-                .into(),
+            .into(),
     })
 }
 

@@ -9,7 +9,7 @@ use super::normal::{Centred, Normal, assemble};
 use super::task::Task;
 use nalgebra::DVector;
 
-/// The runs with the samples near stops of a joint among its rests; `None` where the runs passed no filter.
+/// The runs with the samples near stops of a joint among its rests; `None` if the runs passed no filter.
 pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
     let reach = task.settings.filter.as_ref()?.half_length();
     let of_run = |run: &PreparedRun| {
@@ -23,7 +23,7 @@ pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
     Some(task.runs.iter().map(of_run).collect())
 }
 
-/// Change of each unknown. Weights and offsets' priors stay; none where the runs passed no filter.
+/// Change of each unknown. Weights and offsets' priors stay; none if the runs passed no filter.
 pub(super) fn change_at_margin(task: &Task, last: &Chosen, of: &Fitted) -> DVector<f64> {
     let mut changes = DVector::zeros(task.layout.len());
     let Some(runs) = runs_away_from_stops(task) else { return changes };

@@ -21,7 +21,7 @@ pub(super) struct Model {
     pub(super) consistent: bool,
 }
 
-/// Values of all unknowns: differences from the description, candidate terms (zero where not chosen), gains.
+/// Values of all unknowns: differences from the description, candidate terms (zero if not chosen), gains.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Values {
     /// Values of the unknowns, by global number.
@@ -69,7 +69,7 @@ impl<'a> Centred<'a> {
         Self { layout, sums, offsets, zeros, all, without }
     }
 
-    /// `Σ (z − z̄)²` of the measured forces z of a joint, over what shares an offset; NaN where nothing acts.
+    /// `Σ (z − z̄)²` of the measured forces z of a joint, over samples that share an offset; NaN if nothing acts.
     pub(super) fn variation(&self, joint: usize) -> f64 {
         let products = centred(self.sums, joint, None, (self.layout.offsets(joint, self.offsets), 0.0));
         let last = products.nrows() - 1;
@@ -145,7 +145,7 @@ impl<'a> Centred<'a> {
     }
 }
 
-/// Products of a joint's columns, with what offsets explain taken out.
+/// Products of a joint's columns without the part that offsets explain.
 ///
 /// - `zeros`: samples without force that each offset counts for
 fn centred(
@@ -161,7 +161,7 @@ fn centred(
     products
 }
 
-/// Weights and sums of what shares an offset; nothing where forces have none.
+/// Weights and sums of samples that share an offset; nothing if forces have none.
 fn groups(runs: Vec<(f64, DVector<f64>)>, offsets: Offsets) -> Vec<(f64, DVector<f64>)> {
     match offsets {
         Offsets::None => Vec::new(),

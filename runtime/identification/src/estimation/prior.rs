@@ -16,7 +16,7 @@ const OWN_FLOOR: f64 = 0.01;
 /// The same for the mean radius of all bodies.
 const COMMON_FLOOR: f64 = 1e-3;
 
-/// The quadratic form, which parameters the data may change, and what is known of friction and offsets.
+/// The quadratic form, the parameters that the data may change, and the priors of friction and offsets.
 #[derive(Clone)]
 pub(super) struct Prior {
     pub(super) metric: DMatrix<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Prior {
 /// A Gaussian about described values, by active unknown.
 pub(super) struct Gaussian {
     pub(super) mean: DVector<f64>,
-    /// Inverses of the variances; zero where nothing is known.
+    /// Inverses of the variances; zero if nothing is known.
     pub(super) precision: DVector<f64>,
     /// Samples of the data that count as one.
     pub(super) time: DVector<f64>,
@@ -140,7 +140,7 @@ fn body_metric(inverse: &Matrix4<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(PER_BODY, PER_BODY, |i, k| 0.5 * (scaled[i] * scaled[k]).trace())
 }
 
-/// Factor of P₀ with its floors; of the nearest body that can exist where the description has none.
+/// Factor of P₀ with its floors; of the nearest body that can exist if the description has none.
 fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Cholesky<f64, Const<4>> {
     let mut p = pseudo_inertia(pi);
     let own = (p[(0, 0)] + p[(1, 1)] + p[(2, 2)]).abs() / pi[0];

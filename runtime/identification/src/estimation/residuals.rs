@@ -23,7 +23,7 @@ pub(super) struct Forces {
     /// Forces of the rigid body by the estimate, and by the description.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
     pub(super) described: Vec<Vec<Vec<f64>>>,
-    /// Friction under load; zeros where there is none.
+    /// Friction under load; zeros if there is none.
     pub(super) load: Vec<Vec<Vec<f64>>>,
 }
 
@@ -104,7 +104,7 @@ fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64
     residual(&only, 0.0, columns)
 }
 
-/// Friction under load, where the layout has it.
+/// Friction under load, if the layout has it.
 fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let place = layout.first_term(joint) + LOAD;
     let has = layout.terms > LOAD;
@@ -125,7 +125,7 @@ pub(super) fn robust_deviations(layout: &Layout, runs: &[PreparedRun], forces: &
     (0..layout.joints).map(|j| robust_deviation(sizes(j))).collect()
 }
 
-/// Standard deviation of residuals by the median of their sizes, which outliers do not move; infinite where there are
+/// Standard deviation of residuals by the median of their sizes, which outliers do not move; infinite if there are
 /// none.
 pub(crate) fn robust_deviation(sizes: impl Iterator<Item = f64>) -> f64 {
     median(sizes).map_or(f64::INFINITY, |median| (FROM_MEDIAN * median).max(f64::MIN_POSITIVE))

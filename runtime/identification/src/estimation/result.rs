@@ -54,7 +54,7 @@ pub struct Estimate {
     pub description_weight: f64,
     /// How many combinations of the inertial parameters the data decide: the trace of `(H + λ R)⁻¹ H` over them.
     pub effective_parameters: f64,
-    /// Covariance of the inertial parameters `[P × P]`: zero where the data may not change them.
+    /// Covariance of the inertial parameters `[P × P]`: zero if the data may not change them.
     pub parameter_covariance: DMatrix<f64>,
     /// How well other inertial parameters would explain the data.
     pub(crate) sensitivity: Sensitivity,
@@ -64,7 +64,7 @@ pub struct Estimate {
     pub predicted: Vec<Vec<Vec<f64>>>,
     /// Measured forces without the rigid body's: friction, offset and error, in the same shape.
     pub friction: Vec<Vec<Vec<f64>>>,
-    /// The share of these forces that grows with the load, in the same shape; empty where it was not asked for.
+    /// The share of these forces that grows with the load, in the same shape; empty if it was not asked for.
     pub load_friction: Vec<Vec<Vec<f64>>>,
     /// Level of all intervals.
     pub confidence: f64,
@@ -86,7 +86,7 @@ pub struct Estimate {
 pub struct Uncertain {
     /// The estimate.
     pub value: f64,
-    /// Standard error; zero where the data may not change the value.
+    /// Standard error; zero if the data may not change the value.
     pub standard_error: f64,
     /// Ends of the interval at the estimate's level.
     pub interval: [f64; 2],
@@ -109,7 +109,7 @@ pub struct JointEstimate {
     pub name: String,
     /// `N·m` or `N`.
     pub unit: &'static str,
-    /// Friction and reflected inertia; empty where the joint stands still.
+    /// Friction and reflected inertia; empty if the joint stands still.
     pub terms: Vec<EstimatedTerm>,
     /// Friction under load, `|τ_l| s₁(v)` with a share s₁ of the load without unit, where it was asked for and chosen.
     pub load: Option<EstimatedTerm>,
@@ -139,7 +139,7 @@ pub struct JointEstimate {
     /// its measured and predicted forces.
     pub measured: bool,
     /// Whether its force is known without a sensor, as in the rows of a joint with a quaternion: it has neither an offset
-    /// nor estimated friction. R² is NaN where nothing acts there.
+    /// nor estimated friction. R² is NaN if nothing acts there.
     pub exact: bool,
 }
 

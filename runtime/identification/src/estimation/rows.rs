@@ -29,7 +29,7 @@ pub(super) struct Rows<'a> {
     load: Vec<f64>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
-    /// Entries that `more` adds at the sample evaluated last; empty where nothing is added.
+    /// Entries that `more` adds at the sample evaluated last; empty if nothing is added.
     added: Vec<f64>,
     /// Columns of each joint, [`BLOCK`] apart.
     columns: Vec<Vec<f64>>,

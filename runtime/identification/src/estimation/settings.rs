@@ -31,13 +31,13 @@ pub struct EstimationSettings {
     /// efforts: the columns of friction pass it too. `None` leaves them as they are.
     pub filter: Option<Filter>,
     /// Number of the delay of each effort, from 0 on: what is left of the delays that were removed is estimated with all
-    /// else. Efforts with the same number share one. `None` where delays are known.
+    /// else. Efforts with the same number share one. `None` if delays are known.
     pub delays: Option<Vec<usize>>,
     /// Level of the intervals, e.g. 0.9.
     pub confidence: f64,
     /// Least R² on held-out data, centred, that a moving joint's fit must have.
     pub least_r_squared: f64,
-    /// Numbers of joints whose efforts are not used: they keep what is described.
+    /// Numbers of joints whose efforts are not used: they keep their description.
     pub without: Vec<usize>,
     /// Returns the estimate even where a joint's R² is below the least one.
     pub accept_poor: bool,

@@ -110,7 +110,7 @@ impl Columns {
 
     /// Sums over each piece, the means of its run's columns taken off where forces are measured.
     ///
-    /// - `filter`: what the efforts passed; friction passes it too
+    /// - `filter`: of the efforts; friction passes it too
     pub(crate) fn sums(
         &self,
         robot: &dyn Robot,
@@ -212,7 +212,7 @@ fn scale(column: &mut [f64], weights: &[f64]) {
     column.iter_mut().zip(weights).for_each(|(x, w)| *x *= w.sqrt());
 }
 
-/// An outlier keeps some weight; samples without any are those of a rest, which nothing is asked of.
+/// Samples without any weight are those of a rest, which do not count; an outlier keeps some weight.
 fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
     for (sum, values) in lost.iter_mut().zip(squared) {
         let counted = values.iter().zip(weights).filter(|(_, w)| **w > 0.0);
@@ -373,7 +373,7 @@ impl Found<'_> {
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))
     }
 
-    /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run where runs have offsets, outliers counted in full; NaN where nothing acts.
+    /// `1 − RSS / Σ (τ − τ̄)²`, τ̄ by run where runs have offsets, outliers counted in full; NaN if nothing acts.
     fn r_squared(&self, joint: usize, rss: f64) -> f64 {
         let variation = self.fitted.chosen.centred.variation(joint);
         let [residual, total] = self.lost(joint);
@@ -415,7 +415,7 @@ impl Found<'_> {
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 
-    /// Measured force minus the rigid body's and an added inertia's, as factors of a joint's columns.
+    /// Friction as factors of a joint's columns: measured force minus those of the rigid body and of an added inertia.
     fn friction(&self, joint: usize) -> DVector<f64> {
         let layout = self.fitted.layout;
         let mut factors = residual_vector(layout, &self.fitted.solved.values, joint);

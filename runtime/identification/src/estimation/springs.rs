@@ -17,7 +17,7 @@ const FREE: f64 = 1e-12;
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
 const SPRING: Rule = Rule::warning("spring");
 
-/// The spring that explains the efforts most clearly better; `None` where none does. Rows of quaternions and of shafts have none.
+/// The spring that explains the efforts most clearly better; `None` if none does. Rows of quaternions and of shafts have none.
 pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
     let (layout, count) = (task.layout, task.layout.parameters);
     if layout.exact.contains(&true) || layout.known_gains.contains(&false) {

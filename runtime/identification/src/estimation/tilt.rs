@@ -37,7 +37,7 @@ const FREE: f64 = 1e-3;
 /// Variance of an angle under independent residuals [rad²] from which it counts as not told.
 const UNTOLD: f64 = 0.01;
 
-/// A doubt about the direction of gravity; `None` where there is none, or where the data do not tell.
+/// A doubt about the direction of gravity; `None` if there is none, or where the data do not tell.
 ///
 /// - the fit with the described gravity and its errors; `time`: the residuals' correlation time
 pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
@@ -69,7 +69,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
     Ok(None)
 }
 
-/// Two directions across another one.
+/// Two directions perpendicular to another one.
 fn across(gravity: Vector3<f64>) -> [Vector3<f64>; 2] {
     let down = gravity.normalize();
     let mut axis = Vector3::zeros();
@@ -256,9 +256,9 @@ fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts hold a gravity {angle:.1}° ± {half:.1}° off the described one, turned about [{axis}] of the base: the base is \
+        "the efforts show a gravity {angle:.1}° ± {half:.1}° off the described one, turned about [{axis}] of the base: the base is \
          mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
     );
-    let remedy = format!("say gravity = [{found}], and identify again");
+    let remedy = format!("set gravity = [{found}], and identify again");
     TILT.found(message).with("angle", angle, "°").help(remedy)
 }

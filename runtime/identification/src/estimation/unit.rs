@@ -46,7 +46,7 @@ pub(crate) struct CommonRatio {
     effort: Effort,
 }
 
-/// The factor that is farthest from 1 of those of turning and of sliding joints; `None` where nothing carries.
+/// The factor that is farthest from 1 of those of turning and of sliding joints; `None` if nothing carries.
 ///
 /// - `known`: joints that move, and whose efforts are measured
 pub(super) fn common_ratio(

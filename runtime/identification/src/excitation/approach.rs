@@ -21,7 +21,7 @@ pub struct Approach {
     pub from: Vec<f64>,
     /// Posture that it leads to.
     pub to: Vec<f64>,
-    /// Shortest time that keeps the limits of speed and acceleration (s); 0 where both postures are one.
+    /// Shortest time that keeps the limits of speed and acceleration (s); 0 if both postures are one.
     pub seconds: f64,
 }
 
@@ -55,7 +55,7 @@ impl Approach {
         ]
     }
 
-    /// Instants along the way; none where both postures are one.
+    /// Instants along the way; none if both postures are one.
     pub(super) fn instants(&self) -> Vec<Instant> {
         let share = |i: usize| i as f64 / PARTS as f64;
         let moves = self.seconds > 0.0;

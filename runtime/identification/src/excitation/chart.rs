@@ -18,7 +18,7 @@ use std::ops::Range;
 
 /// Terms of the series in θ², below rounding for all turns up to π.
 const TERMS: i32 = 16;
-/// So often a motion is shrunk towards its limits: what is left of a speed beyond them falls fast.
+/// Number of times that a motion is shrunk towards its limits; the excess of a speed falls fast.
 const ROUNDS: usize = 6;
 /// Part of a limit that a shrunk motion leaves to the next round's error.
 const MARGIN: f64 = 1e-3;
@@ -43,7 +43,7 @@ impl Chart {
         Self { plain: plain_positions(&[], joints), joints: Vec::new() }
     }
 
-    /// Tells for each coordinate whether it belongs to a joint with a quaternion.
+    /// For each coordinate, whether it belongs to a joint with a quaternion.
     pub(super) fn turns(&self) -> Vec<bool> {
         self.plain.iter().map(Option::is_none).collect()
     }

@@ -20,7 +20,7 @@ pub struct PlannedShaft {
     pub speed: f64,
     /// Largest torque of its motor without friction, by the described robot [N·m].
     pub torque: f64,
-    /// Described limit of this torque; infinite where there is none.
+    /// Described limit of this torque; infinite if there is none.
     pub limit: f64,
 }
 
@@ -137,7 +137,7 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// Tells whether the motion leaves the limits of a joint that follows others, or of one that was shifted for it.
+    /// Whether the motion leaves the limits of a joint that follows others, or of one that was shifted for it.
     fn leaves_limits(&self, [y, v, _]: &Instant) -> bool {
         if self.followers.is_empty() {
             return false;

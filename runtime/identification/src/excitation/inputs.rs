@@ -1,4 +1,4 @@
-//! Inputs that act at frames, as cylinders do: what a planned motion asks of them.
+//! Inputs that act at frames, such as cylinders: their forces along a planned motion.
 
 use super::chart::Chart;
 use super::motors::Torques;
@@ -17,7 +17,7 @@ pub struct PlannedInput {
     pub name: String,
     /// Lowest and highest value, in the input's unit.
     pub range: [f64; 2],
-    /// Described limits; infinite where there are none.
+    /// Described limits; infinite if there are none.
     pub limits: [f64; 2],
 }
 
@@ -33,7 +33,7 @@ pub(super) struct FrameInputs<'a> {
 }
 
 impl<'a> FrameInputs<'a> {
-    /// `None` where all inputs are drives: what they bear stands at the joints and shafts.
+    /// `None` if all inputs are drives: what they bear stands at the joints and shafts.
     ///
     /// - `share`: of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
@@ -132,7 +132,7 @@ pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [Excitat
     notes
 }
 
-/// First and last place of the longest run of levers of one sign that are not short; `None` where all have one sign.
+/// First and last index of the longest sequence of levers of one sign above the least length; `None` if all have one sign.
 fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
     let longest = levers.iter().fold(0.0_f64, |most, lever| most.max(lever.abs()));
     let has_both = levers.iter().any(|lever| *lever > 0.0) && levers.iter().any(|lever| *lever < 0.0);
@@ -161,7 +161,7 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
     match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
         Some((_, joint)) => Err(IdentificationError::File {
             place: format!("joint {joint}"),
-            message: "it has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it (`drive`, \
+            message: "it has no drive, and no input at a frame moves it: no motion of it can be planned; describe the force that moves it (`drive`, \
                       `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs"
                 .into(),
         }),
@@ -188,7 +188,7 @@ fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) ->
     Err(IdentificationError::File {
         place: format!("joint {}", joint.name),
         message: format!(
-            "no motion is planned where a {kind} joint is moved by its inputs in {moved} of its {} directions: in the others it \
+            "no motion is planned if a {kind} joint is moved by its inputs in {moved} of its {} directions: in the others it \
              would have to move as nothing moves it. Record free motions instead, which `gelenk identify` takes as they are; or \
              describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp what it \
              carries, describe it as fixed for the plan and its logs ({fixed}), and identify the rest from free motions",

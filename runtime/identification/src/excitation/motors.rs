@@ -35,7 +35,7 @@ impl Torques {
         (0..self.usable.len()).map(|input| self.range(input, v)).collect()
     }
 
-    /// Faster than without load, a motor brakes: there the whole line counts.
+    /// Range of the torque. Beyond its speed without load a motor brakes, and the whole line counts.
     fn range(&self, input: usize, v: &[f64]) -> [f64; 2] {
         self.lines.iter().filter(|line| line.input == input).fold(self.usable[input], |[low, high], line| {
             let [least, most] = line.range(v);
@@ -69,7 +69,7 @@ impl<'a> Motors<'a> {
         self.robot.input_names().into_iter().nth(input)
     }
 
-    /// The smallest inputs that the described robot needs without friction; none where it has too few of them.
+    /// The smallest inputs that the described robot needs without friction; none if it has too few of them.
     fn inputs(&self, [y, v, a]: &Instant) -> Option<Vec<f64>> {
         let mut forces = vec![0.0; v.len()];
         self.robot.rigid_forces(y, v, a, &mut forces);
@@ -77,7 +77,7 @@ impl<'a> Motors<'a> {
     }
 }
 
-/// B, where all inputs are drives.
+/// B, if all inputs are drives.
 fn constant_matrix(robot: &dyn Robot) -> DMatrix<f64> {
     let count = robot.input_names().len();
     DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())

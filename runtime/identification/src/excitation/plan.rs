@@ -15,7 +15,7 @@ use super::usable::{assumptions, usable};
 use super::{FourierMotion, Instant};
 use gelenk_findings::{Finding, Rule};
 
-/// Sees: what a plan assumes of limits that the description does not have.
+/// Sees: limits that a plan assumes because the description has none.
 /// Matters: the motion may be too fast or too far for the robot.
 /// Example: no limit of the speed.
 /// Fixture: `codegen/tests/motion_limits.rs`.
@@ -52,7 +52,7 @@ pub struct Plan {
     pub largest: [Vec<f64>; 2],
     /// The shafts of drives that act on several joints.
     pub shafts: Vec<PlannedShaft>,
-    /// All inputs, where some of them act at frames.
+    /// All inputs, if some of them act at frames.
     pub inputs: Vec<PlannedInput>,
     /// Assumptions, and limits that the motion exceeds.
     pub findings: Vec<Finding>,

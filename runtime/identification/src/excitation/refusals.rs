@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-/// How many motions were refused for what.
+/// Number of motions that were refused, by reason.
 #[derive(Default)]
 pub(super) struct Refusals {
     counts: RefCell<BTreeMap<String, usize>>,
@@ -16,14 +16,14 @@ impl Refusals {
         f64::INFINITY
     }
 
-    /// Why no motion was found, and what helps.
+    /// Reason why no motion was found, and remedy.
     ///
-    /// - `at_rest`: what already stands in the way of standing still
+    /// - `at_rest`: limits that are exceeded at rest already
     pub(super) fn detail(&self, at_rest: &[String]) -> String {
         let counts = self.counts.borrow();
         let most = counts.iter().max_by_key(|(_, count)| **count);
         let most = most.map_or_else(String::new, |(what, count)| {
-            format!(" (what stood in the way most often, in {count} motions: {what})")
+            format!(" (the most frequent reason, in {count} motions: {what})")
         });
         if !at_rest.is_empty() {
             return format!(

@@ -46,7 +46,7 @@ pub(super) struct Best {
     pub motion: FourierMotion,
     pub score: f64,
     pub start: f64,
-    /// Its size, as a part of what the limits allow.
+    /// Its size, as a part of the limits.
     pub size: f64,
 }
 
@@ -57,9 +57,9 @@ const SMALLEST: f64 = 0.1;
 const LARGER: f64 = 1.0 / 0.9;
 
 impl Excitation {
-    /// Searches the motion with the smallest score; `None` where every score was infinite.
+    /// Searches the motion with the smallest score; `None` if every score was infinite.
     ///
-    /// - `score`: of the motion at evenly spaced instants; infinite where the motion is not possible
+    /// - `score`: of the motion at evenly spaced instants; infinite if the motion is not possible
     /// - `restrict`: maps a motion to one of the kind that is asked for; the map is linear
     /// - `narrow`: brings a motion that is within the limits within further ones
     ///

@@ -15,7 +15,7 @@ pub struct PlanSettings {
     pub velocity_share: f64,
     /// Share of the described efforts that the motion may need by the described robot.
     pub effort_share: f64,
-    /// Largest acceleration [rad/s² or m/s²]; twice the largest speed per second where there is none.
+    /// Largest acceleration [rad/s² or m/s²]; twice the largest speed per second if there is none.
     pub acceleration: Option<f64>,
     /// Largest speed [rad/s or m/s] of joints without a described one.
     pub velocity: f64,
@@ -51,7 +51,7 @@ impl Default for PlanSettings {
     }
 }
 
-/// Fails where a share or a size is out of range.
+/// Fails if a share or a size is out of range.
 pub(super) fn check(settings: &PlanSettings) -> Result<()> {
     let shares = [
         ("position share", settings.position_share),

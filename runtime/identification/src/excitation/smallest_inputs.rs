@@ -1,4 +1,4 @@
-//! The smallest inputs that have given forces at the joints, within limits where there are more inputs than joints.
+//! The smallest inputs that have given forces at the joints, within limits if there are more inputs than joints.
 
 use super::Instant;
 use crate::numeric::spectrum::svd;
@@ -12,7 +12,7 @@ pub(super) const SINGULAR: f64 = 1e-9;
 /// The decomposition leaves 6e-6 of the forces where columns of B differ in size, as those of geared motors and cylinders do; each
 /// correction leaves that part of the rest.
 const CORRECTIONS: usize = 3;
-/// Part of an input's range, or of the largest input where it has no range, that it may be outside of: rounding about an end of 0.
+/// Part of an input's range, or of the largest input if it has no range, that it may be outside of: rounding about an end of 0.
 const OUTSIDE: f64 = 1e-6;
 
 /// B, decomposed.
@@ -27,7 +27,7 @@ impl SmallestInputs {
         Self { matrix, decomposed }
     }
 
-    /// The smallest of the inputs u for which B u comes closest to the forces; `None` where there are no inputs.
+    /// The smallest of the inputs u for which B u comes closest to the forces; `None` if there are no inputs.
     pub(super) fn closest(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
         if self.matrix.is_empty() {
             return None;
@@ -41,7 +41,7 @@ impl SmallestInputs {
         Some(inputs)
     }
 
-    /// The smallest inputs with these forces; `None` where no inputs have them.
+    /// The smallest inputs with these forces; `None` if no inputs have them.
     fn exact(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
         let inputs = self.closest(forces)?;
         let residual = (&self.matrix * &inputs - forces).amax();
@@ -49,7 +49,7 @@ impl SmallestInputs {
     }
 }
 
-/// The smallest inputs with B(y) u = M ÿ + k − q; `None` where no inputs have these forces.
+/// The smallest inputs with B(y) u = M ÿ + k − q; `None` if no inputs have these forces.
 ///
 /// Where there are more inputs than joints, those that would leave their limits stay at the end that they would leave: a propeller
 /// that only pushes stands still. Where no others make up for them, the smallest inputs are left as they are, beyond the limits.

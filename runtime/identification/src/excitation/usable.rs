@@ -1,4 +1,4 @@
-//! Limits that a planned motion keeps, and what was assumed where none are described.
+//! Limits that a planned motion keeps, and assumptions if none are described.
 
 use super::super::robot::{JointLimits, Robot};
 use super::chart::Chart;

@@ -54,7 +54,7 @@ impl Exact {
         bytes.extend(&odd[..kept]);
     }
 
-    /// A number from its trailing zeros and bytes; `None` where there is none.
+    /// A number from its trailing zeros and bytes; `None` if there is none.
     pub(super) fn read(zeros: u8, odd: &[u8]) -> Option<Self> {
         let negative = odd.last().is_some_and(|byte| byte & 0x80 != 0);
         let mut all = [if negative { 0xff } else { 0 }; 16];

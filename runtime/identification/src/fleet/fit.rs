@@ -200,7 +200,7 @@ impl LogMoments {
         )]
     }
 
-    /// How far filters and delays differ, where they do.
+    /// How far filters and delays differ, if they do.
     fn differences(&self) -> Vec<Finding> {
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
@@ -260,7 +260,7 @@ impl Share {
     }
 }
 
-/// Friction of one joint: its terms against what the rigid body leaves of the effort.
+/// Friction of one joint: its terms against the residual of the rigid body.
 struct JointMoments<'a> {
     joint: usize,
     facts: &'a JointFacts,

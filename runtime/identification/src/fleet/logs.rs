@@ -42,9 +42,9 @@ pub(super) struct About {
     pub(super) description: Hash,
     pub(super) effort: Effort,
     pub(super) gravity_compensated: bool,
-    /// As asked for; `None` where each log decides \[Hz\].
+    /// Requested bandwidth \[Hz\]; `None` if each log has its own.
     pub(super) bandwidth: Option<f64>,
-    /// As asked for; `None` where each log decides \[s\].
+    /// Requested delay \[s\]; `None` if each log has its own.
     pub(super) delay: Option<f64>,
     /// Columns of each joint.
     pub(super) widths: Vec<usize>,
@@ -74,7 +74,7 @@ pub struct ReducedLog {
 /// A doubt that the fits to single logs gave: as many kinds as joints and sentences, not as logs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Doubt {
-    /// None where all joints are meant.
+    /// None if all joints are meant.
     pub(super) joint: Option<u32>,
     /// The sentence without its numbers.
     pub(super) kind: String,

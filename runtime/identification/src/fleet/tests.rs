@@ -501,7 +501,7 @@ fn intervals_of_a_hundred_fleets_hold_the_truth() {
     assert!((pooled(inside) - pooled(from_logs)).abs() < 0.05 && pooled(inside) > 0.8);
 }
 
-/// Whether the intervals of m c, J and of the friction at 1.5 rad/s hold what the arm is.
+/// Whether the intervals of m c, J and of the friction at 1.5 rad/s hold the arm's true values.
 fn hold_the_truth(found: &Identification) -> [bool; 3] {
     let [mc, j, viscous, coulomb] = TRUTH;
     let holds = |place: usize, truth: f64| {

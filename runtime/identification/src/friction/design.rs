@@ -107,7 +107,7 @@ impl<'a> Design<'a> {
         residuals
     }
 
-    /// The constant of each run that goes with a law; none where constants belong to the law.
+    /// The constant of each run that goes with a law; none if constants belong to the law.
     pub(super) fn offsets(&self, law: &[f64], residuals: &[f64]) -> Vec<Offset> {
         if !self.separate {
             return Vec::new();
@@ -192,7 +192,7 @@ fn require_independent(
     Reduced::new(&samples).map(|_| ())
 }
 
-/// The terms of a library that may enter a law of these velocities, and what was left out.
+/// The terms of a library that may enter a law of these velocities, and the terms that were left out.
 fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
     let library = if offsets == Offsets::PartOfLaw { library.clone() } else { without_constants(library)? };
     let matrix = library.matrix(&[velocities])?;
@@ -212,7 +212,7 @@ fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Libr
     Ok((library.only(&told_apart)?, note.into_iter().collect()))
 }
 
-/// Whether one column is a multiple of the other but for what the data have wrong.
+/// Whether one column is a multiple of the other within the errors of the data.
 fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
     let left = one - other * (one.dot(other) / other.norm_squared());
     left.norm() < LEAST_CHANGE * one.norm()

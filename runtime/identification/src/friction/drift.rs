@@ -13,7 +13,7 @@ const FEWEST: usize = 20;
 /// Probability of a chance result below which a trend is named.
 const NAMED_LEVEL: f64 = 0.01;
 
-/// The drift over a log; `None` where the law is zero or the samples are too few.
+/// The drift over a log; `None` if the law is zero or the samples are too few.
 ///
 /// - `gradients`: the law's derivatives by its coefficients, which have taken their part of a trend
 pub(super) fn drift(

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct Errors {
     pub(super) covariance: DMatrix<f64>,
     pub(super) standard: Vec<f64>,
-    /// Half the width of the interval, where it is not Student's alone, see [`FrictionTerm::reach`].
+    /// Half the width of the interval, if it is not Student's alone, see [`FrictionTerm::reach`].
     pub(super) reach: Vec<Option<f64>>,
     /// As if all other coefficients were known.
     pub(super) resolution: Vec<f64>,
@@ -174,7 +174,7 @@ fn inverse_on_face(gram: &DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> 
     inner.map_or_else(|_| DMatrix::zeros(gram.nrows(), gram.nrows()), |inner| &z * inner * z.transpose())
 }
 
-/// Orthonormal columns that span what the rows map to zero.
+/// Orthonormal columns that span the null space of the rows.
 fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     if rows.nrows() == 0 {
         return DMatrix::identity(count, count);

@@ -52,8 +52,8 @@ impl<'a> Findings<'a> {
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
         let offsets = match (separate, self.data.one_offset) {
             (false, _) => "",
-            (true, false) => " beside the offset of each run",
-            (true, true) => " beside one offset of all runs",
+            (true, false) => " in addition to the offset of each run",
+            (true, true) => " in addition to one offset of all runs",
         };
         self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
     }
@@ -105,8 +105,7 @@ impl<'a> Findings<'a> {
 
     fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> Finding {
         let message = format!(
-            "the law takes {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not tell the \
-             friction there",
+            "the law takes {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not determine the friction there",
             plain(torque, 3),
             self.unit,
             plain(speed, 3),

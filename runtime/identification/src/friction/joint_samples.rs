@@ -17,7 +17,7 @@ pub(crate) struct JointSamples<'a> {
     joint: usize,
     pub(crate) name: &'a str,
     unit: &'a str,
-    /// Offset of the estimate in each run of the samples. The law is fitted to what it leaves.
+    /// Offset of the estimate in each run of the samples. The law is fitted to the residual.
     offsets: Vec<Offset>,
     runs: Vec<Range<usize>>,
     /// The samples of each motion, where runs repeat motions.
@@ -69,7 +69,7 @@ impl<'a> JointSamples<'a> {
         samples
     }
 
-    /// Motions in which the joint moves are folds, where there are enough.
+    /// Motions in which the joint moves are folds, if there are enough.
     fn keep_motions(&mut self) {
         let Some(motions) = &mut self.motions else { return };
         motions.retain(|ranges| !ranges.is_empty());

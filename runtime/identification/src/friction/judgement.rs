@@ -10,7 +10,7 @@ use super::held_out::{Unseen, variation};
 use super::report::FrictionReport;
 use super::task::FrictionIdentification;
 
-/// A law and what it leaves.
+/// A law and its residual.
 pub(super) struct Judged {
     pub(super) law: FrictionLaw,
     pub(super) offsets: Vec<Offset>,
@@ -23,7 +23,7 @@ pub(super) struct Judged {
 }
 
 impl Findings<'_> {
-    /// The report on a law, without what only some methods have.
+    /// The report on a law, without results of some methods only.
     pub(super) fn report(
         mut self,
         settings: &FrictionIdentification,

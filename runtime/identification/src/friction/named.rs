@@ -85,7 +85,7 @@ impl FrictionIdentification {
             if listed.len() > 1 {
                 return Err(IdentificationError::Expression {
                     text: terms.into(),
-                    message: "`stribeck` stands alone: its law has viscous and Coulomb friction".into(),
+                    message: "`stribeck` is not combined with other terms: its law has viscous and Coulomb friction".into(),
                 });
             }
             return Ok(Self {
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn what_names_no_terms_is_refused() {
         let fault = |terms: &str| of(terms).unwrap_err().to_string();
-        assert!(fault("stribeck,viscous").contains("stands alone"), "{}", fault("stribeck,viscous"));
+        assert!(fault("stribeck,viscous").contains("is not combined"), "{}", fault("stribeck,viscous"));
         assert!(fault("").contains("the library of terms"), "{}", fault(""));
         assert!(fault("viscous,v").contains("twice"), "{}", fault("viscous,v"));
         assert!(fault("viscos").contains("viscos"), "{}", fault("viscos"));

@@ -1,4 +1,4 @@
-//! Least squares for the chosen terms: passivity, and what is said of terms that resemble each other.
+//! Least squares for the chosen terms: passivity, and the text about terms that resemble each other.
 
 use super::super::error::Result;
 use super::super::methods::constrained::{breaks, constrained_fit, face, nonnegative_rows, passivity_rows};

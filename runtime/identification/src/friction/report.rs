@@ -1,11 +1,11 @@
-//! The law of a joint with what it was chosen from.
+//! The law of a joint with its candidates.
 
 use super::super::methods::cross_validation::CrossValidation;
 use super::super::methods::subset::SubsetValidation;
 use super::super::result::{FrictionResult, FrictionTerm};
 use nalgebra::DMatrix;
 
-/// The law, and what it was chosen from.
+/// The law, and its candidates.
 #[derive(Debug, Clone)]
 pub struct FrictionReport {
     /// The law with its numbers.
@@ -32,14 +32,14 @@ pub struct FrictionReport {
     pub residuals: Vec<f64>,
 }
 
-/// A term that a law has, or could have had, with what the data say for it.
+/// A term that a law has, or could have had, with its evidence in the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate<'a> {
     /// The term in the velocity v, or the name of a Stribeck parameter.
     pub basis: &'a str,
-    /// Its coefficient, where the law has it.
+    /// Its coefficient, if the law has it.
     pub chosen: Option<&'a FrictionTerm>,
-    /// Ends of its interval at 95 %, where its error is known.
+    /// Ends of its interval at 95 %, if its error is known.
     pub interval: Option<[f64; 2]>,
     /// Share of the bootstrap draws in which it was chosen.
     pub inclusion: Option<f64>,

@@ -105,7 +105,7 @@ impl<'a> Attempt<'a> {
         let mut findings = Findings::new(data);
         findings.note(format!(
             "Stribeck law{} by least squares, samples weigh the same, {} starts, {} passes",
-            if separate { " beside the offset of each run" } else { "" },
+            if separate { " in addition to the offset of each run" } else { "" },
             regression.starts,
             fit.iterations
         ));

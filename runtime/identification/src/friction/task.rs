@@ -27,7 +27,7 @@ pub struct FrictionData<'a> {
     pub velocities: &'a [f64],
     /// τ_f (N·m or N), the effort minus the rigid-body part at the joint.
     pub torques: &'a [f64],
-    /// Weights of the samples, 1 where absent.
+    /// Weights of the samples, 1 if absent.
     pub weights: Option<&'a [f64]>,
     /// Folds of the cross-validation, each of several ranges of samples, e.g. the runs that repeat one motion; contiguous
     /// blocks of equal size where absent.
@@ -92,7 +92,7 @@ pub struct FrictionIdentification {
     pub method: FrictionMethod,
     /// Meaning of a constant torque.
     pub offsets: Offsets,
-    /// Contiguous blocks of the cross-validation, where the data name no folds.
+    /// Contiguous blocks of the cross-validation, if the data name no folds.
     pub folds: usize,
     /// Bootstrap draws; 0 for none.
     pub draws: usize,

@@ -73,7 +73,7 @@ pub(super) struct Candidates<'a> {
     pub(super) library: &'a Library,
     pub(super) reduced: &'a Reduced,
     pub(super) folds: &'a dyn Fn() -> Result<Vec<Moments>>,
-    /// Parts of the data among which the bootstrap draws, and what they are called.
+    /// Parts of the data among which the bootstrap draws, and their name.
     pub(super) blocks: &'a dyn Fn() -> Result<Vec<Moments>>,
     pub(super) block: &'a str,
     pub(super) velocity_range: [f64; 2],
@@ -83,7 +83,7 @@ pub(super) struct Candidates<'a> {
 pub(super) struct Fitted {
     chosen: Chosen,
     inclusion: Option<Vec<f64>>,
-    /// Rows of `A ξ ≥ 0`, where the law has to dissipate.
+    /// Rows of `A ξ ≥ 0`, if the law has to dissipate.
     rows: Option<DMatrix<f64>>,
     pub(super) solution: Solution,
     /// The rows that bind.
@@ -154,7 +154,7 @@ impl Candidates<'_> {
     }
 }
 
-/// Probabilities of the terms, where they are few enough.
+/// Probabilities of the terms, if they are few enough.
 pub(super) fn probabilities(reduced: &Reduced, errors: &Errors) -> Result<Option<Vec<f64>>> {
     if reduced.moments().terms() > MOST_TERMS {
         return Ok(None);
@@ -178,7 +178,7 @@ impl Fitted {
         FrictionLaw::Terms(self.solution.active.iter().enumerate().map(term).collect())
     }
 
-    /// The report on a law with what it was chosen from.
+    /// The report on a law with its candidates.
     pub(super) fn complete(
         self,
         report: FrictionReport,

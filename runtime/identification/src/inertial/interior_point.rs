@@ -164,7 +164,7 @@ struct Direction {
 }
 
 impl<'a> Newton<'a> {
-    /// `None` where a cone is left or the factorization breaks down: the iteration is at its rounding.
+    /// `None` if a cone is left or the factorization breaks down: the iteration is at its rounding.
     fn new(cone: &'a Cone, point: &Point, residual: DVector<f64>) -> Option<Self> {
         let pair = |b: usize| (matrix(block(&point.u, b)), matrix(block(&point.z, b)));
         let scalings: Option<Vec<Scaling>> =
@@ -322,7 +322,7 @@ impl Cone<'_> {
         best
     }
 
-    /// One predictor and corrector; `None` where rounding or the cones allow no further step.
+    /// One predictor and corrector; `None` if rounding or the cones allow no further step.
     fn advance(&self, point: &Point, residual: DVector<f64>) -> Option<(DVector<f64>, DVector<f64>)> {
         let newton = Newton::new(self, point, residual)?;
         let affine = newton.direction(&newton.predictor());

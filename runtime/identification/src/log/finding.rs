@@ -1,4 +1,4 @@
-//! Rules of what is noticed in a log.
+//! Rules of findings about a log.
 
 use gelenk_findings::Rule;
 
@@ -15,7 +15,7 @@ pub(super) const MISSING: Rule = Rule::note("missing-values");
 pub(super) const NOT_A_NUMBER: Rule = Rule::note("not-a-number");
 
 /// Sees: rows and runs that are not used: incomplete ones, rows of zeros, rows with a field too many, runs of few samples.
-/// Matters: the estimate is made of what is left.
+/// Matters: the estimate uses the remaining samples.
 /// Example: a driver writes 0 for all positions and efforts where a message was lost.
 /// Fixture: `zero_rows` in `codegen/tests/findings/arm.rs`.
 pub(super) const LEFT_OUT: Rule = Rule::note("rows-left-out");

@@ -36,7 +36,7 @@ fn stands_still(runs: &[Run], joint: usize, unit: &str) -> bool {
     runs.iter().all(|run| travel(run) < least_travel(unit))
 }
 
-/// Factors between units of velocities, and their names: what a column is in where rad/s or m/s are expected.
+/// Factors between units of velocities, and their names: unit of a column where rad/s or m/s are expected.
 const UNITS: [(f64, &str); 5] = [
     (PI / 180.0, "deg/s"),
     (PI / 30.0, "rpm"),
@@ -122,7 +122,7 @@ fn gears(runs: &[Run], robot: &dyn Robot) -> Option<Finding> {
     };
     is_doubtful.then(|| {
         let message = format!(
-            "its efforts are taken as {taken} and are then {} times what carries the described weight (rms), with \
+            "its efforts are taken as {taken} and are then {} times the forces that carry the described weight (rms), with \
              {} between motor and joint: they look like {other} (--columns '{key}=…')",
             plain(ratio, 3),
             plain(gear, 6)

@@ -24,7 +24,7 @@ pub(super) fn number(field: &[u8], decimals: Decimals) -> Option<f64> {
     }
 }
 
-/// Words that programs write where there is no number.
+/// Words that programs write if there is no number.
 fn is_missing(text: &str) -> bool {
     const WORDS: [&str; 7] = ["na", "n/a", "null", "none", "-nan", "-nan(ind)", "nan(ind)"];
     WORDS.iter().any(|word| word.eq_ignore_ascii_case(text))

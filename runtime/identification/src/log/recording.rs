@@ -96,7 +96,7 @@ pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOp
 }
 
 impl Recording {
-    /// Adds what the runs say about their logs.
+    /// Adds the findings of the runs about their logs.
     fn look(&mut self, robot: &dyn Robot) {
         self.leave_out_short();
         let columns = &self.labels.efforts.columns;
@@ -192,7 +192,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(fault)
 }
 
-/// - `findings`: what is noticed is added, also where an error follows
+/// - `findings`: receives the findings, also before an error
 fn read_bytes(
     bytes: &[u8],
     source: &str,

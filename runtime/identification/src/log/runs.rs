@@ -28,7 +28,7 @@ pub(super) struct Samples {
     labels: Vec<usize>,
     names: Vec<String>,
     numbers: BTreeMap<String, usize>,
-    /// Positions, velocities (NaN where there is no column), efforts, commanded positions, and poses, one column each.
+    /// Positions, velocities (NaN if there is no column), efforts, commanded positions, and poses, one column each.
     values: Vec<Vec<f64>>,
 }
 
@@ -211,7 +211,7 @@ impl Samples {
             return Err(IdentificationError::File {
                 place: source.into(),
                 message: format!(
-                    "the time is no number in all {count} rows (the first is `{text}`): export it in seconds, or name \
+                    "the time is not a number in any of {count} rows (the first is `{text}`): export it in seconds, or name \
                      another column with --columns 'time=…[s]'"
                 ),
             });
@@ -221,7 +221,7 @@ impl Samples {
             place: source.into(),
             message: format!(
                 "{} of {total} rows have time, {} positions and efforts together; the emptiest column has {fullest} \
-                 values. Where positions and efforts stand in different rows, export the topic that has both",
+                 values. If positions and efforts are in different rows, export the topic that has both",
                 self.lines.len(),
                 robot.joints.names.len()
             ),

@@ -12,7 +12,7 @@ const MORE_THAN_BESIDE: usize = 8;
 
 /// Efforts that were cut off, by their columns.
 ///
-/// - `names`: of the joints or inputs; `columns`: what the log calls their efforts
+/// - `names`: of the joints or inputs; `columns`: names of their efforts in the log
 pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec<Finding> {
     let of = |(place, name): (usize, &String)| {
         let values: Vec<f64> = runs.iter().flat_map(|run| moving(run, place)).collect();

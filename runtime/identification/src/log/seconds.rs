@@ -34,7 +34,7 @@ pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<
     let counts =
         unit == 1.0 && times.len() >= COUNTED && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
     counts.then(|| {
-        let message = "its times step by exactly 1 s: where they are a counter of samples, name the period, as in --columns \
+        let message = "its times step by exactly 1 s: if they are a counter of samples, name the period, as in --columns \
                        'time=…[4 ms]'";
         UNIT_ASSUMED.found(message).log(place, None)
     })

@@ -10,7 +10,7 @@ use std::io::Read;
 /// Text that has been understood as a table; its rows are read by [`Self::rows`].
 #[derive(Debug)]
 pub(super) struct Sheet<'a> {
-    /// Names of the columns, without their units' row; empty where the file has no header.
+    /// Names of the columns, without their units' row; empty if the file has no header.
     pub headers: Vec<String>,
     /// Units of a row below the header, one for each column that has one.
     pub units: Vec<Option<String>>,
@@ -53,7 +53,7 @@ impl Lines<'_> {
 /// Calls `each` with the fields of every row that is not empty, and the byte behind the row before it.
 ///
 /// # Errors
-/// What `each` returns, and what the reader does.
+/// The result of `each`, and the state of the reader.
 fn records(
     reader: impl Read,
     separator: u8,
@@ -179,7 +179,7 @@ pub(super) fn shortened(names: &[String]) -> String {
     format!("{}{rest}", shown.join(", "))
 }
 
-/// Formats that people have logs in, by their first bytes, and what to do.
+/// Formats of logs by their first bytes, and the remedy.
 const BINARY: [(&[u8], &str); 6] = [
     (b"PK\x03\x04", "a zip archive or an Excel or NumPy file: export its table as CSV"),
     (

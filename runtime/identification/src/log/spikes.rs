@@ -1,4 +1,4 @@
-//! Single efforts that are far beyond all others: values that a driver writes where it has none, and lost bits.
+//! Single efforts that are far beyond all others: values that a driver writes if it has none, and lost bits.
 
 use super::super::numeric::statistics::quantile;
 use super::finding::OUTLIER;

@@ -83,7 +83,7 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
     }
     let [x, y, z, w] = q;
     let why = if length == 0.0 {
-        "is zero, which is no attitude: leave out the rows in which the attitude was lost".to_owned()
+        "is zero, which is not an attitude: leave out the rows in which the attitude was lost".to_owned()
     } else {
         format!(
             "has the length {length:.4}, and an attitude has length 1. Are these angles, or other columns? --columns \
@@ -117,8 +117,7 @@ fn require_some_force(run: &Run, source: &str) -> Result<()> {
     }
     Err(IdentificationError::File {
         place: source.into(),
-        message: "no force is known that acts on the robot: without one, motions tell ratios of its masses and inertias \
-                  alone. Record the inputs or the torques of the joints, or add the forces on the base as inputs at frames \
+        message: "no known force acts on the robot: without one, motions determine only ratios of its masses and inertias. Record the inputs or the torques of the joints, or add the forces on the base as inputs at frames \
                   to the description (`[[inputs]]` with `frame` and `wrench`) and to the log"
             .into(),
     })

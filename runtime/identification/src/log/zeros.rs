@@ -1,4 +1,4 @@
-//! Rows of zeros, which programs write where they have no values.
+//! Rows of zeros, which programs write if they have no values.
 
 use std::ops::Range;
 

@@ -21,7 +21,7 @@ pub(crate) enum Solver {
     Orthogonal,
 }
 
-/// The data of a regression, reduced to what solving needs.
+/// The data of a regression, reduced to the sums that solving needs.
 #[derive(Debug, Clone)]
 pub struct Reduced {
     moments: Moments,
@@ -33,13 +33,13 @@ pub struct Reduced {
 /// A least-squares solution on chosen terms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// All p coefficients, zero where a term is not chosen.
+    /// All p coefficients, zero if a term is not chosen.
     pub coefficients: DVector<f64>,
     /// Chosen terms, ascending.
     pub active: Vec<usize>,
     /// Residual sum of squares.
     pub residual: f64,
-    /// Residual variance `RSS / (m − |active|)`; NaN never, 0 where m = |active|.
+    /// Residual variance `RSS / (m − |active|)`; NaN never, 0 if m = |active|.
     pub variance: f64,
     /// Standard errors of the chosen coefficients, for independent errors of equal variance.
     pub standard_errors: Vec<f64>,

@@ -34,7 +34,7 @@ impl Library {
                 return Err(fault("a library term must be a number, not a truth value"));
             }
             if terms[..i].contains(term) {
-                return Err(fault("this term stands twice in the library"));
+                return Err(fault("this term is twice in the library"));
             }
         }
         Ok(Self { terms, channels, program })

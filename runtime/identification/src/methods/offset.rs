@@ -9,7 +9,7 @@ pub struct Offset {
     pub samples: Range<usize>,
     /// Mean of torque minus law [N·m or N].
     pub value: f64,
-    /// Standard error for correlated residuals; `None` where the run is too short to tell.
+    /// Standard error for correlated residuals; `None` if the run is too short to tell.
     pub standard_error: Option<f64>,
 }
 
@@ -21,7 +21,7 @@ pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>], weights: Option<
     }
 }
 
-/// The (weighted) mean; zero where all weights are.
+/// The (weighted) mean; zero if all weights are.
 pub(crate) fn mean(x: &[f64], weights: Option<&[f64]>) -> f64 {
     let Some(weights) = weights else {
         return x.iter().sum::<f64>() / x.len() as f64;

@@ -63,7 +63,7 @@ pub(crate) fn requirements(terms: &[String]) -> Vec<Requirement> {
 pub(crate) struct Conditions {
     /// Terms that need others.
     pub requirements: Vec<Requirement>,
-    /// Rows of `A ξ ≥ 0` over all terms, which every fit meets; none where fits are free.
+    /// Rows of `A ξ ≥ 0` over all terms, which every fit meets; none if fits are free.
     pub rows: Option<DMatrix<f64>>,
     /// Values of all terms, a row for each speed: no law is made of terms that cancel each other at one of them.
     pub values: Option<DMatrix<f64>>,
@@ -236,7 +236,7 @@ pub(crate) fn probabilities(
     Ok(inclusion.into_iter().map(|weight| (weight / total).min(1.0)).collect())
 }
 
-/// None where the normal equations of a fold are singular.
+/// None if the normal equations of a fold are singular.
 fn validate(
     active: Vec<usize>,
     splits: &[(Moments, &Moments)],

@@ -8,7 +8,7 @@ pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[low] + fraction * (sorted[high] - sorted[low])
 }
 
-/// Median of finite values, the upper of the two in the middle; `None` where there are none.
+/// Median of finite values, the upper of the two in the middle; `None` if there are none.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|x| x.is_finite()).collect();
     if values.is_empty() {
@@ -27,7 +27,7 @@ pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
 }
 
 /// Among models from the simplest on the one with the least error, and the simplest one whose error is within one standard
-/// error of the least (Breiman 1984). `None` where there are none.
+/// error of the least (Breiman 1984). `None` if there are none.
 ///
 /// - `errors`: with standard errors
 pub(crate) fn simplest(errors: &[[f64; 2]]) -> Option<[usize; 2]> {

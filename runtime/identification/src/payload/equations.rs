@@ -116,7 +116,7 @@ impl Equations {
         total
     }
 
-    /// 1/σ² of each joint, from the residuals of the fit that it weights; zero where a joint stood still.
+    /// 1/σ² of each joint, from the residuals of the fit that it weights; zero if a joint stood still.
     pub(super) fn weights(&self) -> Result<Vec<f64>> {
         let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
         require_samples("a payload, samples of moving joints", 1, all.iter().map(|s| s.rows).sum())?;

@@ -45,7 +45,7 @@ pub fn identify_load(
     }
 }
 
-/// As [`identify_load`]; `noted` holds what was found.
+/// As [`identify_load`]; `noted` holds the findings.
 fn compared(
     robot: &dyn Robot,
     (without, with): (&[PathBuf], &[PathBuf]),

@@ -10,7 +10,7 @@
 //!
 //! Samples at which another joint stands still say nothing about the load, since its dry friction holds a part of it.
 //! Friction and offset are the same in both logs: gears whose friction grows with their load make the load
-//! heavier by what they add.
+//! heavier by their weight.
 
 mod equations;
 mod identify;

@@ -9,7 +9,7 @@ pub(crate) const NAMES: [&str; PER_BODY] =
     ["m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
 /// A load, in the frame of the body that carries it. Intervals allow for residuals that are correlated over time, and for a
-/// description and a ball that are wrong by their own size where the motion does not show them.
+/// description and a ball that are wrong by their own size if the motion does not show them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
     /// The body that carries the load, from 0.

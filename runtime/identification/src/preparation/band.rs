@@ -105,7 +105,7 @@ impl<'a> Fits<'a> {
         problems(columns, self.runs, &self.samples).into_iter().zip(&self.efforts).map(misfit).collect()
     }
 
-    /// A band and what it changes.
+    /// A band and its effect.
     fn through(&self, frequency: f64, order: u32) -> Tried {
         let band = Band { frequency, order };
         let misfits = self.misfits(&self.columns.behind(band));

@@ -10,7 +10,7 @@ pub(super) struct Channel {
     pub times: Vec<f64>,
     /// Values at these times.
     pub values: Vec<f64>,
-    /// Samples of the log for each one that is kept; 1 where each is new.
+    /// Samples of the log for each one that is kept; 1 if each is new.
     pub hold: f64,
     /// Smallest change between two samples; the resolution where the signal is quantized.
     pub resolution: f64,
@@ -43,7 +43,7 @@ impl Channel {
         Self { times, values, hold, resolution, spikes: spike_rows }
     }
 
-    /// Median time between informative samples [s]; 0 where there are fewer than two.
+    /// Median time between informative samples [s]; 0 if there are fewer than two.
     pub(crate) fn step(&self) -> f64 {
         median_step(&self.times)
     }
@@ -70,7 +70,7 @@ impl Channel {
     }
 }
 
-/// Median of the steps of increasing times; 0 where there are fewer than two.
+/// Median of the steps of increasing times; 0 if there are fewer than two.
 pub(super) fn median_step(times: &[f64]) -> f64 {
     let mut steps: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
     if steps.is_empty() {

@@ -9,14 +9,14 @@ use super::settings::PreparationSettings;
 use gelenk_findings::{Finding, Rule};
 
 /// Sees: an effort without values in more than half of the rows, or with the same value in all of them.
-/// Matters: its joint keeps what is described.
+/// Matters: its joint keeps its description.
 /// Example: a column of zeros.
 /// Fixture: `dead` in `codegen/tests/findings/arm.rs`.
 const UNUSABLE_EFFORT: Rule = Rule::warning("unusable-effort");
 
 /// Why an effort cannot be used.
 ///
-/// - `exact`: it is a force that is known without a sensor, and zero where nothing acts
+/// - `exact`: it is a force that is known without a sensor, and zero if nothing acts
 pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<Finding> {
     let fault = |message| UNUSABLE_EFFORT.found(message).help("name other columns with --columns 'torque=…'");
     let values = || runs.iter().flat_map(|r| r.efforts[m].iter().zip(&r.rows));

@@ -40,7 +40,7 @@ const HIGHEST: f64 = 0.2;
 /// errors of the model imitate delays, and then the fall is small although it is significant.
 pub(super) const DROPS: [f64; 2] = [0.02, 0.1];
 
-/// Runs as signals, and what is known of them before a bandwidth is chosen.
+/// Runs as signals, and their properties before a bandwidth is chosen.
 pub(super) struct Recorded<'a> {
     pub(super) signals: Vec<Signals>,
     pub(super) robot: Option<&'a dyn Robot>,
@@ -149,7 +149,7 @@ impl<'a> Recorded<'a> {
         PositionQuality { spectrum, density, noise, moves: range > 10.0 * noise }
     }
 
-    /// The lowest bandwidth that leaves enough of the pieces as `split` makes them, and of each joint's motion where rests are known.
+    /// The lowest bandwidth that leaves enough of the pieces as `split` makes them, and of each joint's motion if rests are known.
     pub(super) fn lowest(&self, split: f64) -> f64 {
         let motion = |s: &Signals| -> Vec<f64> {
             self.pieces(s, split)

@@ -10,10 +10,10 @@ use nalgebra::{DMatrix, DVector};
 pub(super) struct DelayEstimate {
     /// Efforts come this much later than positions [s].
     pub value: f64,
-    /// Standard error [s]; infinite where the efforts do not show a delay.
+    /// Standard error [s]; infinite if the efforts do not show a delay.
     pub error: f64,
     /// Fall of the logarithm of the residual sum of squares: from no delay for the common one; from the common delay for an
-    /// effort's own, on held-out folds, and zero where it is within two standard errors.
+    /// effort's own, on held-out folds, and zero if it is within two standard errors.
     pub drop: f64,
 }
 
@@ -142,7 +142,7 @@ impl Search<'_> {
         at[0] - at[1]
     }
 
-    /// The same for one effort on folds that were left out; zero where it is within two standard errors.
+    /// The same for one effort on folds that were left out; zero if it is within two standard errors.
     fn held_out_drop(&self, m: usize, from: f64, to: f64) -> f64 {
         let Some(problem) = &self.problems[m] else { return 0.0 };
         let targets = [from, to].map(|delay| self.effort(m, delay).0);

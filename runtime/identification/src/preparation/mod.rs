@@ -53,7 +53,7 @@ pub fn prepare_all(
     choice::prepare_all(runs, robot, settings, None)
 }
 
-/// Prepares runs whose efforts passed what those of other runs passed.
+/// Prepares runs with the filters of the efforts of other runs.
 ///
 /// - `filter`: of the other runs
 ///

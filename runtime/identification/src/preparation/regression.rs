@@ -20,7 +20,7 @@ pub(super) const SHARP: f64 = 0.02;
 /// Where the columns come from.
 pub(super) struct Columns<'a> {
     robot: &'a dyn Robot,
-    /// `B⁺`, `M × N`, where efforts are inputs; `None` where they are joint forces.
+    /// `B⁺`, `M × N`, if efforts are inputs; `None` if they are joint forces.
     inverse: Option<DMatrix<f64>>,
     /// Rounded signs of velocities, for each run, joint and rounding.
     signs: Rc<Vec<Vec<Vec<Vec<f64>>>>>,
@@ -167,7 +167,7 @@ pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<
 
 /// Columns of one effort over the chosen samples.
 pub(super) struct Problem {
-    /// Columns × samples, times the inverse of the normal equations' factor: orthonormal but for the ridge. Zero where a
+    /// Columns × samples, times the inverse of the normal equations' factor: orthonormal but for the ridge. Zero if a
     /// joint rests that the effort acts on.
     basis: DMatrix<f64>,
     /// Columns × samples, columns of unit length.
@@ -178,7 +178,7 @@ pub(super) struct Problem {
 
 /// Equations of one effort over the chosen samples.
 pub(super) struct Equations {
-    /// Columns × samples, zero where a joint rests that the effort acts on.
+    /// Columns × samples, zero if a joint rests that the effort acts on.
     pub rows: DMatrix<f64>,
     /// 0 at these samples, 1 at the others.
     pub moving: DVector<f64>,
@@ -199,7 +199,7 @@ impl Equations {
     }
 }
 
-/// One problem for each effort; `None` where its columns have no factor.
+/// One problem for each effort; `None` if its columns have no factor.
 pub(super) fn problems(columns: &Columns, runs: &[&PreparedRun], samples: &[Sample]) -> Vec<Option<Problem>> {
     Equations::of_efforts(columns, runs, samples).into_iter().map(Problem::new).collect()
 }
@@ -245,7 +245,7 @@ impl Problem {
         (target - explained).component_mul(&self.moving)
     }
 
-    /// Squares of what the columns cannot explain of each column of `targets`.
+    /// Sums of squares of each column of `targets` that the columns cannot explain.
     pub(crate) fn misfits(&self, targets: &DMatrix<f64>) -> Vec<f64> {
         let explained = &self.basis * targets;
         let squares = targets.column_iter().zip(explained.column_iter());

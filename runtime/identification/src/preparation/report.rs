@@ -19,7 +19,7 @@ use gelenk_findings::{Finding, Rule, Subject};
 /// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
 const GAPS: Rule = Rule::note("gaps");
 
-/// Sees: pieces of a run that are shorter than what the filter needs.
+/// Sees: pieces of a run that are shorter than the filter needs.
 /// Matters: they are left out.
 /// Example: 0.2 s between two gaps, and a filter of 5 Hz.
 /// Fixture: `dropouts` in `codegen/tests/findings/arm.rs`.
@@ -214,7 +214,7 @@ impl Recorded<'_> {
             shares.map(|(joint, share)| format!("{} in {share:.0} %", self.name(joint))).collect();
         (!named.is_empty()).then(|| {
             RESTS.found(format!(
-                "at rest dry friction takes any value up to the static one, and efforts say nothing about it: the fit \
+                "at rest dry friction takes any value up to the static one, and efforts do not determine it: the fit \
                  leaves out the samples in which a joint rests ({})",
                 named.join(", ")
             ))
@@ -239,7 +239,7 @@ fn noisy(joint: &JointPreparation) -> Option<Finding> {
             "{:.0} % of the power of its acceleration is noise: inertia comes out too small",
             100.0 * joint.acceleration_noise
         );
-        let remedy = format!("move it faster, or say a smaller --bandwidth (it is {:.3})", joint.bandwidth);
+        let remedy = format!("move it faster, or use a smaller --bandwidth (it is {:.3})", joint.bandwidth);
         NOISY.found(message).help(remedy).joint(&joint.name)
     })
 }
@@ -285,9 +285,9 @@ impl PreparationReport {
         }
     }
 
-    /// Adds what the common estimate finds left of the delays. A delay that is not significant gives no finding.
+    /// Adds the remaining delays by the common estimate. A delay that is not significant gives no finding.
     ///
-    /// - `left`: of each effort with its standard error \[s\]; empty where delays are known
+    /// - `left`: of each effort with its standard error \[s\]; empty if delays are known
     pub(crate) fn refine(&mut self, left: &[[f64; 2]]) {
         if left.is_empty() {
             return;

@@ -34,7 +34,7 @@ pub(super) struct Rests {
 /// Statistics of a joint's speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Speeds {
-    /// Largest speed of all runs [rad/s or m/s]; infinite where the joint moves in none.
+    /// Largest speed of all runs [rad/s or m/s]; infinite if the joint moves in none.
     pub largest: f64,
     /// Standard deviation of the noise of a smoothed speed.
     pub noise: f64,
@@ -50,8 +50,8 @@ impl Speeds {
 impl Rests {
     /// Adds the rests of a smoothed piece of the run.
     ///
-    /// - `speeds`: of each joint; none where it never rests
-    /// - `cut`: what was cut off at the piece's ends [s]; a rest there goes on
+    /// - `speeds`: of each joint; none if it never rests
+    /// - `cut`: time that was cut off at the piece's ends [s]; a rest there goes on
     pub(crate) fn add(&mut self, piece: &PreparedRun, speeds: &[Option<Speeds>], bandwidth: f64, cut: f64) {
         self.joints.resize(speeds.len(), Vec::new());
         let shortest = 1.0 / bandwidth;
@@ -77,7 +77,7 @@ impl Rests {
         }
     }
 
-    /// Durations of a stretch's parts in which a joint does not rest [s], of all joints; the whole stretch where no rests are known.
+    /// Durations of a stretch's parts in which a joint does not rest [s], of all joints; the whole stretch if no rests are known.
     pub(crate) fn between(&self, [start, end]: Stretch) -> Vec<f64> {
         if self.joints.is_empty() {
             return vec![end - start];

@@ -1,4 +1,4 @@
-//! Prepared runs, and what was found on the way.
+//! Prepared runs, and findings.
 
 use super::super::methods::filter::Filter;
 use gelenk_findings::Finding;
@@ -41,7 +41,7 @@ pub struct JointPreparation {
     pub noise: f64,
     /// Smallest change between two positions \[rad or m\]: the encoder's resolution where it is coarse.
     pub resolution: f64,
-    /// Rows of the log for each new position; 1 where each is new.
+    /// Rows of the log for each new position; 1 if each is new.
     pub hold: f64,
     /// Whether the joint moves by more than its noise.
     pub moves: bool,

@@ -65,7 +65,7 @@ impl Signals {
         Ok(())
     }
 
-    /// The columns of y at `times`, with smoothed `positions`; none where no joint has a quaternion.
+    /// The columns of y at `times`, with smoothed `positions`; none if no joint has a quaternion.
     fn coordinates(&self, times: &[f64], positions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         if self.poses.is_empty() {
             return Vec::new();

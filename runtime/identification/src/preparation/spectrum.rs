@@ -1,4 +1,4 @@
-//! Power of positions over frequency, pooled over runs, and what in it is noise.
+//! Power of positions over frequency, pooled over runs, and its part that is noise.
 
 use std::f64::consts::PI;
 

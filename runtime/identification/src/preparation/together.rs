@@ -50,7 +50,7 @@ struct Weighed<'a> {
 }
 
 impl<'a> Weighed<'a> {
-    /// `None` where the effort is not finite or does not vary.
+    /// `None` if the effort is not finite or does not vary.
     fn new(equations: Equations, filtered: &'a DVector<f64>, measured: &'a DVector<f64>) -> Option<Self> {
         let variation = variation(&equations.moving, measured);
         let is_known = filtered.sum().is_finite() && variation.is_finite() && variation > 0.0;
@@ -77,7 +77,7 @@ impl<'a> Weighed<'a> {
     }
 }
 
-/// Parameters by weighted least squares on the filtered efforts; `None` where the columns have no factor.
+/// Parameters by weighted least squares on the filtered efforts; `None` if the columns have no factor.
 fn fitted(efforts: &[Weighed]) -> Option<DVector<f64>> {
     let size = efforts.first()?.products.len();
     let (mut gram, mut products) = (DMatrix::zeros(size, size), DVector::zeros(size));

@@ -54,7 +54,7 @@ pub struct Identified<'a> {
 ///   absolute path, or one relative to the folder of `path`
 ///
 /// # Errors
-/// Those of [`identified_toml`]; [`IdentificationError::File`] where the file is the base itself, holds
+/// Those of [`identified_toml`]; [`IdentificationError::File`] if the file is the base itself, holds
 /// something else, or cannot be written.
 pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> {
     let text = identified_toml(identified)?;
@@ -66,7 +66,7 @@ pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> 
         return Err(fault("it is the description that is to be extended".into()));
     }
     if !may_be_replaced(path, FIRST_LINE.as_bytes()).map_err(|e| fault(e.to_string()))? {
-        let message = "it holds what identification has not written; name another file, or remove it first";
+        let message = "identification has not written it; name another file, or remove it first";
         return Err(fault(message.into()));
     }
     write_whole(path, text).map_err(|e| fault(e.to_string()))
@@ -106,7 +106,7 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
         if friction[..i].iter().any(|r| r.joint == result.joint) {
             return Err(IdentificationError::Expression {
                 text: result.joint.clone(),
-                message: "this joint stands twice among the results".into(),
+                message: "this joint is twice among the results".into(),
             });
         }
         let value = friction_value(result)?;
@@ -366,6 +366,6 @@ mod tests {
             |results: &[FrictionResult]| description_toml("a", "b.toml", results).unwrap_err().to_string();
         assert!(text(&[empty]).starts_with("the friction law of beta is empty"));
         assert!(text(&[]).starts_with("the list of identified joints of a is empty"));
-        assert!(text(&[example(), example()]).contains("stands twice"));
+        assert!(text(&[example(), example()]).contains("is twice"));
     }
 }

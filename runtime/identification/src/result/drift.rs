@@ -34,7 +34,7 @@ pub(crate) struct Trend {
 pub(crate) struct Drift {
     /// Change of the constant torque [N·m or N].
     pub(crate) offset: Trend,
-    /// Change of the friction as a share of it: −0.1 where it falls by a tenth.
+    /// Change of the friction as a share of it: −0.1 if it falls by a tenth.
     pub(crate) friction: Trend,
 }
 
@@ -48,8 +48,7 @@ impl Drift {
         let of_friction = is_named.then(|| {
             let change = with_error(100.0 * friction.change, Some(100.0 * friction.standard_error));
             let message = format!(
-                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the motions \
-                 differ in what the model lacks): the law is that of the middle"
+                "friction changes by {change} % from the beginning to the end of the log, as while warming up (or the motions differ and the model lacks something): the law is that of the middle"
             );
             FRICTION_DRIFTS.found(message).help("record after warming up, or identify the runs apart")
         });

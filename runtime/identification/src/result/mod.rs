@@ -16,7 +16,7 @@ mod drift;
 /// Level of the intervals in tables and descriptions.
 pub(crate) const CONFIDENCE: f64 = 0.95;
 
-/// A coefficient of a friction law with what is known about it.
+/// A coefficient of a friction law with its error and interval.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FrictionTerm {
     /// Expression in the joint's velocity `v`, or a1 … a5 of a Stribeck law.
@@ -25,7 +25,7 @@ pub struct FrictionTerm {
     pub coefficient: f64,
     /// Standard error for correlated residuals, where known.
     pub standard_error: Option<f64>,
-    /// Half the width of the interval at 95 %, where it is known that the coefficient may be biased: Student's, and the
+    /// Half the width of the interval at 95 %, if it is known that the coefficient may be biased: Student's, and the
     /// distance of least squares without the samples near rests and reversals.
     /// The standard error then is the root of the sum of the squares of error and distance.
     pub reach: Option<f64>,
@@ -56,7 +56,7 @@ impl Default for FrictionLaw {
 impl FrictionLaw {
     /// The Stribeck law with parameters a1 … a5.
     ///
-    /// - `standard_errors`: for correlated residuals; `None` where a parameter is not identifiable
+    /// - `standard_errors`: for correlated residuals; `None` if a parameter is not identifiable
     /// - `resolutions`: standard errors if all other parameters were known
     pub fn stribeck(
         parameters: [f64; 5],
@@ -140,7 +140,7 @@ impl FrictionTerm {
         rounded(self.coefficient, self.written_error())
     }
 
-    /// Ends of the interval; `None` where the error is not known.
+    /// Ends of the interval; `None` if the error is not known.
     ///
     /// - `t`: half its width in standard errors, [`FrictionResult::interval_factor`]
     pub(crate) fn ends(&self, t: f64) -> Option<[f64; 2]> {
@@ -186,13 +186,13 @@ pub struct FrictionResult {
     pub velocity_unit: String,
     /// The law.
     pub law: FrictionLaw,
-    /// Terms of s₁: friction gains |τ_l| s₁ with the load τ_l. Empty where it does not grow with the load.
+    /// Terms of s₁: friction gains |τ_l| s₁ with the load τ_l. Empty if it does not grow with the load.
     pub load: Vec<FrictionTerm>,
-    /// The constant torque that repeats over the runs: it is written with the law. `None` where the runs do not tell it from zero.
+    /// The constant torque that repeats over the runs: it is written with the law. `None` if the runs do not tell it from zero.
     pub constant: Option<FrictionTerm>,
     /// A Stribeck law in physical words.
     pub(crate) stribeck: Option<StribeckWords>,
-    /// The constant torque of each run beyond [`Self::constant`], which is not written; none where it belongs to the law.
+    /// The constant torque of each run beyond [`Self::constant`], which is not written; none if it belongs to the law.
     pub offsets: Vec<Offset>,
     /// Samples used.
     pub samples: usize,
@@ -207,7 +207,7 @@ pub struct FrictionResult {
     pub residual: f64,
     /// `1 − RSS/Σ (τ − τ̄)²` on the data that were fitted, τ̄ by run where offsets are separate.
     pub r_squared: f64,
-    /// The same on folds that were left out; `None` where the samples are too few.
+    /// The same on folds that were left out; `None` if the samples are too few.
     pub held_out: Option<f64>,
     /// Change of the residual torque over the log; `None` if the samples are too few.
     pub(crate) drift: Option<Drift>,
@@ -230,7 +230,7 @@ impl FrictionResult {
         self.findings.iter().filter(|finding| finding.severity == Severity::Error)
     }
 
-    /// Tells whether nothing is left of the law with the digits that its errors leave.
+    /// Whether nothing is left of the law with the digits that its errors leave.
     pub(crate) fn vanishes(&self) -> bool {
         let mut terms = self.law.coefficients().iter().chain(&self.load);
         terms.all(|term| vanishes(term.coefficient, term.written_error()))

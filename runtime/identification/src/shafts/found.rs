@@ -35,7 +35,7 @@ impl ShaftRows {
             let [low, high] = factor.interval;
             let error = Some(0.5 * (high - low));
             let message = format!(
-                "its friction {} is estimated next to that of the shafts, near its description if the data cannot tell: {} becomes \
+                "its friction {} is estimated next to that of the shafts, near its description if the data do not determine it: {} becomes \
                  {} ({} to {})",
                 term.basis,
                 plain(term.coefficient, 4),

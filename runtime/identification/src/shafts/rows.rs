@@ -23,7 +23,7 @@ pub(crate) struct ShaftRows {
 }
 
 impl ShaftRows {
-    /// The rows of a robot; `None` where no drive's shaft takes a row.
+    /// The rows of a robot; `None` if no drive's shaft takes a row.
     #[must_use]
     pub(crate) fn of(robot: &dyn Robot) -> Option<Self> {
         let shafts = robot.shafts();
@@ -53,13 +53,13 @@ impl ShaftRows {
         &self.shafts
     }
 
-    /// The shaft whose row this is; `None` where it is that of the joint.
+    /// The shaft whose row this is; `None` if it is that of the joint.
     #[must_use]
     pub(crate) fn shaft(&self, row: usize) -> Option<&Shaft> {
         self.shafts.iter().find(|shaft| shaft.joint == row)
     }
 
-    /// Speed of a row for a unit of speed of the joint that turns its shaft most; 1 where it is that of a joint.
+    /// Speed of a row for a unit of speed of the joint that turns its shaft most; 1 if it is that of a joint.
     #[must_use]
     pub(crate) fn speed_scale(&self, row: usize) -> f64 {
         let largest = |ratios: &[f64]| ratios.iter().fold(0.0_f64, |largest, ratio| largest.max(ratio.abs()));

@@ -5,7 +5,7 @@ use super::super::lanes::{Vector, largest};
 /// One side of four bounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side<V> {
-    /// Bound, and 1 where it is finite, 0 elsewhere (the bound is then stored as 0, slack and multiplier stay
+    /// Bound, and 1 if it is finite, 0 otherwise (the bound is then stored as 0, slack and multiplier stay
     /// 1).
     pub(super) bound: V,
     pub(super) active: V,
@@ -31,9 +31,9 @@ pub(super) struct Side<V> {
 /// Data of a soft bound in addition to those of a hard one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Softening<V> {
-    /// 1 where the bound is soft, 0 where it is hard.
+    /// 1 if the bound is soft, 0 if it is hard.
     pub(super) active: V,
-    /// 1 where the bound is hard but softened by [`super::Bounds::soften`].
+    /// 1 if the bound is hard but softened by [`super::Bounds::soften`].
     pub(super) relaxed: V,
     pub(super) w1: V,
     pub(super) w2: V,

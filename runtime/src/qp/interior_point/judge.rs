@@ -58,7 +58,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.equalities.multipliers(of_states);
     }
 
-    /// At most 1 where the tolerances are met.
+    /// At most 1 if the tolerances are met.
     #[inline(always)]
     pub(super) fn merit(&self, state: &State, run: &Run) -> f64 {
         let (gap, residual) = (state.gap, state.residual);

@@ -1,8 +1,8 @@
-//! Runs of the method: what they remember from one iteration to the next.
+//! Runs of the method: their state from one iteration to the next.
 
 use super::super::core::Start;
 
-/// The largest barrier term may be this many times the largest multiplier of a state, where that is more:
+/// The largest barrier term may be this many times the largest multiplier of a state, if that is more:
 /// smaller ones would hold large multipliers back.
 pub(super) const STIFFNESS: f64 = 1e6;
 /// Both limits of the barrier terms are multiplied by this where rounding makes a factorization fail or its
@@ -47,7 +47,7 @@ pub(super) struct Run {
     pub(super) cap: f64,
     /// The same relative to the largest multiplier.
     pub(super) stiffness: f64,
-    /// `Π (1 − α)`: what is left of the dual residual.
+    /// `Π (1 − α)`: the remaining share of the dual residual.
     pub(super) shrink: f64,
     pub(super) iterations: usize,
     /// Iterations after which it ends: the cap of its present start, and those that are left to the solve.

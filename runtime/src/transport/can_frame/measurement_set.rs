@@ -11,7 +11,7 @@ pub struct MeasurementSet<const N: usize, const NY: usize = N> {
     positions: [Option<f64>; NY],
     /// Velocity and force of each drive.
     rates: [Option<(Option<f64>, Option<f64>)>; N],
-    /// True where a set is complete with the rates of each drive alone.
+    /// True if a set is complete with the rates of each drive alone.
     with_rates: bool,
     brakes: Brakes,
 }

@@ -95,7 +95,7 @@ pub enum CanMessage {
     Position {
         /// Index of the coordinate.
         index: usize,
-        /// Its value [rad or m]; NaN where the encoder reports a fault.
+        /// Its value [rad or m]; NaN if the encoder reports a fault.
         value: f64,
         /// Number of the set that it belongs to.
         sequence: u8,
@@ -223,7 +223,7 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
         ))
     }
 
-    /// Contents of this robot's frames of velocities and forces; 0 where there are none.
+    /// Contents of this robot's frames of velocities and forces; 0 if there are none.
     fn contents(&self) -> u8 {
         let bit = |present: bool, bit: u8| if present { bit } else { 0 };
         bit(self.velocity_resolution.is_some(), HAS_VELOCITY)

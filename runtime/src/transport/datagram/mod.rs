@@ -99,13 +99,13 @@ pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
     Brake,
     /// Kind 5, to the plant: send your true state. No time passes.
     Inspect,
-    /// Kind 6, from the plant, answers a query: what was measured.
+    /// Kind 6, from the plant, answers a query: the measurement.
     Measured {
         /// Positions [rad or m], quaternions.
         positions: [f64; NY],
-        /// Velocities [rad/s or m/s], where they are measured.
+        /// Velocities [rad/s or m/s], if they are measured.
         velocities: Option<[f64; N]>,
-        /// Forces of the drives at the joints [N m or N], where they are measured.
+        /// Forces of the drives at the joints [N m or N], if they are measured.
         torques: Option<[f64; N]>,
     },
     /// Kind 7, from the plant in lock-step, answers a query whose answer was lost on purpose: the period is
@@ -123,7 +123,7 @@ pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
 /// A message with its envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
-    /// Number of the connection; 0 where there is none.
+    /// Number of the connection; 0 if there is none.
     pub connection: u32,
     /// Number of the question, which rises within a connection; an answer bears that of its question.
     pub sequence: u64,
@@ -422,7 +422,7 @@ fn require_finite(inputs: &[f64]) -> Result<(), DatagramError> {
     }
 }
 
-/// The first L bytes; zeros where there are fewer, which the checks of length exclude.
+/// The first L bytes; zeros if there are fewer, which the checks of length exclude.
 fn array<const L: usize>(bytes: &[u8]) -> [u8; L] {
     core::array::from_fn(|i| bytes.get(i).copied().unwrap_or(0))
 }

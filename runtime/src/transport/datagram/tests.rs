@@ -1,4 +1,4 @@
-//! The documented layout, byte by byte, and what does not fit it.
+//! The documented layout, byte by byte, and values that do not fit it.
 
 use super::*;
 use rand::{Rng, RngExt, SeedableRng};

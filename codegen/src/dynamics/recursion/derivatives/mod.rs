@@ -261,7 +261,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// The entries that couple what the column stands for with the joint of a body.
+    /// The entries that couple the unknown of the column with the joint of a body.
     fn read_off(
         &self,
         index: usize,

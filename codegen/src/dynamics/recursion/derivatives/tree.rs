@@ -291,7 +291,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds a rotor on a body to the column of what the rotor follows.
+    /// Adds a rotor on a body to the column of the coordinate that the rotor follows.
     pub(super) fn add_rotor_coupling(
         &self,
         index: usize,

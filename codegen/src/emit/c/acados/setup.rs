@@ -7,7 +7,7 @@ use crate::emit::header;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::program::interpret::{Functions, interpret};
 
-/// All of the file but its constants, and what depends on how positions are given.
+/// All of the file except its constants and the code for positions.
 const TEXT: &str = include_str!("setup.py");
 
 /// The parameters of a stage.
@@ -42,7 +42,7 @@ struct Robot<'a> {
     context: &'a Context<'a>,
     n: usize,
     m: usize,
-    /// B, rows first; none where it depends on positions.
+    /// B, rows first; none if it depends on positions.
     input_matrix: Option<Vec<f64>>,
 }
 
@@ -202,7 +202,7 @@ impl<'a> Robot<'a> {
         entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
     }
 
-    /// Tells whether some joints follow driven ones, which no function for acados takes.
+    /// Whether some joints follow driven ones, which no function for acados takes.
     fn follow_driven_joints(&self) -> bool {
         self.value("DEPENDENT_DRIVEN_RATIOS").is_some()
     }
@@ -212,7 +212,7 @@ impl<'a> Robot<'a> {
         found.map(|constant| &constant.value)
     }
 
-    /// Numbers; infinite where the module does not have them.
+    /// Numbers; infinite if the module does not have them.
     fn numbers(&self, name: &str, count: usize) -> Vec<f64> {
         match self.value(name) {
             Some(ConstantValue::Numbers(_, numbers)) => numbers.clone(),
@@ -220,7 +220,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// The entries of `count` rows, rows first; none where the module does not have them.
+    /// The entries of `count` rows, rows first; none if the module does not have them.
     fn flat(&self, name: &str, count: usize) -> Vec<f64> {
         match self.value(name) {
             _ if count == 0 => vec![],

@@ -4,7 +4,7 @@
 pub(super) struct External {
     /// The function.
     pub(super) value: Evaluation,
-    /// Its derivatives and second derivatives; none where the module does not have the first.
+    /// Its derivatives and second derivatives; none if the module does not have the first.
     pub(super) derivatives: Option<[Evaluation; 2]>,
 }
 

@@ -213,7 +213,7 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// The call of the function that `sensitivities.rs` prints; none where what it calls is not in the module.
+    /// The call of the function that `sensitivities.rs` prints; none if what it calls is not in the module.
     fn sensitivities(&self, place: usize) -> Option<String> {
         let by_parameters = self.parameters().map(|_| "forward_dynamics_by_parameters");
         let called = ["forward_dynamics", "linearize"].into_iter().chain(by_parameters);

@@ -7,7 +7,7 @@ use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
 use crate::program::nonzero_entries;
 
-/// A module, and what its functions are called by.
+/// A module, and the prefix of its functions.
 pub(super) struct Robot<'a> {
     pub(super) context: &'a Context<'a>,
     pub(super) interface: &'a Interface,
@@ -15,7 +15,7 @@ pub(super) struct Robot<'a> {
     pub(super) m: usize,
 }
 
-/// Derivatives by what gives positions.
+/// Derivatives by the arguments that determine the positions.
 pub(super) struct ByPositions {
     /// Derivative by the positions, or by small motions `d` from the reference.
     pub(super) own: Stored,
@@ -42,7 +42,7 @@ enum Chart {
 }
 
 impl Robot<'_> {
-    /// Tells whether positions are given as small motions from a reference.
+    /// Whether positions are given as small motions from a reference.
     pub(super) fn has_reference(&self) -> bool {
         self.context.module.has_quaternions()
     }
@@ -65,7 +65,7 @@ impl Robot<'_> {
         self.context.function(&format!("casadi_{name}"))
     }
 
-    /// How many free parameters there are, where there are any.
+    /// How many free parameters there are, if there are any.
     pub(super) fn parameters(&self) -> Option<usize> {
         Some(self.interface.parameters.len()).filter(|&count| count > 0)
     }
@@ -96,7 +96,7 @@ impl Robot<'_> {
         velocities.into_iter().chain([references, call]).collect()
     }
 
-    /// The same, and what derivatives by positions need.
+    /// The same, and the values for derivatives by positions.
     pub(super) fn begin_derivatives(&self, given: Given) -> Derivatives {
         let (mut statements, argument) = (self.begin(given), self.name_of(given));
         if self.has_reference() {
@@ -107,7 +107,7 @@ impl Robot<'_> {
         Derivatives::new(statements)
     }
 
-    /// The rates of d with their derivatives by d and by v; none where positions are not small motions.
+    /// The rates of d with their derivatives by d and by v; none if positions are not small motions.
     pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
         let n = self.n;
         let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
@@ -182,7 +182,7 @@ impl Robot<'_> {
         nonzero
     }
 
-    /// All joints in their order; none where positions are not small motions.
+    /// All joints in their order; none if positions are not small motions.
     fn joints(&self) -> Vec<JointEntries> {
         let (mut position, mut velocity) = (0, 0);
         let place = |&entries: &usize| {
@@ -204,8 +204,8 @@ impl Robot<'_> {
         Some(stored.collect::<Vec<_>>().into_iter())
     }
 
-    /// The call of a function that writes its results to `e` from a place on; none where the module does not have it,
-    /// or where it takes what CasADi is not given here.
+    /// The call of a function that writes its results to `e` from a place on; none if the module does not have it,
+    /// or if it takes an argument that CasADi does not have.
     pub(super) fn call(&self, name: &str, place: usize) -> Option<String> {
         let function = self.callable(name)?;
         let mut words: Vec<String> = vec![];

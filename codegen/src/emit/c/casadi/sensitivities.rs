@@ -3,7 +3,7 @@
 use super::super::context::Context;
 use crate::functions::function::ConstantValue;
 
-/// The function; none where no step needs it.
+/// The function; none if no step needs it.
 ///
 /// In its result `d` there is a row for each small motion of the positions, then one for each velocity, and a column for the
 /// period, then one for each parameter.

@@ -199,7 +199,7 @@ fn filled(context: &Context<'_>, evaluation: &Evaluation, statements: &[String],
     lines
 }
 
-/// Tells whether statements read an argument.
+/// Whether statements read an argument.
 fn reads(statements: &str, name: &str) -> bool {
     let is_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     statements.split(|letter| !is_word(letter)).any(|word| word == name)
@@ -209,7 +209,7 @@ fn dense(input: &Input) -> Vec<usize> {
     vec![input.rows, input.columns, 1]
 }
 
-/// Rows, columns, where each column begins among the entries, and the row of each entry.
+/// Rows, columns, if each column begins among the entries, and the row of each entry.
 fn pattern(block: &external::Block) -> Vec<usize> {
     if block.entries.len() == block.rows * block.columns && !block.entries.is_empty() {
         return vec![block.rows, block.columns, 1];

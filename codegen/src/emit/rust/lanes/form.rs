@@ -80,7 +80,7 @@ struct Form<'a> {
     names: Vec<Ident>,
     /// Names of the results.
     results: Vec<Ident>,
-    /// Names of what each part hands on.
+    /// Names of the values that each part hands on.
     values: Vec<Ident>,
 }
 

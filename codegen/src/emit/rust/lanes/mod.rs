@@ -68,7 +68,7 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     lanes.into_iter().chain(group).collect()
 }
 
-/// How a function is divided, where it is written over lanes. Functions of std have no form over lanes.
+/// How a function is divided, if it is written over lanes. Functions of std have no form over lanes.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     let is_asked = context.module.lanes.contains(&function.name);
     if !is_asked || context.options.math == Math::Std {

@@ -1,4 +1,4 @@
-//! Bytes that are read from the front; `None` where they end too early.
+//! Bytes that are read from the front; `None` if they end too early.
 
 use std::borrow::Cow;
 

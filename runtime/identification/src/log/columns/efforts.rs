@@ -9,7 +9,7 @@ use super::pattern::{Chosen, Pattern};
 use super::table::Kind;
 
 impl Finder<'_> {
-    /// The columns of the efforts, and what they are.
+    /// The columns of the efforts, and their meaning.
     ///
     /// # Errors
     /// Columns that are missing or ambiguous. If joints have quaternions, also currents, and torques at the joints if inputs act at
@@ -47,10 +47,10 @@ impl Finder<'_> {
     fn require_inputs_at_frames(&self, wanted: Option<Effort>) -> Result<()> {
         match wanted {
             Some(Effort::Current) => Err(self.fault(
-                "currents are not identified where joints have quaternions: convert them to torques, and name these".into(),
+                "currents are not identified if joints have quaternions: convert them to torques, and name these".into(),
             )),
             Some(Effort::Joint) if self.has_frames() => Err(self.fault(format!(
-                "inputs of this robot act at frames ({}), and torques at the joints do not hold what they do to the base: \
+                "inputs of this robot act at frames ({}), and torques at the joints do not contain their forces on the base: \
                  name the columns of the inputs with --columns 'input=…'",
                 self.robot.frame_inputs.names.join(", ")
             ))),
@@ -137,9 +137,8 @@ impl Finder<'_> {
             "Efforts of the joints may be missing, those of the inputs at frames may not".to_owned()
         } else {
             format!(
-                "Without efforts of the joints the six rows of `{}` are enough, where what acts on the robot from outside is \
-                 measured: describe the forces of its feet as `[[inputs]]` with `frame` and `wrench`, and add their columns to \
-                 the log. In free flight nothing acts, and a motion tells ratios of masses and inertias alone",
+                "Without efforts of the joints the six rows of `{}` suffice if the external forces are measured: describe the forces of its feet as `[[inputs]]` with `frame` and `wrench`, and add their columns to \
+                 the log. In free flight no force acts, and a motion determines only ratios of masses and inertias",
                 base.name
             )
         };

@@ -25,7 +25,7 @@ pub(super) enum Key {
 pub(super) struct Family {
     pub meaning: Meaning,
     pub key: Key,
-    /// Column of each joint or input; none where the log has no such column.
+    /// Column of each joint or input; none if the log has no such column.
     pub columns: Vec<Option<usize>>,
     /// Numbers in the headers if the columns differ by these.
     pub numbers: Vec<u64>,

@@ -161,7 +161,7 @@ impl<'a> Finder<'a> {
             header.and_then(|h| h.odd.as_ref()).filter(|odd| named.is_none() && !self.is_described(odd));
         if let Some(odd) = odd {
             return Err(self.fault(format!(
-                "column {} is in `{odd}`, which is no known unit; name it with --columns '{}=…[UNIT]' (known are {}; a factor \
+                "column {} is in `{odd}`, which is not a known unit; name it with --columns '{}=…[UNIT]' (known are {}; a factor \
                  may precede, as in [0.0879 deg])",
                 label,
                 kind.key(),

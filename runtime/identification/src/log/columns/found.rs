@@ -58,7 +58,7 @@ impl Found {
         self.columns.iter().map(|column| column.index)
     }
 
-    /// Pattern, the first and the last joint, and units.
+    /// Line of a message: pattern, first and last joint, and units.
     pub(super) fn line(&self, what: &str) -> Option<String> {
         let mut units: Vec<&str> = Vec::new();
         for Column { unit_words: unit, .. } in &self.columns {
@@ -90,7 +90,7 @@ impl Found {
     pub(super) fn if_commanded(&self) -> Option<Finding> {
         let why = match self.kind {
             Kind::Position => "the joints did otherwise by the control error",
-            _ => "drives that do not follow at once, or that are limited, gave others",
+            _ => "drives with a delay or a limit gave other efforts",
         };
         self.is_commanded.then(|| {
             let message = format!(

@@ -122,7 +122,7 @@ pub(super) fn is_number(word: &str) -> bool {
     word.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// The shortest part of a German compound, and what is put between two parts.
+/// The shortest part of a German compound, and the letters between two parts.
 const SHORTEST: usize = 3;
 const LINKS: [&str; 4] = ["", "s", "n", "en"];
 

@@ -80,7 +80,7 @@ impl Finder<'_> {
         }
         let n = self.robot.joints.names.len();
         Err(self.fault(format!(
-            "the log has no header: its first row is `{}`. Say which column is what by numbers, as in --columns \
+            "the log has no header: its first row is `{}`. Name the columns by numbers, as in --columns \
              'time=1,position=2..{},torque={}..{}'",
             shortened(&self.sheet.first),
             n + 1,
@@ -200,7 +200,7 @@ impl Finder<'_> {
         let twice = used.iter().enumerate().find(|(i, column)| used[..*i].contains(column));
         match twice {
             Some((_, column)) => Err(self.undecided(format!(
-                "column {} would stand for two quantities: name the columns with --columns",
+                "column {} would be used for two quantities: name the columns with --columns",
                 self.label(*column)
             ))),
             None => Ok(()),

@@ -24,7 +24,7 @@ pub struct ColumnOptions {
     /// - rows at equal times have no need of a column: `time=row[4 ms]`;
     /// - joints that the log does not have, with their positions: `hold=gripper|wrist_*=0.5`.
     pub columns: Option<String>,
-    /// Field separator, where it is not found.
+    /// Field separator, if it is not found.
     pub separator: Option<char>,
     /// The kind of the efforts if their names do not say it.
     pub effort: Option<Effort>,

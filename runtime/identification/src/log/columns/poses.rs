@@ -102,7 +102,7 @@ impl Finder<'_> {
         if kind == Kind::Attitude && !angles.is_empty() {
             return self.fault(format!(
                 "no columns are known as the quaternion of `{name}`, but {} look like angles. Attitudes are read as \
-                 quaternions alone: the order of angles is a convention that a log does not tell. Convert them \
+                 quaternions alone: the order of angles is a convention that a log does not state. Convert them \
                  (scipy: Rotation.from_euler(…).as_quat()) and name the four columns qx, qy, qz, qw",
                 angles.join(", ")
             ));
@@ -121,7 +121,7 @@ impl Finder<'_> {
 fn remedy(kind: Kind) -> &'static str {
     match kind {
         Kind::Attitude => {
-            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' where w stands first; numbers as in `5..8` do too)"
+            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' if w comes first; numbers as in `5..8` do too)"
         }
         _ => "--columns 'place=a|b|c' (numbers as in `2..4` do too)",
     }

@@ -99,8 +99,7 @@ impl Finder<'_> {
 
     fn no_time(&self) -> IdentificationError {
         self.undecided(format!(
-            "no column is known as the time. There are {}. Name it: --columns 'time=…[s]', or where a column counts samples, its \
-             period: --columns 'time=…[4 ms]'",
+            "no column is known as the time. There are {}. Name it: --columns 'time=…[s]', or, if a column counts samples, its period: --columns 'time=…[4 ms]'",
             shortened(&self.sheet.headers)
         ))
     }
@@ -116,7 +115,7 @@ impl Finder<'_> {
         let odd = header.and_then(|h| h.odd.as_ref()).filter(|odd| !self.is_described(odd));
         let doubt = odd.filter(|_| unit.is_none() && nanoseconds.is_none()).map(|odd| {
             let message = format!(
-                "the time is in `{odd}`, which is no known unit: it is taken for seconds, or for ms, µs or ns if its steps are long"
+                "the time is in `{odd}`, which is not a known unit: it is taken for seconds, or for ms, µs or ns if its steps are long"
             );
             COLUMN_DOUBTFUL.found(message).help(format!("give its unit, as in --columns 'time={text}[0.001 s]'"))
         });

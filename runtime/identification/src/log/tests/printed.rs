@@ -79,7 +79,7 @@ fn units_of_times_are_known_or_doubted() {
     assert_eq!((minutes.runs[0].times[1], warnings(&minutes).len()), (600.0, 0));
     let ticks = read("Time [ticks],q1,q2,u1,u2\n", ",1,2,3,4", None);
     let said = warnings(&ticks);
-    assert!(said[0].contains("`ticks`, which is no known unit"), "{said:?}");
+    assert!(said[0].contains("`ticks`, which is not a known unit"), "{said:?}");
     assert!(said[0].ends_with("--columns 'time=Time [ticks][0.001 s]'"), "{said:?}");
     let told = read("Time [ticks],q1,q2,u1,u2\n", ",1,2,3,4", Some("time=Time [ticks][0.001 s]"));
     assert_eq!((told.runs[0].times[1], warnings(&told).len()), (0.01, 0));

@@ -13,11 +13,11 @@ const ROWS: &str = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
 fn cases() -> Vec<(String, &'static str, &'static str)> {
     let under = |header: &str| format!("{header}\n{ROWS}");
     vec![
-        (ROWS.into(), "", "the log has no header: its first row is `0, 1, 2, 3, 4`. Say which column is what by numbers, as in --columns 'time=1,position=2..3,torque=4..5'"),
+        (ROWS.into(), "", "the log has no header: its first row is `0, 1, 2, 3, 4`. Name the columns by numbers, as in --columns 'time=1,position=2..3,torque=4..5'"),
         (ROWS.into(), "time=t,position=2..3,torque=4..5", "the log has no header; give the columns' numbers"),
         (ROWS.into(), "time=1,position=2..9,torque=4..5", "the log has columns 1 to 5"),
         (ROWS.into(), "time=1,position=2..4,torque=4..5", "it names 3 columns, 2 are needed"),
-        (ROWS.into(), "time=1,position=2..3,torque=3..4", "column number 3 would stand for two quantities"),
+        (ROWS.into(), "time=1,position=2..3,torque=3..4", "column number 3 would be used for two quantities"),
         (under("t,q1,q2,x1,x2"), "", "no columns are known as the efforts of joint_1, joint_2. There are t, q1, q2, x1, x2. Name them: --columns 'torque=…'"),
         (under("t,q1,q3,u1,u2"), "", "no column is the position of `joint_2`"),
         (under("t,q1,q2,u1,q3"), "", "have 3 numbers (1 to 3), the description has 2"),
@@ -33,12 +33,12 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("t,q1,q2,u1,u2"), "q{}", "this is not `QUANTITY=COLUMNS`"),
         (under("t,q1,q2,u1,u2"), "torque=u{},current=u{}", "the line names this quantity twice"),
         (under("t,q1,q2,u1,u2"), "position={name}_pos", "no columns have this name"),
-        (under("t,q1 [counts],q2 [counts],u1,u2"), "", "column `q1 [counts]` is in `counts`, which is no known unit"),
+        (under("t,q1 [counts],q2 [counts],u1,u2"), "", "column `q1 [counts]` is in `counts`, which is not a known unit"),
         (under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"), "", "have 3 numbers (0 to 2), the description has 2"),
         (under("t,q1_count,q2_count,u1,u2"), "", "column `q1_count` is a position in count, but rad is expected here"),
         (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
         ("t,q1,q2,u1,u2\n".into(), "", "no rows of numbers are found; the file begins with `t,q1,q2,u1,u2`"),
-        ("t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(), "", "the time is no number in all 2 rows (the first is `12:00:01`)"),
+        ("t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(), "", "the time is not a number in any of 2 rows (the first is `12:00:01`)"),
         ("t,q1,q2,u1,u2\n0,1,2,NaN,NaN\n1,1,2,NaN,NaN\n".into(), "", "column `u1` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,NaN,3,4\n1,1,NaN,3,4\n".into(), "", "column `q2` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,,3,4\n1,,2,,4\n2,1,,,4\n".into(), "", "0 of 3 rows have time, 2 positions and efforts together"),

@@ -1,6 +1,6 @@
 //! Symmetric positive definite banded systems `(I + Σ wᵢ dᵢ dᵢᵀ) s = f`, factored as L D Lᵀ in linear time.
 
-/// Lower band of a symmetric matrix, row by row: `rows[i][k]` is the entry (i, i − k), zero where i < k.
+/// Lower band of a symmetric matrix, row by row: `rows[i][k]` is the entry (i, i − k), zero if i < k.
 pub(super) type Band<const W: usize> = Vec<[f64; W]>;
 
 /// Factors the band in place and solves for `x` in place. `W` is the number of diagonals of the lower half.

@@ -1,4 +1,4 @@
-//! The law, the settings of its regression, and what a regression gives.
+//! The law, the settings of its regression, and its result.
 
 use crate::numeric::kernel::BLOCK;
 use gelenk_formula::FrictionPart;
@@ -71,13 +71,13 @@ impl Default for StribeckRegression {
 pub struct StribeckFit {
     /// a1 … a5 [N·m·s/rad, N·m, s/rad, N·m, s/rad].
     pub parameters: [f64; 5],
-    /// The constant torque of each run; none where the regression has none.
+    /// The constant torque of each run; none if the regression has none.
     pub offsets: Vec<f64>,
     /// Covariance of the parameters for independent errors, or for correlated ones after
     /// `with_correlated_errors`; rows and columns of parameters that are not identifiable are zero, see
     /// [`Self::standard_errors`].
     pub covariance: SMatrix<f64, 5, 5>,
-    /// Standard errors; `None` where a parameter is not identifiable from these data.
+    /// Standard errors; `None` if a parameter is not identifiable from these data.
     pub standard_errors: [Option<f64>; 5],
     /// Standard errors if all other parameters were known.
     pub resolutions: [Option<f64>; 5],

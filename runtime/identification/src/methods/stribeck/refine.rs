@@ -19,7 +19,7 @@ pub(crate) struct Observed<'a> {
     pub(crate) v: &'a [f64],
     /// Their torques [N·m or N].
     pub(crate) torque: &'a [f64],
-    /// Their weights, 1 where absent.
+    /// Their weights, 1 if absent.
     pub(crate) weights: Option<&'a [f64]>,
     /// Ranges of samples that follow each other and hold all.
     pub(crate) runs: &'a [Range<usize>],
@@ -104,7 +104,7 @@ pub(super) struct Normal {
     pub(super) g: SVector<f64, 5>,
     /// The best offset of each run at this point.
     pub(super) offsets: Vec<f64>,
-    /// Mean of the derivatives in each run: by their product with a step the offset sinks.
+    /// Mean of the derivatives in each run; a step changes the offset by minus its product with them.
     pub(super) levels: Vec<SVector<f64, 5>>,
     pub(super) iterations: usize,
     pub(super) converged: bool,
@@ -178,7 +178,7 @@ impl Data<'_> {
 
     /// Levenberg–Marquardt on the 5 × 5 normal equations, damping in units of the diagonal.
     ///
-    /// - `first_damping`: [`NEAR`] where the start comes from the same data, so that nearly undamped steps succeed
+    /// - `first_damping`: [`NEAR`] if the start comes from the same data, so that nearly undamped steps succeed
     ///   at once
     pub(super) fn refine(
         &self,

@@ -8,7 +8,7 @@ use gelenk_findings::digits::with_error;
 pub(crate) struct Estimate {
     /// The value.
     pub(crate) value: f64,
-    /// Its standard error; `None` where the data do not tell.
+    /// Its standard error; `None` if the data do not tell.
     pub(crate) standard_error: Option<f64>,
 }
 
