@@ -260,7 +260,7 @@ fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
     let file = folder.path().join("loose.toml");
     fs::write(&file, text.replace("input = \"bucket_cylinder\"\nlimits = [-35e3, 22e3]\n", "")).unwrap();
     let (_, succeeded, said) = plan(&file, &[]);
-    let words = "joint bucket: it has no drive, and no input at a frame moves it: no motion of it can be planned; describe what moves it";
+    let words = "joint bucket: it has no drive, and no input at a frame moves it: no motion of it can be planned; describe the force that moves it";
     assert!(!succeeded && said.contains(words), "{said}");
 }
 

@@ -270,7 +270,10 @@ fn a_rotor_that_is_nowhere_needs_no_carrier() {
 fn a_joint_that_undoes_the_motion_below_it_is_noted() {
     let (_, notes) = load(&WRIST.replace("parent = \"roll\"\n", ""));
     let notes = notes.to_string();
-    assert!(notes.contains("note[follower-stands-still]: joint `other_finger` sits on `finger`"), "{notes}");
+    assert!(
+        notes.contains("note[follower-stands-still]: joint `other_finger` is carried by `finger`"),
+        "{notes}"
+    );
     // A parallelogram keeps its platform level: an arm is between the axes.
     let level = "[[joints]]\nname = \"boom\"\n[[joints]]\nname = \"level\"\norigin = { xyz = [1, 0, 0] }\n\
                  follows = { boom = -1 }\n[[bodies]]\nlink = \"level\"\nmass = 1\ninertia = 1\n";

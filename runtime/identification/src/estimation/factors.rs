@@ -69,9 +69,7 @@ pub(super) fn factor(chosen: &Chosen, prior: &Prior) -> Result<Option<(usize, Fi
     for joint in layout.rubbing() {
         let own = factors.error(joint, 1.0)?;
         let Some((factor, other)) = factors.best(joint, TRIED.into_iter())? else { continue };
-        let Some(share) =
-            gain(&own, &other, layout.joints * TRIED.len()).filter(|_| explains(chosen, &other))
-        else {
+        let Some(share) = gain(&own, &other).filter(|_| explains(chosen, &other)) else {
             continue;
         };
         if clearest.is_none_or(|(.., most)| share > most) {

@@ -140,10 +140,9 @@ pub(super) fn other_order(task: &Task, chosen: &Chosen, doubts: &mut Doubts, is_
     }
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let mut best: Option<(Vec<usize>, f64)> = None;
-    let tried = orders.len();
     for order in orders {
         let other = in_order(task, chosen, &order)?;
-        let Some(share) = gain(&own, &other, tried) else { continue };
+        let Some(share) = gain(&own, &other) else { continue };
         if best.as_ref().is_none_or(|(_, most)| share > *most) {
             best = Some((order, share));
         }
@@ -338,7 +337,7 @@ fn gravity(task: &Task, chosen: &Chosen, ratio: Option<f64>) -> Result<Option<Fi
     let sums = sum(&mut rows, task.layout, task.runs, &task.pieces, &moving);
     let own = as_described(chosen.over(chosen.centred.sums), task.prior)?;
     let other = as_described(chosen.over(&sums), task.prior)?;
-    let Some(share) = gain(&own, &other, 1) else { return Ok(None) };
+    let Some(share) = gain(&own, &other) else { return Ok(None) };
     // Bodies that are described too heavy, and efforts in a larger unit, are better explained without gravity, too.
     if let Some(ratio) = ratio {
         let mut scaled = chosen.over(chosen.centred.sums);
@@ -379,7 +378,7 @@ fn other_sign_gain(prior: &Prior, chosen: &Chosen, own: &HeldOut, joint: usize) 
     let mut start = chosen.values.clone();
     start.gains[joint] = -start.gains[joint];
     let other = held_out(&chosen.centred, &chosen.model, prior, &chosen.weighting, &start)?;
-    Ok(gain(own, &other, chosen.centred.layout.joints))
+    Ok(gain(own, &other))
 }
 
 /// Whether the estimated friction does noticeable work on the joint, `Σ v τ(v) < 0`.

@@ -35,7 +35,7 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
         for joint in layout.rubbing().filter(|joint| matches!(task.robot.subject(*joint), Subject::Joint(_)))
         {
             fitted.weighting.trust[count + joint] = FREE;
-            let share = gain(&own, &fitted.held_out(task.prior)?, layout.joints);
+            let share = gain(&own, &fitted.held_out(task.prior)?);
             fitted.weighting.trust[count + joint] = HELD;
             let most = clearest.map_or(0.0, |(_, most)| most);
             clearest = share.filter(|share| *share > most).map(|share| (joint, share)).or(clearest);

@@ -62,7 +62,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
             // Free bodies imitate much that the described ones exclude.
             let of_described = as_described(last.over(last.centred.sums), task.prior)?;
             let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
-            let share = gain(own, &turned, 1).filter(|_| !harms(&of_described, &turned_described));
+            let share = gain(own, &turned).filter(|_| !harms(&of_described, &turned_described));
             return Ok(share.map(|share| offered(finding, share)));
         }
     }

@@ -6,7 +6,6 @@ use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::thresholding::Thresholding;
 use super::super::numeric::random::SplitMix64;
 use super::super::result::FrictionLaw;
-use super::super::robot::JointLimits;
 use super::*;
 use crate::methods::confidence::quantile;
 use gelenk_findings::{Severity, texts};

@@ -310,7 +310,11 @@ fn joints_that_look_wrong_are_named() {
     let geared = Fake { gear: 100.0, weight: 4.0, ..Fake::numbered(2) };
     assert_eq!(found(&geared, "torque=u{}", |_, _| {}), []);
     let doubted = found(&geared, "", |_, _| {});
-    assert_eq!(doubted.iter().map(|f| f.0).collect::<Vec<_>>(), ["gear-doubtful"], "{doubted:?}");
+    assert_eq!(
+        doubted.iter().map(|f| f.0).collect::<Vec<_>>(),
+        ["gear-doubtful", "far-beyond-limits"],
+        "{doubted:?}"
+    );
     assert!(
         doubted[0].1.contains("they look like forces at the joints (--columns 'torque=…')"),
         "{doubted:?}"
