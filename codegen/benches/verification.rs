@@ -5,6 +5,8 @@
 //! cargo bench -p gelenk-codegen --bench verification
 //! ```
 
+#![allow(clippy::expect_used, reason = "a model of this repository is right")]
+
 use std::path::Path;
 use std::time::Instant;
 

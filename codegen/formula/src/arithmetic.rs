@@ -151,7 +151,7 @@ impl Formula {
         }
     }
 
-    /// The formula with others in the place of the parts that have one; the rest is folded anew.
+    /// The formula with each part replaced that has a replacement; constants in the rest are folded again.
     pub fn substituted(&self, other: &dyn Fn(&Self) -> Option<Self>) -> Self {
         if let Some(other) = other(self) {
             return other;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnostic::{Diagnostic, Report, Severity, Span};
 use crate::wording::listed;
 
-/// Something about a description that is worth a note, once for all places.
+/// A peculiarity of a description. It has one note, however often it occurs.
 pub(super) trait Remark: Copy + Ord {
     fn code(self) -> &'static str;
     fn severity(self) -> Severity;

@@ -25,7 +25,8 @@ pub struct AdaptationSettings {
     pub drift_times: [f64; 3],
     /// Memory of noise, correlation, weights of the rates, and prediction errors (s of motion).
     pub memory: f64,
-    /// Time of motion after which residuals beyond the interval count as a change of the joint, and no longer as contact (s).
+    /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the joint instead of
+    /// a contact.
     pub patience: f64,
     /// Time constant with which the acting law follows the learned one (s).
     pub blending: f64,

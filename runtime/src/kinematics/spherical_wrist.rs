@@ -452,7 +452,7 @@ fn off_axis(screws: &Screws, joint: usize, point: &Vector3<f64>) -> Vector3<f64>
     split(&(point - screws.points[joint]), &screws.axes[joint]).1
 }
 
-/// Angle about `axis` that turns `from` to `to`, across the axis.
+/// Angle about `axis` that turns the part of `from` perpendicular to the axis into the direction of that of `to`.
 fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     let (from, to) = (split(from, axis).1, split(to, axis).1);
     axis.dot(&from.cross(&to)).atan2(from.dot(&to))

@@ -226,7 +226,7 @@ impl<'a, 'g> JointForces<'a, 'g> {
         ]
     }
 
-    /// Derivatives of the force on a coordinate by its own position and velocity, and the force.
+    /// The derivatives of the force on a coordinate by its own position and velocity, then the force itself.
     fn own(&self, coordinate: usize) -> [Scalar<'g>; 3] {
         let [by_position, by_velocity] = self.by(coordinate, coordinate);
         [by_position, by_velocity, self.forces[coordinate]]

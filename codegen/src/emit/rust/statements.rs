@@ -74,7 +74,7 @@ impl Body<'_> {
         self.statements_among(range, |_| true)
     }
 
-    /// Those statements of a run whose instructions are wanted.
+    /// The statements of a run of instructions, for the instructions for which `is_wanted` is true.
     pub(super) fn statements_among(
         &self,
         range: Range<usize>,

@@ -3,7 +3,7 @@
 use super::super::notes;
 use crate::diagnostic::Severity;
 
-/// Something about a description that is worth a note, once for all places.
+/// A peculiarity of a description. It has one note, however often it occurs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
     Actuator,

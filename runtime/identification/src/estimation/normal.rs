@@ -260,7 +260,7 @@ pub(super) fn force_vector(layout: &Layout, at: &Values, joint: usize) -> DVecto
     c
 }
 
-/// The Hessian with the description's metric Λ, and hardly anything on the other unknowns.
+/// The Hessian plus the description's metric Λ, and a ridge of rounding on the other unknowns.
 pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64> {
     let mut a = &normal.hessian + metric;
     for i in 0..a.nrows() {

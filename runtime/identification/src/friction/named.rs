@@ -122,7 +122,7 @@ fn require_known(term: &str) -> Result<()> {
     })
 }
 
-/// A law is written to a description: its terms have to be what that may hold.
+/// Refuses a term that a description cannot contain, because the law is written to one.
 fn require_generated(term: &str) -> Result<()> {
     let found = gelenk_formula::parse(term, gelenk_formula::Allowed::Velocity, &BTreeMap::new());
     found

@@ -96,7 +96,7 @@ pub struct FrictionIdentification {
     pub folds: usize,
     /// Bootstrap draws; 0 for none.
     pub draws: usize,
-    /// Contiguous blocks among which the bootstrap draws: longer than the errors are correlated.
+    /// Number of contiguous blocks from which the bootstrap draws. A block should be longer than the correlation time of the errors.
     pub blocks: usize,
     /// Seed of the bootstrap.
     pub seed: u64,

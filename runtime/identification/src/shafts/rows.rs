@@ -147,7 +147,7 @@ impl ShaftRows {
     }
 }
 
-/// A matrix times columns of samples. What it does not need may be unknown: NaN.
+/// A matrix times columns of samples. Columns whose factor is 0 are skipped, so that they may hold NaN.
 fn combined(matrix: &DMatrix<f64>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let samples = columns.first().map_or(0, Vec::len);
     let row = |row: usize| {

@@ -88,7 +88,7 @@ pub enum CanMessage {
         index: usize,
         /// Its value, in the model's unit.
         value: f64,
-        /// Number of the set that it belongs to.
+        /// Sequence number, which all frames of one instant share.
         sequence: u8,
     },
     /// Position of a joint.
