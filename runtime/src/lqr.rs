@@ -113,7 +113,7 @@ pub struct Lqr<const NX: usize, const NU: usize> {
 pub struct Margins {
     /// Smallest and largest factor of the inputs.
     pub gain: [f64; 2],
-    /// Largest phase shift of the inputs, in both directions [rad].
+    /// Largest phase shift of the inputs, in both directions \[rad\].
     pub phase: f64,
 }
 
