@@ -65,7 +65,7 @@ fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result
     }
     let text = fs::read(&path)?;
     let is_ours = match name {
-        PAGE => text.windows(page::BESIDE.len()).any(|part| part == page::BESIDE.as_bytes()),
+        PAGE => page::is_page(&text),
         DATA => serde_json::from_slice(&text).is_ok_and(|value| data::is_report(&value)),
         table => old.iter().any(|known| known == table),
     };
@@ -128,6 +128,19 @@ mod tests {
         assert_eq!(fs::read(at("index.html")).unwrap(), before);
         assert_eq!(fs::read_to_string(at("mine.csv")).unwrap(), "t,q\n");
         assert_eq!(names(folder.path()), expected);
+    }
+
+    #[test]
+    fn pages_with_other_words_are_known() {
+        let folder = tempfile::tempdir().unwrap();
+        report("Arm", "numbers-1").write(folder.path()).unwrap();
+        let page = folder.path().join("index.html");
+        let text = fs::read_to_string(&page).unwrap();
+        let older = text.replace("are next to this page in", "stand beside this page in");
+        assert_ne!(text, older);
+        fs::write(&page, older).unwrap();
+        report("Arm", "numbers-1").write(folder.path()).unwrap();
+        assert_eq!(fs::read_to_string(&page).unwrap(), text);
     }
 
     #[test]

@@ -90,15 +90,20 @@ fn head(report: &Report) -> Rendered {
     })
 }
 
-/// Words at the foot of every page, by which a page is recognized as one of ours.
-pub(super) const BESIDE: &str = "The same numbers, unrounded, are next to this page in ";
+/// The link to the numbers of a page.
+const DATA: &str = "<a href=\"report.json\">report.json</a>";
+
+/// Whether a text is the page of a report. No words decide this, so that pages of other versions are known.
+pub(super) fn is_page(text: &[u8]) -> bool {
+    [POLICY, DATA].iter().all(|part| text.windows(part.len()).any(|window| window == part.as_bytes()))
+}
 
 fn foot(report: &Report) -> Markup {
     html! {
         footer {
             p {
-                (BESIDE)
-                a href="report.json" { "report.json" }
+                "The same numbers, unrounded, are next to this page in "
+                (PreEscaped(DATA))
                 " and in one CSV file for each table and figure."
             }
             @if !report.made_by.is_empty() {
