@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail with the test")]
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn gelenk(folder: &Path, arguments: &[&str]) -> Output {
@@ -30,14 +30,19 @@ fn weight(boom: f64, level: f64) -> [f64; 4] {
     [0.0, (5.0 + 3.0 + 1.5) * G, arm + gripper, gripper]
 }
 
+/// The package of the palletizer, and the folder of its URDF.
+fn pallets(folder: &Path) -> [PathBuf; 2] {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2");
+    let robot = here.join("palletizer.urdf");
+    let made = gelenk(folder, &["new", "pallets", "--ros2", "--urdf", robot.to_str().unwrap()]);
+    assert!(made.status.success(), "{}", said(&made));
+    [folder.join("pallets"), here]
+}
+
 #[test]
 fn controllers_for_ros2_control_compute_what_the_module_computes() {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2");
     let folder = tempfile::tempdir().unwrap();
-    let robot = here.join("palletizer.urdf");
-    let made = gelenk(folder.path(), &["new", "pallets", "--ros2", "--urdf", robot.to_str().unwrap()]);
-    assert!(made.status.success(), "{}", said(&made));
-    let package = folder.path().join("pallets");
+    let [package, here] = pallets(folder.path());
     let read = |file: &str| fs::read_to_string(package.join(file)).unwrap();
     for file in ["CMakeLists.txt", "package.xml", "controllers.xml", "src/joints.hpp"] {
         assert!(!read(file).contains("my_package"), "{file}");
@@ -88,12 +93,8 @@ fn controllers_for_ros2_control_compute_what_the_module_computes() {
 /// A controller has no value for a parameter that stays free.
 #[test]
 fn a_controller_of_a_robot_with_free_parameters_does_not_compile() {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros2");
     let folder = tempfile::tempdir().unwrap();
-    let robot = here.join("palletizer.urdf");
-    let made = gelenk(folder.path(), &["new", "pallets", "--ros2", "--urdf", robot.to_str().unwrap()]);
-    assert!(made.status.success(), "{}", said(&made));
-    let package = folder.path().join("pallets");
+    let [package, here] = pallets(folder.path());
     let load = "\n[[bodies]]\nname = \"load\"\nlink = \"gripper\"\nmass = { free = 2 }\n";
     let description = fs::read_to_string(package.join("robot.toml")).unwrap();
     fs::write(package.join("robot.toml"), description + load).unwrap();
