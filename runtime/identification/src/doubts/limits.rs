@@ -1,6 +1,7 @@
 //! Positions, speeds and efforts of joints against their described limits.
 
 use super::super::log::{Recording, SEEN, are_minutes, unit_value};
+use super::super::numeric::statistics::span;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
@@ -26,8 +27,6 @@ const FAR: f64 = 3.0;
 const FAR_AWAY: f64 = 10.0;
 /// Share of a limit, or of a range of positions, by which described limits are rounded.
 const ROUNDED: [f64; 2] = [0.1, 0.01];
-/// Share of values at each end that are outliers.
-const OUTLIERS: usize = 200;
 
 /// Units that columns may be in, as `--columns` calls them.
 const ANGLES: &[&str] = &["deg", "mrad"];
@@ -201,10 +200,12 @@ impl Log<'_> {
         // The first of equal ones stays first.
         all.sort_by(|a, b| b.0.times.total_cmp(&a.0.times));
         let (Excess { low, high, times }, range) = all.first()?;
-        let runs: Vec<usize> =
-            (0..range.values.len()).filter(|run| range.excess(&range.values[*run]).is_some()).collect();
+        let is_far = *times > range.far;
+        let as_far = |run: &usize| {
+            range.excess(&range.values[*run]).is_some_and(|excess| !is_far || excess.times > range.far)
+        };
+        let runs: Vec<usize> = (0..range.values.len()).filter(as_far).collect();
         let run = runs.first().filter(|_| runs.len() == 1 && range.values.len() > 1);
-        let run = run.map_or_else(String::new, |run| format!(", in run {} alone", self.prepared[*run].name));
         let others: Vec<&str> = all[1..].iter().map(|(_, range)| range.joint).collect();
         let others = match others[..] {
             [] => String::new(),
@@ -214,15 +215,17 @@ impl Log<'_> {
         let [low, high, least, most] = [*low, *high, least, most].map(|x| plain(x, 4));
         let unit = if range.unit.is_empty() { String::new() } else { format!(" {}", range.unit) };
         let message = format!(
-            "its {} go from {low} to {high}{unit}{run}; the described limits are {least} and {most}{others}",
-            range.what
+            "its {} go from {low} to {high}{unit}{}; the described limits are {least} and {most}{others}",
+            range.what,
+            run.map_or_else(String::new, |run| format!(", in run {} alone", self.prepared[*run].name))
         );
-        let is_far = *times > range.far;
         let rule = if is_far { FAR_BEYOND } else { BEYOND };
         let found = rule.found(message).joint(range.joint).with("times the limit", *times, "");
+        // A switch for one run would change the others.
+        let alone = run.map(|_| "--columns holds for all logs: bring this one to the units of the others");
         let accept = "or correct the description's limits; --accept-poor takes the values as they are";
-        let remedy = help(*times, &range.unit).into_iter().chain(is_far.then(|| accept.to_owned()));
-        let remedy = remedy.collect::<Vec<_>>().join("; ");
+        let remedy = help(*times, &range.unit).into_iter().chain(alone.filter(|_| is_far).map(str::to_owned));
+        let remedy = remedy.chain(is_far.then(|| accept.to_owned())).collect::<Vec<_>>().join("; ");
         Some(if remedy.is_empty() { found } else { found.help(remedy) })
     }
 }
@@ -258,11 +261,7 @@ impl Range<'static> {
 impl Range<'_> {
     /// How values exceed the limits. A limit of 0 is one that nobody entered: nothing is far beyond it.
     fn excess(&self, values: &[f64]) -> Option<Excess> {
-        let mut values: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
-        let last = values.len().checked_sub(1)?;
-        let cut = values.len() / OUTLIERS;
-        let low = *values.select_nth_unstable_by(cut, f64::total_cmp).1;
-        let high = *values.select_nth_unstable_by(last - cut, f64::total_cmp).1;
+        let [low, high] = span(values.iter().copied().filter(|x| x.is_finite()).collect())?;
         let [least, most] = self.limits;
         let leaves = low < least - self.tolerance || high > most + self.tolerance;
         let limit = least.abs().max(most.abs());

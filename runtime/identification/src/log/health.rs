@@ -1,5 +1,6 @@
 //! Checks of a log by its runs: columns that are not velocities, efforts on the other side of a gear, turns.
 
+use super::super::numeric::statistics::span;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 use super::finding::{GEAR_DOUBTFUL, TURNS, VELOCITY_DISAGREES};
@@ -23,20 +24,13 @@ fn least_travel(unit: &str) -> f64 {
     if unit == "m" { 2e-4 } else { 2e-3 }
 }
 
-/// Whether a joint stood still in all runs. The outermost 0.5 % at both ends do not count: they may be outliers.
+/// Whether a joint stood still in all runs, outliers aside.
 fn stands_still(runs: &[Run], joint: usize, unit: &str) -> bool {
-    let travel = |run: &Run| {
-        let mut values = run.positions[joint].clone();
-        let Some(last) = values.len().checked_sub(1) else { return 0.0 };
-        let cut = values.len() / 200;
-        let low = *values.select_nth_unstable_by(cut, f64::total_cmp).1;
-        let high = *values.select_nth_unstable_by(last - cut, f64::total_cmp).1;
-        high - low
-    };
+    let travel = |run: &Run| span(run.positions[joint].clone()).map_or(0.0, |[low, high]| high - low);
     runs.iter().all(|run| travel(run) < least_travel(unit))
 }
 
-/// Factors between units of velocities, and their names: unit of a column where rad/s or m/s are expected.
+/// Units that a column of velocities may be in instead of rad/s or m/s: factors and names.
 const UNITS: [(f64, &str); 5] = [
     (PI / 180.0, "deg/s"),
     (PI / 30.0, "rpm"),

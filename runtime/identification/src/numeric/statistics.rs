@@ -18,6 +18,16 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
+/// Share of values at each end that may be outliers.
+const OUTLIERS: usize = 200;
+
+/// The smallest and the largest value without the outermost 0.5 % at both ends; `None` if there are no values.
+pub(crate) fn span(mut values: Vec<f64>) -> Option<[f64; 2]> {
+    let last = values.len().checked_sub(1)?;
+    let cut = values.len() / OUTLIERS;
+    Some([cut, last - cut].map(|at| *values.select_nth_unstable_by(at, f64::total_cmp).1))
+}
+
 /// Mean of some numbers, and its standard error as that of independent draws.
 pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;

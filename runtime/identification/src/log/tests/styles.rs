@@ -322,6 +322,27 @@ fn joints_that_look_wrong_are_named() {
     assert_eq!(found(&geared, "input=u{}", |_, j| j.iter_mut().for_each(|j| j[2] /= 100.0)), []);
 }
 
+/// A switch for all logs would bring the right run out of its units.
+#[test]
+fn a_run_that_alone_is_in_another_unit_is_named() {
+    let mut text = String::from("t,q1,q2,u1,u2\n");
+    for (unit, i) in [1.0, DEG].into_iter().flat_map(|unit| (0..400).map(move |i| (unit, i))) {
+        let (t, [a, b]) = motion(i);
+        writeln!(text, "{t},{},{},{},{}", unit * a[0], b[0], a[2], b[2]).unwrap();
+    }
+    let robot = Fake::numbered(2);
+    let recording = runs_of(text.as_bytes(), "log.csv", &robot, &ColumnOptions::default()).unwrap();
+    assert_eq!(recording.runs.len(), 2);
+    let (prepared, _) = prepare_all(&recording.runs, None, &PreparationSettings::default()).unwrap();
+    let [found] = &beyond(&robot, &recording, &prepared)[..] else { panic!("one finding") };
+    let name = &recording.runs[1].name;
+    assert!(found.message.contains(&format!("rad, in run {name} alone; the described limits")), "{found}");
+    assert!(
+        found.remedy.as_ref().is_some_and(|help| help.contains("bring this one to the units")),
+        "{found}"
+    );
+}
+
 #[test]
 fn turns_are_unwrapped() {
     let wrapped = |i: usize, joints: &mut [[f64; 3]; 2]| {
