@@ -35,7 +35,7 @@ pub(super) fn json(value: &Value) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes to standard error, if nobody may listen either.
+/// Writes to standard error. A failure is ignored, because nobody may listen there either.
 pub(super) fn err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }

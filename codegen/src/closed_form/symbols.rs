@@ -1,4 +1,4 @@
-//! The named constants of a closed form: if the description has a number, the formula has a letter.
+//! The named constants of a closed form: letters of a formula in place of the numbers of a description.
 
 use crate::model::Model;
 use gelenk_formula::Formula;

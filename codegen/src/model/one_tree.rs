@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 /// Leaves the tree that contains a link, from the base on; other robots and objects go.
 ///
 /// - `base`: the link that carries all trees
-/// - `wanted`: the link, and if it is asked for
+/// - `wanted`: the link, and the place in which it is asked for
 pub(super) fn keep(
     robot: &mut RobotDescription,
     base: &str,

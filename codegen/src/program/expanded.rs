@@ -14,7 +14,7 @@ use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
 /// Terms of the longest value. Products of values multiply their terms, and pages of one sum are not read.
-const MOST_TERMS: usize = 1000;
+pub(crate) const MOST_TERMS: usize = 1000;
 /// Rounding of a coefficient, relative to the magnitudes that it was added from.
 const ROUNDING: f64 = 1e-12;
 /// Largest number of digits of a printed coefficient.

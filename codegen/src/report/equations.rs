@@ -6,7 +6,7 @@ use super::robot::Robot;
 use crate::functions::function::Function;
 use crate::model::Model;
 use crate::program::display::{self, LatexResult, Notation};
-use crate::program::expanded::expanded;
+use crate::program::expanded::{MOST_TERMS, expanded};
 
 /// Closed forms in LaTeX, without types of the computer algebra.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -84,8 +84,8 @@ pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String
     let mut sums = Vec::new();
     for function in EQUATIONS.iter().filter_map(|name| functions.iter().find(|known| known.name == *name)) {
         let entries = expanded(&function.program, &notation, function.name == EQUATIONS[0]);
-        let entries =
-            entries.ok_or_else(|| format!("an entry of `{}` has more than 1000 terms", function.name))?;
+        let entries = entries
+            .ok_or_else(|| format!("an entry of `{}` has more than {MOST_TERMS} terms", function.name))?;
         sums.extend(entries.into_iter().map(|entry| format!("{} = {}", entry.name, entry.value)));
     }
     Ok(sums)

@@ -88,7 +88,7 @@ pub trait Robot {
         vec![false; self.joint_names().len()]
     }
 
-    /// For each joint, whether an input drives it and nothing else: if a gear's load is known, so that friction
+    /// For each joint, whether an input drives it and nothing else. The load of such a gear is known, so that friction
     /// can grow with it.
     fn own_inputs(&self) -> Vec<bool> {
         own_inputs(&self.input_matrix(), self.joint_names().len(), self.input_names().len())

@@ -39,8 +39,8 @@ pub enum PredictionRule {
     ///     (m + T/2 D + T²/4 K) δv⁺ = (m − T/2 D − T²/4 K) δv − T K δy + T B δu − T r,   δy⁺ = δy + T/2 (δv + δv⁺)
     /// ```
     ///
-    /// It costs little more than these Jacobians, and has an error of order T³ in a period if the hold has that of the
-    /// linearization alone. The middle has the acceleration of the plan, (v⁺ − v)/T, or of the reference, and r is the force
+    /// It costs little more than these Jacobians, and has an error of order T³ in a period. The hold has only that of the
+    /// linearization. The middle has the acceleration of the plan, (v⁺ − v)/T, or of the reference, and r is the force
     /// that the plan lacks there.
     ///
     /// It is not L-stable: where friction stops a velocity within much less than T, its predicted sign alternates from period

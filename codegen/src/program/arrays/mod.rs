@@ -291,8 +291,8 @@ impl Arrays {
         self.over(self.arrays[array].over)
     }
 
-    /// Whether a matrix over coordinates is zero if two of them are on no path. Forces of one coordinate that depend on
-    /// another branch, as the friction of a shaft that moves two, are elsewhere.
+    /// Whether a matrix over coordinates is zero in each entry whose two coordinates are on no common path. Forces of one
+    /// coordinate that depend on another branch, as the friction of a shaft that moves two, are elsewhere.
     #[must_use]
     pub fn is_over_paths(&self, array: ArrayId) -> bool {
         let Some(output) = self.setup.outputs.get(array) else {

@@ -47,7 +47,7 @@ const LEFT_OUT: Rule = Rule::warning("joint-left-out");
 ///
 /// `K z = W(y, ẏ, ÿ) π + s + v φ₁ + tanh(k v) φ₂ [+ |v| φ₃ + ÿ φ₄] + o + e`
 ///
-/// z is the measured effort times B; K the drive's gain, which is one except for currents, if it is estimated first, relative to
+/// z is the measured effort times B; K the drive's gain, which is one except for currents, for which it is estimated first, relative to
 /// the described masses; s the description's non-inertial forces; o the offset. π is held near the description along directions
 /// that the data do not determine: `λ` times the squared distance from the described bodies is added, with the largest λ
 /// whose held-out error exceeds the best by at most one standard error.

@@ -226,7 +226,7 @@ fn stretches(estimate: &Estimate, run: &PreparedRun, joint: usize) -> Vec<Range<
     }
 }
 
-/// Weights of a joint's samples: none at rest and if the effort is not known, less for outliers.
+/// Weights of a joint's samples: none at rest or if the effort is not known, less for outliers.
 fn weights(residuals: &[f64], deviation: f64, stretches: &[Range<usize>]) -> Vec<f64> {
     let mut weights = vec![0.0; residuals.len()];
     for rows in stretches {

@@ -7,7 +7,7 @@
 //!     ψ(d) = min_{v ≥ 0} φ(v) + (max(λ − W (d + v), 0)² − λ²) / 2W        v = 0 if it is hard
 //! ```
 //!
-//! Newton's method minimizes the sum, by steps that end if the cost has ceased to fall along them. After a
+//! Newton's method minimizes the sum, by steps that end when the cost has ceased to fall along them. After a
 //! whole step the forces `−ψ′` become the multipliers. No interior is needed, and multipliers start from zero:
 //! where the bounds hardly leave one, those of the interior-point method grow without limit, until rounding
 //! relative to them stops it. Each gradient is that of the problem's own data, so that a step also corrects what

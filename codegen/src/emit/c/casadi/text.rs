@@ -209,7 +209,7 @@ fn dense(input: &Input) -> Vec<usize> {
     vec![input.rows, input.columns, 1]
 }
 
-/// Rows, columns, if each column begins among the entries, and the row of each entry.
+/// Rows, columns, the number of the first entry of each column, and the row of each entry.
 fn pattern(block: &external::Block) -> Vec<usize> {
     if block.entries.len() == block.rows * block.columns && !block.entries.is_empty() {
         return vec![block.rows, block.columns, 1];
