@@ -1817,15 +1817,15 @@ pub const SUBSTEPS: usize = 1;
 /// - returns `B_d: [2 × N × M]`: blocks (∂y⁺/∂u, ∂ẏ⁺/∂u)
 /// - returns `c_d: [2 × N]`: affine remainders of y⁺ and ẏ⁺
 ///
-/// Cost: 3370 multiplications, 3426 additions, 5 divisions, 2 function calls (`sin_cos`), one call of `linearize`
-/// included. That is with 18 halvings of the period; without any it is 796 multiplications and 744 additions.
+/// Cost: 3388 multiplications, 3432 additions, 5 divisions, 2 function calls (`sin_cos`), one call of `linearize`
+/// included. That is with 24 halvings of the period; without any it is 460 multiplications and 408 additions.
 ///
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
 /// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
 ///
 /// The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at
 /// most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot
-/// is faster than ν = (b + √(b² + 4 a))/2. Where 18 halvings do not suffice, for ν · period above 2e7, every
+/// is faster than ν = (b + √(b² + 4 a))/2. Where 24 halvings do not suffice, for ν · period above 2e7, every
 /// entry of the results is +∞.
 ///
 /// Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
@@ -2114,35 +2114,61 @@ mod discrete_time {
     /// The blocks `∂ÿ/∂y`, `∂ÿ/∂ẏ`, `∂ÿ/∂u` and the affine remainder of `ÿ`.
     pub type Linear<const N: usize, const M: usize> = (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N]);
 
-    /// Adds `a B` to a row, where B is half a matrix over the state.
+    /// Adds `A B`, where A is a square matrix, given by its rows, and B half a matrix over the state.
     ///
-    /// A loop over rows would be vectorized across them, which gathers numbers one by one: from five columns on, rows are
-    /// calls.
+    /// Two rows at a time read B half as often as one.
     #[inline]
-    fn add_row<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
-        if N < 5 {
-            add_row_inline(sum, a, b)
-        } else {
-            add_row_called(sum, a, b)
-        }
-    }
-
-    #[inline(never)]
-    fn add_row_called<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
-        add_row_inline(sum, a, b);
-    }
-
-    #[inline(always)]
-    fn add_row_inline<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
-        let mut row = *sum;
-        for k in 0..N {
-            for block in 0..2 {
-                for j in 0..N {
-                    row[block][j] += a[k] * b[k][block][j];
-                }
+    fn add_product<'a, const N: usize>(
+        sum: &mut Half<N>,
+        mut a: impl Iterator<Item = &'a [f64; N]>,
+        b: &Half<N>,
+    ) {
+        let (pairs, last) = sum.as_chunks_mut();
+        for rows in pairs {
+            if let (Some(first), Some(second)) = (a.next(), a.next()) {
+                add_rows(rows, [first, second], b);
             }
         }
-        *sum = row;
+        for (row, a) in last.iter_mut().zip(a) {
+            add_rows(core::array::from_mut(row), [a], b);
+        }
+    }
+
+    /// Some rows of [`add_product`]. They are calls: a loop over all rows would be vectorized across them, which gathers numbers one
+    /// by one. The registers hold two rows of up to 14 columns; of longer ones they hold a block.
+    #[inline(never)]
+    fn add_rows<const N: usize, const R: usize>(
+        sum: &mut [[[f64; N]; 2]; R],
+        a: [&[f64; N]; R],
+        b: &Half<N>,
+    ) {
+        if N < 8 {
+            let mut rows = *sum;
+            for k in 0..N {
+                for block in 0..2 {
+                    for j in 0..N {
+                        for row in 0..R {
+                            rows[row][block][j] += a[row][k] * b[k][block][j];
+                        }
+                    }
+                }
+            }
+            *sum = rows;
+            return;
+        }
+        for block in 0..2 {
+            let mut rows: [[f64; N]; R] = core::array::from_fn(|row| sum[row][block]);
+            for k in 0..N {
+                for j in 0..N {
+                    for row in 0..R {
+                        rows[row][j] += a[row][k] * b[k][block][j];
+                    }
+                }
+            }
+            for row in 0..R {
+                sum[row][block] = rows[row];
+            }
+        }
     }
 
     /// Adds `Σ a_k b_k` to a row.
@@ -2180,10 +2206,10 @@ mod discrete_time {
     /// The halves of `A_d − 1`, `B_d` and `c_d`.
     type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-    /// The short time is the period halved so often, and Φ over the short time is doubled as often.
-    const DOUBLINGS: u32 = 6;
+    /// Φ over a short time is doubled at most so often. A period that needs more halvings is taken in steps.
+    const MOST_DOUBLINGS: u32 = 6;
 
-    /// A period that is too long for that is halved at most so often before, and the step is then taken twice as often.
+    /// The number of steps is doubled at most so often.
     const MOST_REPETITIONS: u32 = 18;
 
     /// Terms in each of the three parts of the Taylor polynomial.
@@ -2210,7 +2236,7 @@ mod discrete_time {
         linear: &Linear<N, M>,
         period: f64,
     ) -> Discrete<N, M> {
-        let Some(repetitions) = repetitions(&linear.0, &linear.1, period) else {
+        let Some(halvings) = halvings(&linear.0, &linear.1, period) else {
             let infinite = f64::INFINITY;
             return (
                 [[[[infinite; N]; N]; 2]; 2],
@@ -2218,7 +2244,9 @@ mod discrete_time {
                 [[infinite; N]; 2],
             );
         };
-        let (mut change, mut input, mut affine) = held(linear, period / (1_u32 << repetitions) as f64);
+        let repetitions = halvings.saturating_sub(MOST_DOUBLINGS);
+        let time = period / (1_u32 << repetitions) as f64;
+        let (mut change, mut input, mut affine) = held(linear, time, halvings - repetitions);
         for _ in 0..repetitions {
             (input, affine) = (twice_by(&change, &input), twice_affine(&change, &affine));
             change = twice(&change);
@@ -2235,22 +2263,22 @@ mod discrete_time {
         (state, input, affine)
     }
 
-    /// How often the period is to be halved before `ν · period ≤ 80`; `None` beyond `MOST_REPETITIONS`.
+    /// How often the period is to be halved before `ν t ≤ 5/4`; `None` beyond `MOST_DOUBLINGS + MOST_REPETITIONS`.
     ///
     /// No part of the system is faster than the positive root ν of `ν² = b ν + a` with `a = ‖A_y‖`, `b = ‖A_v‖`. So `ν t ≤ 1`
-    /// where `(a t + b) t ≤ 1`; t is a part of the period divided by 80.
-    fn repetitions<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
+    /// where `(a t + b) t ≤ 1`; t is the time divided by 5/4.
+    fn halvings<const N: usize>(by_y: &Matrix<N>, by_v: &Matrix<N>, period: f64) -> Option<u32> {
         let (a, b) = (norm(by_y), norm(by_v));
-        let mut t = period / 80.0;
-        let mut repetitions = 0;
+        let mut t = period / 1.25;
+        let mut halvings = 0;
         while (a * t + b) * t > 1.0 {
-            if repetitions == MOST_REPETITIONS {
+            if halvings == MOST_DOUBLINGS + MOST_REPETITIONS {
                 return None;
             }
             t *= 0.5;
-            repetitions += 1;
+            halvings += 1;
         }
-        Some(repetitions)
+        Some(halvings)
     }
 
     /// The largest sum of magnitudes in a row.
@@ -2273,10 +2301,9 @@ mod discrete_time {
         let mut next = [[[[0.0; N]; 2]; N]; 2];
         for half in 0..2 {
             add_scaled_half(&mut next[half], 2.0, &change[half]);
-            for i in 0..N {
-                for block in 0..2 {
-                    add_row(&mut next[half][i], &change[half][i][block], &change[block]);
-                }
+            for block in 0..2 {
+                let rows = change[half].iter().map(|row| &row[block]);
+                add_product(&mut next[half], rows, &change[block]);
             }
         }
         next
@@ -2317,22 +2344,25 @@ mod discrete_time {
     ///
     /// With `A = [0 I; A_y A_v]` the upper half `[C P]` of `Φ = ∫ exp(A s) ds` gives everything:
     /// `exp(A t) = I + Φ A`, whose upper half is `[I 0] + [C P] A = [I + X, Q]`, the lower one `[0 I] + [X Q] A`, and
-    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3). Its
-    /// doubling is cheaper than that of the whole, but while ν t grows it magnifies rounding by the ratio of the rates: it
-    /// serves up to `ν t = 80`.
+    /// `B_d = [P B_x; Q B_x]`. Φ comes from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): from a short
+    /// time h with `ν h ≤ 5/4` by `doublings`. These are cheaper than steps of the whole, but while ν t grows they magnify rounding
+    /// by the ratio of the rates: they serve up to `ν t = 80`.
     fn held<const N: usize, const M: usize>(
         (by_y, by_v, by_u, remainder): &Linear<N, M>,
         time: f64,
+        doublings: u32,
     ) -> Held<N, M> {
         // In units of the short time h, ẏ counts as h ẏ.
-        let h = time / (1_u32 << DOUBLINGS) as f64;
+        let h = time / (1_u32 << doublings) as f64;
         let lower = lower_half(by_y, h * h, by_v, h);
         let mut integral = taylor(&lower);
-        for _ in 0..DOUBLINGS {
-            integral = doubled(&lower, &integral);
+        for _ in 0..doublings {
+            double_integral(&lower, &mut integral);
         }
-        let mut upper_change = times_system(&integral, &lower);
-        let lower_change = times_system(&upper_change, &lower_half(by_y, h, by_v, h));
+        let mut changes = [[[[0.0; N]; 2]; N]; 2];
+        let [upper_change, lower_change] = &mut changes;
+        times_system(&integral, &lower, upper_change);
+        times_system(upper_change, &lower_half(by_y, h, by_v, h), lower_change);
         let (mut input, mut affine) = ([[[0.0; M]; N]; 2], [[0.0; N]; 2]);
         for i in 0..N {
             upper_change[i][1] = scaled(&upper_change[i][1], h);
@@ -2342,11 +2372,11 @@ mod discrete_time {
                 affine[half][i] = dot(&by_acceleration[half], remainder);
             }
         }
-        ([upper_change, lower_change], input, affine)
+        (changes, input, affine)
     }
 
     /// The upper half of Φ over one unit of time, `Σ Aᵏ/(k + 1)!` up to k = 17, in three parts with the common factor A⁶
-    /// (Paterson and Stockmeyer 1973).
+    /// (Paterson and Stockmeyer 1973). For `ν ≤ 5/4` the rest of the series is below `(5/4)¹⁸/19! = 5e-16`.
     fn taylor<const N: usize>(lower: &Half<N>) -> Half<N> {
         // Upper halves of Aᵏ; that of A⁷ is the lower one of A⁶.
         let mut powers = [[[[0.0; N]; 2]; N]; TERMS + 2];
@@ -2356,15 +2386,14 @@ mod discrete_time {
         }
         powers[2] = *lower;
         for k in 2..=TERMS {
-            powers[k + 1] = times_system(&powers[k], lower);
+            let (known, next) = powers.split_at_mut(k + 1);
+            times_system(&known[k], lower, &mut next[0]);
         }
         let mut sum = combination(&COEFFICIENTS[2], &powers);
         for part in [1, 0] {
             let mut next = combination(&COEFFICIENTS[part], &powers);
-            for i in 0..N {
-                add_row(&mut next[i], &sum[i][0], &powers[TERMS]);
-                add_row(&mut next[i], &sum[i][1], &powers[TERMS + 1]);
-            }
+            add_product(&mut next, left(&sum), &powers[TERMS]);
+            add_product(&mut next, right(&sum), &powers[TERMS + 1]);
             sum = next;
         }
         sum
@@ -2383,26 +2412,33 @@ mod discrete_time {
     }
 
     /// The upper half of Φ over twice the time: `Φ + exp(A t) Φ = 2 Φ + (Φ A) Φ`.
-    fn doubled<const N: usize>(lower: &Half<N>, integral: &Half<N>) -> Half<N> {
-        let change = times_system(integral, lower);
+    fn double_integral<const N: usize>(lower: &Half<N>, integral: &mut Half<N>) {
+        let mut change = [[[0.0; N]; 2]; N];
+        times_system(integral, lower, &mut change);
         let mut next = [[[0.0; N]; 2]; N];
         add_scaled_half(&mut next, 2.0, integral);
-        for i in 0..N {
-            // The left block of the lower half of Φ is that of the change, since exp(A t) = I + A Φ as well; so is the right.
-            add_row(&mut next[i], &change[i][0], integral);
-            add_row(&mut next[i], &change[i][1], &change);
-        }
-        next
+        // The left block of the lower half of Φ is that of the change, since exp(A t) = I + A Φ as well; so is the right.
+        add_product(&mut next, left(&change), integral);
+        add_product(&mut next, right(&change), &change);
+        *integral = next;
     }
 
     /// `[L R] A = [0 L] + R [A_y A_v]`.
-    fn times_system<const N: usize>(half: &Half<N>, lower: &Half<N>) -> Half<N> {
-        let mut result = [[[0.0; N]; 2]; N];
+    fn times_system<const N: usize>(half: &Half<N>, lower: &Half<N>, result: &mut Half<N>) {
         for i in 0..N {
-            result[i][1] = half[i][0];
-            add_row(&mut result[i], &half[i][1], lower);
+            result[i] = [[0.0; N], half[i][0]];
         }
-        result
+        add_product(result, right(half), lower);
+    }
+
+    /// The rows of the left block.
+    fn left<const N: usize>(half: &Half<N>) -> impl Iterator<Item = &[f64; N]> {
+        half.iter().map(|row| &row[0])
+    }
+
+    /// The rows of the right block.
+    fn right<const N: usize>(half: &Half<N>) -> impl Iterator<Item = &[f64; N]> {
+        half.iter().map(|row| &row[1])
     }
 
     /// `[A_y A_v]`, the blocks scaled.
@@ -2529,11 +2565,11 @@ mod discrete_time {
             };
             for i in 0..N {
                 a.value[i] += dot(&by_y[i], &y.value) + dot(&by_v[i], &v.value) + dot(&by_u[i], u);
-                add_row(&mut a.by_state[i], &by_y[i], &y.by_state);
-                add_row(&mut a.by_state[i], &by_v[i], &v.by_state);
                 add_combination(&mut a.by_inputs[i], &by_y[i], &y.by_inputs);
                 add_combination(&mut a.by_inputs[i], &by_v[i], &v.by_inputs);
             }
+            add_product(&mut a.by_state, by_y.iter(), &y.by_state);
+            add_product(&mut a.by_state, by_v.iter(), &v.by_state);
             a
         }
     }

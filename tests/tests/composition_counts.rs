@@ -83,7 +83,7 @@ fn counting_text() -> String {
     let coefficients = "const COEFFICIENTS: [[f64; TERMS]; 3] = [[1.0; TERMS]; 3];";
     let text = [&text[..start], coefficients, &text[end..]].concat();
     let mut text = wrapped_literals(&text);
-    for whole in ["(1_u32 << repetitions) as f64", "(1_u32 << DOUBLINGS) as f64", "substeps as f64"] {
+    for whole in ["(1_u32 << repetitions) as f64", "(1_u32 << doublings) as f64", "substeps as f64"] {
         assert!(text.contains(whole), "{whole}");
         text = text.replace(whole, &format!("F({})", whole.replace("f64", "real")));
     }

@@ -9,9 +9,10 @@ use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// Largest number of halvings of the period in `discretize`. The number stands in its text
-/// too.
+/// Largest numbers of doublings and of repetitions in `discretize`, those of its text.
+const MOST_DOUBLINGS: usize = 6;
 const MOST_REPETITIONS: usize = 18;
+const MOST_HALVINGS: usize = MOST_DOUBLINGS + MOST_REPETITIONS;
 
 /// A result of a function over a sample time.
 #[derive(Debug, Clone, PartialEq)]
@@ -149,7 +150,7 @@ impl Composition {
                  polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.",
                 "The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at \
                  most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the \
-                 robot is faster than ν = (b + √(b² + 4 a))/2. Where 18 halvings do not suffice, for ν · period above 2e7, \
+                 robot is faster than ν = (b + √(b² + 4 a))/2. Where 24 halvings do not suffice, for ν · period above 2e7, \
                  every entry of the results is +∞.",
                 "Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest \
                  entry of each block, the diagonal ones counted as at least 1.",
@@ -199,12 +200,11 @@ impl Composition {
         let most = self.cost_in(model, functions)?;
         let (n, m) = (model.coordinates.len(), input_count(model));
         let saved = |count: fn(Cost) -> usize| {
-            let [most, fewest] =
-                [MOST_REPETITIONS, 0].map(|repetitions| count(discretize_cost(n, m, repetitions)));
+            let [most, fewest] = [MOST_HALVINGS, 0].map(|halvings| count(discretize_cost(n, m, halvings)));
             most - fewest
         };
         Some(format!(
-            "That is with {MOST_REPETITIONS} halvings of the period; without any it is {} multiplications and {} additions.",
+            "That is with {MOST_HALVINGS} halvings of the period; without any it is {} multiplications and {} additions.",
             most.multiplications - saved(|cost| cost.multiplications),
             most.additions - saved(|cost| cost.additions)
         ))
@@ -214,7 +214,7 @@ impl Composition {
         // Entries of a coordinate vector, with derivatives by the state and the inputs.
         let motion = n + 2 * n * n + n * m;
         match self {
-            Self::Discretize => discretize_cost(n, m, MOST_REPETITIONS),
+            Self::Discretize => discretize_cost(n, m, MOST_HALVINGS),
             Self::Step => cost(14 * n, 14 * n, 12) * substeps + cost(0, 0, 1),
             Self::StepDerivatives => {
                 let chain_rule = 4 * n.pow(3) + 2 * n * n + n * m + 2 * n * n * m;
@@ -248,12 +248,14 @@ fn input_count(model: &Model) -> usize {
     model.inputs().count()
 }
 
-/// Operations of `discretize` with `repetitions` halvings of the period, without the call.
-fn discretize_cost(n: usize, m: usize, repetitions: usize) -> Cost {
-    let common = 58 * n.pow(3) + 50 * n.pow(2) + 2 * n * n * m;
-    let trials = cost(2 + 3 * repetitions, 1 + repetitions + 2 * n * n, 2);
+/// Operations of `discretize` with `halvings` of the period, without the call.
+fn discretize_cost(n: usize, m: usize, halvings: usize) -> Cost {
+    let doublings = halvings.min(MOST_DOUBLINGS);
+    let common = 22 * n.pow(3) + 38 * n.pow(2) + 2 * n * n * m + (6 * n.pow(3) + 2 * n.pow(2)) * doublings;
+    let trials = cost(2 + 3 * halvings, 1 + halvings + 2 * n * n, 2);
     let twice = 8 * n.pow(3) + 4 * n * n + (2 * n + 4 * n * n) * (m + 1);
-    cost(common + 6 * n * n + n + 1, common + 2 * n, 1) + trials + cost(twice, twice + 4 * n, 0) * repetitions
+    let repeated = cost(twice, twice + 4 * n, 0) * (halvings - doublings);
+    cost(common + 6 * n * n + n + 1, common + 2 * n, 1) + trials + repeated
 }
 
 fn cost(multiplications: usize, additions: usize, divisions: usize) -> Cost {

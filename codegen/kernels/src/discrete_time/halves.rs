@@ -7,35 +7,61 @@ pub type Half<const N: usize> = [[[f64; N]; 2]; N];
 /// The blocks `∂ÿ/∂y`, `∂ÿ/∂ẏ`, `∂ÿ/∂u` and the affine remainder of `ÿ`.
 pub type Linear<const N: usize, const M: usize> = (Matrix<N>, Matrix<N>, [[f64; M]; N], [f64; N]);
 
-/// Adds `a B` to a row, where B is half a matrix over the state.
+/// Adds `A B`, where A is a square matrix, given by its rows, and B half a matrix over the state.
 ///
-/// A loop over rows would be vectorized across them, which gathers numbers one by one: from five columns on, rows are
-/// calls.
+/// Two rows at a time read B half as often as one.
 #[inline]
-fn add_row<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
-    if N < 5 {
-        add_row_inline(sum, a, b)
-    } else {
-        add_row_called(sum, a, b)
-    }
-}
-
-#[inline(never)]
-fn add_row_called<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
-    add_row_inline(sum, a, b);
-}
-
-#[inline(always)]
-fn add_row_inline<const N: usize>(sum: &mut [[f64; N]; 2], a: &[f64; N], b: &Half<N>) {
-    let mut row = *sum;
-    for k in 0..N {
-        for block in 0..2 {
-            for j in 0..N {
-                row[block][j] += a[k] * b[k][block][j];
-            }
+fn add_product<'a, const N: usize>(
+    sum: &mut Half<N>,
+    mut a: impl Iterator<Item = &'a [f64; N]>,
+    b: &Half<N>,
+) {
+    let (pairs, last) = sum.as_chunks_mut();
+    for rows in pairs {
+        if let (Some(first), Some(second)) = (a.next(), a.next()) {
+            add_rows(rows, [first, second], b);
         }
     }
-    *sum = row;
+    for (row, a) in last.iter_mut().zip(a) {
+        add_rows(core::array::from_mut(row), [a], b);
+    }
+}
+
+/// Some rows of [`add_product`]. They are calls: a loop over all rows would be vectorized across them, which gathers numbers one
+/// by one. The registers hold two rows of up to 14 columns; of longer ones they hold a block.
+#[inline(never)]
+fn add_rows<const N: usize, const R: usize>(
+    sum: &mut [[[f64; N]; 2]; R],
+    a: [&[f64; N]; R],
+    b: &Half<N>,
+) {
+    if N < 8 {
+        let mut rows = *sum;
+        for k in 0..N {
+            for block in 0..2 {
+                for j in 0..N {
+                    for row in 0..R {
+                        rows[row][block][j] += a[row][k] * b[k][block][j];
+                    }
+                }
+            }
+        }
+        *sum = rows;
+        return;
+    }
+    for block in 0..2 {
+        let mut rows: [[f64; N]; R] = core::array::from_fn(|row| sum[row][block]);
+        for k in 0..N {
+            for j in 0..N {
+                for row in 0..R {
+                    rows[row][j] += a[row][k] * b[k][block][j];
+                }
+            }
+        }
+        for row in 0..R {
+            sum[row][block] = rows[row];
+        }
+    }
 }
 
 /// Adds `Σ a_k b_k` to a row.

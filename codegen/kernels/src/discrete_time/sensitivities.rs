@@ -52,11 +52,11 @@ impl<const N: usize, const M: usize> Motion<N, M> {
         };
         for i in 0..N {
             a.value[i] += dot(&by_y[i], &y.value) + dot(&by_v[i], &v.value) + dot(&by_u[i], u);
-            add_row(&mut a.by_state[i], &by_y[i], &y.by_state);
-            add_row(&mut a.by_state[i], &by_v[i], &v.by_state);
             add_combination(&mut a.by_inputs[i], &by_y[i], &y.by_inputs);
             add_combination(&mut a.by_inputs[i], &by_v[i], &v.by_inputs);
         }
+        add_product(&mut a.by_state, by_y.iter(), &y.by_state);
+        add_product(&mut a.by_state, by_v.iter(), &v.by_state);
         a
     }
 }

@@ -1,7 +1,7 @@
-// The short time is the period halved so often, and its integral is doubled as often.
-#define GELENK_DOUBLINGS 6
+// The integral over a short time is doubled at most so often. A period that needs more halvings is taken in steps.
+#define GELENK_MOST_DOUBLINGS 6
 
-// A period that is too long for that is halved at most so often before, and the step is then taken twice as often.
+// The number of steps is doubled at most so often.
 #define GELENK_MOST_REPETITIONS 18
 
 // Terms in each of the three parts of the Taylor polynomial.
@@ -53,24 +53,24 @@ static double gelenk_norm(const double *matrix)
     return largest;
 }
 
-// How often the period is to be halved before nu period <= 80; -1 beyond the most repetitions.
+// How often the period is to be halved before nu t <= 5/4; -1 beyond the most doublings and repetitions.
 //
 // No part of the system is faster than the positive root nu of nu^2 = b nu + a, where a and b are the norms of the
-// derivatives by y and by v. So nu t <= 1 where (a t + b) t <= 1; t is a part of the period divided by 80.
-static int gelenk_repetitions(const double *by_y, const double *by_v, double period)
+// derivatives by y and by v. So nu t <= 1 where (a t + b) t <= 1; t is the time divided by 5/4.
+static int gelenk_halvings(const double *by_y, const double *by_v, double period)
 {
     const double a = gelenk_norm(by_y);
     const double b = gelenk_norm(by_v);
-    double t = period / 80.0;
-    int repetitions = 0;
+    double t = period / 1.25;
+    int halvings = 0;
     while ((a * t + b) * t > 1.0) {
-        if (repetitions == GELENK_MOST_REPETITIONS) {
+        if (halvings == GELENK_MOST_DOUBLINGS + GELENK_MOST_REPETITIONS) {
             return -1;
         }
         t *= 0.5;
-        ++repetitions;
+        ++halvings;
     }
-    return repetitions;
+    return halvings;
 }
 
 // [by_y by_v], the blocks scaled.
@@ -158,16 +158,16 @@ static void gelenk_double_integral(const double *lower, double *integral)
 //
 // With A = [0 1; A_y A_v] the upper half [C P] of the integral I of exp(A s) gives everything: exp(A t) = 1 + I A, whose
 // upper half is [1 0] + [C P] A = [1 + X, Q], the lower one [0 1] + [X Q] A, and B_d = [P B_x; Q B_x]. The integral comes
-// from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3).
+// from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3), with so many doublings.
 static void gelenk_held(const double *by_y, const double *by_v, const double *by_u, const double *remainder,
-    double time, double change[2][GELENK_HALF], double *input, double *affine)
+    double time, int doublings, double change[2][GELENK_HALF], double *input, double *affine)
 {
     // In units of the short time h, v counts as h v.
-    const double h = time / (double)(1u << GELENK_DOUBLINGS);
+    const double h = time / (double)(1u << doublings);
     double lower[GELENK_HALF], integral[GELENK_HALF];
     gelenk_lower_half(by_y, h * h, by_v, h, lower);
     gelenk_taylor(lower, integral);
-    for (int k = 0; k < GELENK_DOUBLINGS; ++k) {
+    for (int k = 0; k < doublings; ++k) {
         gelenk_double_integral(lower, integral);
     }
     gelenk_times_system(integral, lower, change[0]);
@@ -225,8 +225,8 @@ static void gelenk_zero_order_hold(const double *by_y, const double *by_v, const
     double period, double *state, double *input, double *affine)
 {
     double change[2][GELENK_HALF];
-    const int repetitions = gelenk_repetitions(by_y, by_v, period);
-    if (repetitions < 0) {
+    const int halvings = gelenk_halvings(by_y, by_v, period);
+    if (halvings < 0) {
         for (int i = 0; i < 2 * GELENK_HALF; ++i) {
             state[i] = INFINITY;
         }
@@ -238,7 +238,9 @@ static void gelenk_zero_order_hold(const double *by_y, const double *by_v, const
         }
         return;
     }
-    gelenk_held(by_y, by_v, by_u, remainder, period / (double)(1u << repetitions), change, input, affine);
+    const int repetitions = halvings > GELENK_MOST_DOUBLINGS ? halvings - GELENK_MOST_DOUBLINGS : 0;
+    const double time = period / (double)(1u << repetitions);
+    gelenk_held(by_y, by_v, by_u, remainder, time, halvings - repetitions, change, input, affine);
     for (int k = 0; k < repetitions; ++k) {
         gelenk_twice(change, input, affine);
     }

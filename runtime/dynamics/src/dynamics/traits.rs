@@ -335,7 +335,7 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     /// degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part. The part is
     /// the whole period while ν · period ≤ 80, and is halved for each factor of two beyond, at most 18 times.
     /// With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot is
-    /// faster than ν = (b + √(b² + 4a))/2. Where 18 halvings do not suffice, for ν · period > 2e7, every
+    /// faster than ν = (b + √(b² + 4a))/2. Where 24 halvings do not suffice, for ν · period > 2e7, every
     /// entry of the result is +∞, see [`Discretization::is_finite`].
     ///
     /// The terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
