@@ -171,7 +171,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
             model.name
         );
         let problem = Diagnostic::error("too-many-angles", message).help(
-            "`--snap-angles 1e-4` takes angles that nearly are multiples of 90° for them; `gelenk inspect program` shows \
+            "`--snap-angles 1e-4` rounds angles within 1e-4 rad of a multiple of 90° to it; `gelenk inspect program` shows \
              the equations with their abbreviations whatever the angles",
         );
         return Err(Diagnostics::new(vec![problem]));
