@@ -2,7 +2,7 @@
 
 use super::error::{MpcError, require};
 use super::integrate::{Span, integrate};
-use crate::dynamics::{Discretizable, Dynamics};
+use crate::dynamics::{Discretizable, Dynamics, Step};
 
 /// Noise that the filter reckons with: standard deviations, random per period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,6 +72,8 @@ pub struct DisturbanceObserver<const N: usize, const M: usize, const NY: usize =
     /// Covariance, rows of 2 N + M numbers, and memory for its prediction.
     covariance: Vec<f64>,
     work: Vec<f64>,
+    /// Fᵀ of the last prediction, without the columns of the disturbance.
+    transition: Vec<f64>,
     /// Correction of the augmented state by the measurements, before it is moved.
     correction: Vec<f64>,
 }
@@ -107,6 +109,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
             disturbance: [0.0; M],
             covariance: vec![0.0; Self::SIZE * Self::SIZE],
             work: vec![0.0; Self::SIZE * Self::SIZE],
+            transition: vec![0.0; Self::SIZE * 2 * N],
             correction: vec![0.0; Self::SIZE],
         };
         observer.reset(positions, &[0.0; N]);
@@ -161,33 +164,33 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         let span = Span { start, period, substeps: substeps.max(1) };
         let step = integrate(model, &self.positions, &self.velocities, &total, span);
         (self.positions, self.velocities) = (step.coordinates, step.velocities);
-        // F P, of which only the rows of y and ẏ differ from P, then (F P) Fᵀ likewise.
+        self.predict_covariance(&step);
+    }
+
+    /// `F P Fᵀ` and the noise; F differs from the identity in the rows of y and ẏ alone.
+    fn predict_covariance(&mut self, step: &Step<N, M, NY>) {
         let n = Self::SIZE;
-        for row in 0..2 * N {
-            let factors = row_of(&step.state, &step.input, row);
-            for j in 0..n {
-                let mut sum = 0.0;
-                for k in 0..n {
-                    sum += factors(k) * self.covariance[k * n + j];
-                }
-                self.work[row * n + j] = sum;
+        // Fᵀ without the columns of d. Loops over its rows are vectorized.
+        for k in 0..n {
+            for i in 0..2 * N {
+                self.transition[k * 2 * N + i] = sensitivity(step, i, k);
+            }
+        }
+        self.work[..2 * N * n].fill(0.0);
+        for i in 0..2 * N {
+            let row = &mut self.work[i * n..][..n];
+            for k in 0..n {
+                add_scaled(row, self.transition[k * 2 * N + i], &self.covariance[k * n..][..n]);
             }
         }
         self.work[2 * N * n..].copy_from_slice(&self.covariance[2 * N * n..]);
-        for column in 0..2 * N {
-            let factors = row_of(&step.state, &step.input, column);
-            for i in 0..n {
-                let mut sum = 0.0;
-                for k in 0..n {
-                    sum += self.work[i * n + k] * factors(k);
-                }
-                self.covariance[i * n + column] = sum;
-            }
-        }
         for i in 0..n {
-            for j in 2 * N..n {
-                self.covariance[i * n + j] = self.work[i * n + j];
+            let (row, factors) = (&mut self.covariance[i * n..][..n], &self.work[i * n..][..n]);
+            row[..2 * N].fill(0.0);
+            for (k, factor) in factors.iter().enumerate() {
+                add_scaled(&mut row[..2 * N], *factor, &self.transition[k * 2 * N..][..2 * N]);
             }
+            row[2 * N..].copy_from_slice(&factors[2 * N..]);
             self.covariance[i * n + i] += self.noise(i);
         }
     }
@@ -306,14 +309,18 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
     }
 }
 
-/// Row `row` of (A_d, B_d), by its numbers.
-fn row_of<'a, const N: usize, const M: usize>(
-    state: &'a [[[[f64; N]; N]; 2]; 2],
-    input: &'a [[[f64; M]; N]; 2],
-    row: usize,
-) -> impl Fn(usize) -> f64 + 'a {
-    let (half, i) = (row / N, row % N);
-    move |k| {
-        if k < 2 * N { state[half][k / N][i][k % N] } else { input[half][i][k - 2 * N] }
+/// Entry (i, k) of (A_d, B_d).
+fn sensitivity<const N: usize, const M: usize, const NY: usize>(
+    step: &Step<N, M, NY>,
+    i: usize,
+    k: usize,
+) -> f64 {
+    let (half, i) = (i / N, i % N);
+    if k < 2 * N { step.state[half][k / N][i][k % N] } else { step.input[half][i][k - 2 * N] }
+}
+
+fn add_scaled(sum: &mut [f64], factor: f64, of: &[f64]) {
+    for (sum, entry) in sum.iter_mut().zip(of) {
+        *sum += factor * entry;
     }
 }
