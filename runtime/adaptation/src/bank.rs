@@ -113,13 +113,15 @@ impl Bank {
         Self { tracks: [track; RATES], noise, taken: FIRST_WEIGHT }
     }
 
-    /// Lets `dt` (s) go by.
+    /// Lets `dt` (s) go by. Returns the share of the prior by which the average of the filters widens.
     ///
     /// - `times`: T of each filter (s)
-    pub(super) fn drift(&mut self, dt: f64, times: &[f64; RATES], prior: &[f64; TERMS]) {
+    pub(super) fn drift(&mut self, dt: f64, times: &[f64; RATES], prior: &[f64; TERMS]) -> f64 {
+        let weights = self.weights();
         for (track, time) in self.tracks.iter_mut().zip(times) {
             track.state.widen(dt / time, prior);
         }
+        weights.iter().zip(times).map(|(weight, time)| weight * dt / time).sum()
     }
 
     /// Widens all filters by a share of the prior.

@@ -200,21 +200,24 @@ impl Joint {
             return;
         }
         self.waiting = derived.stride;
-        self.bank.drift(derived.interval, &settings.drift_times, &derived.prior);
-        if is_settled {
-            let phi = core::array::from_fn(|i| filtered[i]);
-            let share = now.position / scale.range;
-            let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
-            let error = torque - dot(&phi, &scale.admissible(self.law.mean, &derived.bounds));
-            self.comparison.whole([error, applied], derived.keep);
-            let is_explained = self.learn((settings, derived, scale), &phi, [torque, error], share);
-            self.prediction = Some(Prediction { terms: phi, torque, error, is_explained });
+        let drift = self.bank.drift(derived.interval, &settings.drift_times, &derived.prior);
+        if !is_settled {
+            // Without a sample no law becomes likelier. The ratios of nested laws would change with the covariance.
+            self.law.widen(drift, &derived.prior);
+            return;
         }
+        let phi = core::array::from_fn(|i| filtered[i]);
+        let share = now.position / scale.range;
+        let [torque, applied] = [filtered[TERMS], filtered[TERMS + 1]];
+        let error = torque - dot(&phi, &scale.admissible(self.law.mean, &derived.bounds));
+        self.comparison.whole([error, applied], derived.keep);
+        let is_explained = self.learn((settings, derived, scale), &phi, [torque, error], share);
+        self.prediction = Some(Prediction { terms: phi, torque, error, is_explained });
         self.average(derived);
     }
 
     /// Averages rates of drift and laws anew.
-    pub(super) fn average(&mut self, derived: &Derived) {
+    fn average(&mut self, derived: &Derived) {
         self.law = averaged(&self.bank.average(), &derived.prior);
     }
 

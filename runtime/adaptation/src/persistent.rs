@@ -13,8 +13,8 @@ const PARTS: [&str; ORIGIN] =
     ["description", "description", "number of joints", "period", "time constant", "delay"];
 /// Numbers of a filter: mean, covariance, cells, and four of weight and correlation.
 const TRACK: usize = TERMS + TERMS * TERMS + 2 * CELLS + 4;
-/// Numbers of a joint: filters, noise with its weight, comparison.
-const JOINT: usize = super::bank::RATES * TRACK + 2 + 8;
+/// Numbers of a joint: filters, noise with its weight, mean and covariance of the law, comparison.
+const JOINT: usize = super::bank::RATES * TRACK + 2 + TERMS + TERMS * TERMS + 8;
 
 impl<const N: usize> Adaptation<N> {
     /// Length of the saved state.
@@ -57,11 +57,6 @@ impl<const N: usize> Adaptation<N> {
             }
         }
         self.joints = joints;
-        for (joint, derived) in self.joints.iter_mut().zip(&self.derived) {
-            if let (Some(joint), Some(derived)) = (joint, derived) {
-                joint.average(derived);
-            }
-        }
         self.restart();
         Ok(())
     }
@@ -96,6 +91,7 @@ fn is_possible(joint: &Joint, numbers: &[f64]) -> bool {
     let comparison = &joint.comparison;
     numbers.iter().all(|number| number.is_finite())
         && tracks
+        && (0..TERMS).all(|k| joint.law.covariance[k][k] >= 0.0)
         && joint.bank.noise > 0.0
         && joint.bank.taken >= 0.0
         && counts(&comparison.squares)
@@ -105,7 +101,7 @@ fn is_possible(joint: &Joint, numbers: &[f64]) -> bool {
 
 /// All saved numbers of a joint.
 fn each(joint: &mut Joint) -> impl Iterator<Item = &mut f64> {
-    let Joint { bank, comparison, .. } = joint;
+    let Joint { bank, law, comparison, .. } = joint;
     let tracks = bank.tracks.iter_mut().flat_map(|track| {
         let correlation = &mut track.correlation;
         let sums = correlation.counts.iter_mut().chain(&mut correlation.sums);
@@ -116,5 +112,6 @@ fn each(joint: &mut Joint) -> impl Iterator<Item = &mut f64> {
     });
     let noise = [&mut bank.noise, &mut bank.taken];
     let counts = [&mut comparison.taken, &mut comparison.excluded];
-    tracks.chain(noise).chain(&mut comparison.squares).chain(&mut comparison.all).chain(counts)
+    let law = law.mean.iter_mut().chain(law.covariance.as_flattened_mut());
+    tracks.chain(noise).chain(law).chain(&mut comparison.squares).chain(&mut comparison.all).chain(counts)
 }
