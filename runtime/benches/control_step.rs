@@ -218,7 +218,7 @@ where
     let period = options.period;
     let sample = motion.sample(0.5 * motion.duration());
     let feed_forward = FeedForward::new(*model)?;
-    let inputs = feed_forward.at(&sample).inputs;
+    let mut inputs = feed_forward.at(&sample).inputs;
     let mut observer = DisturbanceObserver::<N, M, NY>::starting_at(&sample.positions, options.observer)?;
     observer.reset(&sample.positions, &sample.velocities);
     let observing = time_alone(|_| {
@@ -242,8 +242,11 @@ where
             let time = (i % 50 + k) as f64 * period;
             std::hint::black_box(motion.sample(time));
             let middle = motion.sample(time + 0.5 * period);
-            let u = feed_forward.at(&middle).inputs;
-            predict(&middle, &u);
+            // The others are those of the period before.
+            if k + 1 == HORIZON {
+                inputs = feed_forward.at(&middle).inputs;
+            }
+            predict(&middle, &inputs);
         }
     });
     let predicting = time_alone(|_| predict(&sample, &inputs));

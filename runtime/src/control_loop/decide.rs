@@ -8,7 +8,7 @@ use super::monitor::{Situation, check_state, limit_inputs};
 use super::report::{Counts, End, Source, StopReason};
 use super::run::{ControlLoop, Phase};
 use super::stage::STAGES;
-use super::unrolled::Unrolled;
+use super::unwrapped::Unwrapped;
 use crate::clock::Clock;
 use crate::dynamics::DependentJoint;
 use crate::input_limits::limit_torques;
@@ -95,7 +95,7 @@ where
     }
 
     /// The reading, if the guard believes it.
-    fn judge(&mut self, reading: &Reading<N, NY>) -> Result<Unrolled<N, NY>, EncoderFault> {
+    fn judge(&mut self, reading: &Reading<N, NY>) -> Result<Unwrapped<N, NY>, EncoderFault> {
         let moved = self.state.believed.moved_to(&reading.positions, &self.fallback);
         self.fallback.check_attitudes(&reading.positions).map_err(EncoderFault::Attitude)?;
         let desired = &self.state.desired.coordinates;

@@ -4,7 +4,7 @@ use super::controller::{Command, Controller, ControllerFault, Cycle, Estimate};
 use super::joint_pd::JointPd;
 use super::law::JointLaw;
 use super::settings::{SettingError, require};
-use super::unrolled::Unrolled;
+use super::unwrapped::Unwrapped;
 use super::velocity_filter::VelocityFilter;
 use crate::trajectory::Trajectory;
 use core::hint::black_box;
@@ -19,7 +19,7 @@ pub struct LawController<L, R, const N: usize, const M: usize, const NY: usize =
     time_constant: f64,
     filter: VelocityFilter<N>,
     /// Where the filter is.
-    last: Unrolled<N, NY>,
+    last: Unwrapped<N, NY>,
     /// Periods since the last measurement.
     age: u32,
 }
@@ -41,7 +41,7 @@ where
     pub fn new(law: L, trajectory: R, period: f64, time_constant: f64) -> Result<Self, SettingError> {
         require("period", period, "positive and finite", |x| x.is_finite() && x > 0.0)?;
         require("time_constant", time_constant, "0 to 60 s", |x| (0.0..=60.0).contains(&x))?;
-        let start = Unrolled::at(trajectory.sample(0.0).positions, &law);
+        let start = Unwrapped::at(trajectory.sample(0.0).positions, &law);
         Ok(Self {
             law,
             trajectory,
@@ -66,7 +66,7 @@ where
     R: Trajectory<N, NY>,
 {
     fn reset(&mut self, positions: &[f64; NY], _: &[f64; M]) {
-        self.last = Unrolled::at(*positions, &self.law);
+        self.last = Unwrapped::at(*positions, &self.law);
         self.filter = VelocityFilter::new(self.time_constant, self.last.coordinates);
         self.age = 0;
     }

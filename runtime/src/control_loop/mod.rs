@@ -78,7 +78,7 @@ mod stage;
 mod start;
 #[cfg(feature = "std")]
 mod stop_request;
-mod unrolled;
+mod unwrapped;
 mod velocity_filter;
 #[cfg(feature = "std")]
 mod warm_up;

@@ -9,7 +9,7 @@ use super::report::{Counts, End, LoopReport, Source, StopReason};
 use super::settings::{LoopSettings, SettingError, require};
 use super::stage::{STAGES, Stage};
 use super::stop_request::StopRequest;
-use super::unrolled::Unrolled;
+use super::unwrapped::Unwrapped;
 use super::velocity_filter::VelocityFilter;
 use crate::clock::Clock;
 use crate::trajectory::Trajectory;
@@ -42,8 +42,8 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub reference: Reference,
     pub guard: EncoderGuard<N>,
     /// The last positions that the guard believed, and the last desired ones.
-    pub believed: Unrolled<N, NY>,
-    pub desired: Unrolled<N, NY>,
+    pub believed: Unwrapped<N, NY>,
+    pub desired: Unwrapped<N, NY>,
     pub filter: VelocityFilter<N>,
     /// The inputs that the robot holds.
     pub inputs: [f64; M],
@@ -116,7 +116,7 @@ where
         settings.check_quaternions(fallback.quaternion_joints())?;
         require("trajectory.duration", trajectory.duration(), "a number (s)", |x| !x.is_nan())?;
         let period = settings.period();
-        let start = Unrolled::at(trajectory.sample(0.0).positions, &fallback);
+        let start = Unwrapped::at(trajectory.sample(0.0).positions, &fallback);
         let coordinates = start.coordinates;
         let state = State {
             phase: Phase::Idle,

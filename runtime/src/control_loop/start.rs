@@ -7,7 +7,7 @@ use super::monitor::check_positions;
 use super::reference::Reference;
 use super::report::{End, Refusal};
 use super::run::{ControlLoop, Phase};
-use super::unrolled::Unrolled;
+use super::unwrapped::Unwrapped;
 use super::velocity_filter::VelocityFilter;
 use crate::clock::Clock;
 use crate::dynamics::{DependentJoint, plain_entries};
@@ -38,13 +38,13 @@ where
 
     fn try_start(&mut self) -> Result<(), Refusal> {
         let positions = self.first_reading()?;
-        let measured = Unrolled::at(positions, &self.fallback);
+        let measured = Unwrapped::at(positions, &self.fallback);
         let dependent = |joint: &DependentJoint<N>, at: (&[f64; N], &[f64; N])| {
             self.fallback.dependent_motion_at_time(-self.release_time(), joint, at)
         };
         check_positions(&self.settings, &self.joints, &measured.coordinates, &dependent)
             .map_err(Refusal::Limit)?;
-        let start = Unrolled::at(self.trajectory.sample(0.0).positions, &self.fallback);
+        let start = Unwrapped::at(self.trajectory.sample(0.0).positions, &self.fallback);
         let way = self.fallback.difference(&start.positions, &positions);
         // The report on a joint with a quaternion has its distance from the start.
         let told = start.moved_to(&positions, &self.fallback).coordinates;

@@ -9,12 +9,12 @@ use crate::dynamics::plain_positions;
 /// differences `y ⊖ y_before` from one pose to the next: their rate is v, and no turn makes them jump. They say nothing of
 /// where the joint is, only of how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Unrolled<const N: usize, const NY: usize> {
+pub(super) struct Unwrapped<const N: usize, const NY: usize> {
     pub positions: [f64; NY],
     pub coordinates: [f64; N],
 }
 
-impl<const N: usize, const NY: usize> Unrolled<N, NY> {
+impl<const N: usize, const NY: usize> Unwrapped<N, NY> {
     /// Coordinates of joints with a quaternion begin at 0.
     pub fn at<const M: usize>(positions: [f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         Self { positions, coordinates: plain_positions(law.quaternion_joints(), &positions) }

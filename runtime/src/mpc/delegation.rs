@@ -1,7 +1,7 @@
-//! The methods of predictive controllers that are those of their `horizon`.
+//! Methods that predictive controllers delegate to their `horizon`.
 
 /// The methods of the controllers themselves.
-macro_rules! of_the_horizon {
+macro_rules! delegated_methods {
     () => {
         /// The model.
         pub fn model(&self) -> &D {
@@ -20,10 +20,10 @@ macro_rules! of_the_horizon {
         }
     };
 }
-pub(super) use of_the_horizon;
+pub(super) use delegated_methods;
 
 /// The methods of [`Controller`](crate::control_loop::Controller).
-macro_rules! plan_of_the_horizon {
+macro_rules! delegated_controller_methods {
     () => {
         fn planned(&self, periods: u32) -> Option<[f64; M]> {
             self.horizon.planned(periods)
@@ -34,4 +34,4 @@ macro_rules! plan_of_the_horizon {
         }
     };
 }
-pub(super) use plan_of_the_horizon;
+pub(super) use delegated_controller_methods;

@@ -5,7 +5,8 @@ use super::integrate::{Span, integrate, substeps};
 use super::node::{Node, Prediction, in_deviations};
 use super::note::{MpcNote, alternating, beyond_limits, beyond_rows, dry_friction, not_kept};
 use super::observer::DisturbanceObserver;
-use super::options::MpcOptions;
+use super::options::{LinearizationPoint, MpcOptions};
+use super::reference::Reference;
 use super::row;
 use crate::control_loop::zero_order_hold::{discretize, flat_input, flat_state};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
@@ -58,9 +59,7 @@ pub(super) struct Horizon<
     solver: QpSolver<NX, M, NR>,
     /// P at `TERMINAL_INTERVALS + 1` times evenly over the trajectory.
     terminal: Vec<[[f64; NX]; NX]>,
-    /// x_ref at the K + 1 nodes and u_ff in the middle of the K periods.
-    pub reference: Vec<Node<N, NY>>,
-    pub inputs: Vec<[f64; M]>,
+    pub reference: Reference<N, M, NY>,
     pub plan: Plan<N, M, NY>,
     /// When the problem of the last solution begins (s); NaN if the next one has nothing to start from.
     solved: f64,
@@ -91,8 +90,7 @@ where
             problem: QpProblem::new(stages),
             solver: QpSolver::new(stages, options.qp)?,
             terminal: Vec::with_capacity(TERMINAL_INTERVALS + 1),
-            reference: vec![neutral; stages + 1],
-            inputs: vec![[0.0; M]; stages],
+            reference: Reference::new(stages, options.period, neutral),
             plan: Plan {
                 states: vec![neutral; stages + 1],
                 inputs: vec![[0.0; M]; stages],
@@ -136,6 +134,7 @@ where
     /// where the new friction is steeper at rest.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.feed_forward.set_model(model)?;
+        self.reference.forget();
         let (y, u) = (*self.observer.positions(), self.under_way);
         let resting = self.model().at_time(self.time, |model| model.linearize(&y, &[0.0; N], &u));
         let needed = substeps(&resting, self.options.period);
@@ -307,25 +306,10 @@ where
 
     /// Desired states and feed-forward from `start` (s) on.
     pub fn look_ahead(&mut self, start: f64) {
-        let period = self.options.period;
-        for k in 0..=self.options.horizon {
-            let sample = self.trajectory.sample(start + k as f64 * period);
-            self.reference[k] = Node { positions: sample.positions, velocities: sample.velocities };
+        let passed = self.reference.look_ahead(start, &self.trajectory, &self.feed_forward);
+        if self.options.linearization == LinearizationPoint::Reference {
+            self.problem.stages.rotate_left(passed);
         }
-        for k in 0..self.options.horizon {
-            let time = self.middle_time(start, k);
-            self.inputs[k] = self.feed_forward.at_time(time, &self.middle(time)).inputs;
-        }
-    }
-
-    /// The middle of period `k` (s).
-    pub fn middle_time(&self, start: f64, k: usize) -> f64 {
-        start + (k as f64 + 0.5) * self.options.period
-    }
-
-    /// The desired state in the middle of a period.
-    pub fn middle(&self, time: f64) -> Sample<N, NY> {
-        self.trajectory.sample(time)
     }
 
     /// The period that begins at `start` (s).
@@ -344,11 +328,11 @@ where
         self.plan.states.copy_within(moved.., 0);
         self.plan.inputs.copy_within(moved.., 0);
         if kept == 0 {
-            self.plan.states[0] = self.reference[0];
+            self.plan.states[0] = self.reference.nodes[0];
         }
         for k in kept..stages {
-            self.plan.inputs[k] = self.inputs[k];
-            self.plan.states[k + 1] = self.reference[k + 1];
+            self.plan.inputs[k] = self.reference.inputs[k];
+            self.plan.states[k + 1] = self.reference.nodes[k + 1];
         }
         self.plan.start = start;
     }
@@ -357,7 +341,7 @@ where
     pub fn set_stage(&mut self, k: usize, prediction: &Prediction<'_, N, M, NY>) {
         let (at, u) = &prediction.at;
         let model = self.feed_forward.model();
-        let (reference, end) = (&self.reference[k], &self.reference[k + 1]);
+        let (reference, end) = (&self.reference.nodes[k], &self.reference.nodes[k + 1]);
         let mut affine: [f64; NX] = prediction.next.from(end, model);
         let back: [f64; NX] = reference.from(at, model);
         let stage = &mut self.problem.stages[k];
@@ -377,7 +361,7 @@ where
                 sum += stage.state_matrix[i][j] * back[j];
             }
             for j in 0..M {
-                sum += stage.input_matrix[i][j] * (self.inputs[k][j] - u[j]);
+                sum += stage.input_matrix[i][j] * (self.reference.inputs[k][j] - u[j]);
             }
             affine[i] = sum;
         }
@@ -387,14 +371,14 @@ where
     /// Solves from `state` at `start` (s) on; the stages are set.
     pub fn solve(&mut self, start: f64, state: &Node<N, NY>) -> Result<Command<M>, ControllerFault> {
         let disturbance = *self.observer.disturbance();
-        self.problem.initial_state = state.from(&self.reference[0], self.feed_forward.model());
+        self.problem.initial_state = state.from(&self.reference.nodes[0], self.feed_forward.model());
         for i in 0..M {
-            self.problem.previous_input[i] = self.under_way[i] + disturbance[i] - self.inputs[0][i];
+            self.problem.previous_input[i] = self.under_way[i] + disturbance[i] - self.reference.inputs[0][i];
         }
         self.set_bounds(&disturbance);
         let model = self.feed_forward.model();
-        let coordinates = |k: usize| self.reference[k].coordinates(model);
-        let at = (coordinates, &self.inputs[..], &disturbance);
+        let coordinates = |k: usize| self.reference.nodes[k].coordinates(model);
+        let at = (coordinates, &self.reference.inputs[..], &disturbance);
         row::set_sides(&mut self.problem, &self.options.rows, at);
         self.set_terminal(start);
         let report = self.solve_problem(start);
@@ -449,7 +433,7 @@ where
         let rate = self.problem.input_rate_weight;
         let change = |k: usize, i: usize| {
             if (1..options.horizon).contains(&k) {
-                rate[i][i] * (self.inputs[k][i] - self.inputs[k - 1][i])
+                rate[i][i] * (self.reference.inputs[k][i] - self.reference.inputs[k - 1][i])
             } else {
                 0.0
             }
@@ -457,11 +441,11 @@ where
         for (k, stage) in self.problem.stages.iter_mut().enumerate() {
             let QpStage { input_lower, input_upper, state_lower, state_upper, input_gradient, .. } = stage;
             for i in 0..M {
-                let offset = disturbance[i] - self.inputs[k][i];
+                let offset = disturbance[i] - self.reference.inputs[k][i];
                 [input_lower[i], input_upper[i]] = options.input_limits[i].map(|b| b + offset);
                 input_gradient[i] = change(k, i) - change(k + 1, i);
             }
-            let reference: [f64; NX] = self.reference[k + 1].coordinates(model);
+            let reference: [f64; NX] = self.reference.nodes[k + 1].coordinates(model);
             for i in 0..N {
                 let [low, high] = options.position_limits[i];
                 (state_lower[i], state_upper[i]) = (low - reference[i], high - reference[i]);
@@ -487,8 +471,8 @@ where
         self.plan.states[0] = *state;
         for k in 0..self.options.horizon {
             let (input, next) = (self.solver.input(k), self.solver.state(k + 1));
-            self.plan.inputs[k] = core::array::from_fn(|i| self.inputs[k][i] + input[i]);
-            self.plan.states[k + 1] = self.reference[k + 1].moved(&next, self.feed_forward.model());
+            self.plan.inputs[k] = core::array::from_fn(|i| self.reference.inputs[k][i] + input[i]);
+            self.plan.states[k + 1] = self.reference.nodes[k + 1].moved(&next, self.feed_forward.model());
         }
     }
 

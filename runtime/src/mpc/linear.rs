@@ -1,10 +1,10 @@
 //! Linear time-varying model predictive control.
 
+use super::delegation::{delegated_controller_methods, delegated_methods};
 use super::error::MpcError;
 use super::horizon::Horizon;
 use super::integrate::midpoint;
 use super::node::{Node, Prediction};
-use super::of_the_horizon::{of_the_horizon, plan_of_the_horizon};
 use super::options::{LinearizationPoint, MpcOptions, PredictionRule};
 use crate::control_loop::zero_order_hold::discretize;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
@@ -67,7 +67,7 @@ where
         Ok(Self { horizon })
     }
 
-    of_the_horizon!();
+    delegated_methods!();
 
     /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
     /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
@@ -84,47 +84,54 @@ where
         if self.horizon.options.linearization == LinearizationPoint::Plan {
             self.horizon.shift_plan(start);
         }
-        let set = self.set_stages(start);
+        let set = self.set_stages();
         if set.is_err() {
             self.horizon.drop_plan();
         }
         set
     }
 
-    fn set_stages(&mut self, start: f64) -> Result<(), ControllerFault> {
-        let period = self.horizon.options.period;
-        let around_plan = self.horizon.options.linearization == LinearizationPoint::Plan;
-        let by_midpoint = self.horizon.options.prediction == PredictionRule::ImplicitMidpoint;
+    /// Sets the stages that are not those of the period before: around the plan all of them.
+    fn set_stages(&mut self) -> Result<(), ControllerFault> {
+        let around_reference = self.horizon.options.linearization == LinearizationPoint::Reference;
         for k in 0..self.horizon.options.horizon {
-            let time = self.horizon.middle_time(start, k);
-            if by_midpoint {
-                self.set_midpoint_stage(k, time)?;
+            if self.horizon.reference.is_set[k] {
                 continue;
             }
-            let (at, u) = if around_plan {
-                self.middle_of_plan(k)
-            } else {
-                let Sample { positions, velocities, .. } = self.horizon.middle(time);
-                (Node { positions, velocities }, self.horizon.inputs[k])
-            };
-            let model = self.horizon.model();
-            let (y, v) = (&at.positions, &at.velocities);
-            let discrete = model.at_time(time, |model| discretize(model, y, v, &u, period))?;
-            let prediction = Prediction {
-                state: &discrete.state,
-                input: &discrete.input,
-                next: at.predicted(&discrete, &u, model),
-                at: (at, u),
-            };
-            self.horizon.set_stage(k, &prediction);
+            match self.horizon.options.prediction {
+                PredictionRule::ExactHold => self.set_held_stage(k)?,
+                PredictionRule::ImplicitMidpoint => self.set_midpoint_stage(k)?,
+            }
+            self.horizon.reference.is_set[k] = around_reference;
         }
         Ok(())
     }
 
+    /// Stage `k` by the exact zero-order hold.
+    fn set_held_stage(&mut self, k: usize) -> Result<(), ControllerFault> {
+        let (horizon, period) = (&self.horizon, self.horizon.options.period);
+        let (at, u) = match horizon.options.linearization {
+            LinearizationPoint::Plan => self.middle_of_plan(k),
+            LinearizationPoint::Reference => {
+                let Sample { positions, velocities, .. } = horizon.reference.middles[k];
+                (Node { positions, velocities }, horizon.reference.inputs[k])
+            }
+        };
+        let (model, time) = (horizon.model(), horizon.reference.middle_time(k));
+        let (y, v) = (&at.positions, &at.velocities);
+        let discrete = model.at_time(time, |model| discretize(model, y, v, &u, period))?;
+        let prediction = Prediction {
+            state: &discrete.state,
+            input: &discrete.input,
+            next: at.predicted(&discrete, &u, model),
+            at: (at, u),
+        };
+        self.horizon.set_stage(k, &prediction);
+        Ok(())
+    }
+
     /// Stage `k` by the implicit midpoint rule.
-    ///
-    /// - `time`: the middle of the period (s)
-    fn set_midpoint_stage(&mut self, k: usize, time: f64) -> Result<(), ControllerFault> {
+    fn set_midpoint_stage(&mut self, k: usize) -> Result<(), ControllerFault> {
         let (horizon, period) = (&self.horizon, self.horizon.options.period);
         let (at, a, u) = match horizon.options.linearization {
             LinearizationPoint::Plan => {
@@ -133,15 +140,16 @@ where
                 (at, a, u)
             }
             LinearizationPoint::Reference => {
-                let middle = horizon.middle(time);
+                let middle = &horizon.reference.middles[k];
                 let back = middle.velocities.map(|v| -0.5 * period * v);
                 let positions = horizon.model().integrate(&middle.positions, &back);
                 let before = |i: usize| middle.velocities[i] - 0.5 * period * middle.accelerations[i];
                 let velocities = core::array::from_fn(before);
-                (Node { positions, velocities }, middle.accelerations, horizon.inputs[k])
+                (Node { positions, velocities }, middle.accelerations, horizon.reference.inputs[k])
             }
         };
         let from = (&at.positions, &at.velocities, &a);
+        let time = horizon.reference.middle_time(k);
         let step = horizon.model().at_time(time, |model| midpoint(model, from, &u, period))?;
         let prediction = Prediction {
             state: &step.state,
@@ -177,14 +185,15 @@ where
         self.horizon.solve(start, &state)
     }
 
-    plan_of_the_horizon!();
+    delegated_controller_methods!();
 
-    /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay.
+    /// All that this writes, the step writes anew or finds as it would write it: reference, stages, solution. Estimate and plan
+    /// stay.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let start = self.horizon.start_at(next.time);
         self.horizon.look_ahead(start);
         // What fails here fails in the step too, which says so.
-        if self.set_stages(start).is_ok() {
+        if self.set_stages().is_ok() {
             self.horizon.rehearse(next);
         }
     }
@@ -197,6 +206,7 @@ mod tests {
     use super::*;
     use crate::dynamics::LimitRows;
     use crate::trajectory::{GeodesicMotion, RestToRest};
+    use std::cell::Cell;
 
     gelenk_dynamics::dynamics!(struct Ur5 = gelenk_generated::ur5);
     gelenk_dynamics::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
@@ -244,5 +254,50 @@ mod tests {
         converge(Ur5, RestToRest::new([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], goal, 1.5).unwrap());
         let (start, goal) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], [1.5, -0.5, 1.4, 0.0, 0.0, 0.6, 0.8]);
         converge(Quadrotor, GeodesicMotion::between(Quadrotor, start, goal, 3.0).unwrap());
+    }
+
+    /// A motion that may become the other one.
+    struct Changing<'a>(&'a Cell<usize>, [RestToRest<6>; 2]);
+
+    impl Trajectory<6> for Changing<'_> {
+        fn duration(&self) -> f64 {
+            1.5
+        }
+
+        fn sample(&self, t: f64) -> Sample<6> {
+            self.1[self.0.get()].sample(t)
+        }
+    }
+
+    /// With a period of 2⁻⁶ s the times are exact, so that stages that are kept have the bits of those that are computed anew.
+    #[test]
+    fn stages_around_the_reference_are_kept_until_it_changes() {
+        const PERIOD: f64 = 0.015625;
+        let start = [0.0, -1.2, 1.0, -0.5, 0.5, 0.0];
+        let goals = [[1.0, -0.6, 1.6, -1.2, 1.0, 0.8], [0.4, -0.9, 1.2, -0.2, 0.1, -0.3]];
+        let motions = || goals.map(|goal| RestToRest::new(start, goal, 1.5).unwrap());
+        for prediction in [PredictionRule::ExactHold, PredictionRule::ImplicitMidpoint] {
+            let which = Cell::new(0);
+            let linearization = LinearizationPoint::Reference;
+            let options =
+                MpcOptions { prediction, linearization, ..MpcOptions::<6, 6>::new(&Ur5, PERIOD, 8) };
+            let make =
+                || LtvMpc::<_, _, 6, 6, 12>::new(Ur5, Changing(&which, motions()), options.clone()).unwrap();
+            let (mut keeping, mut forgetting) = (make(), make());
+            let mut last_inputs = [0.0; 6];
+            for k in 0_u32..12 {
+                which.set((k / 6) as usize);
+                let time = f64::from(k) * PERIOD;
+                let positions = Some(motions()[0].sample(time).positions.map(|y| y + 0.01));
+                let cycle =
+                    Cycle { time, periods: u32::from(k > 0), positions, last_inputs, ..Cycle::default() };
+                forgetting.horizon.reference.forget();
+                last_inputs = keeping.step(&cycle).unwrap().inputs;
+                assert_eq!(last_inputs, forgetting.step(&cycle).unwrap().inputs, "period {k}");
+            }
+            keeping.horizon.look_ahead(12.0 * PERIOD);
+            let is_set = &keeping.horizon.reference.is_set;
+            assert_eq!(is_set.iter().filter(|is_set| **is_set).count(), 7, "all but the last one");
+        }
     }
 }

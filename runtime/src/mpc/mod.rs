@@ -44,6 +44,7 @@
 //! J.* 49 (2003); multiple shooting and real-time iterations Diehl, Bock, Schlöder, *SIAM J. Control Optim.*
 //! 43 (2005).
 
+mod delegation;
 mod error;
 mod horizon;
 mod integrate;
@@ -52,8 +53,8 @@ mod node;
 mod nonlinear;
 mod note;
 mod observer;
-mod of_the_horizon;
 mod options;
+mod reference;
 mod row;
 #[doc = include_str!("tune.md")]
 pub mod tune {}

@@ -1,10 +1,10 @@
 //! Nonlinear model predictive control.
 
+use super::delegation::{delegated_controller_methods, delegated_methods};
 use super::error::MpcError;
 use super::horizon::Horizon;
 use super::integrate::{Span, integrate};
 use super::node::{Node, Prediction};
-use super::of_the_horizon::{of_the_horizon, plan_of_the_horizon};
 use super::options::MpcOptions;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
 use crate::dynamics::{Discretizable, PhaseSpace};
@@ -51,7 +51,7 @@ where
         Ok(Self { horizon: Horizon::new(model, trajectory, options)?, prepared: f64::NAN })
     }
 
-    of_the_horizon!();
+    delegated_methods!();
 
     /// Goes on with another model from the next step on, e.g. with friction that was identified in operation.
     /// Estimate and plan stay; so do the terminal weights, which stand for what lies beyond the horizon and
@@ -126,7 +126,7 @@ where
         self.feedback(cycle)
     }
 
-    plan_of_the_horizon!();
+    delegated_controller_methods!();
 
     /// All that this writes, the step writes anew: reference, stages, solution. Estimate and plan stay, and
     /// stages that [`prepare`](Nmpc::prepare) has set.

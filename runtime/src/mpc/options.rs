@@ -17,7 +17,8 @@ pub enum LinearizationPoint {
     /// Along the desired trajectory and its feed-forward. Good while errors are small. Where friction is
     /// steep at rest, a joint that should rest but does not is taken for one that hardly moves: far from its
     /// goal it is driven back and forth by full inputs (seen: 4 mrad on the PowerCube after a motion that its
-    /// torque was too small for).
+    /// torque was too small for). A step predicts its last period alone: the others are kept from the step before, until the
+    /// motion or the model changes.
     Reference,
     /// Along the plan of the step before, moved on by the time that has passed.
     #[default]
