@@ -35,7 +35,7 @@ pub struct AdaptationSettings {
 }
 
 impl AdaptationSettings {
-    /// Settings for a period (s): poles of 0.04 s or three periods, no delay, changes of at most 90 %, drift within 8000, 2000 or
+    /// Settings for a period (s): poles of 0.04 s or three periods, no delay, changes of at most 90 %, drift within 40000, 4000 or
     /// 400 s, a memory of 20 s, 20 s of patience, 0.5 s of blending, rest below 1 % of the largest speed.
     #[must_use]
     pub fn new(period: f64) -> Self {
@@ -44,7 +44,7 @@ impl AdaptationSettings {
             time_constant: (3.0 * period).max(0.04),
             delay: 0,
             largest_change: 0.9,
-            drift_times: [8000.0, 2000.0, 400.0],
+            drift_times: [40000.0, 4000.0, 400.0],
             memory: 20.0,
             patience: 20.0,
             blending: 0.5,

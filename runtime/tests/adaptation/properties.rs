@@ -33,20 +33,21 @@ fn intervals_hold_during_drift() {
     let all = found.held.iter().sum::<f64>() / 10.0;
     let [during, after] = halves(&found.held);
     println!("90 % intervals hold {:.1} %, {during:.3}, {after:.3}: {:?}", 100.0 * all, found.held);
-    assert!((0.87..=0.93).contains(&all) && (0.88..=0.94).contains(&during), "{all}, {:?}", found.held);
+    assert!([all, during].iter().all(|held| (0.87..=0.93).contains(held)), "{all}, {:?}", found.held);
     assert!(found.errors[0] < 0.1 * found.errors[1], "{:?}", found.errors);
     assert!(found.learned > 0.99, "{}", found.learned);
 }
 
-/// A slowest drift of 40000 s has errors that are a tenth smaller, and intervals that hold less often while friction drifts.
+/// With a slowest drift of 8000 s intervals hold more often while friction drifts, and errors are larger: claim 13 of the paper's
+/// page does not hold then.
 #[test]
-fn slower_drift_is_more_exact_and_less_honest() {
-    let slower = AdaptationSettings { drift_times: [40000.0, 4000.0, 400.0], ..settings() };
-    let [usual, slower] = [settings(), slower].map(|settings| coverage(1, 60, settings));
-    let during = [&usual, &slower].map(|found| halves(&found.held)[0]);
-    println!("{during:?}, errors {:?} {:?}", usual.errors, slower.errors);
-    assert!(during[1] < 0.88 && during[0] > during[1] + 0.03, "{during:?}");
-    assert!(slower.errors[0] < 0.95 * usual.errors[0], "{:?} {:?}", slower.errors, usual.errors);
+fn faster_drift_is_less_exact() {
+    let faster = AdaptationSettings { drift_times: [8000.0, 2000.0, 400.0], ..settings() };
+    let [usual, faster] = [settings(), faster].map(|settings| coverage(1, 60, settings));
+    let during = [&usual, &faster].map(|found| halves(&found.held)[0]);
+    println!("{during:?}, errors {:?} {:?}", usual.errors, faster.errors);
+    assert!(during[1] > during[0] + 0.03, "{during:?}");
+    assert!(usual.errors[0] < 0.95 * faster.errors[0], "{:?} {:?}", usual.errors, faster.errors);
 }
 
 #[test]
