@@ -8,7 +8,7 @@ use super::super::error::Result;
 use super::super::methods::filter::Band;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::choice::{DROPS, Recorded};
+use super::choice::{DROP, Recorded};
 use super::regression::{Columns, Problem, Sample, problems, spread};
 use super::result::Delay;
 use nalgebra::DMatrix;
@@ -125,7 +125,7 @@ impl<'a> Fits<'a> {
                 break;
             }
         }
-        if best.mean() < DROPS[1] {
+        if best.mean() < DROP {
             return None;
         }
         best = self.narrowed(best, &STEPS[..2]);
@@ -134,7 +134,7 @@ impl<'a> Fits<'a> {
             best = best.or(self.narrowed(other, &STEPS[1..2]));
         }
         best = self.narrowed(best, &STEPS[2..]);
-        let lowers_all = best.drops.iter().all(|drop| *drop > DROPS[1]);
+        let lowers_all = best.drops.iter().all(|drop| *drop > DROP);
         (lowers_all && best.band.frequency < highest).then_some(best.band)
     }
 

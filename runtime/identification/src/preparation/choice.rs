@@ -36,9 +36,9 @@ const KEPT: f64 = 0.6;
 /// Highest bandwidth as a share of the rate at which the slowest channel has new samples.
 const HIGHEST: f64 = 0.2;
 
-/// Least relative fall of the residual sum of squares by which a common delay counts, and one of an effort's own or a band:
-/// errors of the model imitate delays, and then the fall is small although it is significant.
-pub(super) const DROPS: [f64; 2] = [0.02, 0.1];
+/// Least fall of the logarithm of the residual sum of squares by which a delay of an effort's own counts, or a band: errors of the
+/// model imitate them, and then the fall is small although it is significant.
+pub(super) const DROP: f64 = 0.1;
 
 /// Runs as signals, and their properties before a bandwidth is chosen.
 pub(super) struct Recorded<'a> {
@@ -265,19 +265,14 @@ impl<'a> Recorded<'a> {
     }
 }
 
-/// Delays that are removed: the given one, or those found where they are significant.
+/// Delays that are removed: the given one, or those that are too far for the estimate of all unknowns.
 fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usize) -> Vec<Delay> {
     let none =
         Delay { removed: settings.delay.unwrap_or(0.0), estimated: f64::NAN, error: f64::NAN, own: false };
     let Some(found) = found else { return vec![none; efforts] };
-    let seen = found.common.value.abs() > 2.0 * found.common.error && found.common.drop > DROPS[0];
-    let common = if seen { found.common.value } else { 0.0 };
-    // A common delay that is not seen is zero, without an error of its own.
-    let error = if seen { found.common.error } else { 0.0 };
     let of_effort = |own: &DelayEstimate| {
-        let differs = (own.value - common).abs() > 3.0 * own.error.hypot(error);
-        let differs = differs && own.drop > DROPS[1];
-        let removed = if differs { own.value } else { common };
+        let differs = own.drop > DROP;
+        let removed = if differs { own.if_far() } else { found.common.if_far() };
         Delay { removed, estimated: own.value, error: own.error, own: differs }
     };
     found.own.iter().map(of_effort).collect()
