@@ -1,4 +1,5 @@
 //! Numbers that decide in the estimate.
+
 use super::super::numeric::levels::levels;
 
 levels! {
@@ -36,7 +37,7 @@ levels! {
     /// The same for the mean radius of all bodies.
     COMMON_FLOOR: f64 = 1e-3;
 
-    /// Standard deviation of a described body in [`Prior::round_metric`]: 17 % of its mass, and 7 % of its radius of gyration for each coordinate of its
+    /// Standard deviation of a described body in `Prior::round_metric`: 17 % of its mass, and 7 % of its radius of gyration for each coordinate of its
     /// centre. In 24 logs of a simulated arm (masses within a factor of 1.25, centres within some 12 mm) 90 % intervals of the
     /// constants that are known within a factor of 2 hold 83, 94 and 96 % with 0.1, 0.12 and 0.14.
     BODIES: f64 = 0.12;

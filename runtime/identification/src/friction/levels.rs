@@ -1,4 +1,5 @@
 //! Numbers that decide about friction laws.
+
 use super::super::numeric::levels::levels;
 
 levels! {

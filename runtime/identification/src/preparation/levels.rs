@@ -1,4 +1,5 @@
 //! Numbers that decide in the preparation.
+
 use super::super::numeric::levels::levels;
 
 levels! {
@@ -11,7 +12,7 @@ levels! {
     /// Deviations of the speed's noise below which a speed is not told from zero.
     SPEED_NOISE: f64 = 4.0;
 
-    /// Largest share of this limit that may be noise of the speed: with more noise, rest cannot be separated from motion.
+    /// Largest share of a joint's largest speed below which noise decides: with more noise, rest cannot be separated from motion.
     MOST_NOISE: f64 = 0.1;
 
     /// Least ratio of a rest's time below the limit of the speed to its time between the limit and twice the limit. The ratio is 1
@@ -22,10 +23,10 @@ levels! {
     /// passes the filter, so a smoothed speed shows motion before it begins. The terms of friction, computed from this speed, pass it again.
     REACH: f64 = 1.0;
 
-    /// Bands for each octave.
+    /// Bands of a spectrum for each octave.
     BANDS_PER_OCTAVE: f64 = 6.0;
 
-    /// Candidates: this many for each octave.
+    /// Candidate bandwidths for each octave.
     BANDWIDTHS_PER_OCTAVE: f64 = 6.0;
 
     /// Bandwidths whose error is within this share of the acceleration's power of the least error are equal; the
@@ -63,7 +64,7 @@ levels! {
     /// Samples in the regressions that compare bandwidths.
     BANDWIDTH_SAMPLES: usize = 1500;
 
-    /// Fits, each with the weights that follow from the one before.
+    /// Fits of one set of parameters to all efforts, each with the weights that follow from the one before.
     FITS: usize = 3;
 
     /// Samples in the regressions that compare bands.
@@ -72,7 +73,7 @@ levels! {
     /// Rise of the misfit, as a mean over the efforts of ln RSS, after which lower frequencies are not tried.
     HOPELESS_BAND: f64 = 0.1;
 
-    /// Highest candidate frequency, as a share of the bandwidth. Friction that does not depend on speed alone where a joint
+    /// Highest candidate frequency of a band, as a share of the bandwidth. Friction that does not depend on speed alone where a joint
     /// reverses, and a delay that is not known exactly, look like a band: simulated arms that stick, and logs with jitter, have the
     /// least misfit at 0.36 to 0.7 of the bandwidth.
     NARROWER: f64 = 0.25;
@@ -98,7 +99,7 @@ levels! {
     /// Step of the coarse grid [s].
     COARSE_DELAYS: f64 = 4e-3;
 
-    /// Samples in the regression, at most.
+    /// Samples in the regressions that find delays, at most.
     DELAY_SAMPLES: usize = 2000;
 
     /// Blocks of consecutive samples, for a standard error that holds under correlated residuals.
