@@ -14,7 +14,7 @@ pub(super) struct DelayEstimate {
     /// Standard error [s]; infinite if the efforts do not show a delay.
     pub error: f64,
     /// Fall of the logarithm of the residual sum of squares on held-out folds against the common delay; zero if it is within two
-    /// standard errors.
+    /// standard errors, or if the delay lies among those of the other efforts.
     pub drop: f64,
 }
 
@@ -66,8 +66,11 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
     let value = search.least(&known);
     for m in &known {
         let spread = spread_of_others(&own, &known, *m, value);
-        let shrunk = value + (own[*m].value - value) / (1.0 + (own[*m].error / spread).powi(2));
-        own[*m] = DelayEstimate { value: shrunk, drop: search.held_out_drop(*m, value, shrunk), ..own[*m] };
+        let DelayEstimate { value: alone, error, .. } = own[*m];
+        let shrunk = value + (alone - value) / (1.0 + (error / spread).powi(2));
+        let differs = (alone - value).abs() > 3.0 * error.hypot(spread);
+        let drop = if differs { search.held_out_drop(*m, value, shrunk) } else { 0.0 };
+        own[*m] = DelayEstimate { value: shrunk, drop, ..own[*m] };
     }
     let error = common_error(&known.iter().map(|m| own[*m]).collect::<Vec<_>>(), value);
     Some(Delays { common: DelayEstimate { value, error, drop: 0.0 }, own })
