@@ -4,6 +4,7 @@ use super::super::methods::offset::mean;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::Layout;
+use super::levels;
 use super::residuals::Forces;
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use gelenk_findings::digits::plain;
@@ -32,11 +33,6 @@ const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
 /// Example: a worm gear.
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
 const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
-
-/// Share of the residual's variance that one quantity may explain before it is a doubt.
-const SUSPICIOUS: f64 = 0.1;
-/// The same in correlation times over samples: chance alone explains about one of these.
-const BY_CHANCE: f64 = 10.0;
 
 /// Inputs of the checks.
 pub(super) struct Checked<'a> {
@@ -162,7 +158,8 @@ impl Checked<'_> {
 
     fn is_suspicious(&self, share: f64) -> bool {
         let total: usize = self.runs.iter().map(|r| r.times.len()).sum();
-        share > SUSPICIOUS && share > BY_CHANCE * self.correlation_time / total as f64
+        share > levels::SUSPICIOUS.get()
+            && share > levels::BY_CHANCE.get() * self.correlation_time / total as f64
     }
 
     /// Factor of a quantity in a joint's residual, and the share of the variance that it explains.

@@ -8,18 +8,15 @@ use super::fit::{HeldOut, Weighting, held_out, reweighted};
 use super::gains::{Gains, gains};
 use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
+use super::levels;
 use super::normal::{Centred, Model, Values};
 use super::prior::Prior;
 use super::result::Offsets;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
 
-/// Weights of the description that are tried: two for each decade.
-const LEAST_WEIGHT: f64 = 1e-3;
 const WEIGHTS: usize = 23;
 
-/// Factor by which a body may be trusted less, and how often.
-const LESS_TRUST: f64 = 0.01;
 const LESS_TRUST_STEPS: usize = 2;
 
 /// A choice, and its candidates.
@@ -43,7 +40,7 @@ pub(super) struct Freedom<'a> {
 }
 
 fn grid() -> impl Iterator<Item = f64> {
-    (0..WEIGHTS).map(|i| LEAST_WEIGHT * 10_f64.powf(0.5 * i as f64))
+    (0..WEIGHTS).map(|i| levels::LEAST_WEIGHT.get() * 10_f64.powf(0.5 * i as f64))
 }
 
 /// Chooses in turn: widths and offsets, then optional terms, then the weight of the description.
@@ -137,7 +134,7 @@ impl Chosen<'_> {
                 let mut weighting = self.weighting.clone();
                 weighting.trust[body * PER_BODY..(body + 1) * PER_BODY]
                     .iter_mut()
-                    .for_each(|t| *t *= LESS_TRUST);
+                    .for_each(|t| *t *= levels::LESS_TRUST.get());
                 let error = held_out(&self.centred, &self.model, prior, &weighting, &self.values)?;
                 let (excess, deviation) = error.excess_of_choice(&best);
                 if excess >= -deviation {

@@ -5,18 +5,13 @@
 //! exactly K degrees of freedom (equal-weighted cosines; Müller 2007; Sun 2013; Lazarus, Lewis, Stock, Watson 2018).
 //! So Student's t and Fisher's F hold in short logs too, where a sum over lags with normal quantiles is too sure.
 
+use super::levels;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// Factor of K: `0.4 T^⅔` for a first autocorrelation of 0.7 (Lazarus et al. 2018), in terms of correlation times.
-const COSINES: f64 = 1.3;
-
-/// Fewest cosines with which anything is said.
-pub(super) const FEWEST: usize = 4;
-
 /// Number of cosines for a series that is `correlation_times` long and has `blocks` elements.
 pub(super) fn count(correlation_times: f64, blocks: usize) -> usize {
-    let wanted = COSINES * correlation_times.max(1.0).powf(2.0 / 3.0);
+    let wanted = levels::COSINES.get() * correlation_times.max(1.0).powf(2.0 / 3.0);
     (wanted as usize).min(blocks / 2)
 }
 

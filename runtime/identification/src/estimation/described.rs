@@ -4,15 +4,13 @@
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
+use super::levels;
 use super::normal::with_ridge;
 use super::unit::{CommonRatio, Sizes, common_ratio};
 use nalgebra::{DMatrix, DVector};
 
 /// Columns of a joint: the described force, an offset, viscous and Coulomb friction.
 const COLUMNS: usize = 4;
-/// Share of a joint's largest speed within which Coulomb friction is smoothed.
-const STEEPNESS: f64 = 30.0;
-
 /// The factor of the robot as a whole.
 /// Currents say nothing here unless all motor constants are described.
 pub(crate) fn described_ratio(robot: &dyn Robot, runs: &[PreparedRun]) -> Option<CommonRatio> {
@@ -50,7 +48,7 @@ fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatri
         robot.rigid_forces(&y, &v, &a, &mut forces);
         for (joint, sums) in sums.iter_mut().enumerate().filter(|(joint, _)| !run.rests(*joint, i)) {
             let share = if fastest[joint] > 0.0 { v[joint] / fastest[joint] } else { 0.0 };
-            let friction = (STEEPNESS * share).tanh();
+            let friction = (levels::STEEPNESS.get() * share).tanh();
             let row =
                 DVector::from_vec(vec![forces[joint], 1.0, share, friction, run.force(&matrix, joint, i)]);
             sums.ger(1.0, &row, &row, 1.0);
@@ -78,7 +76,7 @@ mod tests {
         for i in 0..500 {
             let t = 0.02 * f64::from(i);
             let (force, share) = ((1.7 * t).sin() + 2.0, (0.9 * t).cos());
-            let friction = (STEEPNESS * share).tanh();
+            let friction = (levels::STEEPNESS.get() * share).tanh();
             let row = DVector::from_vec(vec![
                 force,
                 1.0,

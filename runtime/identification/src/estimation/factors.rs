@@ -8,8 +8,9 @@ use super::super::error::Result;
 use super::super::run::Effort;
 use super::choice::Chosen;
 use super::fit::{HeldOut, held_out};
+use super::levels;
 use super::normal::Model;
-use super::offer::{POOR, gain, offered};
+use super::offer::{gain, offered};
 use super::prior::Prior;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -54,7 +55,7 @@ impl Factors<'_> {
 /// Whether no joint is hardly explained.
 fn explains(chosen: &Chosen, errors: &HeldOut) -> bool {
     let r_squared = chosen.centred_r_squared(&errors.rss);
-    chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= POOR)
+    chosen.centred.layout.rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
 }
 
 /// The joint whose effort explains the data most clearly better with another factor, and a finding; `None` if none does.

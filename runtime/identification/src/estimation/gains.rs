@@ -7,7 +7,7 @@
 //!
 //! Two things are known of the gains. First, the factor of the described force f₀ in z, by least squares next to friction, offset and
 //! inertia of the drive, is 1/K in the mean over the bodies' differences δ, whatever their size. Its relative error is that of
-//! these, `s² bᵀ M⁻¹ b` with the spread s of [`BODIES`], their metric M and `b = Wᵀ f₀ / ‖f₀‖²`, and that of the jackknife
+//! these, `s² bᵀ M⁻¹ b` with the spread s of [`levels::BODIES`], their metric M and `b = Wᵀ f₀ / ‖f₀‖²`, and that of the jackknife
 //! over the folds. Second, joints move the same bodies, which tells ratios of gains: with free bodies the equations of all
 //! joints hold at the right ratios alone. So a joint that shows its inertia alone has a gain only if its bodies load other joints.
 
@@ -17,18 +17,13 @@ use super::super::numeric::spectrum::symmetric_eigen;
 use super::fit::deviations;
 use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, Layout, VISCOUS};
+use super::levels;
 use super::normal::{Centred, Factor, RIDGE, Values};
 use super::normal::{assemble, force_vector, regularized, residual_vector, selection, with_ridge};
 use super::prior::Prior;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
 
-/// Standard deviation of a described body in [`Prior::round_metric`]: 17 % of its mass, and 7 % of its radius of gyration for each coordinate of its
-/// centre. In 24 logs of a simulated arm (masses within a factor of 1.25, centres within some 12 mm) 90 % intervals of the
-/// constants that are known within a factor of 2 hold 83, 94 and 96 % with 0.1, 0.12 and 0.14.
-const BODIES: f64 = 0.12;
-/// Largest standard deviation of ln K: three decades.
-const DECADES: f64 = 7.0;
 /// Least share of the squares of the described force that friction and inertia must leave: less is rounding.
 const LEAST: f64 = 1e-6;
 /// Longest step of ln K, most steps, and steps within which it is settled.
@@ -88,14 +83,16 @@ impl Projection {
         let [energy, measured] = [force, effort].map(|place| left[(place, place)].max(0.0));
         let (own, count) = (left[(force, effort)] / energy, without.len() as f64);
         let sign = sign(layout, all, joint);
-        let unknown = Self { gain: sign, influence: DVector::from_element(1, DECADES) };
+        let unknown = Self { gain: sign, influence: DVector::from_element(1, levels::GAINS.get()) };
         let is_shown = energy > LEAST * all[(force, force)] && measured > 0.0 && own != 0.0;
         if !is_shown {
             return unknown;
         }
         let bodies = layout.local[joint].iter().take_while(|global| **global < layout.parameters);
         let mut slopes = DVector::zeros(root.nrows());
-        bodies.enumerate().for_each(|(k, &global)| slopes[global] = BODIES * left[(force, k)] / energy);
+        bodies
+            .enumerate()
+            .for_each(|(k, &global)| slopes[global] = levels::BODIES.get() * left[(force, k)] / energy);
         let of_fold = |products: &&DMatrix<f64>| {
             let left = without_friction(layout, products, joint);
             (left[(force, effort)] / left[(force, force)] / own - 1.0) * ((count - 1.0) / count).sqrt()
@@ -111,7 +108,8 @@ impl Projection {
             return unknown;
         }
         // The logarithm of a factor that is one standard deviation smaller; of one that may be zero nothing is known.
-        let logarithm = if error < 1.0 { (-(-error).ln_1p()).min(DECADES) } else { DECADES };
+        let logarithm =
+            if error < 1.0 { (-(-error).ln_1p()).min(levels::GAINS.get()) } else { levels::GAINS.get() };
         influence *= logarithm / error;
         Self { gain: sign / own.abs(), influence }
     }

@@ -9,20 +9,15 @@ use super::choice::Chosen;
 use super::factors::factor;
 use super::fit::{HeldOut, held_out};
 use super::layout::{ARMATURE, LOAD, Layout};
+use super::levels;
 use super::normal::{Centred, Model};
-use super::offer::{CLEARLY, FALL, POOR, gain, offered};
+use super::offer::{FALL, gain, offered};
 use super::prior::Prior;
 use super::result::Gravity;
 use super::springs::spring;
 use super::sums::{moving, sum};
 use super::task::Task;
 use gelenk_findings::{Finding, Rule, Severity, Subject};
-
-/// Power of driving friction, as a share of the power of a force as large as the measured one.
-const NOTICEABLE: f64 = 0.05;
-
-/// Least samples for which friction that drives a joint shows a wrong sign: ten periods of the usual filter.
-const FEWEST_SAMPLES: usize = 100;
 
 /// Sees: efforts of a joint that fit the rigid body better with the other sign.
 /// Matters: friction would drive the joint, and its masses would be wrong.
@@ -246,7 +241,7 @@ pub(super) fn other_delays(
         let other = earlier(task, chosen, (joint, seconds))?;
         let (excess, deviation) = other.excess(own);
         let share = 1.0 - other.rss[joint] / own.rss[joint];
-        if share > CLEARLY && -excess > 2.0 * deviation {
+        if share > levels::CLEARLY.get() && -excess > 2.0 * deviation {
             let way = if seconds > 0.0 { "later" } else { "earlier" };
             let message = format!(
                 "its effort comes {:.1} ms {way} than stated, next to its position",
@@ -306,7 +301,7 @@ pub(super) fn signs(
     let mut doubts = vec![None; layout.joints];
     for joint in layout.rubbing() {
         let drives = drives(chosen, joint);
-        if !drives && r_squared[joint] >= POOR {
+        if !drives && r_squared[joint] >= levels::POOR.get() {
             continue;
         }
         let doubt = match (other_sign_gain(prior, chosen, own, joint)?, drives) {
@@ -323,7 +318,7 @@ pub(super) fn signs(
 /// does not decide this: a wrong sign makes it long.
 fn too_short(task: &Task) -> Option<Finding> {
     let samples: usize = task.runs.iter().map(|run| run.times.len()).sum();
-    (samples < FEWEST_SAMPLES).then(|| {
+    (samples < levels::FEWEST_SAMPLES.get()).then(|| {
         let message = format!(
             "the log is too short: {samples} samples are left after the filter, and friction cannot be distinguished from noise"
         );
@@ -391,5 +386,5 @@ fn drives(chosen: &Chosen, joint: usize) -> bool {
     let power: f64 = (0..ARMATURE).chain(LOAD..layout.terms).map(term).sum();
     let last = products.nrows() - 1;
     let scale = chosen.values.gains[joint].abs() * (products[(first, first)] * products[(last, last)]).sqrt();
-    power < -NOTICEABLE * scale
+    power < -levels::NOTICEABLE_POWER.get() * scale
 }

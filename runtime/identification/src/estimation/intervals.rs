@@ -13,15 +13,13 @@ use super::cosines;
 use super::fit::{Solved, Weighting, force_weights};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
+use super::levels;
 use super::normal::{Centred, Factor, Values, residual_vector, selection};
 use super::prior::Prior;
 use super::residuals::{RunOffsets, huber, residual};
 use super::result::Offsets;
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
-
-/// Blocks over all runs, at most: more would cost time and change nothing.
-pub(super) const MOST_BLOCKS: usize = 600;
 
 /// Scores of the blocks in the order of time, run after run.
 pub(super) struct Scores {
@@ -76,7 +74,10 @@ pub(super) fn scores(
     time: f64,
 ) -> Scores {
     let total: usize = runs.iter().map(|r| r.times.len()).sum();
-    let length = total.div_ceil(MOST_BLOCKS).clamp(1, BLOCK).max(((0.5 * time) as usize).clamp(1, BLOCK));
+    let length = total
+        .div_ceil(levels::MOST_BLOCKS.get())
+        .clamp(1, BLOCK)
+        .max(((0.5 * time) as usize).clamp(1, BLOCK));
     let weights = force_weights(of.weighting, &of.values.gains);
     let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, of.values, j)).collect();
     let means: Vec<_> = (0..layout.joints).map(|j| column_means(of.centred, j, runs.len())).collect();
@@ -215,7 +216,7 @@ impl Scores {
             return self.blocks.len().saturating_sub(1).max(1);
         }
         let wanted = cosines::count(self.samples as f64 / self.correlation_time, self.blocks.len());
-        wanted.max(cosines::FEWEST.min(self.blocks.len()))
+        wanted.max(levels::FEWEST_COSINES.get().min(self.blocks.len()))
     }
 
     /// Columns whose mean square is the variance of the total score.

@@ -6,17 +6,7 @@
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::layout::{ASYMMETRY, COULOMB, Layout, VISCOUS, fast_speed};
-
-/// Standard deviation of friction as a share of the described one.
-const DESCRIBED: f64 = 0.5;
-/// The same as a share of the joint's largest force: descriptions hold placeholders, and many have no friction.
-const LEAST: f64 = 0.1;
-/// Standard deviation of an offset as a share of the largest force: class 1 of torque sensors.
-const OFFSET: f64 = 0.01;
-/// The same if the data ask for more: cables, springs, and sensors whose zero nobody set.
-const LARGER: f64 = 10.0;
-/// Speeds at which a described law is compared with viscous and Coulomb friction.
-const SPEEDS: usize = 20;
+use super::levels;
 
 /// Friction and offset of one joint, each with a standard deviation.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,9 +34,10 @@ impl JointPrior {
             let odd = |v: f64| 0.5 * (robot.friction(joint, v) - robot.friction(joint, -v));
             Self {
                 factors: layout.steepness[joint].map(|k| projected(&odd, fast, k)),
-                spread: (DESCRIBED * odd(fast).abs()).max(LEAST * largest),
+                spread: (levels::DESCRIBED_FRICTION.get() * odd(fast).abs())
+                    .max(levels::LEAST_FRICTION.get() * largest),
                 fast,
-                offset: OFFSET * largest,
+                offset: levels::OFFSET.get() * largest,
                 time: 1.0,
             }
         };
@@ -83,7 +74,7 @@ impl JointPrior {
 
     /// The same samples for the larger spread.
     pub(super) fn fewer(samples: f64) -> f64 {
-        samples / LARGER.powi(2)
+        samples / levels::LARGER_OFFSET.get().powi(2)
     }
 
     /// Variance of the score of an offset that its spread makes, in the weights of samples that count alike.
@@ -114,8 +105,8 @@ fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
 /// Factors of v and tanh(k v) that come nearest to a law at speeds up to the fast one.
 fn projected(law: &dyn Fn(f64) -> f64, fast: f64, k: f64) -> [f64; 2] {
     let mut sums = [[0.0; 3]; 2];
-    for i in 1..=SPEEDS {
-        let v = fast * i as f64 / SPEEDS as f64;
+    for i in 1..=levels::SPEEDS.get() {
+        let v = fast * i as f64 / levels::SPEEDS.get() as f64;
         let columns = [v / fast, (k * v).tanh(), law(v)];
         for (row, a) in sums.iter_mut().zip(columns) {
             row.iter_mut().zip(columns).for_each(|(sum, b)| *sum += a * b);

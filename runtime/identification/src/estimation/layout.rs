@@ -5,6 +5,7 @@ use super::super::numeric::random::SplitMix64;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
+use super::levels;
 use super::result::Offsets;
 use gelenk_findings::digits::two_digits;
 use std::ops::Range;
@@ -20,8 +21,6 @@ pub(super) const ARMATURE: usize = TERMS - 1;
 /// The term under load, |τ_l| tanh(k v), behind the others if the layout has it.
 pub(super) const LOAD: usize = TERMS;
 
-/// A joint that moves less than this [rad or m] stands still; a shaft, less than its gear makes of it.
-pub(crate) const STANDSTILL: f64 = 1e-3;
 /// States at which the structure of W is looked up. One generic state shows it; more guard against chance.
 const PROBES: usize = 4;
 
@@ -90,7 +89,9 @@ impl Layout {
             });
         }
         let scales = robot.speed_scales();
-        let moves = (0..joints).map(|j| span(runs, j) > STANDSTILL * scales[j] && measured[j]).collect();
+        let moves = (0..joints)
+            .map(|j| span(runs, j) > levels::STANDSTILL.get() * scales[j] && measured[j])
+            .collect();
         let steepness =
             (0..joints).map(|j| given.map_or_else(|| steepness(runs, j), |k| [k[j]; WIDTHS.len()])).collect();
         let layout = Self::without_data(robot, first.effort, steepness, moves, loads)?;

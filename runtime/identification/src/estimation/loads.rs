@@ -6,13 +6,11 @@
 use super::super::error::{IdentificationError, Result};
 use super::super::robot::Robot;
 use super::layout::Layout;
+use super::levels;
 use super::result::{Estimate, Uncertain};
 
 /// Most passes. Loads are mostly gravity, which the first estimate knows to a few percent: three settle.
 pub(super) const PASSES: usize = 6;
-
-/// Change of a share s₁ between two passes, in standard errors, below which they have settled.
-const SETTLED: f64 = 0.1;
 
 /// Differences from the described robot that the loads at the joints follow from.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +64,7 @@ pub(super) fn settled(before: &Estimate, after: &Estimate) -> bool {
         (None, None) => true,
         (Some(before), Some(after)) => {
             let (old, new) = (before.coefficient, after.coefficient);
-            (new.value - old.value).abs() <= SETTLED * new.standard_error
+            (new.value - old.value).abs() <= levels::SETTLED_LOADS.get() * new.standard_error
         }
         _ => false,
     })

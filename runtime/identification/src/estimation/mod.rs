@@ -15,6 +15,7 @@ mod hypotheses;
 mod intervals;
 mod joint_prior;
 mod layout;
+pub(crate) mod levels;
 mod loads;
 mod margin;
 mod normal;

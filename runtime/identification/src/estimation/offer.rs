@@ -1,14 +1,8 @@
 //! Test of hypotheses: one is offered if it lowers the error on held-out data clearly.
 
 use super::fit::HeldOut;
+use super::levels;
 use gelenk_findings::Finding;
-
-/// A hypothesis counts as better if it lowers the held-out error by this share and by two standard errors, and if no joint's error
-/// grows by this share: a fault in one place is explained in part by changes elsewhere.
-///
-/// A larger multiple of the standard error for many hypotheses (Dunn 1961) loses true ones: folds with little motion make the error
-/// large even if every fold gains.
-pub(super) const CLEARLY: f64 = 0.1;
 
 /// Trust with which a further parameter stays zero.
 pub(super) const HELD: f64 = 1e12;
@@ -16,21 +10,18 @@ pub(super) const HELD: f64 = 1e12;
 /// Name of the number by which a hypothesis is better, in percent.
 pub(super) const FALL: &str = "fall of the held-out error";
 
-/// R² below which a joint is hardly explained, and its sign is doubted.
-pub(super) const POOR: f64 = 0.5;
-
 /// Share of the held-out error by which a hypothesis is better; `None` unless it is clearly better.
 ///
 /// - residual sums of squares of the joints in the units of the same columns
 pub(super) fn gain(own: &HeldOut, other: &HeldOut) -> Option<f64> {
     let (excess, deviation) = other.excess(own);
     let share = -excess / own.total();
-    (share > CLEARLY && -excess > 2.0 * deviation && !harms(own, other)).then_some(share)
+    (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !harms(own, other)).then_some(share)
 }
 
 /// Whether a hypothesis raises the error of a joint by as much.
 pub(super) fn harms(own: &HeldOut, other: &HeldOut) -> bool {
-    own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + CLEARLY) * own)
+    own.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + levels::CLEARLY.get()) * own)
 }
 
 /// The finding with the share of [`gain`].

@@ -7,14 +7,9 @@
 use super::super::inertial::{PER_BODY, margin, pseudo_inertia};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
+use super::levels;
 use super::normal::Model;
 use nalgebra::{Cholesky, Const, DMatrix, DVector, Matrix3, Matrix4};
-
-/// Share of the body's own radius of gyration, squared, below which a description's inertia is not believed:
-/// exporters write point masses and thin bodies.
-const OWN_FLOOR: f64 = 0.01;
-/// The same for the mean radius of all bodies.
-const COMMON_FLOOR: f64 = 1e-3;
 
 /// The quadratic form, the parameters that the data may change, and the priors of friction and offsets.
 #[derive(Clone)]
@@ -82,7 +77,9 @@ impl Prior {
             let mut p = pseudo_inertia(&std::array::from_fn(|k| self.described[start + k]));
             let (mass, first) = (p[(3, 3)], p.fixed_view::<3, 1>(0, 3).into_owned());
             let about = first * first.transpose() / mass;
-            let moments = (p.fixed_view::<3, 3>(0, 0) - about).trace().max(COMMON_FLOOR * mass * self.size);
+            let moments = (p.fixed_view::<3, 3>(0, 0) - about)
+                .trace()
+                .max(levels::COMMON_FLOOR.get() * mass * self.size);
             p.fixed_view_mut::<3, 3>(0, 0).copy_from(&(about + Matrix3::identity() * (moments / 3.0)));
             if let Some(inverse) = p.try_inverse() {
                 metric.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&body_metric(&inverse));
@@ -144,7 +141,7 @@ fn body_metric(inverse: &Matrix4<f64>) -> DMatrix<f64> {
 fn believed(pi: &[f64; PER_BODY], mean_radius: f64) -> Cholesky<f64, Const<4>> {
     let mut p = pseudo_inertia(pi);
     let own = (p[(0, 0)] + p[(1, 1)] + p[(2, 2)]).abs() / pi[0];
-    let mut floor = pi[0] * (OWN_FLOOR * own + COMMON_FLOOR * mean_radius);
+    let mut floor = pi[0] * (levels::OWN_FLOOR.get() * own + levels::COMMON_FLOOR.get() * mean_radius);
     loop {
         for i in 0..3 {
             p[(i, i)] += floor;

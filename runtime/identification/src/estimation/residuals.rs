@@ -4,13 +4,10 @@ use super::super::numeric::kernel::BLOCK;
 use super::super::numeric::statistics::median;
 use super::super::run::PreparedRun;
 use super::layout::{ARMATURE, LOAD, Layout};
+use super::levels;
 use super::normal::{Values, residual_vector};
 use super::rows::Rows;
 use nalgebra::DVector;
-
-/// Multiples of the deviation beyond which a sample loses weight (Huber 1964): 99.9 % efficient for normal
-/// errors. Friction at reversals has heavy tails without outliers; smaller multiples would remove it.
-const HUBER: f64 = 2.5;
 
 /// Standard deviation of normal errors over the median of their magnitudes.
 const FROM_MEDIAN: f64 = 1.4826;
@@ -114,7 +111,7 @@ fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[
 
 /// Weights of a joint's samples: 1, or the bound over the residual beyond it.
 pub(crate) fn huber(residual: &[f64], deviation: f64) -> Vec<f64> {
-    let bound = HUBER * deviation;
+    let bound = levels::HUBER.get() * deviation;
     residual.iter().map(|r| if r.abs() > bound { bound / r.abs() } else { 1.0 }).collect()
 }
 

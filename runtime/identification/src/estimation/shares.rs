@@ -16,7 +16,8 @@ use super::estimated::{Estimated, JointFit, require_explained, unexplained};
 use super::fit::{HeldOut, fit};
 use super::hypotheses::signs;
 use super::intervals::{Fitted, Scores, covariance};
-use super::layout::{ASYMMETRY, COULOMB, Layout, STANDSTILL, TERMS, VISCOUS};
+use super::layout::{ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
+use super::levels;
 use super::normal::{force_vector, residual_vector};
 use super::prior::Prior;
 use super::result::{Estimate, Gravity, Offsets};
@@ -78,7 +79,9 @@ impl Columns {
         (spans, measured): (&[f64], Vec<bool>),
     ) -> Result<Self> {
         let joints = spans.iter().zip(robot.speed_scales()).zip(&measured);
-        let moves = joints.map(|((span, scale), measured)| *measured && *span > STANDSTILL * scale).collect();
+        let moves = joints
+            .map(|((span, scale), measured)| *measured && *span > levels::STANDSTILL.get() * scale)
+            .collect();
         let scales = robot.speed_scales().into_iter();
         let steepness = scales.map(|scale| STEEPNESS.map(|factor| slope(factor, scale))).collect();
         let layout = Layout::without_data(robot, effort, steepness, moves, false)?;

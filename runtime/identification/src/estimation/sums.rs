@@ -9,16 +9,10 @@ use super::super::methods::moments::contiguous_blocks;
 use super::super::numeric::kernel::{BLOCK, add_products};
 use super::super::run::PreparedRun;
 use super::layout::Layout;
+use super::levels;
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-
-/// Squared distance of two runs, as a share of one's own way, up to which they are one motion.
-const ALIKE: f64 = 0.01;
-/// Share of the longer run that the shorter one has to cover.
-const COVERED: f64 = 0.8;
-/// Samples by which runs are compared.
-const COMPARED: usize = 400;
 
 /// A contiguous part of a run, all in one fold.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,10 +109,10 @@ pub(crate) fn repeated_motions(runs: &[PreparedRun]) -> Option<Vec<usize>> {
 fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
     let counts = [one.times.len(), other.times.len()];
     let (fewest, most) = (counts[0].min(counts[1]), counts[0].max(counts[1]));
-    if (fewest as f64) < COVERED * most as f64 {
+    if (fewest as f64) < levels::COVERED.get() * most as f64 {
         return false;
     }
-    let stride = fewest.div_ceil(COMPARED).max(1);
+    let stride = fewest.div_ceil(levels::COMPARED_SAMPLES.get()).max(1);
     let (mut apart, mut way) = (0.0, 0.0);
     for (a, b) in one.positions.iter().zip(&other.positions) {
         for i in (0..fewest).step_by(stride) {
@@ -126,7 +120,7 @@ fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
             way += (a[i] - a[0]).powi(2);
         }
     }
-    apart <= ALIKE * way
+    apart <= levels::ALIKE_MOTIONS.get() * way
 }
 
 /// Weight of each sample in a block: of run, joint, the joint's columns, and [`Rows::moving`].

@@ -13,6 +13,7 @@ use super::choice::Chosen;
 use super::fit::{HeldOut, fit};
 use super::hypotheses::as_described;
 use super::intervals::{Fitted, covariance, scores};
+use super::levels;
 use super::normal::Factor;
 use super::offer::{HELD, gain, harms, offered};
 use super::result::Gravity;
@@ -22,21 +23,9 @@ use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-/// Angle from which a tilt matters [rad]: 2°.
-const LEAST: f64 = 0.035;
 /// Change of the direction by which it stays [rad].
 const STAYS: f64 = 1e-3;
 const PASSES: usize = 10;
-/// Samples by which weights are compared.
-const COMPARED: usize = 50;
-/// Level of the test, and of the interval.
-const LEVEL: f64 = 0.01;
-const CONFIDENCE: f64 = 0.95;
-/// Weight of the description that leaves bodies practically free and keeps all equations regular.
-const FREE: f64 = 1e-3;
-/// Variance of an angle under independent residuals [rad²] from which it counts as not told.
-const UNTOLD: f64 = 0.01;
-
 /// A doubt about the direction of gravity; `None` if there is none, or where the data do not tell.
 ///
 /// - the fit with the described gravity and its errors; `time`: the residuals' correlation time
@@ -55,7 +44,7 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> 
         changes.clone_from(&found.changes);
         if turning.weighs_less_than_nothing(task.runs, &changes) {
             (gravity, changes) = (-gravity, changes * 0.0);
-        } else if pass == 0 && angles.norm() < 0.5 * LEAST {
+        } else if pass == 0 && angles.norm() < 0.5 * levels::LEAST_TILT.get() {
             break;
         } else if pass > 0 && angles.norm() < STAYS {
             let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
@@ -126,7 +115,10 @@ impl Turning<'_> {
         };
         let of_run = |run: &PreparedRun| {
             let count = run.times.len();
-            (0..count).step_by((count / COMPARED).max(1)).map(|i| of_sample(run, i)).sum::<f64>()
+            (0..count)
+                .step_by((count / levels::COMPARED_WEIGHTS.get()).max(1))
+                .map(|i| of_sample(run, i))
+                .sum::<f64>()
         };
         runs.iter().map(of_run).sum::<f64>() < 0.0
     }
@@ -153,8 +145,8 @@ impl Turning<'_> {
     fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
-            let mut chosen = last.with_more(task.layout, sums, 1.0 / FREE);
-            chosen.weighting.description = FREE;
+            let mut chosen = last.with_more(task.layout, sums, 1.0 / levels::FREE_BODIES.get());
+            chosen.weighting.description = levels::FREE_BODIES.get();
             chosen.model.consistent = false;
             chosen.reweight(task.prior)?;
             Angles::new(task, &chosen, time)
@@ -224,19 +216,20 @@ impl Angles {
         let by_chance = 1.0 - fisher.cdf(wald * rest / (q * self.freedom));
         let direction = beside.normalize();
         let error = direction.dot(&(&covariance * &direction)).sqrt();
-        let half = quantile(CONFIDENCE, self.freedom).ok()? * error;
-        let is_tilted = by_chance < LEVEL && angle > LEAST && angle > half;
+        let half = quantile(levels::TILT_CONFIDENCE.get(), self.freedom).ok()? * error;
+        let is_tilted =
+            by_chance < levels::TILT_LEVEL.get() && angle > levels::LEAST_TILT.get() && angle > half;
         is_tilted.then(|| finding([described, found], [angle, half]))
     }
 }
 
-/// Columns of directions whose variance is below [`UNTOLD`].
+/// Columns of directions whose variance is below [`levels::UNTOLD`].
 fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     if variance.nrows() != 2 {
         return DMatrix::zeros(2, 0);
     }
     let eigen = symmetric_eigen(variance);
-    let observable: Vec<usize> = (0..2).filter(|k| eigen.eigenvalues[*k] < UNTOLD).collect();
+    let observable: Vec<usize> = (0..2).filter(|k| eigen.eigenvalues[*k] < levels::UNTOLD.get()).collect();
     eigen.eigenvectors.select_columns(&observable)
 }
 

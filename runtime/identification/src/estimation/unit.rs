@@ -7,6 +7,7 @@ use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
+use super::levels;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
@@ -22,16 +23,8 @@ const COMMON_FACTOR: Rule = Rule::error("other-unit-of-efforts");
 /// Fixture: `estimation/tests/simulated.rs`.
 const JOINT_FACTOR: Rule = Rule::warning("other-unit-of-effort");
 
-/// Factor between estimated and described rigid forces beyond which a unit may be wrong.
-const OTHER_UNIT: f64 = 3.0;
-/// The same for the robot as a whole beyond which results are refused: bodies that are that wrong are not described.
-const ANOTHER_UNIT: f64 = 10.0;
-/// Share of the largest described force from which on a joint carries the robot.
-const CARRIES: f64 = 0.1;
-/// Units that torques may be in, and how far a factor may be off: described masses are guesses.
+/// Units that torques may be in.
 const UNITS: [&str; 3] = ["mNm", "Ncm", "kNm"];
-const GUESS: f64 = 2.5;
-
 /// Rigid force as estimated, as described, and measured force, each the root of a sum of squares.
 pub(super) type Sizes = [f64; 3];
 
@@ -62,7 +55,7 @@ pub(super) fn common_ratio(
         let largest = known.iter().map(|joint| sizes[*joint][1]).fold(0.0, f64::max);
         let mut carrying: Vec<(f64, usize)> = known
             .into_iter()
-            .filter(|joint| sizes[*joint][1] >= CARRIES * largest && sizes[*joint][1] > 0.0)
+            .filter(|joint| sizes[*joint][1] >= levels::CARRIES.get() * largest && sizes[*joint][1] > 0.0)
             .map(|joint| (sizes[joint][0] / sizes[joint][1], joint))
             .collect();
         carrying.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -91,7 +84,7 @@ impl CommonRatio {
         if !self.is_other() {
             return Ok(None);
         }
-        if self.is_within(ANOTHER_UNIT) || accept_poor {
+        if self.is_within(levels::ANOTHER_UNIT.get()) || accept_poor {
             return Ok(Some(self.finding().accepted()));
         }
         Err(IdentificationError::Found { findings: vec![self.finding()] })
@@ -104,7 +97,7 @@ impl CommonRatio {
 
     /// Whether efforts may be in another unit.
     pub(super) fn is_other(&self) -> bool {
-        !self.is_within(OTHER_UNIT)
+        !self.is_within(levels::OTHER_UNIT.get())
     }
 
     fn is_within(&self, factor: f64) -> bool {
@@ -121,7 +114,7 @@ impl CommonRatio {
             let off = unit_value(name).map(|value| self.factor * value);
             self.unit != "m"
                 && self.effort != Effort::Current
-                && off.is_some_and(|off| off.max(1.0 / off) < GUESS)
+                && off.is_some_and(|off| off.max(1.0 / off) < levels::GUESS.get())
         };
         let guess = UNITS.iter().find(is_close);
         let guess = guess.map(|name| format!("they may be in {name} (--columns '{key}=…[{name}]'); "));
@@ -150,8 +143,8 @@ impl CommonRatio {
 /// A doubt about the unit of one joint's effort.
 pub(super) fn unit_doubt([rigid, described, measured]: Sizes) -> Option<Finding> {
     let ratio = rigid / described;
-    let matters = described > CARRIES * measured;
-    (matters && !(1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio)).then(|| {
+    let matters = described > levels::CARRIES.get() * measured;
+    (matters && !(1.0 / levels::OTHER_UNIT.get()..=levels::OTHER_UNIT.get()).contains(&ratio)).then(|| {
         let message = format!("the rigid body needs {} times the described force", plain(ratio, 3));
         let remedy = "check the efforts' unit (--columns 'torque=…[UNIT]') and the gear ratio, or whether the efforts are currents \
                       (--effort current)";

@@ -4,11 +4,9 @@ use super::super::error::Result;
 use super::super::methods::filtered::Filtered;
 use super::super::methods::library::Library;
 use super::super::result::FrictionLaw;
+use super::levels;
 use super::task::FrictionData;
 use nalgebra::DMatrix;
-
-/// Samples away from rests and reversals by which a speed is resolved.
-const RESOLVING: usize = 10;
 
 impl FrictionData<'_> {
     /// The least speed of samples that are farther from rests and reversals than the filter reaches, but for a few of them; the
@@ -18,7 +16,7 @@ impl FrictionData<'_> {
         let away = self.velocities.iter().zip(near).filter(|(_, near)| !near);
         let mut speeds: Vec<f64> = away.map(|(v, _)| v.abs()).collect();
         speeds.sort_by(f64::total_cmp);
-        speeds.get(RESOLVING - 1).copied().unwrap_or_else(|| self.fastest())
+        speeds.get(levels::RESOLVING.get() - 1).copied().unwrap_or_else(|| self.fastest())
     }
 
     /// The largest speed.

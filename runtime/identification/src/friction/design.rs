@@ -11,6 +11,7 @@ use super::super::methods::library::Library;
 use super::super::methods::moments::{Moments, Samples, contiguous_blocks};
 use super::super::methods::offset::{Offset, centre, mean};
 use super::super::methods::subset::seen_both_ways;
+use super::levels;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -18,10 +19,6 @@ use std::ops::Range;
 /// Share of a column that must remain when the runs' means are taken off. Less cannot be told from offsets: six
 /// digits of the data would be lost.
 const LEAST_REMAINDER: f64 = 1e-6;
-
-/// Share of a term's size that must change within the runs. A term that changes less is determined by errors of the data,
-/// not by friction, and its coefficient grows by the missing part.
-const LEAST_CHANGE: f64 = 0.01;
 
 /// Columns of the candidate terms and the torque, without offsets.
 pub(super) struct Design<'a> {
@@ -215,7 +212,7 @@ fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Libr
 /// Whether one column is a multiple of the other within the errors of the data.
 fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
     let left = one - other * (one.dot(other) / other.norm_squared());
-    left.norm() < LEAST_CHANGE * one.norm()
+    left.norm() < levels::LEAST_CHANGE.get() * one.norm()
 }
 
 /// The library without terms that are offsets in these data, as `sign(v)` where each run moves in one direction, and
@@ -226,7 +223,8 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
         let mut column: Vec<f64> = matrix.column(*term).iter().copied().collect();
         let all: f64 = column.iter().map(|x| x * x).sum();
         centre(&mut column, &runs, data.weights);
-        column.iter().map(|x| x * x).sum::<f64>() > LEAST_CHANGE * LEAST_CHANGE * all
+        column.iter().map(|x| x * x).sum::<f64>()
+            > levels::LEAST_CHANGE.get() * levels::LEAST_CHANGE.get() * all
     };
     let (kept, out): (Vec<usize>, Vec<usize>) = (0..library.len()).partition(varies);
     // Too few samples are said as such.

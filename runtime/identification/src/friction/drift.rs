@@ -4,14 +4,10 @@ use super::super::methods::confidence::{LongRun, quantile};
 use super::super::methods::offset::{centre, mean};
 use super::super::result::{Drift, Trend};
 use super::design::{offset_ranges, runs};
+use super::levels;
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
-
-/// Fewest samples that show a drift.
-const FEWEST: usize = 20;
-/// Probability of a chance result below which a trend is named.
-const NAMED_LEVEL: f64 = 0.01;
 
 /// The drift over a log; `None` if the law is zero or the samples are too few.
 ///
@@ -23,7 +19,7 @@ pub(super) fn drift(
     residuals: &[f64],
 ) -> Option<Drift> {
     let m = law.len();
-    if m < FEWEST {
+    if m < levels::FEWEST_OF_DRIFT.get() {
         return None;
     }
     let left: Vec<f64> = data.torques.iter().zip(law).map(|(t, l)| t - l).collect();
@@ -78,6 +74,6 @@ fn trend(x: &[f64], y: &[f64], runs: &[Range<usize>]) -> Option<Trend> {
     let scores: Vec<f64> = x.iter().zip(y).map(|(x, y)| x * (y - change * x)).collect();
     let found = LongRun::of_sum(&scores, runs);
     let standard_error = found.standard_error() / energy;
-    let limit = quantile(1.0 - NAMED_LEVEL, found.freedom).ok()? * standard_error;
+    let limit = quantile(1.0 - levels::DRIFT_LEVEL.get(), found.freedom).ok()? * standard_error;
     Some(Trend { change, standard_error, significant: change.abs() > limit })
 }

@@ -2,6 +2,7 @@
 
 use super::super::error::Result;
 use super::super::result::FrictionLaw;
+use super::levels;
 use super::task::FrictionData;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -23,12 +24,6 @@ const SLOW_LOG: Rule = Rule::warning("slow-log");
 /// Example: a steep term of a slow log.
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
-
-/// Part of the described speed that a log shows at least where nothing is said.
-const SMALL_PART: f64 = 0.1;
-
-/// Speed or friction over the described limit that no joint has.
-const ABSURD: f64 = 3.0;
 
 /// Inputs of the findings, and the findings so far.
 pub(super) struct Findings<'a> {
@@ -81,7 +76,7 @@ impl<'a> Findings<'a> {
     pub(super) fn judge_unseen_speeds(&mut self, law: &FrictionLaw, fastest: f64) -> Result<()> {
         let Some(limits) = self.data.limits else { return Ok(()) };
         let farthest = if limits.velocity.is_finite() { limits.velocity.max(fastest) } else { fastest };
-        let shows_little = fastest < SMALL_PART * farthest;
+        let shows_little = fastest < levels::SMALL_PART.get() * farthest;
         if shows_little {
             self.add(SLOW_LOG.found(format!(
                 "the speeds of the log reach {} {}, {:.1} % of the described limit: the law beyond them is a guess",
@@ -98,7 +93,7 @@ impl<'a> Findings<'a> {
         let excess = worst[1] / limits.effort;
         if excess > 1.0 {
             let found = self.beyond_effort(worst, limits.effort, fastest);
-            self.add(if shows_little || excess > ABSURD { found } else { found.accepted() });
+            self.add(if shows_little || excess > levels::ABSURD.get() { found } else { found.accepted() });
         }
         Ok(())
     }

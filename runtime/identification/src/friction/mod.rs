@@ -16,6 +16,7 @@ mod findings;
 mod held_out;
 pub(crate) mod joint_samples;
 mod judgement;
+pub(crate) mod levels;
 mod named;
 mod passivity;
 mod report;

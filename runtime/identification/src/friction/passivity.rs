@@ -7,6 +7,7 @@ use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
 use super::super::numeric::spectrum::symmetric_eigenvalues;
 use super::findings::Findings;
+use super::levels;
 use gelenk_findings::Rule;
 use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
@@ -23,22 +24,12 @@ const RESTRICTED: Rule = Rule::warning("law-restricted");
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const COLLINEAR: Rule = Rule::warning("terms-alike");
 
-/// Condition number of the chosen terms above which coefficients are doubted (the curve need not be).
-const DOUBTFUL_CONDITION: f64 = 100.0;
-
 /// Coefficients that contribute less than this share of the torque's rms are what rounding leaves of zero.
 const NOTHING: f64 = 1e-12;
 
-/// Largest speed up to which a law is bounded, in units of the largest one in the data.
-const FARTHEST: f64 = 10.0;
-
-/// How much faster than the speed a torque may grow beyond the speeds in the data: viscous friction less dry friction of a
-/// third of it. A robot that compensates its dry friction may leave such a remainder.
-const MOST_GROWTH: f64 = 1.5;
-
 /// Speeds beyond those in the data, in units of the largest one.
 pub(super) fn beyond() -> impl Iterator<Item = f64> {
-    (1..=20).map(|i| FARTHEST.powf(f64::from(i) / 20.0))
+    (1..=20).map(|i| levels::FARTHEST.get().powf(f64::from(i) / 20.0))
 }
 
 /// Rows of `A ξ ≥ 0`: the law dissipates, viscous friction is not negative, and beyond the speeds in the data the torque
@@ -55,12 +46,15 @@ pub(super) fn passive(library: &Library, velocities: [f64; 2]) -> Result<DMatrix
     Ok(DMatrix::from_rows(&all))
 }
 
-/// Rows of `A ξ ≥ 0` beyond a speed `end`: `τ(c·end)` has its sign, and is at most [`MOST_GROWTH`]` c τ(end)`.
+/// Rows of `A ξ ≥ 0` beyond a speed `end`: `τ(c·end)` has its sign, and is at most [`levels::MOST_GROWTH`]` c τ(end)`.
 fn rows_beyond(library: &Library, end: f64) -> Result<DMatrix<f64>> {
     let speeds: Vec<f64> = beyond().map(|factor| factor * end).collect();
     let signs = passivity_rows(library, &speeds)?;
     let at_end = passivity_rows(library, &[end])?;
-    let growth = signs.row_iter().zip(beyond()).map(|(row, factor)| MOST_GROWTH * factor * &at_end - row);
+    let growth = signs
+        .row_iter()
+        .zip(beyond())
+        .map(|(row, factor)| levels::MOST_GROWTH.get() * factor * &at_end - row);
     let growth: Vec<_> = growth.map(|row| row.row(0).into_owned()).collect();
     let all: Vec<_> = signs.row_iter().map(|row| row.into_owned()).chain(growth).collect();
     Ok(DMatrix::from_rows(&all))
@@ -105,7 +99,7 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
     let chosen = reduced.moments().correlation().select_rows(active).select_columns(active);
     let eigenvalues = symmetric_eigenvalues(&chosen);
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
-    if condition > DOUBTFUL_CONDITION {
+    if condition > levels::DOUBTFUL_CONDITION.get() {
         let message = format!(
             "the chosen terms are nearly collinear on these velocities (condition number {})",
             plain(condition, 3)

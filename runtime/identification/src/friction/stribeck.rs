@@ -13,6 +13,7 @@ use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
 use super::judgement::Judged;
+use super::levels;
 use super::passivity::beyond;
 use super::report::FrictionReport;
 use super::task::{CommonTerms, FrictionData, FrictionIdentification, Offsets};
@@ -194,25 +195,12 @@ impl<'a> Attempt<'a> {
     }
 }
 
-/// Largest ratio of a law at speeds that are not resolved to the law at the least speed that is. False peaks of simulated arms
-/// that stick have 1.8 to 2.4, laws of a harmonic drive and true Stribeck laws at most 1.2.
-const MOST_UNRESOLVED: f64 = 1.5;
-
 /// Whether static friction is not less than Coulomb friction, and the law has no peak at speeds that are not resolved.
 fn falls(fit: &StribeckFit, data: &FrictionData) -> bool {
     let resolved = data.resolved_from();
-    let bound = MOST_UNRESOLVED * fit.torque(resolved).abs();
+    let bound = levels::MOST_UNRESOLVED.get() * fit.torque(resolved).abs();
     fit.parameters[3] >= 0.0 && slower(resolved).all(|v| fit.torque(v).abs() <= bound)
 }
-
-/// Standard errors by which static friction has to exceed Coulomb friction.
-const DISTINCT: f64 = 2.0;
-
-/// Fewest samples that tell of the fall from static to Coulomb friction.
-const FEWEST_SLOW: usize = 10;
-
-/// Share of the excess F_s − F_c that the law has to reach somewhere for its words to mean something.
-const REACHED: f64 = 0.1;
 
 /// Whether the law without viscous friction rises above F_c anywhere. It does not where the fall is over before the step at
 /// zero is.
@@ -220,7 +208,7 @@ fn stands_out(fit: &StribeckFit) -> bool {
     let [_, coulomb, step, excess, fall] = fit.parameters;
     let without = [0.0, coulomb, step, excess, fall];
     let mut speeds = (1..=500).map(|i| 0.01 * f64::from(i) / fall);
-    speeds.any(|v| stribeck_torque(v, &without) > coulomb + REACHED * excess)
+    speeds.any(|v| stribeck_torque(v, &without) > coulomb + levels::REACHED.get() * excess)
 }
 
 /// Why a fit is not a Stribeck law: its words (Coulomb, static, Stribeck speed) would mean nothing.
@@ -234,7 +222,7 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
     let [said_coulomb, said_highest, said_speed, said_fastest] =
         [coulomb, highest, speed, fastest].map(|x| plain(x, 4));
     let error = fit.standard_errors[3].unwrap_or(f64::INFINITY);
-    let differ = highest - coulomb > DISTINCT * error;
+    let differ = highest - coulomb > levels::DISTINCT.get() * error;
     let faults = [
         (!fit.converged).then(|| format!("the regression did not converge in {} passes", fit.iterations)),
         (coulomb < 0.0).then(|| format!("Coulomb friction F_c = {said_coulomb} {torque} is negative")),
@@ -247,7 +235,7 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
         (speed > fastest).then(|| {
             format!("the Stribeck speed v_s = {said_speed} {velocity} is beyond the fastest motion of {said_fastest} {velocity}")
         }),
-        (slow < FEWEST_SLOW).then(|| {
+        (slow < levels::FEWEST_SLOW.get()).then(|| {
             format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
         }),
         (highest > coulomb && !stands_out(fit)).then(|| {
@@ -336,14 +324,14 @@ mod tests {
         for a in
             [[0.59, 12.4, 1.23, 80.5, 88.6], [5.03, 2.85, 140.0, 1.61, 16.4], [1.3, 3.03, 1.04, 1.19, 8.73]]
         {
-            assert!(ratio(a) < 0.85 * MOST_UNRESOLVED, "{}", ratio(a));
+            assert!(ratio(a) < 0.85 * levels::MOST_UNRESOLVED.get(), "{}", ratio(a));
         }
         for a in [
             [6.3, 3.67, 36.7, 144.0, 685.0],
             [9.9, 5.32, 77.4, 232.0, 1434.0],
             [10.7, 6.2, 15.0, 275.0, 236.0],
         ] {
-            assert!(ratio(a) > 1.15 * MOST_UNRESOLVED, "{}", ratio(a));
+            assert!(ratio(a) > 1.15 * levels::MOST_UNRESOLVED.get(), "{}", ratio(a));
         }
     }
 

@@ -5,14 +5,10 @@ use super::super::methods::filtered::Filtered;
 use super::super::methods::library::Library;
 use super::super::methods::thresholding::Thresholding;
 use super::super::robot::JointLimits;
+use super::levels;
 use super::selection::FrictionMethod;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-
-/// Least R² on data that were left out of a law that may be written. Below 0.05 the law takes away less than
-/// 2.6 % of the torque's root mean square: as a feed-forward it changes nothing that could be measured, and
-/// its terms mean nothing.
-const LEAST_R_SQUARED: f64 = 0.05;
 
 /// Friction samples of one joint.
 #[derive(Debug, Clone, Default)]
@@ -124,7 +120,7 @@ impl FrictionIdentification {
             blocks: 60,
             seed: 1,
             passive: true,
-            least_r_squared: LEAST_R_SQUARED,
+            least_r_squared: levels::LEAST_R_SQUARED.get(),
         })
     }
 }

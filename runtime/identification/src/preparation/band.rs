@@ -8,27 +8,14 @@ use super::super::error::Result;
 use super::super::methods::filter::Band;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::choice::{DROPS, Recorded};
+use super::choice::Recorded;
+use super::levels;
 use super::regression::{Columns, Problem, Sample, problems, spread};
 use super::result::Delay;
 use nalgebra::DMatrix;
 
-/// Samples in the regressions that compare bands.
-const SAMPLES: usize = 400;
-
 /// Orders that are tried; the higher, the steeper.
 const ORDERS: [u32; 3] = [1, 2, 4];
-
-/// Rise of the misfit, as a mean over the efforts of ln RSS, after which lower frequencies are not tried.
-const HOPELESS: f64 = 0.1;
-
-/// Highest candidate frequency, as a share of the bandwidth. Friction that does not depend on speed alone where a joint
-/// reverses, and a delay that is not known exactly, look like a band: simulated arms that stick, and logs with jitter, have the
-/// least misfit at 0.36 to 0.7 of the bandwidth.
-const NARROWER: f64 = 0.25;
-
-/// Widths of friction as shares of a joint's largest speed: Coulomb friction, and friction that grows more slowly.
-const ROUNDINGS: [f64; 3] = [0.002, 0.05, 0.4];
 
 /// Steps of the search for the frequency, as factors.
 const STEPS: [f64; 6] = [1.4, 1.2, 1.1, 1.05, 1.025, 1.0125];
@@ -68,8 +55,9 @@ impl<'a> Recorded<'a> {
         let how = self.smoothing(bandwidth, None, delays.iter().map(|d| d.removed).collect());
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        let fits = Fits::new(self.columns(robot, &runs, Some(how.filter()?), &ROUNDINGS), &runs);
-        Ok(fits.best(NARROWER * bandwidth, self.lowest(bandwidth)))
+        let fits =
+            Fits::new(self.columns(robot, &runs, Some(how.filter()?), &levels::ROUNDINGS.get()), &runs);
+        Ok(fits.best(levels::NARROWER.get() * bandwidth, self.lowest(bandwidth)))
     }
 }
 
@@ -86,7 +74,7 @@ struct Fits<'a> {
 
 impl<'a> Fits<'a> {
     fn new(columns: Columns<'a>, runs: &'a [&'a PreparedRun]) -> Self {
-        let samples = spread(runs, SAMPLES, 0);
+        let samples = spread(runs, levels::BAND_SAMPLES.get(), 0);
         let effort = |m: usize| {
             DMatrix::from_iterator(samples.len(), 1, samples.iter().map(|(r, i)| runs[*r].efforts[m][*i]))
         };
@@ -119,13 +107,13 @@ impl<'a> Fits<'a> {
         let octaves = (1..).map(|k| highest * 0.5_f64.powi(k)).take_while(|frequency| *frequency >= lowest);
         for frequency in octaves {
             let next = self.through(frequency, ORDERS[1]);
-            let is_hopeless = next.mean() < best.mean() - HOPELESS;
+            let is_hopeless = next.mean() < best.mean() - levels::HOPELESS_BAND.get();
             best = best.or(next);
             if is_hopeless {
                 break;
             }
         }
-        if best.mean() < DROPS[1] {
+        if best.mean() < levels::DROP.get() {
             return None;
         }
         best = self.narrowed(best, &STEPS[..2]);
@@ -134,7 +122,7 @@ impl<'a> Fits<'a> {
             best = best.or(self.narrowed(other, &STEPS[1..2]));
         }
         best = self.narrowed(best, &STEPS[2..]);
-        let lowers_all = best.drops.iter().all(|drop| *drop > DROPS[1]);
+        let lowers_all = best.drops.iter().all(|drop| *drop > levels::DROP.get());
         (lowers_all && best.band.frequency < highest).then_some(best.band)
     }
 

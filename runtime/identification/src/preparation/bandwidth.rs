@@ -1,6 +1,7 @@
 //! The common bandwidth that the positions themselves ask for.
 
 use super::super::methods::filter::gain;
+use super::levels;
 use super::spectrum::Spectrum;
 use std::f64::consts::PI;
 
@@ -16,13 +17,6 @@ pub(super) struct PositionQuality {
     /// Whether the joint moves by more than its noise.
     pub moves: bool,
 }
-
-/// Candidates: this many for each octave.
-const PER_OCTAVE: f64 = 6.0;
-
-/// Bandwidths whose error is within this share of the acceleration's power of the least error are equal; the
-/// widest of them is taken, which leaves the choice among them to the efforts.
-const TOLERANCE: f64 = 1e-3;
 
 /// Candidate bandwidths from `lowest` to `highest`.
 pub(super) fn candidates(lowest: f64, highest: f64, per_octave: f64) -> Vec<f64> {
@@ -76,10 +70,10 @@ pub(super) fn from_positions(joints: &[&PositionQuality], lowest: f64, highest: 
     if moving.is_empty() {
         return None;
     }
-    let tried = candidates(lowest, highest, PER_OCTAVE);
+    let tried = candidates(lowest, highest, levels::BANDWIDTHS_PER_OCTAVE.get());
     let errors: Vec<f64> = tried.iter().map(mean).collect();
     let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-    errors.iter().rposition(|e| *e <= least + TOLERANCE).map(|k| tried[k])
+    errors.iter().rposition(|e| *e <= least + levels::EQUAL_BANDWIDTHS.get()).map(|k| tried[k])
 }
 
 #[cfg(test)]

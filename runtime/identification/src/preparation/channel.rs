@@ -2,6 +2,7 @@
 
 use super::super::methods::differentiation::quantization_noise;
 use super::super::numeric::statistics::{median, quantile};
+use super::levels;
 
 /// The samples of a signal that carry information, at their own times.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,9 +18,6 @@ pub(super) struct Channel {
     /// Indices of samples that were left out as spikes.
     pub spikes: Vec<usize>,
 }
-
-/// Half-width of the windows that separate motion from rest [samples].
-const WINDOW: usize = 8;
 
 /// Decades of magnitudes that are distinguished, from 1e-9 on.
 const DECADES: usize = 19;
@@ -60,7 +58,8 @@ impl Channel {
     /// rounding error is.
     pub(crate) fn change_rate(&self) -> f64 {
         let moving = self.values.windows(2).filter(|w| w[0] != w[1]).count();
-        let windows = self.values.windows(2 * WINDOW + 1).step_by(WINDOW);
+        let windows =
+            self.values.windows(2 * levels::REST_WINDOW.get() + 1).step_by(levels::REST_WINDOW.get());
         let (all, at_rest) = windows.fold((0_usize, 0_usize), |(all, rest), w| {
             (all + 1, rest + usize::from(w.iter().all(|x| *x == w[0])))
         });

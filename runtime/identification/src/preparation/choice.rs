@@ -10,35 +10,14 @@ use super::channel::Channel;
 use super::check::{check, effort_fault};
 use super::delay::{DelayEstimate, Delays, estimate};
 use super::grid::{Piece, interpolate, pieces};
-use super::regression::{Columns, SHARP};
+use super::levels;
+use super::regression::Columns;
 use super::rest::Speeds;
 use super::result::{Delay, PreparationReport};
 use super::settings::PreparationSettings;
 use super::signals::{Signals, Smoothed, Smoothing, smooth};
 use super::spectrum::Spectrum;
 use gelenk_findings::Finding;
-
-/// Log samples in a pause that is interpolated in any case.
-const SHORT_PAUSE: f64 = 3.5;
-
-/// Share of the bandwidth's period in a pause that is interpolated in any case.
-const SHORT_PERIOD: f64 = 0.2;
-
-/// Bandwidth that allows the pauses in spectra, before any is chosen [Hz].
-const USUAL: f64 = 5.0;
-
-/// Output samples for each period of the bandwidth.
-const OVERSAMPLING: f64 = 10.0;
-
-/// Share of all pieces' duration that has to be left after their ends are cut.
-const KEPT: f64 = 0.6;
-
-/// Highest bandwidth as a share of the rate at which the slowest channel has new samples.
-const HIGHEST: f64 = 0.2;
-
-/// Least relative fall of the residual sum of squares by which a common delay counts, and one of an effort's own or a band:
-/// errors of the model imitate delays, and then the fall is small although it is significant.
-pub(super) const DROPS: [f64; 2] = [0.02, 0.1];
 
 /// Runs as signals, and their properties before a bandwidth is chosen.
 pub(super) struct Recorded<'a> {
@@ -118,7 +97,8 @@ impl<'a> Recorded<'a> {
 
     /// Pieces of a run; `bandwidth` allows longer pauses where samples are dense.
     pub(super) fn pieces(&self, signals: &Signals, bandwidth: f64) -> Vec<Piece> {
-        let by_itself = (SHORT_PAUSE * signals.step).max(SHORT_PERIOD / bandwidth);
+        let by_itself =
+            (levels::SHORT_PAUSE.get() * signals.step).max(levels::SHORT_PERIOD.get() / bandwidth);
         let efforts = signals.efforts.iter().zip(&self.faults).filter(|(_, f)| f.is_none()).map(|(c, _)| c);
         let channels: Vec<&Channel> = signals.positions.iter().chain(efforts).collect();
         pieces(&channels, self.settings.largest_gap.unwrap_or(by_itself))
@@ -130,7 +110,7 @@ impl<'a> Recorded<'a> {
         for signals in &self.signals {
             let channel = &signals.positions[joint];
             let step = signals.step.max(1e-9);
-            for piece in self.pieces(signals, USUAL) {
+            for piece in self.pieces(signals, levels::USUAL_BANDWIDTH.get()) {
                 spectrum.add(&interpolate(channel, &piece.grid(step)), step);
             }
             let half_rate = 0.5 / channel.step().max(step);
@@ -161,7 +141,7 @@ impl<'a> Recorded<'a> {
         let all: f64 = durations.iter().sum();
         let left = |f: f64| durations.iter().map(|d| (d - 2.0 / f).max(0.0)).sum::<f64>();
         let mut bandwidth = 0.1;
-        while bandwidth < 1e4 && left(bandwidth) < KEPT * all {
+        while bandwidth < 1e4 && left(bandwidth) < levels::KEPT.get() * all {
             bandwidth *= 1.1;
         }
         bandwidth
@@ -170,7 +150,7 @@ impl<'a> Recorded<'a> {
     /// The highest bandwidth that the slowest channel's samples allow.
     pub(super) fn highest(&self) -> f64 {
         let channels = self.signals.iter().flat_map(|s| s.positions.iter().chain(&s.efforts));
-        HIGHEST / channels.map(Channel::step).fold(self.step, f64::max)
+        levels::HIGHEST_BANDWIDTH.get() / channels.map(Channel::step).fold(self.step, f64::max)
     }
 
     /// The bandwidth by the setting, or by positions alone.
@@ -180,7 +160,7 @@ impl<'a> Recorded<'a> {
             return Ok(given);
         }
         let joints: Vec<&PositionQuality> = self.quality.iter().collect();
-        let (lowest, highest) = (self.lowest(USUAL), self.highest());
+        let (lowest, highest) = (self.lowest(levels::USUAL_BANDWIDTH.get()), self.highest());
         from_positions(&joints, lowest.min(highest), highest).ok_or_else(|| {
             let samples = self.signals.iter().map(|s| s.times.len()).sum();
             let what = "each joint's position (its noise aside)".to_string();
@@ -216,7 +196,7 @@ impl<'a> Recorded<'a> {
     }
 
     pub(super) fn output_step(&self, bandwidth: f64) -> f64 {
-        let rate = self.settings.rate.unwrap_or(OVERSAMPLING * bandwidth);
+        let rate = self.settings.rate.unwrap_or(levels::OVERSAMPLING.get() * bandwidth);
         self.step * (1.0 / (self.step * rate)).floor().max(1.0)
     }
 
@@ -261,23 +241,22 @@ impl<'a> Recorded<'a> {
         let how = self.smoothing(bandwidth, band, vec![0.0; self.efforts()]);
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        Ok(estimate(&self.columns(robot, &runs, Some(how.filter()?), &[SHARP]), &runs, how.step))
+        Ok(estimate(
+            &self.columns(robot, &runs, Some(how.filter()?), &[levels::SHARP.get()]),
+            &runs,
+            how.step,
+        ))
     }
 }
 
-/// Delays that are removed: the given one, or those found where they are significant.
+/// Delays that are removed: the given one, or those that are too far for the estimate of all unknowns.
 fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usize) -> Vec<Delay> {
     let none =
         Delay { removed: settings.delay.unwrap_or(0.0), estimated: f64::NAN, error: f64::NAN, own: false };
     let Some(found) = found else { return vec![none; efforts] };
-    let seen = found.common.value.abs() > 2.0 * found.common.error && found.common.drop > DROPS[0];
-    let common = if seen { found.common.value } else { 0.0 };
-    // A common delay that is not seen is zero, without an error of its own.
-    let error = if seen { found.common.error } else { 0.0 };
     let of_effort = |own: &DelayEstimate| {
-        let differs = (own.value - common).abs() > 3.0 * own.error.hypot(error);
-        let differs = differs && own.drop > DROPS[1];
-        let removed = if differs { own.value } else { common };
+        let differs = own.drop > levels::DROP.get();
+        let removed = if differs { own.if_far() } else { found.common.if_far() };
         Delay { removed, estimated: own.value, error: own.error, own: differs }
     };
     found.own.iter().map(of_effort).collect()

@@ -5,20 +5,12 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::bandwidth::candidates;
 use super::choice::Recorded;
-use super::regression::{SHARP, spread};
+use super::levels;
+use super::regression::spread;
 use super::result::Delay;
 use super::signals::{Smoothed, Smoothing};
 use super::together::{Efforts, together};
 use nalgebra::DVector;
-
-/// Relative growth of what the motion leaves unexplained of the efforts that a lower bandwidth may cost.
-const LOSS: f64 = 0.02;
-
-/// Growth after which still lower bandwidths are not tried.
-const HOPELESS: f64 = 0.5;
-
-/// Samples in the regressions that compare bandwidths.
-const SAMPLES: usize = 1500;
 
 impl<'a> Recorded<'a> {
     /// The widest bandwidth, up to `widest`, at which the motion explains the efforts as well as at any other.
@@ -38,11 +30,11 @@ impl<'a> Recorded<'a> {
             let unexplained = self.unexplained(robot, &how, widest)?;
             least = least.min(unexplained);
             scores.push(unexplained);
-            if unexplained > least + HOPELESS {
+            if unexplained > least + levels::HOPELESS_BANDWIDTH.get() {
                 break;
             }
         }
-        let chosen = tried.iter().rev().zip(scores).find(|(_, score)| *score <= least + LOSS);
+        let chosen = tried.iter().rev().zip(scores).find(|(_, score)| *score <= least + levels::LOSS.get());
         Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))
     }
 
@@ -51,7 +43,7 @@ impl<'a> Recorded<'a> {
     fn unexplained(&self, robot: &'a dyn Robot, how: &Smoothing, split: f64) -> Result<f64> {
         let smoothed = self.smooth(how, split)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        let samples = spread(&runs, SAMPLES, 0);
+        let samples = spread(&runs, levels::BANDWIDTH_SAMPLES.get(), 0);
         let column = |of: &dyn Fn(&Smoothed) -> &Vec<f64>| {
             DVector::from_iterator(samples.len(), samples.iter().map(|(r, i)| of(&smoothed[*r])[*i]))
         };
@@ -60,7 +52,8 @@ impl<'a> Recorded<'a> {
             filtered: efforts().map(|m| column(&|s| &s.run.efforts[m])).collect(),
             measured: efforts().map(|m| column(&|s| &s.measured[m])).collect(),
         };
-        let scores = together(&self.columns(robot, &runs, None, &[SHARP]), &runs, &samples, &efforts);
+        let scores =
+            together(&self.columns(robot, &runs, None, &[levels::SHARP.get()]), &runs, &samples, &efforts);
         Ok(if scores.is_empty() { 0.0 } else { scores.iter().sum::<f64>() / scores.len() as f64 })
     }
 }

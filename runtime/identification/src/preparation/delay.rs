@@ -2,6 +2,7 @@
 
 use super::super::numeric::shifted::shifted;
 use super::super::run::PreparedRun;
+use super::levels;
 use super::regression::{Columns, Problem, Sample, problems, spread};
 use nalgebra::{DMatrix, DVector};
 
@@ -12,13 +13,18 @@ pub(super) struct DelayEstimate {
     pub value: f64,
     /// Standard error [s]; infinite if the efforts do not show a delay.
     pub error: f64,
-    /// Fall of the logarithm of the residual sum of squares: from no delay for the common one; from the common delay for an
-    /// effort's own, on held-out folds, and zero if it is within two standard errors.
+    /// Fall of the logarithm of the residual sum of squares on held-out folds against the common delay; zero if it is within two
+    /// standard errors, or if the delay lies among those of the other efforts.
     pub drop: f64,
 }
 
 impl DelayEstimate {
     const UNKNOWN: Self = Self { value: f64::NAN, error: f64::INFINITY, drop: 0.0 };
+
+    /// The delay, if it surely is too far for the estimate's linear step; otherwise zero, which leaves it to the estimate.
+    pub(super) fn if_far(&self) -> f64 {
+        if self.value.abs() - 2.0 * self.error > levels::FAR.get() { self.value } else { 0.0 }
+    }
 }
 
 /// Delays of each effort, and the one that serves all of them best.
@@ -30,47 +36,27 @@ pub(super) struct Delays {
     pub own: Vec<DelayEstimate>,
 }
 
-/// Smallest and largest delay looked for [s]; negative where positions are the late ones.
-pub(super) const RANGE: [f64; 2] = [-0.08, 0.08];
-
-/// Where delays are looked for first: beyond it only where most efforts fit best at its early end, because errors of the model
-/// imitate delays that are far away.
-const USUAL: [f64; 2] = [-0.02, 0.08];
-
 /// Distance from an end of the range within which a delay lies at that end [s].
 const AT_END: f64 = 1e-4;
-
-/// Step of the coarse grid [s].
-const COARSE: f64 = 4e-3;
-
-/// Samples in the regression, at most.
-const SAMPLES: usize = 2000;
-
-/// Blocks of consecutive samples, for a standard error that holds under correlated residuals.
-const BLOCKS: usize = 16;
-
-/// Folds on which a delay of an effort's own is compared with the common one.
-const FOLDS: usize = 8;
-
-/// How far delays of one robot's efforts lie from each other at least, before anything is known [s].
-const USUAL_SPREAD: f64 = 1e-3;
 
 /// Delay of each effort whose residual sum of squares is least, and the common one.
 ///
 /// `runs` have undelayed efforts, smoothed. The standard error is that of a one-step estimator with scores summed
 /// over blocks (the sandwich form; Newey and West 1987 with blocks).
 pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> Option<Delays> {
-    let margin = (RANGE[1] / step).ceil() as usize + 2;
-    let samples = spread(runs, SAMPLES, margin);
-    if samples.len() < 4 * BLOCKS {
+    let margin = (levels::DELAYS.get()[1] / step).ceil() as usize + 2;
+    let samples = spread(runs, levels::DELAY_SAMPLES.get(), margin);
+    if samples.len() < 4 * levels::DELAY_BLOCKS.get() {
         return None;
     }
     let problems = problems(columns, runs, &samples);
-    let usual = Search { runs, samples: &samples, problems: &problems, step, range: USUAL };
+    let usual =
+        Search { runs, samples: &samples, problems: &problems, step, range: levels::USUAL_DELAYS.get() };
     let all: Vec<usize> = (0..problems.len()).collect();
-    let is_early = |m: &&usize| problems[**m].is_some() && usual.least(&[**m]) <= USUAL[0] + AT_END;
+    let is_early =
+        |m: &&usize| problems[**m].is_some() && usual.least(&[**m]) <= levels::USUAL_DELAYS.get()[0] + AT_END;
     let early = 2 * all.iter().filter(is_early).count() > all.len();
-    let search = if early { Search { range: RANGE, ..usual } } else { usual };
+    let search = if early { Search { range: levels::DELAYS.get(), ..usual } } else { usual };
     let mut own: Vec<DelayEstimate> = all.iter().map(|m| search.own(*m)).collect();
     let known: Vec<usize> = all.into_iter().filter(|m| own[*m].error.is_finite()).collect();
     // Most efforts have to show a delay: one alone may be the model's error.
@@ -80,19 +66,21 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
     let value = search.least(&known);
     for m in &known {
         let spread = spread_of_others(&own, &known, *m, value);
-        let shrunk = value + (own[*m].value - value) / (1.0 + (own[*m].error / spread).powi(2));
-        own[*m] = DelayEstimate { value: shrunk, drop: search.held_out_drop(*m, value, shrunk), ..own[*m] };
+        let DelayEstimate { value: alone, error, .. } = own[*m];
+        let shrunk = value + (alone - value) / (1.0 + (error / spread).powi(2));
+        let differs = (alone - value).abs() > 3.0 * error.hypot(spread);
+        let drop = if differs { search.held_out_drop(*m, value, shrunk) } else { 0.0 };
+        own[*m] = DelayEstimate { value: shrunk, drop, ..own[*m] };
     }
     let error = common_error(&known.iter().map(|m| own[*m]).collect::<Vec<_>>(), value);
-    let drop = search.drop(&known, 0.0, value) / known.len() as f64;
-    Some(Delays { common: DelayEstimate { value, error, drop }, own })
+    Some(Delays { common: DelayEstimate { value, error, drop: 0.0 }, own })
 }
 
 /// How far the delays of the other efforts lie from the common one: what is to be expected of this one's.
 fn spread_of_others(own: &[DelayEstimate], known: &[usize], effort: usize, common: f64) -> f64 {
     let others = known.iter().filter(|m| **m != effort).map(|m| (own[*m].value - common).powi(2));
     let count = (known.len() - 1).max(1) as f64;
-    (others.sum::<f64>() / count).sqrt().max(USUAL_SPREAD)
+    (others.sum::<f64>() / count).sqrt().max(levels::DELAY_SPREAD.get())
 }
 
 /// Standard error of the common delay, widened where the efforts' own delays disagree (Birge 1932).
@@ -136,17 +124,14 @@ impl Search<'_> {
         sums
     }
 
-    /// How far the misfit falls between two delays.
-    fn drop(&self, of: &[usize], from: f64, to: f64) -> f64 {
-        let at = self.misfits(of, &[from, to]);
-        at[0] - at[1]
-    }
-
-    /// The same for one effort on folds that were left out; zero if it is within two standard errors.
+    /// Fall of an effort's misfit between two delays, on folds that were left out; zero if it is within two standard errors.
     fn held_out_drop(&self, m: usize, from: f64, to: f64) -> f64 {
         let Some(problem) = &self.problems[m] else { return 0.0 };
         let targets = [from, to].map(|delay| self.effort(m, delay).0);
-        let Some(errors) = problem.held_out(&DMatrix::from_columns(&targets), FOLDS) else { return 0.0 };
+        let Some(errors) = problem.held_out(&DMatrix::from_columns(&targets), levels::DELAY_FOLDS.get())
+        else {
+            return 0.0;
+        };
         let gains: Vec<f64> = errors.iter().map(|fold| fold[0] - fold[1]).collect();
         let (gain, count) = (gains.iter().sum::<f64>(), gains.len() as f64);
         let squares: f64 = gains.iter().map(|g| (g - gain / count).powi(2)).sum();
@@ -161,7 +146,7 @@ impl Search<'_> {
         let (effort, rate) = self.effort(m, value);
         let (residual, rate) = (problem.residual(&effort), problem.residual(&rate));
         let scores: Vec<f64> = residual.iter().zip(&rate).map(|(r, x)| r * x).collect();
-        let blocks = scores.chunks(scores.len().div_ceil(BLOCKS));
+        let blocks = scores.chunks(scores.len().div_ceil(levels::DELAY_BLOCKS.get()));
         let spread: f64 = blocks.map(|b| b.iter().sum::<f64>().powi(2)).sum();
         let at_end = value <= self.range[0] + AT_END || value >= self.range[1] - AT_END;
         let error = if at_end { f64::INFINITY } else { spread.sqrt() / rate.norm_squared() };
@@ -177,8 +162,8 @@ impl Search<'_> {
             (index, misfits)
         };
         let [first, last] = self.range;
-        let steps = ((last - first) / COARSE).round() as usize;
-        let coarse: Vec<f64> = (0..=steps).map(|k| first + COARSE * k as f64).collect();
+        let steps = ((last - first) / levels::COARSE_DELAYS.get()).round() as usize;
+        let coarse: Vec<f64> = (0..=steps).map(|k| first + levels::COARSE_DELAYS.get() * k as f64).collect();
         let around = coarse[best(&coarse).0];
         let fine: Vec<f64> = (-8..=8).map(|k| around + 5e-4 * f64::from(k)).collect();
         let (index, misfits) = best(&fine);

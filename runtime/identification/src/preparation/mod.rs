@@ -15,6 +15,7 @@ mod choice;
 mod confirmation;
 mod delay;
 mod grid;
+pub(crate) mod levels;
 mod poses;
 mod regression;
 mod report;

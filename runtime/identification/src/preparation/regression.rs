@@ -14,9 +14,6 @@ use std::rc::Rc;
 /// Ridge on columns of unit length: parameters that the motion does not show stay at zero.
 const RIDGE: f64 = 1e-7;
 
-/// Share of a joint's largest speed within which the sign of its velocity is rounded.
-pub(super) const SHARP: f64 = 0.02;
-
 /// Where the columns come from.
 pub(super) struct Columns<'a> {
     robot: &'a dyn Robot,

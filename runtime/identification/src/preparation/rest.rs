@@ -4,23 +4,7 @@
 //! the effort of a resting joint says nothing about the law over the speed, about the delay, nor about the filter.
 
 use super::super::run::PreparedRun;
-
-/// Share of a joint's largest speed below which it sticks or creeps.
-const SLOW: f64 = 0.01;
-
-/// Deviations of the speed's noise below which a speed is not told from zero.
-const NOISE: f64 = 4.0;
-
-/// Largest share of this limit that may be noise of the speed: with more noise, rest cannot be separated from motion.
-const MOST: f64 = 0.1;
-
-/// Least ratio of a rest's time below the limit of the speed to its time between the limit and twice the limit. The ratio is 1
-/// if the speed changes its sign at a constant acceleration, and 2.4 if the acceleration is zero there.
-const FLAT: f64 = 2.0;
-
-/// Part of the bandwidth's period by which a rest reaches into its neighbourhood: half the main lobe of the filter twice. The speed
-/// passes the filter, so a smoothed speed shows motion before it begins. The terms of friction, computed from this speed, pass it again.
-const REACH: f64 = 1.0;
+use super::levels;
 
 /// First and last time of a rest [s].
 type Stretch = [f64; 2];
@@ -43,7 +27,8 @@ pub(super) struct Speeds {
 impl Speeds {
     /// Speed below which the joint rests.
     fn limit(&self) -> f64 {
-        (SLOW * self.largest).max((NOISE * self.noise).min(MOST * self.largest))
+        (levels::SLOW.get() * self.largest)
+            .max((levels::SPEED_NOISE.get() * self.noise).min(levels::MOST_NOISE.get() * self.largest))
     }
 }
 
@@ -67,7 +52,7 @@ impl Rests {
                 };
                 let dwell: f64 = within().map(|[start, end]| end - start).sum();
                 let [begins, ends] = [start <= first, end >= last];
-                if begins || ends || dwell >= shortest && dwell >= FLAT * (to - from - dwell) {
+                if begins || ends || dwell >= shortest && dwell >= levels::FLAT.get() * (to - from - dwell) {
                     rests.push([
                         if begins { start - cut } else { *start },
                         if ends { end + cut } else { *end },
@@ -94,7 +79,7 @@ impl Rests {
 
     /// For each joint, which of the times are in a rest or nearer to one than the filter tells apart.
     pub(crate) fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
-        let near = REACH / bandwidth;
+        let near = levels::REACH.get() / bandwidth;
         let of_joint = |rests: &Vec<Stretch>| {
             let within = |t: &f64| rests.iter().any(|[start, end]| start - near <= *t && *t <= end + near);
             times.iter().map(within).collect()

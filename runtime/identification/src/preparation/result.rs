@@ -21,7 +21,7 @@ pub struct PreparationReport {
 /// A delay of an effort after the positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Delay {
-    /// Removed delay \[s\]. The preparation removes none that is not significant; the common estimate adds what it finds left.
+    /// Removed delay \[s\]. The preparation removes those of 10 ms or more; the common estimate adds the rest.
     pub removed: f64,
     /// Delay as estimated for this effort alone \[s\]; NaN if it was given or cannot be seen.
     pub estimated: f64,

@@ -1,12 +1,10 @@
 //! Power of positions over frequency, pooled over runs, and its part that is noise.
 
+use super::levels;
 use std::f64::consts::PI;
 
 /// Lower edge of the first band [Hz].
 const LOWEST: f64 = 0.02;
-
-/// Bands for each octave.
-const PER_OCTAVE: f64 = 6.0;
 
 /// Number of bands: up to 80 kHz.
 const BANDS: usize = 132;
@@ -113,11 +111,11 @@ impl Band {
 }
 
 fn band(frequency: f64) -> usize {
-    ((frequency / LOWEST).log2() * PER_OCTAVE).clamp(0.0, (BANDS - 1) as f64) as usize
+    ((frequency / LOWEST).log2() * levels::BANDS_PER_OCTAVE.get()).clamp(0.0, (BANDS - 1) as f64) as usize
 }
 
 fn centre(band: usize) -> f64 {
-    LOWEST * 2.0_f64.powf((band as f64 + 0.5) / PER_OCTAVE)
+    LOWEST * 2.0_f64.powf((band as f64 + 0.5) / levels::BANDS_PER_OCTAVE.get())
 }
 
 /// Discrete Fourier transform in place, by radix two (Cooley and Tukey 1965); the length is a power of two.

@@ -1,11 +1,9 @@
 //! One set of parameters for all efforts.
 
 use super::super::run::PreparedRun;
+use super::levels;
 use super::regression::{Columns, Equations, Sample, ridged};
 use nalgebra::{DMatrix, DVector};
-
-/// Fits, each with the weights that follow from the one before.
-const FITS: usize = 3;
 
 /// Least share of an effort's variation that counts as unexplained.
 const LEAST_SHARE: f64 = 1e-12;
@@ -29,7 +27,7 @@ pub(super) fn together(
     let targets = efforts.filtered.iter().zip(&efforts.measured);
     let all = Equations::of_efforts(columns, runs, samples).into_iter().zip(targets);
     let mut all: Vec<Weighed> = all.filter_map(|(of, (f, m))| Weighed::new(of, f, m)).collect();
-    for _ in 0..FITS {
+    for _ in 0..levels::FITS.get() {
         let Some(parameters) = fitted(&all) else { return Vec::new() };
         all.iter_mut().for_each(|effort| effort.judge(&parameters));
     }

@@ -1,35 +1,16 @@
 //! The table of columns: quantities with their names, units, components and words, and the other words of headers.
 //!
-//! A new kind of column is a row of [`QUANTITIES`] and its name in [`Kind`]. Words of other languages are in the rows of the English
-//! ones and stand for the first of them. Their letters have no accents: `é` is `e`, `ß` is `ss`.
+//! A new kind of column is a row of [`QUANTITIES`], which gives [`Kind`] its name, too. Words of other languages are in the rows of the
+//! English ones and stand for the first of them. Their letters have no accents: `é` is `e`, `ß` is `ss`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use Role::{Angle, Body, Motor, Other, Plain};
 
-/// The quantity of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::log) enum Kind {
-    Time,
-    /// Names of the joints, as text in the rows.
-    Name,
-    Position,
-    Velocity,
-    Acceleration,
-    /// A force at the joint.
-    Torque,
-    /// A motor's torque, at its side of the gear.
-    Input,
-    Current,
-    Run,
-    Place,
-    Attitude,
-}
-
 /// A quantity that columns may have.
 pub(super) struct Quantity {
-    pub kind: Kind,
+    kind: Kind,
     /// Names in `--columns`.
     pub keys: &'static [&'static str],
     /// One value and several in messages.
@@ -45,52 +26,68 @@ pub(super) struct Quantity {
 const SECONDS: [&[&str]; 2] = [&["s"]; 2];
 const NO_UNIT: [&[&str]; 2] = [&["1"]; 2];
 
-#[rustfmt::skip]
-static QUANTITIES: [Quantity; 11] = [
-    Quantity { kind: Kind::Time, keys: &["time"], names: ["time", "time"], units: SECONDS, components: &[], words: &[
+/// Rows of quantities, and the name of each.
+macro_rules! quantities {
+    ($($(#[$documentation:meta])* $kind:ident { $($row:tt)* },)*) => {
+        /// The quantity of a column.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        pub(in crate::log) enum Kind {
+            $($(#[$documentation])* $kind,)*
+        }
+
+        /// In the order of the kinds.
+        static QUANTITIES: &[Quantity] = &[$(Quantity { kind: Kind::$kind, $($row)* },)*];
+    };
+}
+
+quantities! {
+    Time { keys: &["time"], names: ["time", "time"], units: SECONDS, components: &[], words: &[
         (0, "time times timestamp timestamps stamp t", "zeit tempo tiempo zeitstempel horodatage"),
         (0, "seconds sec secs nsec nsecs nanosec nanosecs nanosecond nanoseconds", "sekunde sekunden seconde secondes secondi segundos"),
         // English logs have temperatures as `temps`.
         (1, "elapsed clock", "temps"),
     ] },
-    Quantity { kind: Kind::Name, keys: &[], names: ["name", "name"], units: NO_UNIT, components: &[], words: &[(0, "name names", "")] },
-    Quantity { kind: Kind::Position, keys: &["position"], names: ["position", "positions"], units: [&["rad"], &["m"]], components: &[], words: &[
+    /// Names of the joints, as text in the rows.
+    Name { keys: &[], names: ["name", "name"], units: NO_UNIT, components: &[], words: &[(0, "name names", "")] },
+    Position { keys: &["position"], names: ["position", "positions"], units: [&["rad"], &["m"]], components: &[], words: &[
         (0, "position positions pos jpos qpos q", "lage posicion posiciones posizione posizioni stellung positionen"),
         (1, "angle angles ang phi theta y", "winkel drehwinkel angolo angoli angulo angulos"),
         (2, "encoder", ""),
     ] },
-    Quantity { kind: Kind::Velocity, keys: &["velocity"], names: ["velocity", "velocities"], units: [&["rad/s"], &["m/s"]], components: &[], words: &[
+    Velocity { keys: &["velocity"], names: ["velocity", "velocities"], units: [&["rad/s"], &["m/s"]], components: &[], words: &[
         (0, "velocity velocities vel jvel speed speeds dq qd qdot qvel v", "geschwindigkeit geschwindigkeiten winkelgeschwindigkeit vitesse vitesses velocita velocidad velocidades"),
         // Of the motor as often as of the joint: `drehzahl`.
         (1, "omega qp dtheta thetadot dphi w", "drehzahl"),
     ] },
-    Quantity { kind: Kind::Acceleration, keys: &[], names: ["acceleration", "acceleration"], units: [&["rad/s^2"], &["m/s^2"]], components: &[], words: &[
+    Acceleration { keys: &[], names: ["acceleration", "acceleration"], units: [&["rad/s^2"], &["m/s^2"]], components: &[], words: &[
         (0, "acceleration accelerations acc accel ddq qdd qddot qdotdot a", "beschleunigung beschleunigungen winkelbeschleunigung accelerazione accelerazioni aceleracion aceleraciones"),
         (1, "thetadotdot", ""),
     ] },
-    Quantity { kind: Kind::Torque, keys: &["torque", "effort"], names: ["effort", "efforts"], units: [&["N*m"], &["N"]], components: &[], words: &[
+    /// A force at the joint.
+    Torque { keys: &["torque", "effort"], names: ["effort", "efforts"], units: [&["N*m"], &["N"]], components: &[], words: &[
         (0, "torque torques qfrc jtrq jtor effort efforts eff trq tau tauj", "drehmoment drehmomente couple couples coppia coppie par pares"),
         (1, "moment", "momente momento momenti momentos"),
         (1, "force forces", "kraft forza fuerza"),
     ] },
     // A motor before a spindle has a torque, the joint behind it a force.
-    Quantity { kind: Kind::Input, keys: &["input"], names: ["motor effort", "efforts"], units: [&["N*m", "N"], &["N", "N*m"]], components: &[], words: &[(0, "input inputs u", "")] },
-    Quantity { kind: Kind::Current, keys: &["current"], names: ["current", "currents"], units: [&["A"]; 2], components: &[], words: &[
+    /// A motor's torque, at its side of the gear.
+    Input { keys: &["input"], names: ["motor effort", "efforts"], units: [&["N*m", "N"], &["N", "N*m"]], components: &[], words: &[(0, "input inputs u", "")] },
+    Current { keys: &["current"], names: ["current", "currents"], units: [&["A"]; 2], components: &[], words: &[
         (0, "current currents cur curr amp amps amperage iq imot i", "strom strome stroeme courant courants intensite corrente correnti corriente corrientes intensidad"),
     ] },
-    Quantity { kind: Kind::Run, keys: &["run", "trial"], names: ["run", "run"], units: NO_UNIT, components: &[], words: &[
+    Run { keys: &["run", "trial"], names: ["run", "run"], units: NO_UNIT, components: &[], words: &[
         (0, "run", "lauf messfahrt"),
         (0, "trial segment", "versuch essai prova ensayo"),
         (1, "episode", ""),
     ] },
-    Quantity { kind: Kind::Place, keys: &["place"], names: ["place", "places"], units: [&["m"]; 2], components: &["x", "y", "z"], words: &[
+    Place { keys: &["place"], names: ["place", "places"], units: [&["m"]; 2], components: &["x", "y", "z"], words: &[
         (0, "place pose translation transform trans", ""),
     ] },
     // The order of the columns is that of the key's letters.
-    Quantity { kind: Kind::Attitude, keys: &["xyzw", "wxyz"], names: ["quaternion", "quaternions"], units: NO_UNIT, components: &["x", "y", "z", "w"], words: &[
+    Attitude { keys: &["xyzw", "wxyz"], names: ["quaternion", "quaternions"], units: NO_UNIT, components: &["x", "y", "z", "w"], words: &[
         (0, "quat quaternion orientation rotation attitude rot ori", ""),
     ] },
-];
+}
 
 /// How the values of a column came about. Columns are preferred in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -207,8 +204,7 @@ impl Kind {
 
     /// The row of the table.
     pub(super) fn row(self) -> &'static Quantity {
-        let row = QUANTITIES.iter().find(|quantity| quantity.kind == self);
-        row.unwrap_or_else(|| unreachable!("each kind has a row, as a test says"))
+        &QUANTITIES[self as usize]
     }
 
     /// Name in `--columns`.
@@ -252,23 +248,10 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_has_a_row() {
+    fn units_name_the_first_quantity_that_has_them() {
         use Kind::*;
-        let kinds =
-            [Time, Name, Position, Velocity, Acceleration, Torque, Input, Current, Run, Place, Attitude];
-        assert_eq!(QUANTITIES.each_ref().map(|quantity| quantity.kind), kinds);
-        let units = ["rad", "m/s", "rad/s^2", "N", "A", "s", "1"].map(Kind::of_unit);
-        assert_eq!(
-            units,
-            [
-                Some(Position),
-                Some(Velocity),
-                Some(Acceleration),
-                Some(Torque),
-                Some(Current),
-                Some(Time),
-                None
-            ]
-        );
+        let units = ["rad", "m/s", "rad/s^2", "N", "A", "s"].map(Kind::of_unit);
+        assert_eq!(units, [Position, Velocity, Acceleration, Torque, Current, Time].map(Some));
+        assert_eq!(Kind::of_unit("1"), None);
     }
 }
