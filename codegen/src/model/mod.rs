@@ -70,7 +70,6 @@ pub use read::{Loaded, from_mjcf, from_toml, from_urdf};
 pub use read_options::ReadOptions;
 pub use torque_speed::LimitedInput;
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_formula::Formula;
 use std::collections::BTreeSet;
 
@@ -196,13 +195,6 @@ impl Model {
     /// The driven joints in their order.
     pub fn driven_joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.driven.iter().map(|&link| self.joint_of(link))
-    }
-
-    /// The error of functions that driven joints exclude; none if no joint is driven.
-    pub(crate) fn refuse_driven(&self, what: &str, help: &str) -> Result<(), Diagnostics> {
-        let Some(joint) = self.driven_joints().next() else { return Ok(()) };
-        let message = format!("{what} where joints are driven, as `{}` is", joint.name);
-        Err(Diagnostic::error("driven-joint", message).help(help).into())
     }
 
     fn joint_of(&self, link: usize) -> &Joint {
