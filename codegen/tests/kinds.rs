@@ -14,8 +14,9 @@ use gelenk_codegen::functions::catalogue::{
     ACADOS, CASADI, Difference, EXPORT, KINDS, Kind, LOOPS, PRODUCTS, Product, names,
 };
 use gelenk_codegen::functions::form::Form;
-use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
+use gelenk_codegen::read::{ReadOptions, read};
 
 const DRIVE: &str = "drive = { gear_ratio = 50, rotor_inertia = 1e-4 }";
 

@@ -15,8 +15,9 @@ use common::Random;
 use gelenk_codegen::closed_form::{self, ClosedForms, Instance, Values, display};
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::{Model, ReadOptions, from_toml, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::read::{ReadOptions, from_toml, read};
 
 fn main() {
     // What derives in this process stands last: it keeps the one instance that the program would wait for.

@@ -32,7 +32,8 @@ mod tests {
 
     use super::*;
     use crate::dynamics::parameters::regressor::PER_LINK;
-    use crate::model::{self, ReadOptions};
+    use crate::model;
+    use crate::read::ReadOptions;
 
     fn robot(path: &Path) -> InterpretedRobot {
         let loaded = model::read(path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));

@@ -1,73 +1,31 @@
-//! Stage 1: a robot description becomes a validated [`Model`].
+//! The robot as plain data: the [`Model`].
 //!
 //! A `Model` that exists is correct: names are distinct, and so are their Rust identifiers; the links form
 //! one tree whose parents stand before their children, axes have unit length, limits are ordered, numbers are
 //! finite. Later stages need no checks.
 
-mod angles;
-mod composite;
 mod definiteness;
 mod dependent;
-mod description;
-mod description_files;
-mod distances;
 mod drive;
-mod extended_frames;
-mod file_kind;
-mod floating_base;
 mod frame_force;
-mod hold;
-mod inertia;
+pub(crate) mod inertia;
 mod joint;
-pub(crate) mod keys;
-mod levers;
-mod load;
-mod mesh;
-mod mjcf;
-mod name;
-mod notes;
-mod one_tree;
-mod pose;
-mod quaternion_joint;
-mod read;
-mod read_options;
-mod regularity;
-mod table;
-mod toml_couplings;
-mod toml_file;
-mod toml_forces;
-mod toml_frame_forces;
-mod toml_joint_tables;
-mod toml_joints;
-mod toml_values;
+pub(crate) mod name;
+pub(crate) mod pose;
+pub(crate) mod quaternion_joint;
+pub(crate) mod regularity;
 mod torque_speed;
-mod tree;
-mod urdf;
-mod urdf_foreign;
-mod urdf_limits;
-mod urdf_notes;
-mod urdf_text;
-mod urdf_transmissions;
-mod urdf_values;
-mod urdf_words;
-mod validate;
-mod xacro;
 
-pub use angles::{NEARLY_RIGHT, NEARLY_RIGHT_ANGLE};
 pub use definiteness::Definiteness;
 pub use dependent::Dependent;
-pub use description_files::{DescriptionFiles, read};
 pub use drive::{Drive, Input, MotorTorque, RotorCoupling, TorqueSpeedLine};
 pub use frame_force::{Attachment, ForceEffect, ForceInput, PointForce, Wrench, WrenchAxes};
 pub use gelenk_formula::FrictionTerm;
 pub(crate) use inertia::principal_axes;
 pub use joint::{FollowedCoordinate, Follower, Joint, JointKind, Limits, Motion, MovingJoint};
-pub use load::Load;
 pub(crate) use name::identifier;
 pub use pose::Pose;
 pub use quaternion_joint::{CarryingJoint, JointPosition, QuaternionJoint, QuaternionKind};
-pub use read::{Loaded, from_mjcf, from_toml, from_urdf};
-pub use read_options::ReadOptions;
 pub use torque_speed::LimitedInput;
 
 use gelenk_formula::Formula;
@@ -154,6 +112,12 @@ impl Model {
         self.coordinates.iter().map(|&link| self.joint_of(link))
     }
 
+    /// Described values of the free parameters.
+    #[must_use]
+    pub fn described_parameters(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.default).collect()
+    }
+
     /// Whether a joint follows others, or a drive acts on several coordinates.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
@@ -197,7 +161,7 @@ impl Model {
         self.driven.iter().map(|&link| self.joint_of(link))
     }
 
-    fn joint_of(&self, link: usize) -> &Joint {
+    pub(crate) fn joint_of(&self, link: usize) -> &Joint {
         let joint = self.links.get(link).and_then(|link| link.joint.as_ref());
         joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
     }
@@ -282,7 +246,7 @@ impl Model {
     }
 
     /// The joints of these links.
-    fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
+    pub(crate) fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
         let joints = links.iter().filter_map(|&link| self.links.get(link)?.joint.as_ref());
         joints.collect()
     }
