@@ -313,16 +313,10 @@ fn reached_from<'a>(room: &'a String, between: &'a Between) -> BTreeSet<&'a Stri
     reached
 }
 
-/// Folders whose `mod.rs` defines a trait and its types, which the files below it implement and use.
-const BELOW: [&str; 3] = ["runtime/src/kinematics", "runtime/src/trajectory", "runtime/src/transport"];
-
 /// The circles between the rooms of a folder.
 fn circles_of(folder: &Path, edges: &BTreeMap<(PathBuf, PathBuf), String>) -> Vec<String> {
     let mut between = Between::new();
-    let is_below = BELOW.iter().any(|below| folder.ends_with(below));
-    for ((from, to), path) in
-        edges.iter().filter(|((from, _), _)| !is_below || *from != folder.join("mod.rs"))
-    {
+    for ((from, to), path) in edges {
         let (Some(a), Some(b)) = (room(folder, from), room(folder, to)) else { continue };
         if a != b {
             let short = |file: &Path| file.strip_prefix(folder).unwrap_or(file).display().to_string();

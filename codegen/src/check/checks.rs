@@ -122,8 +122,7 @@ fn note_limits_of_fixed(joint: &JointDescription, report: &mut Report) {
 pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report) {
     let value = |formula: &Formula| formula.evaluate(defaults, 0.0, 0.0);
     let Some(mass) = &body.mass else {
-        let message = format!("body `{}` has no `mass`", body.name.value);
-        report.error(body.name.span, "missing-key", message);
+        report.error(body.name.span, "missing-key", format!("body `{}` has no `mass`", body.name.value));
         report.help("write `mass = 0` for a body that only has inertia");
         return;
     };

@@ -144,8 +144,7 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
             "the law must have the sign of the velocity at every position within the limits: squares, `abs` or a summand keep its factor positive",
         );
     } else if driven.iter().all(|(_, is_driven)| *is_driven) {
-        let message = format!("the {what} of {name} drives it at every speed");
-        report.error(span, "friction-drives", message);
+        report.error(span, "friction-drives", format!("the {what} of {name} drives it at every speed"));
         report.help("friction is positive for positive velocity: change the sign");
     } else if driven.iter().any(|(_, is_driven)| *is_driven) {
         let ranges = driven.chunk_by(|(_, first), (_, second)| first == second);

@@ -83,8 +83,7 @@ impl Identifiers {
         };
         let entries = changed.iter();
         let entries = entries.map(|(name, identifier)| format!("{:?} → {identifier}", name.value));
-        let message = format!("names in generated code: {}", listed(entries));
-        report.note(Some(first.span), "name-mapped", message);
+        report.note(Some(first.span), "name-mapped", format!("names in generated code: {}", listed(entries)));
     }
 }
 

@@ -237,8 +237,7 @@ impl<'d> Graph<'d> {
             report_carried_by_itself(&self.names[*link].value, is_default, span, report);
             return;
         }
-        let message = format!("the links {}{dots} form a cycle", names.join(" → "));
-        report.error(span, "cycle", message);
+        report.error(span, "cycle", format!("the links {}{dots} form a cycle", names.join(" → ")));
         report.help("each link is carried by one joint, and following the parents must lead to the base");
     }
 }

@@ -17,7 +17,7 @@ use super::print;
 use super::progress::Progress;
 use crate::closed_form::{self, Instance, display};
 use crate::diagnostic::Diagnostics;
-use crate::model::{self, Model};
+use crate::model::Model;
 use crate::output::{Planned, Replaces};
 use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Symbol};

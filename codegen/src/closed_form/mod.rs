@@ -33,7 +33,7 @@ use symbolica::atom::{Atom, AtomCore};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::catalogue::CLOSED_FORMS;
-use crate::model::{JointKind, Model};
+use crate::model::Model;
 use algebra::Variables;
 use bodies::Bodies;
 use fourier::Part;

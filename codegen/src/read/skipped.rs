@@ -71,6 +71,5 @@ fn note_unknown(unknown: Vec<(String, (Span, usize))>, report: &mut Report) {
         1 => what.clone(),
         count => format!("{what} ({count} times)"),
     });
-    let message = format!("not known and skipped: {}", listed(entries));
-    report.note(Some(first), "unknown-tag", message);
+    report.note(Some(first), "unknown-tag", format!("not known and skipped: {}", listed(entries)));
 }

@@ -121,7 +121,6 @@ pub static KINDS: [Kind; 11] = [
             ),
             ("loops closed-forms", MISSING),
         ],
-        ..Kind::PLAIN
     },
     Kind {
         robots: "friction under load",

@@ -41,7 +41,6 @@ pub const KINK: &str = "At a load of exactly 0 the derivatives jump; there they 
 mod tests {
     use super::super::kind::Difference;
     use super::super::{KINDS, all};
-    use super::*;
 
     /// A row whose equation or notes know friction, the applied forces or the inputs would be untrue.
     #[test]

@@ -61,8 +61,7 @@ impl<'a> Reader<'_, 'a> {
         let own = self.link_names.take(&wanted);
         let name = At::new(own, named.as_ref().map_or(element.span(), |name| name.span));
         if named.is_some() && name.value != wanted {
-            let message = format!("there are two bodies `{wanted}`");
-            self.report.error(name.span, "duplicate-name", message);
+            self.report.error(name.span, "duplicate-name", format!("there are two bodies `{wanted}`"));
         }
         self.robot.links.push(name.clone());
         let pose = body.pose.then(&self.pose(element, &format!("body `{}`", name.value)));

@@ -259,8 +259,7 @@ impl<'a> Reader<'_, 'a> {
     fn one_of(&mut self, given: Given<'a>, key: &str, known: &[&'static str]) -> Option<&'static str> {
         let found = known.iter().find(|word| **word == given.text);
         if found.is_none() {
-            let message = format!("`{key}` is {:?}", given.text);
-            self.report.error(given.span, "unknown-word", message);
+            self.report.error(given.span, "unknown-word", format!("`{key}` is {:?}", given.text));
             self.report.help(nearest(given.text, known.iter().copied()).unwrap_or_default());
         }
         found.copied()

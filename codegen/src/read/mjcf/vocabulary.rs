@@ -33,8 +33,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn unknown_element(&mut self, place: Place, element: Element<'a>) {
-        let message = format!("unknown element <{}>", element.tag());
-        self.report.error(element.span(), "unknown-element", message);
+        self.report.error(element.span(), "unknown-element", format!("unknown element <{}>", element.tag()));
         self.report.help(nearest(element.tag(), tags(place)).unwrap_or_default());
     }
 

@@ -116,8 +116,7 @@ fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
     };
     match reader.number(item) {
         Some(pitch) if pitch.value == 0.0 => {
-            let message = format!("the pitch of joint `{}` is 0", name.value);
-            reader.report.error(item.span, "pitch", message);
+            reader.report.error(item.span, "pitch", format!("the pitch of joint `{}` is 0", name.value));
             reader.report.help(format!("{HELP}; a joint that does not slide is \"revolute\""));
             1.0
         }

@@ -182,8 +182,7 @@ impl Reader {
             && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
             && text.chars().any(|c| c.is_ascii_alphanumeric());
         if !usable || is_keyword(text) || has_meaning(text) {
-            let message = format!("{text:?} cannot name a parameter");
-            self.report.error(name.span, "parameter-name", message);
+            self.report.error(name.span, "parameter-name", format!("{text:?} cannot name a parameter"));
             self.report
                 .help("letters, digits and underscores; no word of Rust, and none of y, v, pi, sin, …");
             return None;
