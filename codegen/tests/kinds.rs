@@ -133,7 +133,7 @@ fn each_function_is_there_or_refused_as_the_table_has_it() {
             assert!(has_notes, "{}: {name}: {notes:?}", kind.robots);
         }
         for name in missing {
-            let refused = with(&path, &[name.clone()], GenerateOptions::default()).unwrap_err();
+            let refused = with(&path, std::slice::from_ref(&name), GenerateOptions::default()).unwrap_err();
             let entry = refused.entries().iter().find(|entry| entry.code == kind.code);
             let entry = entry.unwrap_or_else(|| panic!("{}: {name}: {refused}", kind.robots));
             assert!(entry.message.contains(&format!("`{name}`")) && entry.remedy.is_some(), "{entry}");
