@@ -84,27 +84,28 @@ impl FrameKind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
 
-    /// Prefix and suffix of the frame's name in a function's name.
-    fn around(self) -> [&'static str; 2] {
-        let end = match self {
-            Self::Pose => "_pose",
-            Self::Jacobian => "_jacobian",
-            Self::JacobianRateTimesVelocity => "_jacobian_rate_times_velocity",
-        };
-        ["frame_", end]
+    /// The function's name, with `NAME` in place of the frame's.
+    #[must_use]
+    pub const fn pattern(self) -> &'static str {
+        match self {
+            Self::Pose => "frame_NAME_pose",
+            Self::Jacobian => "frame_NAME_jacobian",
+            Self::JacobianRateTimesVelocity => "frame_NAME_jacobian_rate_times_velocity",
+        }
     }
 
     /// The function of a frame: `frame_<name>_pose` and the like.
     #[must_use]
     pub fn function(self, frame: &str) -> String {
-        let [start, end] = self.around();
-        format!("{start}{frame}{end}")
+        self.pattern().replace("NAME", frame)
     }
 
     /// Whether a frame has a function of this name; whether the robot has the frame is not known here.
     fn is_of(self, name: &str) -> bool {
-        let [start, end] = self.around();
-        let frame = name.strip_prefix(start).and_then(|rest| rest.strip_suffix(end));
+        let frame = self.pattern().split_once("NAME").and_then(|(start, end)| {
+            let rest = name.strip_prefix(start)?;
+            rest.strip_suffix(end)
+        });
         frame.is_some_and(|frame| !frame.is_empty())
     }
 }

@@ -14,10 +14,12 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod advice;
+mod check;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "symbolica")]
 pub mod closed_form;
+mod description;
 pub mod diagnostic;
 mod distinct;
 pub mod dynamics;
@@ -32,6 +34,7 @@ pub mod identify;
 pub mod kinematics;
 mod lanes;
 pub mod layout;
+mod lint;
 pub mod model;
 pub mod module;
 mod numeric;
@@ -40,6 +43,7 @@ pub mod pipeline;
 pub mod program;
 mod random;
 mod rates;
+pub mod read;
 mod remedies;
 #[cfg(feature = "cli")]
 pub mod report;

@@ -12,10 +12,11 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::lanes::{self, Lanes};
 use gelenk_formula::Hold;
 
-use crate::model::{DescriptionFiles, Loaded, Model, ReadOptions};
+use crate::model::Model;
 use crate::module::Module;
 use crate::program::arrays::ArrayForm;
 use crate::program::fuse_multiply_adds;
+use crate::read::{DescriptionFiles, Loaded, ReadOptions};
 use crate::self_test::self_tests;
 use crate::snapping;
 use crate::tools;

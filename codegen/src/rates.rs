@@ -73,14 +73,14 @@ fn acceleration(model: &Model, forward: &Function, values: &[f64], v: &[f64], u:
         _ => v,
     });
     let inputs: Vec<&[f64]> = inputs.collect();
-    let parameters: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let parameters = model.described_parameters();
     let results = interpret(&forward.program, &inputs, &parameters, &Functions::EMBEDDED).ok()?;
     results.into_iter().next()
 }
 
 /// The inputs that exert the effort limits of their joints; 0 if there is none.
 fn inputs(model: &Model) -> Vec<f64> {
-    let parameters: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let parameters = model.described_parameters();
     let joints: Vec<_> = model.joints().collect();
     let input = |input: Actuator<'_>| {
         let drive = input.drive()?;

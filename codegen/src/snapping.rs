@@ -3,8 +3,8 @@
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
 use crate::functions::selection;
-use crate::model::{DescriptionFiles, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
 use crate::program::cost::count;
+use crate::read::{DescriptionFiles, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOptions};
 
 /// The functions that are counted for the note, if they are generated at all.
 const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::{Companion, EmitOptions, Scalar};
+use crate::functions::catalogue::{ACADOS, CASADI};
 use crate::functions::composition::Composition;
 use crate::functions::function::{FrameKind, Function};
 use crate::model::Model;
@@ -10,24 +11,9 @@ use crate::wording::listed;
 
 /// Refuses robots that a tool has no functions of.
 pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
-    for (tool, name, option) in
-        [(Companion::Acados, "acados", "acados"), (Companion::Casadi, "CasADi", "casadi")]
-    {
-        if tools.contains(&tool) {
-            check_joints(model, name, option)?;
-        }
-    }
-    if tools.contains(&Companion::Acados) && model.inputs().next().is_none() {
-        let message = "there is nothing for acados to choose: the robot has no inputs";
-        let help = "give joints a drive, or leave out `--for acados`";
-        return Err(Diagnostic::error("no-input", message).help(help).into());
-    }
-    Ok(())
-}
-
-fn check_joints(model: &Model, name: &str, option: &str) -> Result<(), Diagnostics> {
-    let help = format!("the module itself holds for such robots: leave out `--for {option}`");
-    model.refuse_driven(&format!("there are no functions for {name}"), &help)
+    let products = [(Companion::Acados, ACADOS), (Companion::Casadi, CASADI)].into_iter();
+    let mut wanted = products.filter(|(tool, _)| tools.contains(tool));
+    wanted.try_for_each(|(_, product)| product.check(model))
 }
 
 /// Refuses modules without the functions that acados calls.

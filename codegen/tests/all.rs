@@ -33,6 +33,7 @@ mod foreign;
 mod held_grippers;
 mod identified_friction;
 mod kernel_texts;
+mod kinds;
 mod manifold;
 mod meaning;
 mod models;

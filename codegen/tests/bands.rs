@@ -9,14 +9,14 @@ use std::path::Path;
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
 use super::common::cases;
 
 fn read(file: &Path) -> InterpretedRobot {
-    InterpretedRobot::new(&model::read(file, &ReadOptions::default()).unwrap().model).unwrap()
+    InterpretedRobot::new(&read::read(file, &ReadOptions::default()).unwrap().model).unwrap()
 }
 
 /// Result of the command.

@@ -5,8 +5,8 @@
 use std::fs;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 
 /// Two fingers and a thumb on a turning palm; what moves them stands in the keys.
@@ -37,7 +37,7 @@ fn file(text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 
 fn forces(text: &str, motion: [&[f64]; 3]) -> Vec<f64> {
     let (_kept, file) = file(text);
-    let model = model::read(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
+    let model = read::read(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
     let robot = InterpretedRobot::new(&model).unwrap();
     let mut forces = vec![0.0; robot.joint_names().len()];
     robot.rigid_forces(motion[0], motion[1], motion[2], &mut forces);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use nalgebra::{Matrix4, Vector4};
 use tempfile::TempDir;
@@ -36,7 +36,7 @@ fn excavator() -> PathBuf {
 }
 
 fn robot(path: &Path) -> InterpretedRobot {
-    let loaded = model::read(path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    let loaded = read::read(path, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}"));
     InterpretedRobot::new(&loaded.model).unwrap_or_else(|problems| panic!("{problems}"))
 }
 

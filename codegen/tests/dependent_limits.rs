@@ -6,7 +6,7 @@ use std::fs;
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::excitation::{Excitation, Plan, PlanSettings, plan};
 use gelenk_identification::robot::Robot;
 
@@ -62,7 +62,7 @@ fn planned(forearm: &str) -> (Plan, InterpretedRobot) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.toml");
     fs::write(&file, robot(forearm)).unwrap();
-    let model = model::read(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
+    let model = read::read(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
     let robot = InterpretedRobot::new(&model).unwrap();
     let excitation =
         Excitation { period: 10.0, harmonics: 3, samples: 60, starts: 2, iterations: 40, seed: 1 };

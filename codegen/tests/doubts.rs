@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics, Severity};
-use gelenk_codegen::model::{Model, ReadOptions, from_toml};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
+use gelenk_codegen::read::{ReadOptions, from_toml};
 
 fn load_onto(text: &str, base: &str) -> Result<(Model, Diagnostics), Diagnostics> {
     let load = &mut |file: &str| match file {
@@ -117,6 +118,14 @@ fn springs_between_the_same_points_are_noted() {
     assert_eq!(told(&boom(&[&first[..], CYLINDER].concat())), []);
 }
 
+#[test]
+fn a_force_that_jumps_with_the_sign_of_its_rate_is_noted() {
+    let brake = "[[forces]]\nname = \"brake\"\nbetween = [\"foot\", \"rod\"]\nlaw = \"50*sign(dl)\"\n";
+    let (severity, told) = only(&boom(brake));
+    assert_eq!(severity, Severity::Note);
+    assert!(told.starts_with("note[dry-force]: the force `brake` jumps with the sign"), "{told}");
+}
+
 /// A lever that is a free parameter may be 0 as it is described.
 #[test]
 fn an_input_without_effect_at_the_described_parameters_is_a_warning() {
@@ -185,25 +194,25 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             ", torque = 1.5",
             "",
             Severity::Warning,
-            "the torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
+            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
         ),
         (
             ", torque = { nominal = 0.5, peak = 1.5 }",
             "",
             Severity::Note,
-            "the peak torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
+            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, and it has 1.2 N m at rest",
         ),
         (
             ", speed = 700",
             "",
             Severity::Note,
-            "motor `arm` has no torque left at 600 rad/s, its `no_load_speed`, and may turn at 700 rad/s, its `speed`",
+            "note[beyond-no-load-speed]: motor `arm` has no torque left at 600 rad/s, its `no_load_speed`, and may turn at 700 rad/s, its `speed`",
         ),
         (
             "",
             ", effort = 150",
             Severity::Note,
-            "joint `arm` has an effort of 150 N m, and its motor `arm` 120 N m at rest",
+            "note[beyond-stall-torque]: joint `arm` has an effort of 150 N m, and its motor `arm` 120 N m at rest",
         ),
     ] {
         let (found, told) = only(&motor(keys, limits));

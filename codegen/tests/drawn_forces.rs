@@ -6,7 +6,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use gelenk_codegen::model::{self, Model, ReadOptions};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{self, ReadOptions};
 use serde_json::Value;
 
 fn description(name: &str) -> std::path::PathBuf {
@@ -29,7 +30,7 @@ fn drawn(name: &str) -> (Value, String) {
 }
 
 fn read(name: &str) -> Model {
-    model::read(&description(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model
+    read::read(&description(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model
 }
 
 /// A frame as the end of a line: the joint that carries its link, null for the base, and its place there.

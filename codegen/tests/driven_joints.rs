@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
@@ -60,7 +60,7 @@ fn the_page_of_an_arm_on_a_rail_has_a_slider_for_the_rail_and_checks_its_functio
 /// The arm with all its joints as coordinates.
 fn freed(path: &Path) -> InterpretedRobot {
     let options = ReadOptions { free_driven: true, ..ReadOptions::default() };
-    let loaded = model::read(path, &options).unwrap_or_else(|e| panic!("{e}"));
+    let loaded = read::read(path, &options).unwrap_or_else(|e| panic!("{e}"));
     InterpretedRobot::new(&loaded.model).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -8,8 +8,9 @@ use crate::common::Random;
 use gelenk_codegen::functions::function::Function;
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::{Model, ReadOptions, from_toml, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::read::{ReadOptions, from_toml, read};
 use gelenk_codegen::report::{sums, sums_document};
 
 const NAMES: [&str; 4] = ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"];

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use gelenk_codegen::diagnostic::Diagnostics;
 use gelenk_codegen::functions::selection::derive_functions;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::read::{ReadOptions, read};
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign").join(name)

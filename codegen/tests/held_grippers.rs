@@ -3,7 +3,8 @@
 
 use gelenk_codegen::diagnostic::Diagnostics;
 use gelenk_codegen::formula::Hold;
-use gelenk_codegen::model::{Model, ReadOptions, from_toml, from_urdf};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{ReadOptions, from_toml, from_urdf};
 use gelenk_codegen::verify::mass_and_bias;
 
 /// Links on a chain of joints: name, parent, xyz, rpy, axis, what they follow.

@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use gelenk_codegen::formula::{Formula, FrictionLaw as Described, FrictionPart, FrictionTerm as Term};
-use gelenk_codegen::model::{FrictionTerm as Read, Joint, Model, ReadOptions, from_toml};
+use gelenk_codegen::model::{FrictionTerm as Read, Joint, Model};
+use gelenk_codegen::read::{ReadOptions, from_toml};
 use gelenk_identification::friction::FrictionIdentification;
 use gelenk_identification::result::description::{Identified, identified_toml};
 use gelenk_identification::result::{FrictionLaw, FrictionResult, FrictionTerm};

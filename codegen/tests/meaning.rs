@@ -7,10 +7,10 @@ use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
 use gelenk_codegen::functions::selection::derive_functions;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
 use gelenk_codegen::model::{
-    Definiteness, FollowedCoordinate, Input, Joint, JointKind, Model, Motion, ReadOptions, RotorCoupling,
-    from_mjcf, from_toml, from_urdf, read,
+    Definiteness, FollowedCoordinate, Input, Joint, JointKind, Model, Motion, RotorCoupling,
 };
 use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::read::{ReadOptions, from_mjcf, from_toml, from_urdf, read};
 
 fn load(text: &str) -> (Model, Diagnostics) {
     let base = &mut |file: &str| match file {

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use gelenk_codegen::model::{Model, ReadOptions, from_toml, read};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{ReadOptions, from_toml, read};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

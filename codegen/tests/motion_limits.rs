@@ -5,7 +5,8 @@
 use std::fs;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, Limits, Loaded, ReadOptions};
+use gelenk_codegen::model::Limits;
+use gelenk_codegen::read::{self, Loaded, ReadOptions};
 use gelenk_identification::robot::Robot;
 
 /// A boom that a cylinder lifts, and a wrist behind it.
@@ -68,7 +69,7 @@ fn loaded(description: &str) -> Loaded {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.toml");
     fs::write(&file, description).unwrap();
-    model::read(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+    read::read(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn limits(loaded: &Loaded, joint: &str) -> Limits {
@@ -140,7 +141,7 @@ fn a_law_with_a_pole_within_reach_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("robot.toml");
         fs::write(&file, robot(RANGE, &format!("law = \"{law}\""), "")).unwrap();
-        model::read(&file, &ReadOptions::default()).map(|_| ()).map_err(|said| said.to_string())
+        read::read(&file, &ReadOptions::default()).map(|_| ()).map_err(|said| said.to_string())
     };
     for law in ["900/(l - 1.0123)", "-2/pow(l - 1.0123, 2)"] {
         let said = read(law).unwrap_err();
@@ -323,7 +324,7 @@ fn a_site_that_is_called_as_another_body_is_no_end_of_a_force() {
         fs::write(folder.path().join("robot.xml"), &mjcf).unwrap();
         let file = folder.path().join("robot.toml");
         fs::write(&file, format!("extends = \"robot.xml\"\n{more}")).unwrap();
-        model::read(&file, &ReadOptions::default()).map_err(|said| said.to_string())
+        read::read(&file, &ReadOptions::default()).map_err(|said| said.to_string())
     };
     let said = read("[[forces]]\nbetween = [\"world\", \"boom\"]\nlaw = \"10*l\"\n").unwrap_err();
     assert!(said.contains("`boom` is a site on body `stick` and a body, elsewhere"), "{said}");

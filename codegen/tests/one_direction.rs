@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
@@ -62,7 +62,7 @@ fn identify(folder: &Path, logs: &[&str]) -> (Value, InterpretedRobot) {
     let output = gelenk.args(["--format", "json", "--output", "found.toml"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stdout));
-    let model = model::read(&folder.join("found.toml"), &ReadOptions::default()).unwrap().model;
+    let model = read::read(&folder.join("found.toml"), &ReadOptions::default()).unwrap().model;
     (serde_json::from_slice(&output.stdout).unwrap(), InterpretedRobot::new(&model).unwrap())
 }
 

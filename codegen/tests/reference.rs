@@ -5,9 +5,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use gelenk_codegen::model::{
-    Joint, JointKind, Model, Motion, ReadOptions, RotorCoupling, from_toml, from_urdf, read,
-};
+use gelenk_codegen::model::{Joint, JointKind, Model, Motion, RotorCoupling};
+use gelenk_codegen::read::{ReadOptions, from_toml, from_urdf, read};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -4,7 +4,8 @@
 use std::fs;
 
 use gelenk_codegen::diagnostic::Diagnostics;
-use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{ReadOptions, read};
 
 const SCENE: &str = r#"<mujoco model="scene">
   <asset><mesh file="absent.stl"/></asset>

@@ -8,9 +8,10 @@ use gelenk_codegen::dynamics::search::routes::Formulations;
 use gelenk_codegen::emit;
 use gelenk_codegen::graph::Graph;
 use gelenk_codegen::kinematics::{Mechanism, Number};
-use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::module::Module;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
+use gelenk_codegen::read::{ReadOptions, read};
 
 fn double_pendulum() -> Generated {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/double_pendulum.toml");

@@ -15,8 +15,9 @@ use common::Random;
 use gelenk_codegen::closed_form::{self, ClosedForms, Instance, Values, display};
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::{Model, ReadOptions, from_toml, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::program::interpret::{Functions, interpret};
+use gelenk_codegen::read::{ReadOptions, from_toml, read};
 
 fn main() {
     // What derives in this process stands last: it keeps the one instance that the program would wait for.
@@ -142,7 +143,7 @@ inertia = 0.05
 fn helical_joints_are_refused_unless_they_are_held() {
     let problems = closed_form::check_size(&described(&SCREW.replace("HELD", ""))).unwrap_err().to_string();
     assert!(problems.starts_with("error[helical-joint]: there are no closed forms"), "{problems}");
-    assert!(problems.contains("`screw` is one"), "{problems}");
+    assert!(problems.contains("as `screw` is"), "{problems}");
     let worst = disagreement(&described(&SCREW.replace("HELD", "held = \"pi/2\"")), 5, 1.0);
     assert!(worst < 1e-10, "{worst:e}");
 }

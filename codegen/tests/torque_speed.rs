@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 
 /// Two joints: the first has a motor in amperes behind a gear that turns it around, both are moved by another motor.
@@ -134,7 +134,7 @@ fn planned(description: &str) -> [[f64; 2]; 2] {
     let (_kept, path) = folder(description);
     let line = "identify --plan robot.toml --harmonics 3 --seconds 6 --rate 20 --acceleration 8";
     run(&path, &line.split(' ').collect::<Vec<_>>());
-    let file = model::read(&path.join("robot.toml"), &ReadOptions::default()).unwrap();
+    let file = read::read(&path.join("robot.toml"), &ReadOptions::default()).unwrap();
     let robot = InterpretedRobot::new(&file.model).unwrap();
     let rows = fs::read_to_string(path.join("plan.csv")).unwrap();
     let mut largest = [[0.0_f64; 2]; 2];

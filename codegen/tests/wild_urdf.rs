@@ -4,8 +4,9 @@
 
 use super::common::rustc;
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics, Severity};
-use gelenk_codegen::model::{Model, ReadOptions, from_urdf};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::pipeline::{GenerateOptions, Generated, generate};
+use gelenk_codegen::read::{ReadOptions, from_urdf};
 
 fn read(text: &str) -> Result<(Model, Diagnostics), Diagnostics> {
     from_urdf(text, "r.urdf", &ReadOptions::default())
@@ -339,7 +340,7 @@ fn latin_1_is_read_where_it_is_declared() {
     };
     let load = |head: &str| {
         std::fs::write(&path, bytes(head)).unwrap();
-        gelenk_codegen::model::read(&path, &ReadOptions::default())
+        gelenk_codegen::read::read(&path, &ReadOptions::default())
     };
     let loaded = load("<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>").unwrap();
     assert_eq!(loaded.model.links[1].name, "Ärm");
@@ -422,6 +423,6 @@ fn files_of_many_megabytes_are_read() {
     let text = one_joint("revolute", REAL, LIMIT);
     let text = text.replace("</robot>", &format!("<gazebo>{mesh}</gazebo></robot>"));
     std::fs::write(&path, text).unwrap();
-    let loaded = gelenk_codegen::model::read(&path, &ReadOptions::default()).unwrap();
+    let loaded = gelenk_codegen::read::read(&path, &ReadOptions::default()).unwrap();
     assert_eq!(loaded.model.links.len(), 2);
 }

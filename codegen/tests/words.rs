@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use gelenk_codegen::diagnostic::Diagnostic;
-use gelenk_codegen::model::{Model, ReadOptions, from_mjcf, from_urdf};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{ReadOptions, from_mjcf, from_urdf};
 
 /// Messages about a URDF with these lines in a joint and in an inertial.
 fn told(joint: &str, inertial: &str) -> String {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 use gelenk_codegen::Builder;
-use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_codegen::read::{ReadOptions, read};
 
 /// The module with all functions of a Go2 has 134 000 lines.
 const TOO_LARGE: &str = "go2";

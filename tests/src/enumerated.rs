@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use fastrand::Rng;
 use gelenk_codegen::formula::Formula;
-use gelenk_codegen::model::{Model, ReadOptions, from_toml};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{ReadOptions, from_toml};
 
 use crate::random_model::numbers::{place, rigid_body};
 

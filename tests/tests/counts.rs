@@ -10,9 +10,10 @@ use std::fmt::Write as _;
 use gelenk_codegen::emit::Scalar;
 use gelenk_codegen::formula::Formula;
 use gelenk_codegen::functions::form::Form;
-use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::program::cost::count;
 use gelenk_codegen::program::{Instruction, Operation, fuse_multiply_adds};
+use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_tests::literature::{GENERAL, PLANAR, PUMA, RX90, chain, right_angles};
 use gelenk_tests::{Robot, descriptions, generate_whole_model, relative_error, robot_of_others, workspace};
 

@@ -6,7 +6,7 @@
 use std::sync::OnceLock;
 
 use fastrand::Rng;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_tests::dual::evaluate;
 use gelenk_tests::oracle::Oracle;
 use gelenk_tests::random_model::{Sample, random_driven_model, random_sample};
@@ -390,7 +390,7 @@ fn driven_joints_agree_with_rows_of_pinocchio() {
     let text = std::fs::read_to_string(folder.join("joints.json")).expect("committed values");
     let reference: Value = serde_json::from_str(&text).expect("JSON");
     let model =
-        model::read(&folder.join("driven_joints.toml"), &ReadOptions::default()).expect("a robot").model;
+        read::read(&folder.join("driven_joints.toml"), &ReadOptions::default()).expect("a robot").model;
     let robot = Robot::of_model(model, &COMPARED);
     let all: Vec<&str> =
         reference["joints"].as_array().expect("names").iter().filter_map(Value::as_str).collect();

@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::model;
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_runtime::driven::DrivenRobot;
 use gelenk_runtime::dynamics::{Differentiable, Discretizable, Dynamics};
 use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -38,7 +39,7 @@ fn whole_robot() -> Robot {
 }
 
 fn read(file: &Path) -> model::Model {
-    model::read(file, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model
+    read::read(file, &ReadOptions::default()).unwrap_or_else(|problems| panic!("{problems}")).model
 }
 
 /// ẋ with the rail's acceleration as prescribed. Accelerations are affine in the rail's force, so that two of them give

@@ -1,4 +1,4 @@
-//! The page of all rules of findings, from the comments above them.
+//! The page of all rules of findings and lints, from the comments above them.
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
@@ -39,6 +39,12 @@ fn rules(text: &str, place: &str, rows: &mut BTreeMap<String, String>) {
     }
 }
 
+/// Sections of the page with the folders of their rules.
+const SECTIONS: [(&str, &[&str]); 2] = [
+    ("Logs and fits (`gelenk identify`)", &["runtime/identification/src", "codegen/src/cli/identify"]),
+    ("Probable mistakes in descriptions", &["codegen/src/lint"]),
+];
+
 /// Most rules whose fixture does not hold their code: its test knows the finding by its words.
 const BY_WORDS: usize = 22;
 
@@ -63,6 +69,14 @@ fn fixtures(root: &Path) -> BTreeMap<String, String> {
         }
         all.insert(name.trim_start_matches("runtime/identification/src/").to_owned(), tests.to_owned());
     }
+    for folder in ["bad", "foreign"] {
+        let folder = format!("codegen/tests/snapshots/{folder}");
+        for entry in fs::read_dir(root.join(&folder)).expect("snapshots") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            all.insert(format!("{folder}/{name}"), fs::read_to_string(&path).expect("a text"));
+        }
+    }
     for entry in fs::read_dir(root.join("codegen/tests/snapshots/findings")).expect("snapshots") {
         let text = fs::read_to_string(entry.expect("an entry").path()).expect("a text");
         for section in text.split("\n== ").skip(1) {
@@ -77,20 +91,25 @@ fn fixtures(root: &Path) -> BTreeMap<String, String> {
 #[test]
 fn the_page_of_findings_is_that_of_the_rules() {
     let root = gelenk_tests::workspace();
-    let mut files = Vec::new();
-    for folder in ["runtime/identification/src", "codegen/src/cli/identify"] {
-        sources(&root.join(folder), &mut files);
-    }
-    let mut rows = BTreeMap::new();
-    for file in &files {
-        rules(&fs::read_to_string(file).expect("a source"), &file.display().to_string(), &mut rows);
-    }
     let mut page = String::from(
-        "# Findings of `gelenk identify`\n\nEach line of its output that begins with `error[CODE]`, `warning[CODE]` or `note[CODE]` is a \
-         finding. This page is made from the comments of the rules, by the test `findings` of the package `tests`.\n\n\
-         | code | level | sees | matters | example | fixture |\n|---|---|---|---|---|---|\n",
+        "# Findings\n\nEach line of output that begins with `error[CODE]`, `warning[CODE]` or `note[CODE]` is a finding. This page is \
+         made from the comments of the rules, by the test `findings` of the package `tests`.\n",
     );
-    rows.values().for_each(|row| writeln!(page, "{row}").expect("a text"));
+    let mut rows = BTreeMap::new();
+    for (heading, folders) in SECTIONS {
+        let mut files = Vec::new();
+        folders.iter().for_each(|folder| sources(&root.join(folder), &mut files));
+        let mut own = BTreeMap::new();
+        for file in &files {
+            rules(&fs::read_to_string(file).expect("a source"), &file.display().to_string(), &mut own);
+        }
+        let head = "| code | level | sees | matters | example | fixture |\n|---|---|---|---|---|---|\n";
+        write!(page, "\n## {heading}\n\n{head}").expect("a text");
+        own.values().for_each(|row| writeln!(page, "{row}").expect("a text"));
+        for (code, row) in own {
+            assert!(rows.insert(code, row).is_none(), "a code of two sections");
+        }
+    }
     let fixtures = fixtures(&root);
     let mut by_words = Vec::new();
     for (code, row) in &rows {

@@ -2,7 +2,8 @@
 //!
 //! Sources are read as tokens, so that comments and texts do not count. Tests inside of sources do not count
 //! either. A path is followed through re-exports to the file that defines its item, and it uses the rooms whose
-//! re-exports it takes on its way, too. A re-export by itself imports nothing, but for those of a crate's root.
+//! re-exports it takes on its way, too. A re-export by itself imports nothing, except those of a crate's root and of a `mod.rs`: a folder's
+//! `mod.rs` is above the files that it hands on.
 
 #![allow(clippy::expect_used, reason = "what is missing ends the test")]
 
@@ -182,7 +183,8 @@ impl Crate {
     fn edges(&self) -> BTreeMap<(PathBuf, PathBuf), String> {
         let mut edges = BTreeMap::new();
         for (name, module) in &self.modules {
-            let handed_on = module.uses.iter().map(|(_, path)| path).filter(|_| name.is_empty());
+            let is_above = name.is_empty() || module.file.ends_with("mod.rs");
+            let handed_on = module.uses.iter().map(|(_, path)| path).filter(|_| is_above);
             for path in module.own.iter().chain(&module.paths).chain(handed_on) {
                 let mut passed = BTreeSet::new();
                 let found = self.defined_in(name, path, &mut passed);
@@ -249,7 +251,8 @@ fn end_of_item(tokens: &[TokenTree], from: usize) -> usize {
 
 /// The names of a tree behind `use`, with their paths.
 fn use_tree(tokens: &[TokenTree], prefix: &[String], uses: &mut Vec<(String, Vec<String>)>) {
-    for branch in tokens.split(|token| is_mark(Some(token), ',')) {
+    // Nothing follows the last comma of a list.
+    for branch in tokens.split(|token| is_mark(Some(token), ',')).filter(|branch| !branch.is_empty()) {
         let mut path = prefix.to_vec();
         let mut name = None;
         let mut words = branch.iter();

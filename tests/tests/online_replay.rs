@@ -5,7 +5,7 @@
 use std::sync::{Arc, Mutex};
 
 use gelenk_codegen::identify::{DescribedForces, InterpretedRobot, replay};
-use gelenk_codegen::model::{ReadOptions, read};
+use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_identification::log::{ColumnOptions, runs_of};
 use gelenk_identification::run::Effort;
 use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive, JointState, Trust};

@@ -4,7 +4,8 @@
 
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::{Model, QuaternionJoint, ReadOptions, read};
+use gelenk_codegen::model::{Model, QuaternionJoint};
+use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_codegen::report::{Contents, report};
 use gelenk_report::{
     Axis, Block, Claim, Criterion, Equation, Figure, Marks, Pattern, Plot, Report, Section, Table, text,

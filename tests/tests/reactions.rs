@@ -3,7 +3,8 @@
 
 use fastrand::Rng;
 use gelenk_codegen::formula::Formula;
-use gelenk_codegen::model::{Joint, JointKind, Limits, Link, Model, Motion, Pose, ReadOptions, read};
+use gelenk_codegen::model::{Joint, JointKind, Limits, Link, Model, Motion, Pose};
+use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_tests::oracle::{Oracle, value};
 use gelenk_tests::random_model::{random_coupled_model, random_helical_model, random_model, random_sample};
 use gelenk_tests::{Robot, workspace};

@@ -7,9 +7,10 @@ use std::path::Path;
 
 use fastrand::Rng;
 use gelenk_codegen::functions::function::ConstantValue;
+use gelenk_codegen::model::Joint;
 use gelenk_codegen::model::Model;
-use gelenk_codegen::model::{Joint, ReadOptions, read};
 use gelenk_codegen::pipeline::{GenerateOptions, generate};
+use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_identification::inertial::margin;
 use gelenk_tests::positions::positions;
 use gelenk_tests::random_model::{Sample, random_helical_model, random_model, random_sample};

@@ -5,9 +5,10 @@
 use gelenk_codegen::emit;
 use gelenk_codegen::functions::selection;
 use gelenk_codegen::functions::size::MOST_OPERATIONS;
-use gelenk_codegen::model::{Model, ReadOptions, read};
+use gelenk_codegen::model::Model;
 use gelenk_codegen::module::Module;
 use gelenk_codegen::program::display::{self, Notation};
+use gelenk_codegen::read::{ReadOptions, read};
 use gelenk_tests::workspace;
 
 /// Functions that show every idiom of the emitted text.

@@ -6,7 +6,7 @@ use crate::diagnostic::nearest;
 use crate::emit::{Companion, Language, Scalar};
 use crate::function_names;
 use crate::functions::position_functions::PositionFunction;
-use crate::model::ReadOptions;
+use crate::read::ReadOptions;
 use crate::wording::toml_text;
 use gelenk_formula::Hold;
 

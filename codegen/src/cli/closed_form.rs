@@ -17,8 +17,9 @@ use super::print;
 use super::progress::Progress;
 use crate::closed_form::{self, Instance, display};
 use crate::diagnostic::Diagnostics;
-use crate::model::{self, Loaded, Model};
+use crate::model::Model;
 use crate::output::{Planned, Replaces};
+use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Symbol};
 
 /// Shows M, k, q and B in closed form.
@@ -33,7 +34,7 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
 
 fn read(arguments: &Inspect) -> Result<Loaded, Failure> {
     let options = arguments.choices.reading.options();
-    model::read(&arguments.description, &options).map_err(problem)
+    read::read(&arguments.description, &options).map_err(problem)
 }
 
 fn problem(diagnostics: Diagnostics) -> Failure {

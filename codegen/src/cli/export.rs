@@ -11,19 +11,18 @@ use super::place::{Workspace, shown};
 use super::print;
 use crate::diagnostic::Diagnostics;
 use crate::export::{self, Exported};
-use crate::model::{self, Loaded, ReadOptions};
+use crate::functions::catalogue::EXPORT;
 use crate::output::{Outcome, Planned, Replaces};
+use crate::read::{self, Loaded, ReadOptions};
 
 /// Writes a description in another format.
 pub(super) fn export(arguments: &Export, format: Format) -> Result<ExitCode, Failure> {
     let reading = arguments.reading.options();
     // A sign is dry friction in both formats, a tanh is not.
     let options = ReadOptions { exact_sign: reading.smooth_sign.is_none(), ..reading };
-    let loaded = model::read(&arguments.description, &options);
+    let loaded = read::read(&arguments.description, &options);
     let Loaded { model, notes, files } = loaded.map_err(|why| Failure::Descriptions(vec![why]))?;
-    let help = "neither format prescribes motions: without `motion` the joint is a coordinate";
-    let refused = model.refuse_driven("a robot is not exported", help);
-    refused.map_err(|why| Failure::Descriptions(vec![why]))?;
+    EXPORT.check(&model).map_err(|why| Failure::Descriptions(vec![why]))?;
     let target = if arguments.mjcf { export::Format::Mjcf } else { export::Format::Urdf };
     let source = shown(&arguments.description, Workspace::find().as_ref());
     let Exported { text, notes: losses } = export::export(&model, target, &source);

@@ -130,7 +130,7 @@ fn signs(places: &[[f64; 2]]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::diagnostic::Diagnostic;
-    use crate::model::{ReadOptions, from_toml};
+    use crate::read::{ReadOptions, from_toml};
 
     /// Thrust is up whatever the frame of a propeller is, and whichever way its axis is counted.
     #[test]

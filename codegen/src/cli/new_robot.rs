@@ -7,7 +7,8 @@ use super::failure::Failure;
 use super::new_feet::{self, Foot};
 use super::new_propellers;
 use crate::diagnostic::Diagnostics;
-use crate::model::{DescriptionFiles, Joint, Model, QuaternionKind, ReadOptions};
+use crate::model::{Joint, Model, QuaternionKind};
+use crate::read::{DescriptionFiles, ReadOptions};
 use crate::wording::{quoted, toml_text};
 use gelenk_formula::Hold;
 

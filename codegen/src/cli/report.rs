@@ -15,7 +15,7 @@ use crate::diagnostic::Diagnostics;
 use crate::functions::form::Form;
 use crate::functions::selection::{self, Request};
 use crate::functions::size::MOST_OPERATIONS;
-use crate::model::{self, Loaded};
+use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
 use crate::wording::quoted;
 
@@ -50,7 +50,7 @@ pub(super) fn written(page: &Report, folder: &Path, option: &str) -> Result<Vec<
 }
 
 fn read(arguments: &arguments::Report) -> Result<Loaded, Failure> {
-    model::read(&arguments.description, &arguments.reading.options()).map_err(problem)
+    read::read(&arguments.description, &arguments.reading.options()).map_err(problem)
 }
 
 fn problem(diagnostics: Diagnostics) -> Failure {

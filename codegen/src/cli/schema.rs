@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::failure::Failure;
 use super::print;
-use crate::model::keys::{FREE, Key, Keys, ROBOT, Value, parts};
+use crate::read::toml::keys::{FREE, Key, Keys, ROBOT, Value, parts};
 
 /// The name of its file, by which a description names it.
 pub(super) const FILE: &str = "gelenk.schema.json";

@@ -32,8 +32,8 @@ pub use terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Values, Wave};
 use symbolica::atom::{Atom, AtomCore};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::dynamics::load_friction;
-use crate::model::{JointKind, Model};
+use crate::functions::catalogue::CLOSED_FORMS;
+use crate::model::Model;
 use algebra::Variables;
 use bodies::Bodies;
 use fourier::Part;
@@ -53,9 +53,8 @@ pub const MAXIMUM_ANGLES: usize = 4;
 /// - `instance`: the right to use Symbolica
 ///
 /// # Errors
-/// `coupled-joints` where a joint or drive follows several coordinates, or another's; `load-friction` where
-/// friction grows with the load; `frame-forces` where springs or inputs act at frames; `too-many-joints` where more than [`MAXIMUM_JOINTS`] coordinates move,
-/// `too-many-angles` beyond [`MAXIMUM_ANGLES`].
+/// The code of a [`Kind`](crate::functions::catalogue::Kind) that has no closed forms; `too-many-joints` if more than
+/// [`MAXIMUM_JOINTS`] coordinates move, `too-many-angles` beyond [`MAXIMUM_ANGLES`].
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
     let variables = Variables::new(instance);
@@ -102,51 +101,8 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
 /// # Errors
 /// As [`derive()`].
 pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
-    if let Some(Obstacle { code, message, of }) = obstacle(model) {
-        let help = format!("`gelenk inspect program` shows the equations{of} with their abbreviations");
-        return Err(Diagnostic::error(code, message).help(help).into());
-    }
-    let help = "`gelenk inspect program` shows the equations of driven joints with their abbreviations";
-    model.refuse_driven("there are no closed forms", help)?;
+    CLOSED_FORMS.check(model)?;
     check_coordinates(model)
-}
-
-/// Reason why a model has no closed form: a diagnostic, and the name that its help gives to the equations.
-struct Obstacle {
-    code: &'static str,
-    message: String,
-    of: &'static str,
-}
-
-fn obstacle(model: &Model) -> Option<Obstacle> {
-    let obstacle = |code, message, of| Some(Obstacle { code, message, of });
-    if let Some(coupled) = coupled_joint(model) {
-        let message =
-            format!("closed forms exist only if every joint and drive has one coordinate; {coupled}");
-        return obstacle("coupled-joints", message, " of coupled joints");
-    }
-    if let Some(joint) = model.quaternion_joints.first() {
-        let message =
-            format!("there are no closed forms of {} joints; `{}` is one", joint.kind.name(), joint.name);
-        return obstacle("quaternion-joint", message, "");
-    }
-    if let Some(joint) = model.joints().find(|joint| matches!(joint.kind, JointKind::Helical { .. })) {
-        let message = format!("there are no closed forms of helical joints; `{}` is one", joint.name);
-        return obstacle("helical-joint", message, " of helical joints");
-    }
-    if load_friction::is_there(model) {
-        let message = format!(
-            "there are no closed forms if friction grows with the load, as that of `{}` does: M, k, q and B are not its \
-             whole equations",
-            model.name
-        );
-        return obstacle("load-friction", message, "");
-    }
-    if !model.point_forces.is_empty() || !model.force_inputs.is_empty() {
-        let message = format!("there are no closed forms if forces act at frames, as in `{}`", model.name);
-        return obstacle("frame-forces", message, "");
-    }
-    None
 }
 
 /// Formulas grow with the coordinates, and with the angles that stay in them.
@@ -177,14 +133,6 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
         return Err(Diagnostics::new(vec![problem]));
     }
     Ok(())
-}
-
-/// A joint or a drive that follows others, in words.
-fn coupled_joint(model: &Model) -> Option<String> {
-    let joint = model.followers.first().and_then(|follower| model.links[follower.link].joint.as_ref());
-    let joint = joint.map(|joint| format!("joint `{}` follows others", joint.name));
-    let drive = model.input_drives().find(|drive| drive.coordinate().is_none());
-    joint.or_else(|| drive.map(|drive| format!("drive `{}` acts on several", drive.name)))
 }
 
 /// From Symbolica's expressions to sums of ours.

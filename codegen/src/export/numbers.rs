@@ -43,7 +43,7 @@ pub(super) struct Friction {
 
 impl Values {
     pub(super) fn of(model: &Model) -> Self {
-        Self(model.parameters.iter().map(|parameter| parameter.default).collect())
+        Self(model.described_parameters())
     }
 
     pub(super) fn number(&self, formula: &Formula) -> f64 {

@@ -3,8 +3,9 @@
 use super::format::Format;
 use super::numbers::Values;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::model::{Model, ReadOptions, from_mjcf, from_urdf};
+use crate::model::Model;
 use crate::random::Random;
+use crate::read::{ReadOptions, from_mjcf, from_urdf};
 use crate::verify::mass_and_bias;
 use crate::wording::{list, telling};
 use gelenk_formula::Formula;

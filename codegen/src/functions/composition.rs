@@ -1,6 +1,5 @@
 //! Functions that call other generated ones: the robot in discrete time.
 
-use crate::dynamics::load_friction;
 use crate::function_names;
 use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
@@ -75,21 +74,8 @@ impl Composition {
     }
 
     /// The equation in Unicode.
-    pub(crate) fn equation(self, model: &Model) -> &'static str {
-        let has_quaternions = !model.quaternion_joints.is_empty();
+    pub(crate) fn equation(self) -> &'static str {
         match self {
-            Self::Discretize if has_quaternions => {
-                "x⁺ = A_d x + B_d u + c_d with x = (δ, v), solves δ̇ = D δ + v, v̇ = A_y δ + A_v v + B_x u + c with u held"
-            }
-            Self::Step if has_quaternions => {
-                "(y⁺, ẏ⁺) ≈ the motion with ÿ = forward_dynamics(y, ẏ, u) after the period, u held"
-            }
-            Self::StepDerivatives if has_quaternions => {
-                "(y⁺ ⊕ δy⁺, ẏ⁺ + δẏ⁺) = step(y ⊕ δy, ẏ + δẏ, u + δu) to first order"
-            }
-            Self::Step if load_friction::is_there(model) => {
-                "x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, forward_dynamics(y, ẏ, u)) and u held"
-            }
             Self::Discretize => {
                 "x⁺ = A_d x + B_d u + c_d with x = (y, ẏ), solves ẋ = A x + B_x u + c with u held"
             }

@@ -1,7 +1,7 @@
 //! From a row of the catalogue to a function.
 
 use super::assemble::{arguments_in, assemble};
-use super::catalogue::{Argument, FrameQuantity, Otherwise, Quantity, QuantityResult};
+use super::catalogue::{self, Argument, FrameQuantity, Quantity, QuantityResult};
 use super::form::{self, Derived, Forms};
 use super::function::{FrameFunction, Function};
 use crate::dynamics::forces;
@@ -31,7 +31,7 @@ pub(super) fn derive_quantity(
         quantity.equation,
         notes,
     );
-    say_otherwise(model, quantity.otherwise, &mut function);
+    catalogue::otherwise(model, quantity.name).for_each(|said| said.describe(&mut function));
     (quantity.describe)(model, &mut function);
     function.arrays = arrays;
     function.notes.extend(forces::jump_note(model, &function.program));
@@ -72,13 +72,8 @@ pub(super) fn derive_frame(
         Vec::new(),
     );
     function.frame = Some(of_frame);
-    say_otherwise(model, quantity.otherwise, &mut function);
+    catalogue::otherwise(model, quantity.kind.pattern()).for_each(|said| said.describe(&mut function));
     function
-}
-
-/// Documentation for robots to which the row does not apply in full.
-fn say_otherwise(model: &Model, otherwise: &[Otherwise], function: &mut Function) {
-    otherwise.iter().for_each(|said| said.say(model, function));
 }
 
 /// A function without a name.

@@ -8,7 +8,6 @@ use super::assemble::{arguments_of, straight_program};
 use super::catalogue::{self, BuildLoops, Estimate, Loops, Quantity};
 use crate::dynamics::equations::Equations;
 use crate::dynamics::forces;
-use crate::dynamics::load_friction;
 use crate::dynamics::per_joint;
 use crate::dynamics::search::routes::Formulations;
 use crate::dynamics::tangent;
@@ -225,10 +224,7 @@ impl<'m> Forms<'m> {
     fn may_loop(&self, quantity: &Quantity) -> bool {
         matches!(quantity.loops, Some(Loops::PerJoint { .. }))
             && !self.is_straight(quantity)
-            // The loops know neither loads nor forces at frames.
-            && !load_friction::is_there(self.model)
-            && self.model.point_forces.is_empty()
-            && !self.model.inputs_depend_on_position()
+            && catalogue::refusal(self.model, catalogue::LOOPS.name).is_none()
             && per_joint::is_possible(self.mechanism())
     }
 

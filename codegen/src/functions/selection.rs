@@ -5,10 +5,9 @@
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::dynamics::load_friction;
 use crate::dynamics::search::routes::Formulations;
 use crate::function_names;
-use crate::functions::catalogue::{self, FrameQuantity, Quantity};
+use crate::functions::catalogue::{self, FrameQuantity, Quantity, Refusal};
 use crate::functions::composition::Composition;
 use crate::functions::form::{Form, Forms};
 use crate::functions::function::{FrameFunction, Function};
@@ -33,6 +32,12 @@ pub struct Request<'a> {
     pub straight: &'a [String],
 }
 
+impl Request<'_> {
+    fn is_named(&self, name: &str) -> bool {
+        self.names.iter().any(|other| other == name)
+    }
+}
+
 /// The functions of a module.
 #[derive(Debug, Clone)]
 pub struct Selection {
@@ -47,18 +52,27 @@ pub struct Selection {
 /// Derives the wanted functions, and the functions that they call.
 ///
 /// # Errors
-/// `unknown-function` for each name that the model does not have; `singular-mass-matrix` and `too-large` for
-/// functions that are asked for by name and cannot be generated.
+/// `unknown-function` for each name that the model does not have; for functions that are asked for by name and cannot be
+/// generated `too-large` or the code of their [`Kind`](catalogue::Kind).
 pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnostics> {
     catalogue::check_names(model, request.names)?;
     let mechanism = Mechanism::new(model);
     let formulations = Formulations::new(model, &mechanism);
     let forms = Forms::new(model, &formulations, request.form, request.straight);
-    let wanted = Wanted::new(request, &forms);
     let mut left_out = LeftOut::default();
-    let rows = left_out.many_frames(model, &wanted, rows(model));
-    let rows = left_out.without_load(model, &wanted, rows)?;
-    let rows = left_out.without_inverse(model, &wanted, rows)?;
+    let mut compositions = catalogue::compositions(request.names);
+    compositions.retain(|each| {
+        let refusal = catalogue::refusal(model, each.name());
+        left_out.is_possible(each.name(), refusal, request.is_named(each.name()))
+    });
+    let wanted = Wanted::new(request, &forms, compositions);
+    let mut rows: Vec<_> = rows(model).filter(|row| wanted.includes(row)).collect();
+    rows.retain(|row| {
+        let (name, refusal) = (row.name(), catalogue::refusal(model, row.row_name()));
+        left_out.is_possible(&name, refusal, wanted.is_asked_for(&name))
+    });
+    or_problems((), std::mem::take(&mut left_out.problems))?;
+    let rows = left_out.many_frames(model, &wanted, rows);
     let rows = left_out.too_large_before(model, &wanted, rows, &forms)?;
     let definiteness = model.definiteness();
     let mut functions: Vec<Function> = Vec::new();
@@ -75,10 +89,8 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
         }
     }
     let is_generated = |each: &Composition| functions.iter().any(|f| f.name == each.calls());
-    let (of_driven, compositions): (Vec<_>, Vec<_>) =
-        wanted.compositions.iter().copied().partition(|_| !model.driven.is_empty());
-    left_out.of_driven(&wanted, &of_driven)?;
-    let (compositions, missing): (Vec<_>, Vec<_>) = compositions.into_iter().partition(is_generated);
+    let (compositions, missing): (Vec<_>, Vec<_>) =
+        wanted.compositions.iter().copied().partition(is_generated);
     let missing = missing.iter().map(|each| each.name().to_owned());
     left_out.callers.extend(missing);
     Ok(Selection { notes: left_out.notes(model, request.most), functions, compositions })
@@ -134,6 +146,14 @@ fn rows(model: &Model) -> impl Iterator<Item = Row<'_>> {
 }
 
 impl Row<'_> {
+    /// Its name in the table of kinds.
+    fn row_name(&self) -> &'static str {
+        match self {
+            Self::Quantity(quantity) => quantity.name,
+            Self::Frame(_, quantity) => quantity.kind.pattern(),
+        }
+    }
+
     fn name(&self) -> String {
         match self {
             Self::Quantity(quantity) => quantity.name.to_owned(),
@@ -158,8 +178,7 @@ struct Wanted<'a> {
 }
 
 impl<'a> Wanted<'a> {
-    fn new(request: &'a Request<'a>, forms: &Forms<'_>) -> Self {
-        let compositions = catalogue::compositions(request.names);
+    fn new(request: &'a Request<'a>, forms: &Forms<'_>, compositions: Vec<Composition>) -> Self {
         let calls = compositions.iter().map(|each| each.calls());
         let mut called: Vec<&'static str> = calls.collect();
         let named = request.names.iter().map(String::as_str);
@@ -168,17 +187,13 @@ impl<'a> Wanted<'a> {
         Self { request, compositions, called }
     }
 
-    fn is_named(&self, name: &str) -> bool {
-        self.request.names.iter().any(|other| other == name)
-    }
-
     fn selects_all(&self) -> bool {
         function_names::select_all(self.request.names)
     }
 
     fn names_row(&self, row: &Row<'_>) -> bool {
-        let is_frame = matches!(row, Row::Frame(..)) && self.is_named(function_names::FRAMES);
-        is_frame || self.is_named(&row.name())
+        let is_frame = matches!(row, Row::Frame(..)) && self.request.is_named(function_names::FRAMES);
+        is_frame || self.request.is_named(&row.name())
     }
 
     fn includes(&self, row: &Row<'_>) -> bool {
@@ -187,34 +202,22 @@ impl<'a> Wanted<'a> {
         is_included || self.names_row(row) || self.called.contains(&&*name)
     }
 
-    /// The function's name, and the function that needs it if it is not requested itself.
-    fn with_caller(&self, name: &str) -> String {
-        let mut callers = self.compositions.iter();
-        let caller = callers.find(|each| each.calls() == name);
-        match caller {
-            Some(caller) if !self.is_named(name) => {
-                format!("`{name}`, which `{}` calls,", caller.name())
-            }
-            _ => format!("`{name}`"),
-        }
-    }
-
     /// Whether it is asked for by name, itself or by something that calls it.
     fn is_asked_for(&self, name: &str) -> bool {
         let is_straight = self.request.straight.iter().any(|other| other == name);
         let is_called = !self.selects_all() && self.called.contains(&name);
-        self.is_named(name) || is_straight || is_called
+        self.request.is_named(name) || is_straight || is_called
     }
 }
 
 /// Functions of the default selection that cannot be generated.
 #[derive(Default)]
 struct LeftOut {
-    need_inverse: Vec<String>,
-    ignore_load: Vec<String>,
+    /// Functions that a kind of robots lacks.
+    refused: Vec<(Refusal, Vec<String>)>,
+    /// Those of them that are asked for by name.
+    problems: Vec<Diagnostic>,
     too_large: Vec<TooLarge>,
-    /// Functions over a sample time, where joints are driven.
-    over_time: Vec<String>,
     /// Functions of frames, if there are very many.
     of_frames: usize,
     /// Functions that call others which are left out.
@@ -222,88 +225,31 @@ struct LeftOut {
 }
 
 impl LeftOut {
-    /// The rows that are wanted. A URDF may have thousands of frames, and each has three functions.
-    fn many_frames<'m>(
-        &mut self,
-        model: &Model,
-        wanted: &Wanted<'_>,
-        rows: impl Iterator<Item = Row<'m>>,
-    ) -> Vec<Row<'m>> {
-        let are_too_many = model.frames.len() > MOST_FRAMES;
-        let is_kept = |row: &Row<'_>| {
-            let is_left_out = are_too_many
-                && wanted.selects_all()
-                && matches!(row, Row::Frame(..))
-                && !wanted.names_row(row);
-            self.of_frames += usize::from(is_left_out);
-            !is_left_out && wanted.includes(row)
-        };
-        rows.filter(is_kept).collect()
-    }
-
-    /// The rows that hold where friction grows with the load, if it does.
-    fn without_load<'m>(
-        &mut self,
-        model: &Model,
-        wanted: &Wanted<'_>,
-        rows: Vec<Row<'m>>,
-    ) -> Result<Vec<Row<'m>>, Diagnostics> {
-        if !load_friction::is_there(model) {
-            return Ok(rows);
+    /// Whether a function is not refused.
+    fn is_possible(&mut self, name: &str, refusal: Option<Refusal>, is_asked_for: bool) -> bool {
+        let Some(refusal) = refusal else { return true };
+        if is_asked_for {
+            self.problems.push(refusal.error(&format!("there is no `{name}`")));
+            return false;
         }
-        let (impossible, possible): (Vec<_>, Vec<_>) =
-            rows.into_iter().partition(|row| matches!(row, Row::Quantity(quantity) if quantity.ignores_load));
-        let names = impossible.iter().map(Row::name);
-        let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_asked_for(name));
-        self.ignore_load = others;
-        let problem = |name: &String| {
-            let message = format!(
-                "there is no {} where friction grows with the load: {IGNORES}",
-                wanted.with_caller(name)
-            );
-            Diagnostic::error("load-friction", message).help(INSTEAD)
-        };
-        or_problems(possible, asked.iter().map(problem).collect())
-    }
-
-    /// The rows that can do with a singular mass matrix, if it is one.
-    fn without_inverse<'m>(
-        &mut self,
-        model: &Model,
-        wanted: &Wanted<'_>,
-        rows: Vec<Row<'m>>,
-    ) -> Result<Vec<Row<'m>>, Diagnostics> {
-        let motions = model.motions_without_inertia();
-        if motions.is_empty() {
-            return Ok(rows);
+        let name = format!("`{name}`");
+        match self.refused.iter_mut().find(|(other, _)| *other == refusal) {
+            Some((_, names)) => names.push(name),
+            None => self.refused.push((refusal, vec![name])),
         }
-        let (impossible, possible): (Vec<_>, Vec<_>) = rows
-            .into_iter()
-            .partition(|row| matches!(row, Row::Quantity(quantity) if quantity.needs_inverse));
-        let names = impossible.iter().map(Row::name);
-        let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_asked_for(name));
-        self.need_inverse = others;
-        let listed = motions.join(", ");
-        let problem = |name: &String| {
-            let message = format!(
-                "{} needs the inverse of the mass matrix, which is singular: nothing that has inertia moves with {listed}",
-                wanted.with_caller(name)
-            );
-            Diagnostic::error("singular-mass-matrix", message).help(INERTIA)
-        };
-        or_problems(possible, asked.iter().map(problem).collect())
+        false
     }
 
-    /// Functions over a sample time need the driven motion within it.
-    fn of_driven(&mut self, wanted: &Wanted<'_>, functions: &[Composition]) -> Result<(), Diagnostics> {
-        let names = functions.iter().map(|each| each.name().to_owned());
-        let (asked, others): (Vec<_>, Vec<_>) = names.partition(|name| wanted.is_named(name));
-        self.over_time = others;
-        let problem = |name: &String| {
-            let message = format!("there is no `{name}` where joints are driven: {NEEDS_MOTION}");
-            Diagnostic::error("driven-joint", message).help(INTEGRATE)
-        };
-        or_problems((), asked.iter().map(problem).collect())
+    /// The rows without those of frames if there are very many: a URDF may have thousands, and each has three functions.
+    fn many_frames<'m>(&mut self, model: &Model, wanted: &Wanted<'_>, rows: Vec<Row<'m>>) -> Vec<Row<'m>> {
+        if model.frames.len() <= MOST_FRAMES || !wanted.selects_all() {
+            return rows;
+        }
+        let count = rows.len();
+        let is_kept = |row: &Row<'_>| matches!(row, Row::Quantity(_)) || wanted.names_row(row);
+        let kept: Vec<_> = rows.into_iter().filter(is_kept).collect();
+        self.of_frames = count - kept.len();
+        kept
     }
 
     /// The rows that are not known to be too large before they are derived.
@@ -339,27 +285,10 @@ impl LeftOut {
     }
 
     fn notes(&self, model: &Model, most: usize) -> Vec<Diagnostic> {
-        let mut notes = Vec::new();
-        let callers = match self.callers.as_slice() {
-            [] => String::new(),
-            callers => format!(", and what calls them, {}", quoted(callers)),
-        };
-        if !self.need_inverse.is_empty() {
-            let message = format!(
-                "left out, because the mass matrix is singular: {}{callers}",
-                quoted(&self.need_inverse)
-            );
-            notes.push(Diagnostic::note("left-out", message));
-        }
-        if !self.ignore_load.is_empty() {
-            let message =
-                format!("left out, because friction grows with the load: {}", quoted(&self.ignore_load));
-            notes.push(Diagnostic::note("left-out", format!("{message}; {IGNORES}")).help(INSTEAD));
-        }
-        if !self.over_time.is_empty() {
-            let message = format!("left out, because joints are driven: {}", quoted(&self.over_time));
-            notes.push(Diagnostic::note("left-out", format!("{message}; {NEEDS_MOTION}")).help(INTEGRATE));
-        }
+        let refused = self.refused.iter();
+        let mut notes: Vec<Diagnostic> = refused
+            .map(|(refusal, names)| refusal.note(&format!("left out: {}", names.join(", "))))
+            .collect();
         if self.of_frames > 0 {
             let message =
                 format!("left out: the {} functions of {} frames", self.of_frames, model.frames.len());
@@ -367,29 +296,15 @@ impl LeftOut {
             notes.push(Diagnostic::note("left-out", message).help(help));
         }
         if !self.too_large.is_empty() {
-            let callers = match self.need_inverse.is_empty() {
-                true => callers.as_str(),
-                false => "",
+            let callers: Vec<String> = self.callers.iter().map(|name| format!("`{name}`")).collect();
+            let callers = match callers.is_empty() {
+                true => String::new(),
+                false => format!(", and what calls them, {}", callers.join(", ")),
             };
-            notes.push(size::note(model, &self.too_large, callers, most));
+            notes.push(size::note(model, &self.too_large, &callers, most));
         }
         notes
     }
-}
-
-/// Why functions over a sample time are left out where joints are driven.
-const INERTIA: &str =
-    "describe the mass or the rotor that moves with it, or ask for functions without the inverse";
-const NEEDS_MOTION: &str = "it would need their motion all through the sample time";
-const INTEGRATE: &str = "`forward_dynamics` and `linearize` take the driven motion at one time; `DrivenRobot` of gelenk-runtime makes steps of them, with a motion over time";
-
-/// Why functions are left out where friction grows with the load.
-const IGNORES: &str = "M and M⁻¹ would be taken for derivatives that have another factor there";
-const INSTEAD: &str = "`inverse_dynamics_derivatives` and `linearize` hold; by the accelerations the former has D M, see its documentation";
-
-fn quoted(names: &[String]) -> String {
-    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    names.join(", ")
 }
 
 fn or_problems<T>(value: T, problems: Vec<Diagnostic>) -> Result<T, Diagnostics> {

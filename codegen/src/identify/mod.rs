@@ -32,10 +32,11 @@ mod tests {
 
     use super::*;
     use crate::dynamics::parameters::regressor::PER_LINK;
-    use crate::model::{self, ReadOptions};
+    use crate::model;
+    use crate::read::{self, ReadOptions};
 
     fn robot(path: &Path) -> InterpretedRobot {
-        let loaded = model::read(path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let loaded = read::read(path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
         InterpretedRobot::new(&loaded.model).unwrap_or_else(|e| panic!("{e}"))
     }
 
@@ -95,7 +96,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("arm.toml");
         std::fs::write(&path, RUBBING_SHAFTS).unwrap();
-        let described = model::read(&path, &ReadOptions::default()).unwrap().model;
+        let described = read::read(&path, &ReadOptions::default()).unwrap().model;
         assert_eq!(InterpretedRobot::new(&described).unwrap().takes_inertia(), [false; 2]);
         let identified =
             [IdentifiedDrive { rotor: Some(2e-4), ..Default::default() }, IdentifiedDrive::default()];
@@ -111,7 +112,7 @@ mod tests {
         });
         let path = folder.path().join("identified.toml");
         std::fs::write(&path, text.unwrap()).unwrap();
-        let read = model::read(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
+        let read = read::read(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}")).model;
         let rotors = read.drives.iter().map(|drive| drive.rotor_inertia.evaluate(&[], 0.0, 0.0));
         assert_eq!(rotors.collect::<Vec<_>>(), [2e-4, 5e-5]);
         let friction = |model: &model::Model, v: f64| -> Vec<f64> {

@@ -11,6 +11,7 @@ use super::parameters::result;
 use super::shafts::{joint_terms, shaft_rotor, shafts, shared_drives};
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::parameter_names;
+use crate::functions::catalogue::IDENTIFICATION;
 use crate::functions::form::Form;
 use crate::functions::function::Function;
 use crate::functions::selection::derive_in_form;
@@ -70,8 +71,7 @@ impl InterpretedRobot {
     /// # Errors
     /// As [`derive_in_form`]: a robot whose functions cannot be generated. `driven-joint` where joints are driven.
     pub fn with(model: &Model, choices: &RobotChoices) -> Result<Self, Diagnostics> {
-        let help = "read the description with `ReadOptions::free_driven`, and name these joints by `RobotChoices::unmeasured`";
-        model.refuse_driven("robots are not identified", help)?;
+        IDENTIFICATION.check(model)?;
         let mut model = model.clone();
         let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
         let shafts =

@@ -39,7 +39,7 @@ pub struct ForceInput {
 
 impl ForceInput {
     /// N where a unit of the input makes a force, else N m.
-    pub(super) fn unit(&self) -> &'static str {
+    pub(crate) fn unit(&self) -> &'static str {
         match &self.effect {
             ForceEffect::Wrench { wrench, .. } if wrench[..3].iter().all(Formula::is_zero) => "N m",
             ForceEffect::Wrench { .. } | ForceEffect::Pull(_) => "N",

@@ -15,7 +15,7 @@ const SMALLEST_EXTENT: f64 = 1e-3;
 
 /// A fault of a body.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Flaw {
+pub(crate) enum Flaw {
     /// There is an inertia and no mass.
     Massless,
     /// A principal moment is negative: the three moments, ascending.
@@ -62,7 +62,7 @@ fn largest(moments: &[f64]) -> f64 {
 /// and none exceeds the sum of the others. Limits are allowed: a point mass (all zero), a thin rod (one
 /// zero). What breaks these rules by less than `1e-6 max |Iᵢ| + 1e-12 m l²` is rounding, l the distance of
 /// the centre of mass from the link's origin and at least 1 mm.
-pub(super) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
+pub(crate) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
     let moments = principal_moments(inertia);
     let [low, middle, high] = moments;
     let extent = center.iter().map(|x| x * x).sum::<f64>();

@@ -14,12 +14,12 @@ const IN_FORMULAS: [&str; 12] =
     ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "sqrt", "pow", "powi"];
 
 /// Whether the name is a word of Rust.
-pub(super) fn is_keyword(name: &str) -> bool {
+pub(crate) fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
 /// Whether the name means something else in formulas.
-pub(super) fn has_meaning(name: &str) -> bool {
+pub(crate) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }
 

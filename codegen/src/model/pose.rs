@@ -5,10 +5,10 @@ use gelenk_formula::Formula;
 use std::f64::consts::FRAC_PI_2;
 
 /// A rotation matrix, rows first.
-pub(super) type Rotation = [[f64; 3]; 3];
+pub(crate) type Rotation = [[f64; 3]; 3];
 
 /// No rotation.
-pub(super) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(crate) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Position and orientation of a frame in another one.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Pose {
 
 /// Parts of a pose of which a description says nothing.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Unsaid {
+pub(crate) struct Unsaid {
     pub translation: bool,
     pub rotation: bool,
 }
@@ -44,7 +44,7 @@ impl Pose {
     }
 
     /// Whether the frame is the one that it is given in, whatever values parameters have.
-    pub(super) fn is_identity(&self) -> bool {
+    pub(crate) fn is_identity(&self) -> bool {
         self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
     }
 
@@ -63,7 +63,7 @@ impl Pose {
 }
 
 /// `R p`
-pub(super) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] {
+pub(crate) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] {
     let row = |row: &[f64; 3]| {
         let terms = row.iter().zip(point).map(|(r, p)| Formula::product(Formula::Number(*r), p.clone()));
         terms.fold(Formula::ZERO, Formula::sum)
@@ -72,12 +72,12 @@ pub(super) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] 
 }
 
 /// `R a` for numbers.
-pub(super) fn rotate_numbers(rotation: &Rotation, a: &[f64; 3]) -> [f64; 3] {
+pub(crate) fn rotate_numbers(rotation: &Rotation, a: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * a[j]).sum::<f64>() + 0.0)
 }
 
 /// `R I Rᵀ` for the entries xx, xy, xz, yy, yz, zz.
-pub(super) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Formula; 6] {
+pub(crate) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Formula; 6] {
     if *rotation == IDENTITY {
         return inertia.clone();
     }
@@ -96,29 +96,29 @@ pub(super) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Fo
 }
 
 /// `A B`
-pub(super) fn product(a: &Rotation, b: &Rotation) -> Rotation {
+pub(crate) fn product(a: &Rotation, b: &Rotation) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>() + 0.0))
 }
 
 /// `R_z(yaw) R_y(pitch) R_x(roll)`, the convention of URDF.
-pub(super) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> Rotation {
+pub(crate) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> Rotation {
     product(&about_z(yaw), &product(&about_y(pitch), &about_x(roll)))
 }
 
 /// Rotation about x by an angle.
-pub(super) fn about_x(angle: f64) -> Rotation {
+pub(crate) fn about_x(angle: f64) -> Rotation {
     let (s, c) = sin_cos(angle);
     [[1.0, 0.0, 0.0], [0.0, c, 0.0 - s], [0.0, s, c]]
 }
 
 /// Rotation about y by an angle.
-pub(super) fn about_y(angle: f64) -> Rotation {
+pub(crate) fn about_y(angle: f64) -> Rotation {
     let (s, c) = sin_cos(angle);
     [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0 - s, 0.0, c]]
 }
 
 /// Rotation about z by an angle.
-pub(super) fn about_z(angle: f64) -> Rotation {
+pub(crate) fn about_z(angle: f64) -> Rotation {
     let (s, c) = sin_cos(angle);
     [[c, 0.0 - s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
 }
@@ -143,7 +143,7 @@ fn right_angles(angle: f64, tolerance: f64) -> Option<u8> {
 }
 
 /// The angle, replaced by the nearest multiple of 90° where it is within a tolerance of it.
-pub(super) fn snapped(angle: f64, tolerance: f64) -> f64 {
+pub(crate) fn snapped(angle: f64, tolerance: f64) -> f64 {
     match right_angles(angle, tolerance) {
         Some(_) => (angle / FRAC_PI_2).round() * FRAC_PI_2,
         None => angle,
@@ -151,14 +151,14 @@ pub(super) fn snapped(angle: f64, tolerance: f64) -> f64 {
 }
 
 /// Whether snapping within a tolerance would change the sine or cosine.
-pub(super) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
+pub(crate) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
     let (s, c) = sin_cos(angle);
     right_angles(angle, tolerance).is_some() && s != 0.0 && c != 0.0
 }
 
 /// Rotation of a unit quaternion w + x i + y j + z k; entries within `tolerance` of 0 and ±1 become exact
 /// when all entries are.
-pub(super) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotation {
+pub(crate) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotation {
     let rotation = [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
         [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
@@ -175,21 +175,21 @@ pub(super) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotatio
 /// Standard Denavit–Hartenberg row: pose of frame i in the frame that turns with joint i.
 ///
 /// `T_z(d) T_x(a) R_x(α)`; the joint itself is `R_z(θ)` before it (Denavit and Hartenberg, 1955).
-pub(super) fn standard_dh(d: Formula, a: Formula, alpha: f64) -> Pose {
+pub(crate) fn standard_dh(d: Formula, a: Formula, alpha: f64) -> Pose {
     Pose { translation: [a, Formula::ZERO, d], rotation: about_x(alpha) }
 }
 
 /// Modified Denavit–Hartenberg row: pose of frame i in frame i − 1 at position 0.
 ///
 /// `R_x(α) T_x(a) R_z(θ) T_z(d)` (Khalil and Kleinfinger, 1986; Craig, Introduction to Robotics, 1986)
-pub(super) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pose {
+pub(crate) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pose {
     let tilt = Pose { translation: [a, Formula::ZERO, Formula::ZERO], rotation: about_x(alpha) };
     let lift = Pose { translation: [Formula::ZERO, Formula::ZERO, d], rotation: about_z(theta) };
     tilt.then(&lift)
 }
 
 /// Length of a vector.
-pub(super) fn norm(a: &[f64; 3]) -> f64 {
+pub(crate) fn norm(a: &[f64; 3]) -> f64 {
     numeric::length(*a)
 }
 

@@ -28,17 +28,17 @@ pub enum QuaternionKind {
 }
 
 /// Why a velocity has no law of a position.
-pub(super) const NO_LAW_OF_POSITION: &str = "a law of such a velocity is one of `v` alone: it has no position of its own; \
+pub(crate) const NO_LAW_OF_POSITION: &str = "a law of such a velocity is one of `v` alone: it has no position of its own; \
     `[[forces]]` between two frames are springs in any direction";
 
 /// Why a velocity has no rotor.
-pub(super) const NO_ROTOR: &str = "a rotor turns about one axis, and this joint about all: `drive = \"ideal\"` is a torque in the body's \
+pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, and this joint about all: `drive = \"ideal\"` is a torque in the body's \
     frame; a reaction wheel is a link with a joint of its own";
 
 impl QuaternionKind {
     /// Why a velocity has no limits of a position. Limits stand by velocity in a module, and controllers take deviations
     /// along the velocities.
-    pub(super) fn why_unlimited(self, index: usize) -> &'static str {
+    pub(crate) fn why_unlimited(self, index: usize) -> &'static str {
         match self {
             Self::Floating if index < 3 => {
                 "this velocity is along an axis of the body, which turns, so that no entry of the place belongs to it alone: keep the \
@@ -49,7 +49,7 @@ impl QuaternionKind {
     }
 
     /// How to hold the joint, of which no part can be held.
-    pub(super) fn how_to_hold(self) -> &'static str {
+    pub(crate) fn how_to_hold(self) -> &'static str {
         match self {
             Self::Spherical => "hold all of it: give the joint the type \"fixed\"",
             Self::Floating => {

@@ -16,7 +16,7 @@ type Matrix = [[f64; 6]; 6];
 const ROUNDING: f64 = 1e-12;
 
 /// Number of states that are tried: one in general position, the others within the limits.
-pub(super) const STATES: usize = 16;
+pub(crate) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
 /// Messages quote M for robots of at most this many coordinates: its memory grows with their square, its factorization with their cube.
@@ -24,7 +24,7 @@ const LARGEST: usize = 500;
 
 /// The pivots of M at seeded states.
 #[derive(Debug, Default)]
-pub(super) struct Pivots {
+pub(crate) struct Pivots {
     /// Links of the joints whose pivots are zero at every state: they move nothing with inertia along their
     /// axis.
     pub zero: Vec<usize>,
@@ -48,7 +48,7 @@ impl Pivots {
         if self.zero.is_empty() || model.coordinates.len() > LARGEST {
             return of_joints();
         }
-        let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+        let described = model.described_parameters();
         let parts = model.quaternion_joints.iter().flat_map(|joint| joint.coordinates());
         let parts: Vec<usize> = parts.map(|part| model.coordinates[part]).collect();
         let position = |link: usize| if parts.contains(&link) { 0.0 } else { general(link) };
@@ -67,8 +67,7 @@ impl Pivots {
 
     /// At the described values of the free parameters.
     pub fn of(model: &Model) -> Self {
-        let described = model.parameters.iter().map(|parameter| parameter.default);
-        let described: Vec<f64> = described.collect();
+        let described = model.described_parameters();
         let mut random = Random::new(SEED);
         let (mut zero, mut negative) = (vec![0; model.links.len()], vec![0; model.links.len()]);
         let mut indefinite_states = 0;
@@ -101,7 +100,7 @@ impl Pivots {
 /// Positions of the links' joints; those of joints that follow others are computed.
 ///
 /// - `choose`: takes the index of a link and the range of its joint
-pub(super) fn positions(
+pub(crate) fn positions(
     model: &Model,
     described: &[f64],
     mut choose: impl FnMut(usize, [f64; 2]) -> f64,
@@ -167,11 +166,11 @@ fn sum(direction: &[f64], names: &[&str]) -> String {
 
 /// The diagonal of M where the coordinates are 0, without what rotors on moving links add to i² J; empty for robots with too many
 /// coordinates.
-pub(super) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
+pub(crate) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     if model.coordinates.len() > LARGEST {
         return Vec::new();
     }
-    let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let described = model.described_parameters();
     let positions = positions(model, &described, |_, _| 0.0);
     let (mass, _) = coupled::mass_matrix(model, &described, &positions);
     mass.iter().enumerate().map(|(k, row)| row[k]).collect()
@@ -254,7 +253,7 @@ fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
 }
 
 /// Column of a joint in its own frame, rotation first.
-pub(super) fn motion_axis(joint: &Joint) -> [f64; 6] {
+pub(crate) fn motion_axis(joint: &Joint) -> [f64; 6] {
     let [x, y, z] = joint.axis;
     let [turn, slide] = joint.kind.turn_and_slide();
     [x * turn, y * turn, z * turn, x * slide, y * slide, z * slide]
@@ -263,7 +262,7 @@ pub(super) fn motion_axis(joint: &Joint) -> [f64; 6] {
 /// Motion transform from the parent link's frame to this link's frame.
 ///
 /// - `position`: of the joint, if it is a coordinate
-pub(super) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
+pub(crate) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
     let position = match joint.motion {
         Motion::Fixed => 0.0,
         Motion::Held(position) => position,
@@ -303,7 +302,7 @@ fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
 }
 
 /// `R p + r`
-pub(super) fn product_and_sum(rotation: &[[f64; 3]; 3], p: &[f64; 3], r: &[f64; 3]) -> [f64; 3] {
+pub(crate) fn product_and_sum(rotation: &[[f64; 3]; 3], p: &[f64; 3], r: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|k| rotation[i][k] * p[k]).sum::<f64>() + r[i])
 }
 

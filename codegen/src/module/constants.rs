@@ -292,7 +292,7 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
 
 /// Limits of the inputs; those of currents take the described motor constant.
 fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
-    let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let described = model.described_parameters();
     let limits = |torque: fn(&Drive) -> Option<f64>| -> Option<Vec<f64>> {
         let limit = |input: &Actuator<'_>| match input {
             Actuator::Drive(drive) => {
@@ -342,7 +342,7 @@ fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Consta
 
 /// Torque–speed lines of the motors, by input; `None` if no motor has a line.
 fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
-    let described: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let described = model.described_parameters();
     let lines = model.limited_inputs(&described);
     if lines.is_empty() {
         return None;

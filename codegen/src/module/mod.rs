@@ -4,6 +4,7 @@
 
 pub mod constants;
 
+use crate::functions::catalogue;
 use crate::functions::composition::{ComposedResult, Composition};
 use crate::functions::function::{Constant, Function};
 use crate::functions::position_functions::PositionFunction;
@@ -114,6 +115,7 @@ impl Module {
 
 impl ComposedFunction {
     fn new(model: &Model, functions: &[Function], composition: Composition) -> Self {
+        let other = catalogue::otherwise(model, composition.name()).filter_map(|said| said.equation).last();
         // Operations of the texts for quaternions are not counted, except their calls.
         let cost = composition.cost_in(model, functions).filter(|_| model.quaternion_joints.is_empty());
         let calls = match composition.call_count(model.options.substeps.unwrap_or(1)) {
@@ -131,7 +133,7 @@ impl ComposedFunction {
         };
         Self {
             composition,
-            equation: composition.equation(model),
+            equation: other.unwrap_or(composition.equation()),
             has_quaternions: !model.quaternion_joints.is_empty(),
             results: composition.results(model),
             cost,

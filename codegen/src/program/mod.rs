@@ -3,188 +3,25 @@
 //! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided
 //! here (names, order, signs, fused operations) is final: the emitter only prints.
 
+mod angles;
 pub mod arrays;
+mod by_parameters;
 pub mod cost;
 pub mod display;
+mod doubling;
 pub mod expanded;
 pub(crate) mod flow;
+mod fuse;
 pub mod interpret;
 pub(crate) mod lanes;
 pub(crate) mod letters;
-pub(crate) mod split;
-
-use crate::layout::{Dimension, Extent};
-use gelenk_formula::Function;
-
-mod angles;
-mod by_parameters;
-mod doubling;
-mod fuse;
 mod lower;
+mod operations;
+pub(crate) mod split;
 mod zeros;
 
 pub use by_parameters::by_parameters;
 pub use fuse::fuse_multiply_adds;
 pub use lower::{GraphOutput, lower, lower_branches, lower_from_leaves};
+pub use operations::{InputArray, Instruction, Operand, Operation, Output, Program, Shape};
 pub use zeros::nonzero_entries;
-
-/// A straight-line program: the body of one generated function.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Program {
-    /// Input arrays in argument order.
-    pub inputs: Vec<InputArray>,
-    /// Instructions in execution order; instruction `k` defines value `k`.
-    pub instructions: Vec<Instruction>,
-    /// Results in their order.
-    pub outputs: Vec<Output>,
-}
-
-/// Results of more entries than this are written where the caller wants them.
-///
-/// A matrix that is returned passes through memory once or twice more: its entries are stored one by one and
-/// copied as vectors at once, which a processor cannot forward from its store buffer. M and bias forces of a
-/// UR5 took 119 ns that way and 60 ns written in place.
-const LARGEST_RETURNED: usize = 16;
-
-impl Program {
-    /// The entries of all results.
-    pub(crate) fn entries(&self) -> impl Iterator<Item = Operand> {
-        let outputs = self.outputs.iter();
-        outputs.flat_map(|output| output.entries.iter().copied())
-    }
-
-    /// A program with the same inputs and shapes of results, and nothing in between.
-    pub(crate) fn face(&self) -> Self {
-        let outputs = self.outputs.iter().map(|output| Output {
-            entries: vec![Operand::Constant(0.0); output.entries.len()],
-            ..output.clone()
-        });
-        Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
-    }
-
-    /// Whether the results are better written in place than returned.
-    pub(crate) fn has_large_results(&self) -> bool {
-        self.entries().count() > LARGEST_RETURNED
-    }
-}
-
-/// An input array of the function, `&[f64; len]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct InputArray {
-    /// Argument name: `y`, `v`, `a`, `u`, …
-    pub name: String,
-    /// The meaning of the entries, and their number.
-    pub extent: Extent,
-}
-
-/// Defines one value.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Instruction {
-    /// Name of the value: a Rust identifier, unique within the program.
-    pub name: String,
-    /// The operation that computes the value.
-    pub operation: Operation,
-}
-
-/// An operand of an operation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Operand {
-    /// Value of an earlier instruction.
-    Value(usize),
-    /// Entry of an input array: array, index.
-    Input(usize, usize),
-    /// A free parameter: index into `Model::parameters`.
-    Parameter(usize),
-    /// A finite number.
-    Constant(f64),
-}
-
-/// One operation; in f64 or f32 arithmetic, rounded once each.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Operation {
-    /// `a + b`
-    Add(Operand, Operand),
-    /// `a - b`
-    Subtract(Operand, Operand),
-    /// `a * b`
-    Multiply(Operand, Operand),
-    /// `a / b`
-    Divide(Operand, Operand),
-    /// `-a`
-    Negate(Operand),
-    /// `a * b + c`, rounded once (opt-in).
-    MultiplyAdd(Operand, Operand, Operand),
-    /// `sin a`, with `cos a` as [`Operation::CosineOf`] of this value: one call makes both.
-    SinCos(Operand),
-    /// The cosine that the [`Operation::SinCos`] at this index made.
-    CosineOf(usize),
-    /// `f(a)`
-    Call(Function, Operand),
-}
-
-impl Operation {
-    /// The same operation on other operands; the pair of a `CosineOf` stays.
-    pub(crate) fn map(self, mut change: impl FnMut(Operand) -> Operand) -> Self {
-        match self {
-            Self::Add(a, b) => Self::Add(change(a), change(b)),
-            Self::Subtract(a, b) => Self::Subtract(change(a), change(b)),
-            Self::Multiply(a, b) => Self::Multiply(change(a), change(b)),
-            Self::Divide(a, b) => Self::Divide(change(a), change(b)),
-            Self::Negate(a) => Self::Negate(change(a)),
-            Self::MultiplyAdd(a, b, c) => Self::MultiplyAdd(change(a), change(b), change(c)),
-            Self::SinCos(a) => Self::SinCos(change(a)),
-            Self::CosineOf(pair) => Self::CosineOf(pair),
-            Self::Call(function, a) => Self::Call(function, change(a)),
-        }
-    }
-}
-
-/// One result of the program.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Output {
-    /// Name for documentation.
-    pub name: String,
-    /// Shape of the result.
-    pub shape: Shape,
-    /// Entries, rows first.
-    pub entries: Vec<Operand>,
-}
-
-/// Shape of a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
-    /// `f64`
-    Scalar,
-    /// `[f64; n]`
-    Vector(Extent),
-    /// `[[f64; columns]; rows]`
-    Matrix(Extent, Extent),
-}
-
-impl Shape {
-    /// The shape with these dimensions and lengths, rows first.
-    ///
-    /// # Panics
-    /// If there are not as many lengths as dimensions, or more than two: a row of the catalogue is at fault.
-    #[must_use]
-    pub fn new(dimensions: &[Dimension], lengths: &[usize]) -> Self {
-        match (dimensions, lengths) {
-            ([], []) => Self::Scalar,
-            (&[dimension], &[len]) => Self::Vector(Extent::new(dimension, len)),
-            (&[row, column], &[rows, columns]) => {
-                Self::Matrix(Extent::new(row, rows), Extent::new(column, columns))
-            }
-            _ => unreachable!("{lengths:?} are no lengths of {dimensions:?}"),
-        }
-    }
-
-    /// Its extents, rows first.
-    #[must_use]
-    pub fn extents(self) -> Vec<Extent> {
-        match self {
-            Self::Scalar => vec![],
-            Self::Vector(len) => vec![len],
-            Self::Matrix(rows, columns) => vec![rows, columns],
-        }
-    }
-}

@@ -205,8 +205,8 @@ mod tests {
     use crate::functions::function::ConstantValue;
     use crate::functions::selection;
     use crate::functions::size::MOST_OPERATIONS;
-    use crate::model::{ReadOptions, from_toml};
     use crate::module::Module;
+    use crate::read::{ReadOptions, from_toml};
     use gelenk_report::{Cell, Verdict};
 
     const ARM: &str = r#"

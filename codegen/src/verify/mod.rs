@@ -87,7 +87,7 @@ impl Disagreement {
 /// The entry of each result that differs most.
 fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreement> {
     let arguments = self_test::arguments(model, function, seed);
-    let parameters: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+    let parameters = model.described_parameters();
     let slices: Vec<&[f64]> = arguments.iter().map(Vec::as_slice).collect();
     let Ok(found) = interpret(&function.program, &slices, &parameters, &Functions::EMBEDDED) else {
         return vec![unknown(function)];

@@ -242,7 +242,7 @@ fn an_export_writes_over_exports_alone() {
     .unwrap();
     let refused = export(&["--mjcf"]);
     assert!(
-        shown(&refused).contains("a robot is not exported where joints are driven"),
+        shown(&refused).contains("a robot is not exported, because joints are driven"),
         "{}",
         shown(&refused)
     );

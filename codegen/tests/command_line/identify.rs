@@ -2,7 +2,8 @@
 
 use super::{gelenk, shown};
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, FrictionTerm, Model, ReadOptions};
+use gelenk_codegen::model::{FrictionTerm, Model};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use std::fs;
 use std::path::Path;
@@ -91,7 +92,7 @@ impl Noise {
 struct Described(InterpretedRobot, Model);
 
 fn described(folder: &Path, file: &str) -> Described {
-    let model = model::read(&folder.join(file), &ReadOptions::default()).unwrap().model;
+    let model = read::read(&folder.join(file), &ReadOptions::default()).unwrap().model;
     Described(InterpretedRobot::new(&model).unwrap(), model)
 }
 

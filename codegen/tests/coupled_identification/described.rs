@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, Model, ReadOptions};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 use tempfile::TempDir;
@@ -22,7 +23,7 @@ pub(crate) struct Described(pub(crate) InterpretedRobot, pub(crate) Model);
 
 impl Described {
     pub(crate) fn read(path: PathBuf) -> Self {
-        let model = model::read(&path, &ReadOptions::default()).unwrap().model;
+        let model = read::read(&path, &ReadOptions::default()).unwrap().model;
         Self(InterpretedRobot::new(&model).unwrap(), model)
     }
 

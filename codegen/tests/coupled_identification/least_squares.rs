@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::estimation::{EstimationSettings, Offsets, estimate};
 use gelenk_identification::robot::Robot;
 use gelenk_identification::run::{Effort, PreparedRun};
@@ -61,7 +61,7 @@ impl Random {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("random.toml");
         std::fs::write(&path, &self.text).unwrap();
-        InterpretedRobot::new(&model::read(&path, &ReadOptions::default()).unwrap().model).unwrap()
+        InterpretedRobot::new(&read::read(&path, &ReadOptions::default()).unwrap().model).unwrap()
     }
 }
 

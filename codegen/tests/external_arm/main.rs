@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, Model, ReadOptions};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 use serde_json::Value;
 
@@ -119,7 +120,7 @@ impl Arm {
     }
 
     fn model(&self, name: &str) -> Model {
-        model::read(&self.at(name), &ReadOptions::default()).unwrap().model
+        read::read(&self.at(name), &ReadOptions::default()).unwrap().model
     }
 
     /// A log of 20 s at 100 Hz with noise; `constants` are those of the motors where it holds currents.

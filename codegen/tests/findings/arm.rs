@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 use gelenk_identification::robot::Robot;
 
 use super::{assert_said, said};
@@ -116,7 +116,7 @@ impl Noise {
 
 /// Rows of a simulated robot; efforts come late by some seconds.
 fn record(folder: &Path, description: &str, late: f64, gravity: bool) -> Vec<Row> {
-    let model = model::read(&folder.join(description), &ReadOptions::default()).unwrap().model;
+    let model = read::read(&folder.join(description), &ReadOptions::default()).unwrap().model;
     let robot = InterpretedRobot::new(&model).unwrap();
     let mut noise = Noise(5);
     let row = |i: usize| {

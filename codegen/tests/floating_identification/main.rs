@@ -13,7 +13,7 @@ mod satellite;
 use std::path::{Path, PathBuf};
 
 use gelenk_codegen::identify::InterpretedRobot;
-use gelenk_codegen::model::{self, ReadOptions};
+use gelenk_codegen::read::{self, ReadOptions};
 
 /// Numbers that are the same in every run.
 struct Noise(u64);
@@ -44,6 +44,6 @@ fn models(name: &str) -> PathBuf {
 }
 
 fn robot(path: &Path) -> InterpretedRobot {
-    let loaded = model::read(path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let loaded = read::read(path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     InterpretedRobot::new(&loaded.model).unwrap_or_else(|e| panic!("{e}"))
 }

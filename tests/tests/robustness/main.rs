@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 use gelenk_codegen::diagnostic::{Diagnostic, Diagnostics};
-use gelenk_codegen::model::{Model, ReadOptions, from_toml, from_urdf};
+use gelenk_codegen::model::Model;
+use gelenk_codegen::read::{ReadOptions, from_toml, from_urdf};
 use mutation::{Random, mutated};
 use std::fmt::Write;
 use std::path::Path;

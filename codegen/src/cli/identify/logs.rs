@@ -28,7 +28,8 @@ use crate::identify::{
     IdentifiedDrive, IdentifiedShaft, InterpretedRobot, LinkBodies, bodies, drive_table, drives, front,
     joint_tables, kept_friction, page, rotors, round_bodies, shaft_rotor,
 };
-use crate::model::{Drive, Input, Joint, Loaded, Model, Motion};
+use crate::model::{Drive, Input, Joint, Model, Motion};
+use crate::read::Loaded;
 use crate::wording::{list, quoted};
 
 /// Sees: wrenches of the description that no log has.

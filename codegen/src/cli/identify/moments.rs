@@ -16,7 +16,7 @@ use super::logs::{finish, on_joints, output, settings};
 use super::motor_constants;
 use super::read::{read, say};
 use crate::identify::InterpretedRobot;
-use crate::model::Loaded;
+use crate::read::Loaded;
 use crate::wording::quoted;
 
 /// End of the names of files of moments.

@@ -6,12 +6,13 @@ use super::super::arguments::{FrictionPlace, Identify};
 use super::super::failure::Failure;
 use super::super::print;
 use crate::identify::{InterpretedRobot, RobotChoices};
-use crate::model::{self, Loaded, Model, ReadOptions};
+use crate::model::Model;
+use crate::read::{self, Loaded, ReadOptions};
 
 /// The described robot, its regressors ready.
 pub(super) fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), Failure> {
     let at_fault = |problems| Failure::Descriptions(vec![problems]);
-    let loaded = model::read(&arguments.description, &arguments.reading.options()).map_err(at_fault)?;
+    let loaded = read::read(&arguments.description, &arguments.reading.options()).map_err(at_fault)?;
     if !loaded.notes.is_empty() {
         print::err(&format!("{}\n\n", loaded.notes));
     }
@@ -27,7 +28,7 @@ pub(super) fn read(arguments: &Identify) -> Result<(Loaded, InterpretedRobot), F
     }
     // A log has the motion of all joints. What moves these is not in it.
     let options = ReadOptions { free_driven: true, ..arguments.reading.options() };
-    let freed = model::read(&arguments.description, &options).map_err(at_fault)?;
+    let freed = read::read(&arguments.description, &options).map_err(at_fault)?;
     let robot = of(&freed.model)?;
     Ok((loaded, robot))
 }

@@ -44,11 +44,10 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether there are loops over joints for a mechanism: no joint is driven, and where no joint follows another
-/// one or has a quaternion, no rotor sits further from its joint than on the joint's parent.
+/// Whether there are loops over joints for a mechanism without driven joints: if no joint follows another one or has a
+/// quaternion, no rotor sits further from its joint than on the joint's parent.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
-        && mechanism.driven == 0
         && (mechanism.is_coupled() || mechanism.has_quaternions() || mechanism.rotors_are_neighbours())
 }
 

@@ -1,15 +1,14 @@
-//! Catalogue texts of robots with driven joints, whose motion is an argument.
+//! Robots with driven joints, whose motion is an argument.
 
-use super::otherwise::{Otherwise, Robots};
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, vector};
 use crate::dynamics::arguments::Arguments;
-use crate::function_names;
+use crate::function_names as names;
 use crate::layout::Dimension;
 
-/// The rows that only robots with driven joints have; they are derived if they are asked for by name.
+/// The functions that only these robots have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
-    name: function_names::DRIVING_FORCES,
+    name: names::DRIVING_FORCES,
     summary: "Driving forces: what moves the driven joints as prescribed.",
     equation: "the rows of M ÿ + k − q that belong to the driven joints",
     arguments: &[Coordinates, Velocities, Accelerations],
@@ -28,35 +27,3 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     },
     ..Quantity::PLAIN
 }];
-
-/// The inertial forces of the driven joints' accelerations are not part of M ÿ.
-pub const BIAS: Otherwise = Otherwise {
-    notes: &[
-        "It contains M_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds for the other \
-         joints.",
-    ],
-    ..Otherwise::of(Robots::Driven)
-};
-
-/// The kinetic energy is that of all joints.
-pub const ENERGY: Otherwise = Otherwise {
-    equation: Some("½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)"),
-    notes: &["With the mass matrix of all joints, the driven ones included."],
-    ..Otherwise::of(Robots::Driven)
-};
-
-/// Driven joints have rows too.
-pub const ROWS: Otherwise = Otherwise {
-    notes: &["The rows of the driven joints stand behind those of the coordinates."],
-    ..Otherwise::of(Robots::Driven)
-};
-
-/// Driven joints have columns too.
-pub const COLUMNS: Otherwise = Otherwise {
-    notes: &["The columns of the driven joints stand behind those of the coordinates."],
-    ..Otherwise::of(Robots::Driven)
-};
-
-/// At ÿ = 0 the driven joints are accelerated nevertheless.
-pub const ACCELERATED: Otherwise =
-    Otherwise { notes: &["The driven joints are accelerated as d says."], ..Otherwise::of(Robots::Driven) };

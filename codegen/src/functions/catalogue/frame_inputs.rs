@@ -1,9 +1,8 @@
-//! Catalogue texts of robots with forces at frames. If such forces are inputs, B depends on the coordinates.
+//! Functions and texts of robots with forces at frames. If such forces are inputs, B depends on the coordinates.
 
-use super::otherwise::{Otherwise, Robots};
+use super::kind::{Difference, notes};
 use super::quantity::Argument::{Coordinates, Inputs};
 use super::quantity::{Quantity, SQUARE, VECTOR, matrix, vector};
-use super::quaternions;
 use crate::function_names;
 use crate::functions::function::Function;
 use crate::model::{Model, PointForce};
@@ -17,7 +16,6 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     equation: "δ(B(y) u) = ∂/∂y δy + B δu",
     arguments: &[Coordinates, Inputs],
     results: &[("B u", VECTOR, "on the joint side"), ("∂/∂y", SQUARE, "row i = force i")],
-    otherwise: &[quaternions::ALONG],
     build: |equations, arguments| {
         let (forces, by_coordinates) = equations.input_forces_derivatives(&arguments.y, &arguments.u);
         vec![vector(forces), matrix(by_coordinates)]
@@ -25,29 +23,13 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// Forces at frames act beyond joints.
-pub const BEYOND: Otherwise = Otherwise {
-    notes: &[
+/// The wrench of a joint without forces at frames beyond it.
+pub(super) const fn beyond() -> Difference {
+    notes(&[
         "Forces at frames beyond a joint, those of springs, inputs and wrenches there, are part of its row: what the joint itself \
          transmits is the row less these.",
-    ],
-    ..Otherwise::of(Robots::ForcesAtFrames)
-};
-
-/// The Jacobians of the forward dynamics have a share of B(y).
-pub const FORWARD_DERIVATIVES: Otherwise = Otherwise {
-    equation: Some("∂ÿ = −M⁻¹ ∂(M ÿ + k − q − B(y) u), ∂ÿ/∂(B u) = M⁻¹"),
-    ..Otherwise::of(Robots::InputsAtFrames)
-};
-
-/// The Hessian of the constraint has a share of B(y), which is not in the function.
-pub const HESSIAN: Otherwise = Otherwise {
-    only_note: Some(
-        "The constraint `M ÿ + k − q = B(y) u` with multipliers λ adds these blocks to the Hessian of the Lagrangian, and those \
-         of `−λᵀ B(y) u`, which are not in here.",
-    ),
-    ..Otherwise::of(Robots::InputsAtFrames)
-};
+    ])
+}
 
 /// Says which of the forces between frames are in the potential energy.
 pub fn describe_energy(model: &Model, function: &mut Function) {

@@ -1,6 +1,5 @@
 //! Rows of the named frames.
 
-use super::driven;
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, FrameQuantity, IN_SPACE, ROTATION, matrix, vector};
 use crate::dynamics::recursion::motion::MotionInput;
@@ -16,7 +15,6 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
             ("p", IN_SPACE, "origin in the base frame [m]"),
             ("R", ROTATION, "rotation matrix, columns are the frame's axes"),
         ],
-        otherwise: &[],
         build: |equations, arguments, link, pose| {
             let pose = equations.base_poses(&arguments.y).pose(link, pose);
             let rows = (0..3).map(|row| pose.axes.iter().map(|axis| axis[row]).collect()).collect();
@@ -33,7 +31,6 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
             FRAME_JACOBIAN,
             "rows: velocity of the origin, then angular velocity, in the axes of the base frame",
         )],
-        otherwise: &[driven::COLUMNS],
         build: |equations, arguments, link, pose| {
             vec![matrix(equations.base_poses(&arguments.y).jacobian(link, pose))]
         },
@@ -48,7 +45,6 @@ pub(in crate::functions) const FRAME_QUANTITIES: &[FrameQuantity] = &[
             IN_SPACE,
             "acceleration of the origin [m/s²], then angular acceleration [rad/s²], in the axes of the base frame",
         )],
-        otherwise: &[driven::ACCELERATED],
         build: |equations, arguments, link, pose| {
             let (y, v) = (&arguments.y, &arguments.v);
             let input = MotionInput { y, v, a: &equations.unaccelerated() };

@@ -7,7 +7,6 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
 use super::quantity::{Quantity, SQUARE, matrix};
-use super::{frame_inputs, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
@@ -20,7 +19,6 @@ use crate::graph::{Cost, Edge, Scalar, differentiate};
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::INVERSE_DYNAMICS_HESSIAN,
     differentiates_friction: true,
-    ignores_load: true,
     summary: "Hessian of `λᵀ (M ÿ + k − q)`, for sequential quadratic programs with exact Hessians.",
     equation: "with (y, ẏ, ÿ): [[H_yy, H_yv, H_ya], [H_yvᵀ, H_vv, 0], [H_yaᵀ, 0, 0]]",
     arguments: &[Coordinates, Velocities, Accelerations, Multipliers],
@@ -35,7 +33,6 @@ pub const QUANTITY: Quantity = Quantity {
          Lagrangian; it is linear in u. The gradient comes from reverse differentiation of the inverse dynamics or from \
          λ times its analytic Jacobians, whichever costs less in the end; its forward derivatives are the Hessian.",
     ],
-    otherwise: &[frame_inputs::HESSIAN, quaternions::ALONG],
     build: |equations, Arguments { y, v, a, lambda, .. }| {
         let hessian = inverse_dynamics_hessian(equations, MotionInput { y, v, a }, lambda);
         let blocks = [hessian.by_coordinates, hessian.mixed, hessian.by_velocities, hessian.by_accelerations];

@@ -1,73 +1,59 @@
 //! The functions that can be generated: one row each, with what their documentation says.
 //!
-//! `quantity` is the vocabulary, `motion`, `frames`, `regressors`, `hessian` and `reactions` hold the rows.
+//! `quantity` is the vocabulary, `motion`, `frames`, `regressors`, `hessian` and `reactions` hold the rows. [`KINDS`] is the table of
+//! kinds of robots: the rows that they add, and functions that differ or are missing.
 
 mod driven;
 mod frame_inputs;
 mod frames;
 mod hessian;
+mod kind;
+mod kinds;
 mod load_friction;
 mod momentum;
 mod motion;
-mod otherwise;
 mod quantity;
-mod quaternions;
 mod reactions;
 mod regressors;
 mod wrenches;
 
 pub(super) use frames::FRAME_QUANTITIES;
-pub(super) use otherwise::Otherwise;
+pub use kind::{ACADOS, CASADI, CLOSED_FORMS, EXPORT, IDENTIFICATION, LOOPS, PRODUCTS};
+pub use kind::{Difference, Kind, Otherwise, Product};
+pub use kinds::KINDS;
+pub(crate) use kinds::otherwise;
+pub(super) use kinds::{Refusal, refusal};
 pub(super) use quantity::vector;
 pub use quantity::{Argument, Quantity, Value};
 pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityResult};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::dynamics::forces;
-use crate::dynamics::load_friction::is_there as has_load_friction;
 use crate::function_names::{GROUPS, select_all};
 use crate::functions::composition::Composition;
 use crate::functions::function::FrameFunction;
 use crate::model::Model;
-use motion::{FRICTION_BY_POSITION, INPUT_MATRIX_BY_POSITION, LINEARIZE_ON_TANGENT, QUANTITIES};
+use motion::QUANTITIES;
 
 /// Every function but those of named frames, in the order of the generated module.
 pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressors::QUANTITIES)
 }
 
-/// [`quantities()`] with the rows that a model adds or replaces.
-fn quantities_of(model: &Model) -> impl Iterator<Item = &'static Quantity> {
-    let depends_on_position = forces::friction_depends_on_position(model);
-    let friction = rows_if(depends_on_position, FRICTION_BY_POSITION);
-    let of_friction = rows_if(depends_on_position, &regressors::FRICTION_BY_POSITION);
-    let at_frames = rows_if(model.inputs_depend_on_position(), INPUT_MATRIX_BY_POSITION);
-    let on_tangent = rows_if(!model.quaternion_joints.is_empty(), LINEARIZE_ON_TANGENT);
-    let quantities = quantities().map(move |quantity| {
-        let mut rows = friction.iter().chain(of_friction).chain(at_frames).chain(on_tangent);
-        rows.find(|row| row.name == quantity.name).unwrap_or(quantity)
-    });
-    let of_inputs = rows_if(model.inputs_depend_on_position(), frame_inputs::QUANTITIES);
-    let of_the_load = rows_if(has_load_friction(model), load_friction::QUANTITIES);
-    quantities
-        .chain(of_inputs)
-        .chain(of_the_load)
-        .chain(rows_if(!model.wrenches.is_empty(), wrenches::QUANTITIES))
-}
-
-fn rows_if(are_there: bool, rows: &'static [Quantity]) -> &'static [Quantity] {
-    if are_there { rows } else { &[] }
-}
-
-/// The quantities of a model, and those that are derived if they are asked for by name.
+/// The quantities of a model, those on request last.
 pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
-    let of_driven = rows_if(!model.driven.is_empty(), driven::QUANTITIES);
-    quantities_of(model).chain(ON_REQUEST).chain(of_driven)
+    let of_model = |row: &'static Quantity| {
+        let mut others = KINDS.iter().flat_map(|kind| kind.replaces.iter().map(move |row| (kind, row)));
+        let other = others.find(|(kind, other)| other.name == row.name && kind.includes(model));
+        other.map_or(row, |(_, other)| other)
+    };
+    let added = KINDS.iter().flat_map(move |kind| kind.adds.iter().filter(move |_| kind.includes(model)));
+    let (on_request, added): (Vec<_>, Vec<_>) = added.partition(|row| is_on_request(row.name));
+    quantities().map(of_model).chain(added).chain(ON_REQUEST).chain(on_request)
 }
 
 /// Whether a function is derived only if it is asked for by name.
 pub(super) fn is_on_request(name: &str) -> bool {
-    ON_REQUEST.iter().chain(driven::QUANTITIES).any(|quantity| quantity.name == name)
+    ON_REQUEST.iter().chain(driven::QUANTITIES).any(|row| row.name == name)
 }
 
 /// Functions that are derived if they are asked for by name: few need them.
@@ -88,12 +74,7 @@ pub(super) fn row(name: &str) -> Option<&'static Quantity> {
 
 /// The rows of every function of whatever robot.
 fn all() -> impl Iterator<Item = &'static Quantity> {
-    let of_some = frame_inputs::QUANTITIES
-        .iter()
-        .chain(load_friction::QUANTITIES)
-        .chain(wrenches::QUANTITIES)
-        .chain(driven::QUANTITIES);
-    quantities().chain(ON_REQUEST).chain(of_some)
+    quantities().chain(ON_REQUEST).chain(KINDS.iter().flat_map(|kind| kind.adds))
 }
 
 /// Whether a function differentiates friction by the velocity.

@@ -1,6 +1,5 @@
 //! Centre of mass and centroidal momentum.
 
-use super::driven;
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, IN_SPACE, Quantity, matrix, vector};
 use crate::dynamics::arguments::Arguments;
@@ -30,7 +29,6 @@ pub const QUANTITIES: [Quantity; 4] = [
         arguments: &[Coordinates],
         results: &[("J_c", FRAME_JACOBIAN, "rows x, y, z of the base frame")],
         notes: NOTES,
-        otherwise: &[driven::COLUMNS],
         build: |equations, Arguments { y, .. }| vec![matrix(equations.masses(y).center_jacobian())],
         ..Quantity::PLAIN
     },
@@ -45,7 +43,6 @@ pub const QUANTITIES: [Quantity; 4] = [
             "rows: linear momentum, then angular momentum about the centre of mass, in the axes of the base",
         )],
         notes: NOTES,
-        otherwise: &[driven::COLUMNS],
         build: |equations, Arguments { y, .. }| vec![matrix(equations.masses(y).momentum_matrix())],
         ..Quantity::PLAIN
     },

@@ -1,10 +1,10 @@
 //! Rows of the equations of motion and of functions derived from them.
 
+use super::frame_inputs;
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities};
 use super::quantity::{
     BY_INPUTS, Estimate, Loops, Products, Quantity, SCALAR, SQUARE, VECTOR, Value, matrix, scalar, vector,
 };
-use super::{driven, frame_inputs, load_friction, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::per_joint;
@@ -21,7 +21,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates],
         results: &[("M", SQUARE, "symmetric, positive definite, both triangles filled")],
         notes: &["Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included."],
-        otherwise: &[load_friction::EQUATIONS],
         build: |equations, arguments| vec![matrix(equations.mass_matrix(&arguments.y))],
         constants: |_, _, program| module_constants::patterns(program, &[("MASS_MATRIX_NONZERO", "M")]),
         straight_size: Some(Estimate::MassMatrix),
@@ -34,7 +33,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("k", VECTOR, "on the left-hand side: without gravity, springs and friction")],
         notes: &["Recursive Newton–Euler equations without gravity and accelerations."],
-        otherwise: &[driven::BIAS, load_friction::EQUATIONS],
         build: |equations, arguments| vec![vector(equations.coriolis_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -63,7 +61,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "q = gravity_forces + spring_forces − friction_torques",
         arguments: &[Coordinates, Velocities],
         results: &[("q", VECTOR, "on the right-hand side, without the inputs")],
-        otherwise: &[load_friction::APART],
         build: |equations, arguments| vec![vector(equations.applied_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -74,7 +71,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities],
         results: &[("b", VECTOR, "what holds the accelerations at zero, without springs and friction")],
         notes: &["Recursive Newton–Euler equations at ÿ = 0. Pinocchio calls this `nle`."],
-        otherwise: &[driven::BIAS],
         build: |equations, arguments| vec![vector(equations.bias_forces(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -84,7 +80,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u",
         arguments: &[],
         results: &[("B", BY_INPUTS, "gear ratios, times motor constants where inputs are currents")],
-        otherwise: &[load_friction::EQUATIONS],
         build: |equations, _| vec![matrix(equations.input_matrix(&[]))],
         ..Quantity::PLAIN
     },
@@ -99,7 +94,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("q", VECTOR, "gravity, springs and friction"),
         ],
         notes: &["What the three have in common is computed once."],
-        otherwise: &[driven::BIAS, load_friction::EQUATIONS],
         build: |equations, arguments| {
             let (y, v) = (&arguments.y, &arguments.v);
             let k = equations.coriolis_forces(y, v);
@@ -115,7 +109,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[("B u", VECTOR, "what the drives exert at the joints; u_ff = B⁻¹ times it")],
         notes: &["Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters."],
-        otherwise: &[load_friction::INVERSE_DYNAMICS],
         build: |equations, arguments| {
             vec![vector(equations.inverse_dynamics(&arguments.y, &arguments.v, &arguments.a))]
         },
@@ -127,12 +120,10 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "ÿ = M⁻¹ (q + B u − k)",
         arguments: &[Coordinates, Velocities, Inputs],
         results: &[("ÿ", VECTOR, "accelerations")],
-        otherwise: &[load_friction::FORWARD_DYNAMICS],
         build: |equations, arguments| {
             vec![vector(equations.forward_dynamics(&arguments.y, &arguments.v, &arguments.u))]
         },
         route: |formulations| Some(formulations.forward_dynamics().description()),
-        needs_inverse: true,
         straight_size: Some(Estimate::MassMatrix),
         ..Quantity::PLAIN
     },
@@ -150,7 +141,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ),
         ],
         notes: &["What both have in common is computed once."],
-        otherwise: &[driven::BIAS, load_friction::EQUATIONS],
         build: |equations, arguments| {
             let (mass, bias) = equations.mass_matrix_and_bias(&arguments.y, &arguments.v);
             vec![matrix(mass), vector(bias)]
@@ -170,7 +160,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
         ],
         notes: DERIVATIVE_NOTES,
-        otherwise: &[load_friction::INVERSE_DERIVATIVES, quaternions::ALONG],
         build: |equations, Arguments { y, v, a, .. }| {
             let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
             vec![vector(result.forces), matrix(result.by_coordinates), matrix(result.by_velocities)]
@@ -187,7 +176,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::INVERSE_DYNAMICS_DERIVATIVES_AND_MASS_MATRIX,
         differentiates_friction: true,
-        ignores_load: true,
         summary: "Inverse dynamics with all its Jacobians; that by the accelerations is `M(y)`.",
         equation: "δ(M ÿ + k − q) = ∂/∂y δy + ∂/∂ẏ δẏ + M δÿ",
         arguments: &[Coordinates, Velocities, Accelerations],
@@ -198,7 +186,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("M", SQUARE, "symmetric, positive definite, both triangles filled"),
         ],
         notes: DERIVATIVE_NOTES,
-        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, a, .. }| {
             let result = equations.inverse_dynamics_derivatives(MotionInput { y, v, a });
             let jacobians = [result.by_coordinates, result.by_velocities, result.mass_matrix].map(matrix);
@@ -216,7 +203,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::FORWARD_DYNAMICS_DERIVATIVES,
         differentiates_friction: true,
-        ignores_load: true,
         summary: "Forward dynamics with its Jacobians.",
         equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q), ∂ÿ/∂(B u) = M⁻¹",
         arguments: &[Coordinates, Velocities, Inputs],
@@ -227,14 +213,12 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("M⁻¹", SQUARE, "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
         ],
         notes: DERIVATIVE_NOTES,
-        otherwise: &[frame_inputs::FORWARD_DERIVATIVES, quaternions::ALONG],
         build: |equations, Arguments { y, v, u, .. }| {
             let result = equations.forward_dynamics_derivatives(y, v, u);
             let jacobians = [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
             std::iter::once(vector(result.accelerations)).chain(jacobians).collect()
         },
         route: |formulations| Some(formulations.derivatives().description()),
-        needs_inverse: true,
         straight_size: Some(Estimate::MassMatrix),
         loops: Some(Loops::PerJoint {
             build: per_joint::forward_dynamics_derivatives,
@@ -253,7 +237,6 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         equation: "T = ½ ẏᵀ M ẏ",
         arguments: &[Coordinates, Velocities],
         results: &[("T", SCALAR, "energy [J]")],
-        otherwise: &[driven::ENERGY],
         build: |equations, arguments| vec![scalar(equations.kinetic_energy(&arguments.y, &arguments.v))],
         ..Quantity::PLAIN
     },
@@ -280,7 +263,6 @@ const FRICTION_TORQUES: Quantity = Quantity {
     equation: "q = gravity_forces + spring_forces − friction_torques",
     arguments: &[Velocities],
     results: &[("τ", VECTOR, "positive for positive velocity, at the joint")],
-    otherwise: &[load_friction::APART],
     build: friction_torques,
     ..Quantity::PLAIN
 };
@@ -299,14 +281,12 @@ const LINEARIZE: Quantity = Quantity {
         ("c", VECTOR, "affine remainder ÿ − A_y y − A_v ẏ − B_x u"),
     ],
     notes: DERIVATIVE_NOTES,
-    otherwise: &[load_friction::LINEARIZE],
     build: |equations, Arguments { y, v, u, .. }| {
         let result = equations.linearize(y, v, u);
         let jacobians = [result.by_coordinates, result.by_velocities, result.by_inputs].map(matrix);
         jacobians.into_iter().chain([vector(result.remainder)]).collect()
     },
     route: |formulations| Some(formulations.derivatives().description()),
-    needs_inverse: true,
     constants: |_, _, program| {
         module_constants::patterns(
             program,
@@ -319,7 +299,7 @@ const LINEARIZE: Quantity = Quantity {
 };
 
 /// The row that replaces that of the same name where joints have quaternions.
-pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
+pub(super) const LINEARIZE_ON_TANGENT: Quantity = Quantity {
     summary: "Linearization of the accelerations in continuous time, on the tangent.",
     equation: "with δ from y: δ̇ ≈ D δ + v − v̄ and v̇ ≈ A_y δ + A_v v + B_x u + c",
     results: &[
@@ -341,10 +321,10 @@ pub(super) const LINEARIZE_ON_TANGENT: &[Quantity] = &[Quantity {
         jacobians.into_iter().chain(rest).collect()
     },
     ..LINEARIZE
-}];
+};
 
 /// The row that replaces that of the same name where inputs act at frames.
-pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
+pub(super) const INPUT_MATRIX_BY_POSITION: Quantity = Quantity {
     name: function_names::INPUT_MATRIX,
     summary: "Input matrix `B(y)`.",
     equation: "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B(y) u",
@@ -355,18 +335,17 @@ pub(super) const INPUT_MATRIX_BY_POSITION: &[Quantity] = &[Quantity {
         "generalized forces of a unit of each input: for drives gear ratios, times motor constants where inputs are \
          currents; for inputs at frames `Jᵀ` times the wrench, or `−∂l/∂y` of the distance that they pull together",
     )],
-    otherwise: &[load_friction::EQUATIONS],
     build: |equations, arguments| vec![matrix(equations.input_matrix(&arguments.y))],
     ..Quantity::PLAIN
-}];
+};
 
 /// The row that replaces that of the same name where a friction law depends on the position.
-pub(super) const FRICTION_BY_POSITION: &[Quantity] = &[Quantity {
+pub(super) const FRICTION_BY_POSITION: Quantity = Quantity {
     summary: "Joint friction `τ(y, ẏ)`.",
     arguments: &[Coordinates, Velocities],
     results: &[("τ", VECTOR, "positive where friction brakes a positive velocity, at the joint")],
     ..FRICTION_TORQUES
-}];
+};
 
 fn friction_torques<'g>(equations: &Equations<'_, 'g>, arguments: &Arguments<'g>) -> Vec<Value<'g>> {
     vec![vector(equations.friction_torques(&arguments.y, &arguments.v))]

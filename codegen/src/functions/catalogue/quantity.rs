@@ -1,6 +1,5 @@
 //! Rows of the catalogue: arguments, results with dimensions, and construction.
 
-use super::otherwise::Otherwise;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
 use crate::dynamics::matrix::Matrix;
@@ -197,8 +196,6 @@ pub struct Quantity {
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
     pub(in crate::functions) notes: &'static [&'static str],
-    /// Exceptions to the row, in order.
-    pub(in crate::functions) otherwise: &'static [Otherwise],
     /// Functions that depend on more of the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
@@ -206,13 +203,8 @@ pub struct Quantity {
     pub(in crate::functions) route: fn(&Formulations<'_>) -> Option<&'static str>,
     /// Constants that stand before the function.
     pub(in crate::functions) constants: fn(&Model, &Formulations<'_>, &Program) -> Vec<Constant>,
-    /// It is true if the function divides by the pivots of the mass matrix.
-    pub(in crate::functions) needs_inverse: bool,
     /// It is true if the function differentiates friction by the velocity. Jumps of a law do not show in it.
     pub(in crate::functions) differentiates_friction: bool,
-    /// It is true if a result is taken for a derivative that has another factor where friction grows with the
-    /// load. Such robots do not have the function.
-    pub(in crate::functions) ignores_load: bool,
     /// Operations that straight-line code takes at least, for robots that make it very large.
     pub(in crate::functions) straight_size: Option<Estimate>,
     /// How it is written as loops over joints, if it can be.
@@ -249,14 +241,11 @@ impl Quantity {
         arguments: &[],
         results: &[],
         notes: &[],
-        otherwise: &[],
         describe: |_, _| (),
         build: |_, _| Vec::new(),
         route: |_| None,
         constants: |_, _, _| Vec::new(),
-        needs_inverse: false,
         differentiates_friction: false,
-        ignores_load: false,
         straight_size: None,
         loops: None,
     };
@@ -273,6 +262,5 @@ pub(in crate::functions) struct FrameQuantity {
     pub(in crate::functions) equation: &'static str,
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
-    pub(in crate::functions) otherwise: &'static [Otherwise],
     pub(in crate::functions) build: FrameBuild,
 }

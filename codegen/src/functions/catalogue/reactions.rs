@@ -2,7 +2,6 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, matrix};
-use super::{driven, frame_inputs, quaternions};
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
@@ -34,7 +33,6 @@ pub const QUANTITY: Quantity = Quantity {
          belong to the link that carries them; these joints have no rows.",
         "Newton–Euler equations in link frames (Luh, Walker and Paul 1980).",
     ],
-    otherwise: &[driven::ROWS, frame_inputs::BEYOND, quaternions::ONE_ROW],
     build: |equations, Arguments { y, v, a, .. }| {
         vec![matrix(equations.joint_wrenches(MotionInput { y, v, a }))]
     },

@@ -1,6 +1,5 @@
 //! Functions that are linear in parameters, for identification: a part of the catalogue.
 
-use super::load_friction;
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Estimate, PARAMETERS, Quantity, REGRESSOR, Value, matrix, vector};
 use crate::dynamics::arguments::Arguments;
@@ -40,7 +39,6 @@ pub const QUANTITIES: &[Quantity] = &[
             "The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. Independent of the \
              described inertias (Atkeson, An and Hollerbach 1986).",
         ],
-        otherwise: &[load_friction::REGRESSOR],
         build: |equations, Arguments { y, v, a, .. }| {
             vec![matrix(equations.inertial_regressor(MotionInput { y, v, a }))]
         },
@@ -76,7 +74,6 @@ const FRICTION_PARAMETERS: Quantity = Quantity {
     equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
     arguments: &[],
     results: &[("φ", PARAMETERS, "in the order of `FRICTION_PARAMETER_NAMES`")],
-    otherwise: &[load_friction::APART],
     build: friction_parameters,
     constants: |model, _, _| vec![module_constants::friction_names(model)],
     ..Quantity::PLAIN
@@ -91,18 +88,18 @@ const FRICTION_REGRESSOR: Quantity = Quantity {
     notes: &[
         "What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.",
     ],
-    otherwise: &[load_friction::APART],
     build: friction_regressor,
     ..Quantity::PLAIN
 };
 
 const BY_POSITION: &str = "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters";
 
-/// The rows of robots whose friction depends on the position.
-pub const FRICTION_BY_POSITION: [Quantity; 2] = [
-    Quantity { equation: BY_POSITION, ..FRICTION_PARAMETERS },
-    Quantity { equation: BY_POSITION, arguments: &[Coordinates, Velocities], ..FRICTION_REGRESSOR },
-];
+/// The parameters of friction that depends on the position.
+pub const PARAMETERS_BY_POSITION: Quantity = Quantity { equation: BY_POSITION, ..FRICTION_PARAMETERS };
+
+/// The regressor of friction that depends on the position.
+pub const REGRESSOR_BY_POSITION: Quantity =
+    Quantity { equation: BY_POSITION, arguments: &[Coordinates, Velocities], ..FRICTION_REGRESSOR };
 
 fn friction_parameters<'g>(equations: &Equations<'_, 'g>, _: &Arguments<'g>) -> Vec<Value<'g>> {
     let coefficients = forces::friction_coefficients(equations.graph, equations.model);

@@ -2,7 +2,6 @@
 
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities, Wrenches};
 use super::quantity::{Estimate, Quantity, SQUARE, VECTOR, matrix, vector};
-use super::quaternions;
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
@@ -29,7 +28,6 @@ pub const QUANTITIES: &[Quantity] = &[
             ("q_w", VECTOR, "positive where the wrenches drive the joint forwards"),
             ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
         ],
-        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, w, .. }| {
             let (forces, by_coordinates) = equations.wrench_forces_derivatives(y, w);
             vec![vector(forces), matrix(by_coordinates)]
@@ -57,7 +55,6 @@ pub const QUANTITIES: &[Quantity] = &[
             vec![vector(equations.forward_dynamics_with_wrenches(y, v, u, w))]
         },
         route: |formulations| Some(formulations.forward_dynamics().description()),
-        needs_inverse: true,
         straight_size: Some(Estimate::MassMatrix),
         ..Quantity::PLAIN
     },
@@ -72,7 +69,6 @@ pub const QUANTITIES: &[Quantity] = &[
             ("∂/∂y", SQUARE, "row i = force i; a wrench in the axes of its frame turns with it"),
             ("∂/∂ẏ", SQUARE, "row i = force i, friction included"),
         ],
-        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, a, w, .. }| {
             let result = equations.inverse_dynamics_derivatives_with_wrenches(MotionInput { y, v, a }, w);
             vec![vector(result.forces), matrix(result.by_coordinates), matrix(result.by_velocities)]
@@ -84,7 +80,6 @@ pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::FORWARD_DYNAMICS_DERIVATIVES_WITH_WRENCHES,
         differentiates_friction: true,
-        ignores_load: true,
         summary: "Forward dynamics under wrenches with its Jacobians.",
         equation: "∂ÿ = −M⁻¹ ∂(M ÿ + k − q − B u − Σ Jᵀ w), ∂ÿ/∂(B u) = M⁻¹",
         arguments: &[Coordinates, Velocities, Inputs, Wrenches],
@@ -94,14 +89,12 @@ pub const QUANTITIES: &[Quantity] = &[
             ("∂ÿ/∂ẏ", SQUARE, "row i = acceleration i"),
             ("M⁻¹", SQUARE, "symmetric, both triangles filled; ∂ÿ/∂u = M⁻¹ B"),
         ],
-        otherwise: &[quaternions::ALONG],
         build: |equations, Arguments { y, v, u, w, .. }| {
             let result = equations.forward_dynamics_derivatives_with_wrenches(y, v, u, w);
             let jacobians = [result.by_coordinates, result.by_velocities, result.inverse].map(matrix);
             std::iter::once(vector(result.accelerations)).chain(jacobians).collect()
         },
         route: |formulations| Some(formulations.derivatives().description()),
-        needs_inverse: true,
         straight_size: Some(Estimate::MassMatrix),
         ..Quantity::PLAIN
     },

@@ -1,0 +1,271 @@
+//! From a description whose parts are checked to the model.
+
+use super::couplings::Couplings;
+use super::dependent_limits::Limited;
+use super::frame_forces::{FrameForces, Resolver};
+use super::names::{Identifiers, report_duplicates};
+use super::tree::Tree;
+use super::{driven_joints, quaternion_joints};
+use crate::description::{DriveChoice, FrameDescription, JointDescription, Name, RobotDescription};
+use crate::diagnostic::{At, Report, nearest};
+use crate::model::pose::rotate_inertia;
+use crate::model::{
+    Body, Follower, Frame, FrictionTerm, Joint, JointKind, Limits, Link, Model, Motion, Pose,
+};
+use gelenk_formula::Formula;
+use std::collections::BTreeMap;
+
+/// Gravity if none is described (m/s²).
+const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+pub(super) struct Builder<'d, 'r> {
+    pub(super) robot: &'d RobotDescription,
+    pub(super) report: &'r mut Report,
+    pub(super) identifiers: Identifiers,
+    pub(super) defaults: Vec<f64>,
+    pub(super) tree: Tree,
+    /// For each link its described frame in the frame of the model's link.
+    pub(super) offsets: Vec<Pose>,
+}
+
+impl Builder<'_, '_> {
+    pub(super) fn build(&mut self) -> Option<Model> {
+        let coordinates = self.coordinates()?;
+        let quaternion_joints = quaternion_joints::find(self.robot, &self.tree, &coordinates, self.report);
+        let driven = driven_joints::links(self.robot, &self.tree);
+        let all = [&coordinates[..], &driven].concat();
+        let couplings = Couplings::resolve(self.robot, &self.tree, &all, &self.defaults, self.report);
+        let followers = couplings.followers(&self.tree);
+        let limited = Limited {
+            robot: self.robot,
+            tree: &self.tree,
+            coordinates: &all,
+            driven: driven.len(),
+            defaults: &self.defaults,
+        };
+        limited.check(&followers, self.report);
+        let mut links = self.links(&all, &followers);
+        self.attach_bodies(&mut links);
+        let drives = self.drives(&links, &couplings);
+        self.add_shaft_friction(&mut links, &couplings);
+        let frames = self.frames();
+        let at_frames =
+            Resolver { robot: self.robot, tree: &self.tree, offsets: &self.offsets, report: self.report };
+        let FrameForces { point_forces, inputs: force_inputs, wrenches } = at_frames.resolve();
+        let gravity = self.robot.gravity.clone().unwrap_or(GRAVITY.map(Formula::Number));
+        Some(Model {
+            name: self.identifiers.module.clone(),
+            description: self.robot.description.clone(),
+            gravity,
+            parameters: self.robot.parameters.iter().map(|parameter| parameter.value.clone()).collect(),
+            links,
+            coordinates,
+            driven,
+            quaternion_joints,
+            followers,
+            drives,
+            point_forces,
+            force_inputs,
+            wrenches,
+            frames,
+            options: self.robot.options.clone().unwrap_or_default(),
+        })
+    }
+
+    /// Link indices of the moving joints: as listed, else as described, else in the order of the tree.
+    fn coordinates(&mut self) -> Option<Vec<usize>> {
+        let mut moving: Vec<(usize, usize)> = Vec::new();
+        for (link, joint) in self.tree.joints.iter().enumerate() {
+            moving.extend(
+                joint.filter(|joint| self.robot.joints[*joint].is_coordinate()).map(|joint| (joint, link)),
+            );
+        }
+        if moving.is_empty() && self.robot.floating_base.is_some() && self.report.has_errors() {
+            // What keeps the base from floating was said.
+            return None;
+        }
+        if moving.is_empty() {
+            self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
+            self.report
+                .help("a model needs a joint that moves, for example a revolute, prismatic, spherical or floating one, and that is not held, not \
+                    driven and follows no other; or a floating base: `base = { link = \"…\", type = \"floating\" }`, for a URDF `--base floating`");
+            return None;
+        }
+        if !self.robot.sort_joints {
+            moving.sort_unstable();
+        }
+        match &self.robot.coordinates {
+            Some(listed) => self.listed_coordinates(listed, &moving),
+            None => Some(moving.into_iter().map(|(_, link)| link).collect()),
+        }
+    }
+
+    fn listed_coordinates(&mut self, listed: &[Name], moving: &[(usize, usize)]) -> Option<Vec<usize>> {
+        let joints = &self.robot.joints;
+        let by_name: BTreeMap<&str, usize> =
+            moving.iter().map(|(joint, link)| (joints[*joint].name.value.as_str(), *link)).collect();
+        let before = self.report.error_count();
+        report_duplicates(listed.iter(), "coordinates", self.report);
+        let mut result = Vec::new();
+        for name in listed {
+            match by_name.get(name.value.as_str()) {
+                Some(link) => result.push(*link),
+                None => {
+                    let follows =
+                        joints.iter().any(|joint| joint.name.value == name.value && joint.is_follower());
+                    let is_driven =
+                        joints.iter().any(|joint| joint.name.value == name.value && joint.is_driven());
+                    let message = match (follows, is_driven) {
+                        (true, _) => format!("`{}` follows other joints and is not a coordinate", name.value),
+                        (_, true) => {
+                            format!("`{}` is driven: its motion is an argument of its own", name.value)
+                        }
+                        (false, false) => format!("`{}` is not a moving joint", name.value),
+                    };
+                    self.report.error(name.span, "unknown-joint", message);
+                    if let Some(help) = nearest(&name.value, by_name.keys().copied()) {
+                        self.report.help(help);
+                    }
+                }
+            }
+        }
+        for (name, _) in by_name.iter().filter(|(_, link)| !result.contains(link)) {
+            let span = listed.first().map_or(self.robot.name.span, |first| first.span);
+            self.report.error(
+                span,
+                "missing-coordinate",
+                format!("`coordinates` lacks the moving joint `{name}`"),
+            );
+            self.report.help("list every moving joint, or hold it");
+        }
+        (self.report.error_count() == before).then_some(result)
+    }
+
+    fn links(&mut self, coordinates: &[usize], followers: &[Follower]) -> Vec<Link> {
+        let mut order = vec![None; self.tree.links.len()];
+        for (coordinate, link) in coordinates.iter().enumerate() {
+            order[*link] = Some(Motion::Coordinate(coordinate));
+        }
+        for (index, follower) in followers.iter().enumerate() {
+            order[follower.link] = Some(Motion::Follower(coordinates.len() + index));
+        }
+        let mut links = Vec::new();
+        for link in 0..self.tree.links.len() {
+            let joint =
+                self.tree.joints[link].map(|joint| self.joint(joint, self.tree.parents[link], order[link]));
+            let described =
+                self.tree.joints[link].and_then(|joint| self.robot.joints[joint].link_frame.clone());
+            self.offsets.push(described.unwrap_or_else(Pose::identity));
+            links.push(Link { name: self.tree.links[link].value.clone(), joint, bodies: Vec::new() });
+        }
+        links
+    }
+
+    fn joint(&mut self, index: usize, parent: usize, motion: Option<Motion>) -> Joint {
+        let robot = self.robot;
+        let described = &robot.joints[index];
+        let origin = described.origin.clone().unwrap_or_else(Pose::identity);
+        let motion = match (motion, described.held) {
+            (Some(motion), _) => motion,
+            (None, Some(position)) => Motion::Held(position),
+            (None, None) => Motion::Fixed,
+        };
+        let limits = &described.limits;
+        let friction = described.friction.as_ref().map(|friction| &friction.value);
+        let value = |limit: &Option<At<f64>>| limit.as_ref().map(|limit| limit.value);
+        Joint {
+            name: described.name.value.clone(),
+            identifier: self.identifiers.joints[index].clone(),
+            parent,
+            kind: described.kind.unwrap_or(JointKind::Fixed),
+            origin: self.offsets[parent].then(&origin),
+            axis: described.axis.unwrap_or([0.0, 0.0, 1.0]),
+            motion,
+            limits: Limits {
+                position: limits.position.as_ref().map(|limit| limit.value),
+                velocity: value(&limits.velocity),
+                effort: value(&limits.effort),
+                peak_effort: value(&limits.peak_effort),
+                acceleration: value(&limits.acceleration),
+                jerk: value(&limits.jerk),
+            },
+            springs: laws(&described.springs),
+            friction: friction.map_or(Vec::new(), |friction| friction.terms.clone()),
+            load_friction: self.load_friction(described, motion),
+        }
+    }
+
+    /// Terms of friction that grow with the load. A joint without an input of its own is refused.
+    fn load_friction(&mut self, joint: &JointDescription, motion: Motion) -> Vec<FrictionTerm> {
+        let Some(load) = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref()) else {
+            return Vec::new();
+        };
+        let is_coupled =
+            self.robot.joints.iter().any(JointDescription::is_follower) || !self.robot.drives.is_empty();
+        if is_coupled {
+            let message = format!(
+                "joint `{}` has friction that grows with its load, in a robot whose joints or drives are coupled",
+                joint.name.value
+            );
+            self.report.error(load.span, "load-in-couplings", message);
+            self.report.help(
+                "a joint's load is known only if every joint has an input of its own: leave `load` out",
+            );
+        } else if matches!(motion, Motion::Coordinate(_))
+            && matches!(self.robot.drive_of(joint), DriveChoice::Passive)
+        {
+            let message =
+                format!("joint `{}` has friction that grows with its load, and no drive", joint.name.value);
+            self.report.error(load.span, "load-without-input", message);
+            self.report.help(
+                "`load` is for joints with an input of their own: describe a drive, or leave `load` out",
+            );
+        }
+        load.value.clone()
+    }
+
+    pub(super) fn find_link(&mut self, name: &Name) -> Option<usize> {
+        let found = self.tree.index.get(&name.value).copied();
+        if found.is_none() {
+            self.report.error(name.span, "unknown-link", format!("unknown link `{}`", name.value));
+            if let Some(help) = nearest(&name.value, self.robot.described_links(&self.tree.links)) {
+                self.report.help(help);
+            }
+        }
+        found
+    }
+
+    fn attach_bodies(&mut self, links: &mut [Link]) {
+        for body in &self.robot.bodies {
+            let Some(link) = self.find_link(&body.link) else {
+                continue;
+            };
+            let offset = &self.offsets[link];
+            links[link].bodies.push(Body {
+                name: body.name.value.clone(),
+                mass: body.mass.as_ref().map_or(Formula::ZERO, |mass| mass.value.clone()),
+                center_of_mass: offset.point(&body.center_in_link()),
+                inertia: rotate_inertia(&offset.rotation, &body.inertia_in_link()),
+            });
+        }
+    }
+
+    fn frames(&mut self) -> Vec<Frame> {
+        let identifiers = self.identifiers.frames.clone();
+        let described: Vec<(&FrameDescription, String)> = self.robot.frames.iter().zip(identifiers).collect();
+        let frame = |(frame, identifier): (&FrameDescription, String)| {
+            let link = self.find_link(&frame.link)?;
+            Some(Frame {
+                name: frame.name.value.clone(),
+                identifier,
+                link,
+                pose: self.offsets[link].then(&frame.pose),
+            })
+        };
+        described.into_iter().filter_map(frame).collect()
+    }
+}
+
+fn laws<T: Clone>(described: &Option<At<Vec<T>>>) -> Vec<T> {
+    described.as_ref().map_or(Vec::new(), |laws| laws.value.clone())
+}

@@ -1,0 +1,202 @@
+//! Limits of joints that follow others, and the ranges that those of the coordinates leave to them.
+
+use super::tree::Tree;
+use crate::description::{JointDescription, LimitsDescription, RobotDescription};
+use crate::diagnostic::Report;
+use crate::model::Follower;
+use crate::wording::{as_written, list, three_digits};
+
+/// Quotients of written numbers are rounded.
+const ROUNDING: f64 = 1e-12;
+
+/// A robot whose coordinates have limits.
+pub(super) struct Limited<'d> {
+    pub(super) robot: &'d RobotDescription,
+    pub(super) tree: &'d Tree,
+    /// The links of the coordinates, then those of the driven joints.
+    pub(super) coordinates: &'d [usize],
+    /// How many of them are driven.
+    pub(super) driven: usize,
+    /// Described values of the free parameters.
+    pub(super) defaults: &'d [f64],
+}
+
+impl<'d> Limited<'d> {
+    /// Reports an error if joints that follow others cannot keep their limits, and says where nothing makes them.
+    pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
+        for follower in followers {
+            let joint = self.joint(follower.link);
+            self.check_positions(joint, follower, report);
+            self.note_speed(joint, follower, report);
+        }
+        self.warn_of_free_ratios(followers, report);
+        for coordinate in 0..self.coordinates.len() {
+            self.check_together(coordinate, followers, report);
+        }
+        let joints: Vec<&JointDescription> =
+            followers.iter().map(|follower| self.joint(follower.link)).collect();
+        note_efforts(&joints, report);
+    }
+
+    /// The joint that carries a link which moves.
+    fn joint(&self, link: usize) -> &'d JointDescription {
+        let joint = self.tree.joints[link];
+        &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
+    }
+
+    /// Terms of a follower: each ratio with the limits of the joint that is followed.
+    fn terms(&self, follower: &Follower) -> impl Iterator<Item = (f64, &'d LimitsDescription)> {
+        follower.follows.iter().map(|term| {
+            let followed = self.joint(self.coordinates[term.coordinate]);
+            (term.ratio.evaluate(self.defaults, 0.0, 0.0), &followed.limits)
+        })
+    }
+
+    /// Reports an error if no position of the coordinates within their limits puts a joint within its own.
+    fn check_positions(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
+        let Some(limits) = &joint.limits.position else { return };
+        let mut reach = [follower.offset; 2];
+        for (ratio, followed) in self.terms(follower) {
+            let own = followed.position.as_ref();
+            let [low, high] = own.map_or([f64::NEG_INFINITY, f64::INFINITY], |limits| limits.value);
+            let ends = [ratio * low, ratio * high];
+            reach = [reach[0] + ends[0].min(ends[1]), reach[1] + ends[0].max(ends[1])];
+        }
+        let [low, high] = limits.value;
+        if low <= high && (reach[1] < low || reach[0] > high) {
+            let message = format!(
+                "joint `{}` moves from {} to {} with the joints that it follows, outside of its limits {} … {}",
+                joint.name.value,
+                three_digits(reach[0]),
+                three_digits(reach[1]),
+                as_written(low),
+                as_written(high)
+            );
+            report.error(limits.span, "limits-exclude", message);
+            report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
+        } else if (reach[0] < low || reach[1] > high) && !is_free(follower) {
+            let message = format!(
+                "joint `{}` can leave its limits while the joints that it follows keep theirs",
+                joint.name.value
+            );
+            report.note(Some(limits.span), "dependent-limits", message);
+            self.say_who_keeps(follower, report);
+        }
+    }
+
+    /// Names the parts of the runtime that keep the limits of a joint that can leave them.
+    fn say_who_keeps(&self, follower: &Follower, report: &mut Report) {
+        let driven = self.coordinates.len() - self.driven;
+        report.help(match &follower.follows[..] {
+            terms if terms.iter().any(|term| term.coordinate >= driven) => {
+                "the loop brakes there, and checks of trajectories report it; predictive controllers do not keep limits that move with a driven joint, and report this"
+            }
+            [_] => "the runtime narrows the limits of the joint that is followed: the loop, predictive controllers and planned motions keep them",
+            _ => {
+                "the loop brakes there, and checks of trajectories report it; predictive controllers keep them by rows, \
+                 `MpcRow::of_limits`"
+            }
+        });
+    }
+
+    /// Warns of limits that nothing keeps: without numbers for the ratios, the module says nothing of them.
+    fn warn_of_free_ratios(&self, followers: &[Follower], report: &mut Report) {
+        let has_limits =
+            |joint: &&JointDescription| joint.limits.position.is_some() || joint.limits.velocity.is_some();
+        let limited = followers
+            .iter()
+            .filter(|follower| is_free(follower))
+            .map(|one| self.joint(one.link))
+            .filter(has_limits);
+        let limited: Vec<_> = limited.collect();
+        let Some(first) = limited.first() else { return };
+        let spans =
+            [first.limits.position.as_ref().map(|l| l.span), first.limits.velocity.as_ref().map(|l| l.span)];
+        let Some(span) = spans.into_iter().flatten().next() else { return };
+        let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
+        let message = format!(
+            "no controller keeps the limits of joints that follow others while their ratios depend on free parameters: {names}"
+        );
+        report.warning(span, "limits-not-kept", message);
+        report.help("give the ratios numbers, or keep these limits yourself, by `MpcRow::dependent_joint` and `violations`");
+    }
+
+    /// Reports an error if joints that follow the same coordinate alone leave it no position.
+    fn check_together(&self, coordinate: usize, followers: &[Follower], report: &mut Report) {
+        let own = self.joint(self.coordinates[coordinate]).limits.position.as_ref();
+        let mut lowest = own.map(|limits| (limits.value[0], None));
+        let mut highest = own.map(|limits| (limits.value[1], None));
+        for follower in followers {
+            let Some([low, high]) = self.allowed(coordinate, follower) else { continue };
+            let joint = self.joint(follower.link);
+            if lowest.is_none_or(|(other, _)| low > other) {
+                lowest = Some((low, Some(joint)));
+            }
+            if highest.is_none_or(|(other, _)| high < other) {
+                highest = Some((high, Some(joint)));
+            }
+        }
+        // What one joint excludes with the coordinate's own limits is said of that joint.
+        let (Some((low, Some(a))), Some((high, Some(b)))) = (lowest, highest) else { return };
+        let Some(limits) = &b.limits.position else { return };
+        if low <= high + ROUNDING * (low.abs() + high.abs()) || std::ptr::eq(a, b) {
+            return;
+        }
+        let followed = &self.joint(self.coordinates[coordinate]).name.value;
+        let message = format!(
+            "joints `{}` and `{}` follow `{followed}`, which would have to be at least {} for the limits of one and at most {} for \
+             those of the other",
+            a.name.value,
+            b.name.value,
+            as_written(low),
+            as_written(high)
+        );
+        report.error(limits.span, "limits-exclude", message);
+        report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
+    }
+
+    /// Positions of a coordinate that put a joint within its limits which follows nothing else.
+    fn allowed(&self, coordinate: usize, follower: &Follower) -> Option<[f64; 2]> {
+        let [low, high] = self.joint(follower.link).limits.position.as_ref()?.value;
+        let [only] = &follower.follows[..] else { return None };
+        let ratio = only.ratio.evaluate(self.defaults, 0.0, 0.0);
+        if only.coordinate != coordinate || low > high || ratio == 0.0 {
+            return None;
+        }
+        let ends = [low, high].map(|end| (end - follower.offset) / ratio);
+        Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
+    }
+
+    /// Says where a joint can be faster than it may, with the joints that it follows at their speeds.
+    fn note_speed(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
+        let Some(limit) = &joint.limits.velocity else { return };
+        let fastest = self.terms(follower).map(|(ratio, followed)| {
+            ratio.abs() * followed.velocity.as_ref().map_or(f64::INFINITY, |limit| limit.value)
+        });
+        // A product of two written numbers is rounded.
+        if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) && !is_free(follower) {
+            let message = format!(
+                "joint `{}` can be faster than its limit while the joints that it follows keep theirs",
+                joint.name.value
+            );
+            report.note(Some(limit.span), "dependent-limits", message);
+            self.say_who_keeps(follower, report);
+        }
+    }
+}
+
+/// Whether a ratio depends on free parameters. A warning of its own says that nothing keeps the limits of such joints.
+fn is_free(follower: &Follower) -> bool {
+    follower.follows.iter().any(|term| term.ratio.value(&[]).is_none())
+}
+
+/// Says that the efforts of joints that follow others limit nothing.
+fn note_efforts(followers: &[&JointDescription], report: &mut Report) {
+    let limited: Vec<_> = followers.iter().filter(|joint| joint.limits.effort.is_some()).collect();
+    let Some(first) = limited.first().and_then(|joint| joint.limits.effort.as_ref()) else { return };
+    let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
+    let message = format!("the efforts of joints that follow others limit nothing: {names}");
+    report.note(Some(first.span), "dependent-limits", message);
+    report
+        .help("the force of such a joint is not an input: limit the drives, or the joints that are followed");
+}

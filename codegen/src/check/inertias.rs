@@ -1,0 +1,129 @@
+//! Are the moving bodies such as there can be?
+//!
+//! Bodies that are fixed to the base never enter the dynamics and are not checked. Inertias of a TOML file
+//! are its author's and have to be right. Those of a URDF are often somebody else's: they are taken as
+//! published, with one warning, as long as the mass matrix is positive definite.
+
+use super::tree::Tree;
+use crate::description::{BodyDescription, RobotDescription};
+use crate::diagnostic::{Diagnostic, Report, Severity, Span};
+use crate::model::inertia::{self, Flaw};
+use crate::model::regularity::{Pivots, STATES};
+use crate::wording::listed;
+use gelenk_formula::Formula;
+
+/// A body and its fault.
+struct Finding<'d> {
+    body: &'d BodyDescription,
+    flaw: Flaw,
+}
+
+/// Faults of the published bodies of a robot.
+pub(super) struct Published<'d> {
+    findings: Vec<Finding<'d>>,
+    moving: usize,
+}
+
+/// Reports bodies of TOML files that cannot be; returns those of URDFs.
+///
+/// - `tree`: the links, where they form one: else all bodies are checked
+pub(super) fn check<'d>(
+    robot: &'d RobotDescription,
+    tree: Option<&Tree>,
+    defaults: &[f64],
+    report: &mut Report,
+) -> Published<'d> {
+    let moving = tree.map(|tree| tree.moving(robot));
+    let moves = |body: &&BodyDescription| match (&moving, tree) {
+        (Some(moving), Some(tree)) => {
+            let link = tree.index.get(&body.link.value);
+            link.is_none_or(|link| moving[*link])
+        }
+        _ => true,
+    };
+    let bodies: Vec<&BodyDescription> = robot.bodies.iter().filter(moves).collect();
+    let mut published = Published { findings: Vec::new(), moving: bodies.len() };
+    for body in bodies {
+        let Some(flaw) = flaw(body, defaults) else {
+            continue;
+        };
+        match body.is_published {
+            true => published.findings.push(Finding { body, flaw }),
+            false => refuse(body, &flaw, report),
+        }
+    }
+    published
+}
+
+fn flaw(body: &BodyDescription, defaults: &[f64]) -> Option<Flaw> {
+    let value = |formula: &Formula| formula.evaluate(defaults, 0.0, 0.0);
+    let mass = body.mass.as_ref().map_or(0.0, |mass| value(&mass.value));
+    let center = body.center_in_link().each_ref().map(value);
+    let inertia = body.inertia.as_ref();
+    let inertia = inertia.map_or([0.0; 6], |inertia| inertia.value.each_ref().map(value));
+    let numbers = [mass].into_iter().chain(center).chain(inertia);
+    // What is not finite, and a negative mass, has its error already.
+    let is_checked = mass >= 0.0 && numbers.into_iter().all(f64::is_finite);
+    is_checked.then(|| inertia::check(mass, center, inertia)).flatten()
+}
+
+fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
+    let name = &body.name.value;
+    let (code, message) = match flaw {
+        Flaw::Massless => ("inertia-without-mass", format!("body `{name}` has {flaw}, as no real body has")),
+        Flaw::Triangle(_) => (
+            "inertia-triangle-inequality",
+            format!("inertia of body `{name}` belongs to no real body: {flaw}"),
+        ),
+        Flaw::NotPositive(_) => (
+            "inertia-not-positive-definite",
+            format!("inertia of body `{name}` is not positive definite: {flaw}"),
+        ),
+    };
+    let span = span_of(body);
+    let severity = match flaw {
+        _ if body.accept_unphysical => Severity::Note,
+        Flaw::Massless => Severity::Warning,
+        Flaw::Triangle(_) | Flaw::NotPositive(_) => Severity::Error,
+    };
+    report.push(Some(span), Diagnostic { severity, ..Diagnostic::note(code, message) });
+    if severity != Severity::Note {
+        report.help(
+            "inertia counts about the centre of mass of a body with a mass; `accept_unphysical = true` in a TOML body \
+             takes it as published",
+        );
+    }
+}
+
+impl Published<'_> {
+    /// One warning about all of them.
+    ///
+    /// - `pivots`: those of the mass matrix, if there is a model
+    pub(super) fn report(&self, pivots: Option<&Pivots>, report: &mut Report) {
+        let Some(first) = self.findings.first() else {
+            return;
+        };
+        let entries = self.findings.iter();
+        let entries = entries.map(|Finding { body, flaw }| format!("`{}` ({flaw})", body.name.value));
+        let definite = match pivots.is_some_and(Pivots::are_positive) {
+            true => format!("; its mass matrix is positive definite at {STATES} seeded states"),
+            false => String::new(),
+        };
+        let message = format!(
+            "{} of {} moving bodies cannot be real ones: {}; the model takes them as published{definite}",
+            self.findings.len(),
+            self.moving,
+            listed(entries),
+        );
+        report.warning(span_of(first.body), "unphysical-bodies", message);
+        report.help(
+            "a real body has a mass; of its principal moments about the centre of mass none is negative, and none exceeds the \
+             sum of the other two",
+        );
+    }
+}
+
+fn span_of(body: &BodyDescription) -> Span {
+    let inertia = body.inertia.as_ref();
+    inertia.map_or(body.name.span, |inertia| inertia.span)
+}

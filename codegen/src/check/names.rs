@@ -1,0 +1,122 @@
+//! Distinct names, and the identifiers that stand for them in generated code.
+
+use crate::description::{DriveChoice, JointDescription, Name, PointForceDescription, RobotDescription};
+use crate::diagnostic::Report;
+use crate::distinct::Distinct;
+use crate::model::JointKind;
+use crate::model::name::identifier;
+use crate::wording::listed;
+use std::collections::BTreeMap;
+
+/// Identifiers of the module, its joints, frames and drives, in the order of their description.
+#[derive(Debug)]
+pub(super) struct Identifiers {
+    pub(super) module: String,
+    /// They label values inside of functions.
+    pub(super) joints: Vec<String>,
+    /// They are part of the names of functions.
+    pub(super) frames: Vec<String>,
+    /// Drives by joint; `None` if the joint has none.
+    pub(super) drives: Vec<Option<String>>,
+    /// Names of the drives that are not on a joint.
+    pub(super) shared_drives: Vec<String>,
+}
+
+impl Identifiers {
+    /// Reports names that are given twice. Different names whose identifiers would be the same are numbered.
+    pub(super) fn new(robot: &RobotDescription, report: &mut Report) -> Self {
+        let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
+        let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
+        let drives: Vec<Option<&Name>> = robot.joints.iter().map(|joint| drive_name(robot, joint)).collect();
+        let shared = robot.drives.iter().map(|drive| &drive.name);
+        let driven: Vec<&Name> = drives.iter().copied().flatten().chain(shared).collect();
+        let pulls = robot.point_forces.iter().filter_map(|force| force.input.as_ref());
+        let at_frames =
+            pulls.map(|input| &input.name).chain(robot.wrench_inputs.iter().map(|input| &input.name));
+        let before = report.error_count();
+        // A spherical or floating joint is a name beside those of its velocities.
+        let parts = robot.joints.iter().filter_map(|joint| joint.part_of.as_ref());
+        let whole = parts.filter(|part| part.index == 0).map(|part| &part.joint);
+        report_duplicates(whole.chain(joints.iter().copied()), "joints", report);
+        if report.error_count() == before {
+            // A drive without a name is called like its joint.
+            report_duplicates(driven.iter().copied(), "drives", report);
+        }
+        if report.error_count() == before {
+            report_duplicates(driven.iter().copied().chain(at_frames), "inputs", report);
+        }
+        // Springs without a name may stand between the same frames.
+        let is_named = |force: &&PointForceDescription| {
+            let [a, b] = force.between.each_ref().map(|name| &name.value);
+            let own = &force.name.value;
+            *own != format!("{a} – {b}") && force.input.as_ref().is_none_or(|input| input.name.value != *own)
+        };
+        report_duplicates(
+            robot.point_forces.iter().filter(is_named).map(|force| &force.name),
+            "forces",
+            report,
+        );
+        report_duplicates(robot.wrenches.iter().map(|wrench| &wrench.name), "wrenches", report);
+        report_duplicates(frames.iter().copied(), "frames", report);
+        let mut of_drives = distinct(&driven).into_iter();
+        Self {
+            module: identifier(&robot.name.value),
+            joints: distinct(&joints),
+            frames: distinct(&frames),
+            drives: drives.iter().map(|name| name.and_then(|_| of_drives.next())).collect(),
+            shared_drives: of_drives.collect(),
+        }
+    }
+
+    /// Reports names of the module and of the functions of frames that differ from the description.
+    pub(super) fn note(&self, robot: &RobotDescription, report: &mut Report) {
+        let module = (&robot.name, self.module.clone());
+        let module = Some(module).filter(|(name, identifier)| name.value != *identifier);
+        let module = module.map(|(name, identifier)| (name, format!("`{identifier}`")));
+        let frames = robot.frames.iter().map(|frame| &frame.name);
+        let frames = frames.zip(&self.frames);
+        let frames = frames.filter(|(name, identifier)| name.value != **identifier);
+        let frames = frames.map(|(name, identifier)| (name, format!("`frame_{identifier}_…`")));
+        let changed: Vec<(&Name, String)> = module.into_iter().chain(frames).collect();
+        let Some((first, _)) = changed.first() else {
+            return;
+        };
+        let entries = changed.iter();
+        let entries = entries.map(|(name, identifier)| format!("{:?} → {identifier}", name.value));
+        report.note(Some(first.span), "name-mapped", format!("names in generated code: {}", listed(entries)));
+    }
+}
+
+fn drive_name<'d>(robot: &'d RobotDescription, joint: &'d JointDescription) -> Option<&'d Name> {
+    if joint.kind == Some(JointKind::Fixed) {
+        return None;
+    }
+    match robot.drive_of(joint) {
+        DriveChoice::Motor(motor) => motor.name.as_ref().or(Some(&joint.name)),
+        DriveChoice::Ideal => Some(&joint.name),
+        DriveChoice::Passive => None,
+    }
+}
+
+/// Identifiers of names of one kind, numbered where those of different names would be the same.
+fn distinct(names: &[&Name]) -> Vec<String> {
+    let mut taken = Distinct::default();
+    let mut known: BTreeMap<&str, String> = BTreeMap::new();
+    for name in names {
+        known.entry(&name.value).or_insert_with(|| taken.take(&identifier(&name.value)));
+    }
+    names.iter().map(|name| known.get(name.value.as_str()).cloned().unwrap_or_default()).collect()
+}
+
+pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what: &str, report: &mut Report) {
+    let mut seen: BTreeMap<&str, &Name> = BTreeMap::new();
+    for name in names {
+        let Some(first) = seen.get(name.value.as_str()) else {
+            seen.insert(&name.value, name);
+            continue;
+        };
+        let place = report.place(first.span);
+        let message = format!("two {what} are named `{}`; the other one is at {place}", name.value);
+        report.error(name.span, "duplicate-name", message).help("give each its own name");
+    }
+}

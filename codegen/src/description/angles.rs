@@ -1,0 +1,110 @@
+//! Angles that miss a multiple of 90° by a hair: noted, or snapped where asked for.
+
+use crate::diagnostic::{At, Report, Span};
+use crate::model::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
+use crate::wording::{listed, three_digits};
+
+/// Angles this close to a multiple of 90° (rad) are worth a note.
+pub const NEARLY_RIGHT: f64 = 1e-4;
+/// Code of that note.
+pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
+/// Makes rotations from described angles and records the operations that snapping would save.
+#[derive(Debug, Default)]
+pub(crate) struct Angles {
+    /// Angles within this of a multiple of 90° are replaced by it (rad).
+    pub snap: Option<f64>,
+    near: Vec<(Span, String, f64)>,
+    gained: usize,
+    /// Angles that look like degrees.
+    degrees: Vec<(Span, String)>,
+}
+
+/// Whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
+pub(crate) fn looks_like_degrees(angle: f64) -> bool {
+    is_beyond_turns(angle) && angle % 5.0 == 0.0
+}
+
+/// Whether an angle is almost five turns or more in radians, and at most two in degrees.
+pub(crate) fn is_beyond_turns(angle: f64) -> bool {
+    (30.0..=720.0).contains(&angle.abs())
+}
+
+impl Angles {
+    /// Rotation of roll, pitch and yaw; `owner` names them in the note.
+    pub fn rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
+        let angles = rpy.value.map(|angle| self.snapped(angle));
+        for angle in angles {
+            self.remember(angle, rpy.span, owner);
+        }
+        let rotation = from_rpy(angles);
+        let exact = from_rpy(angles.map(|angle| snapped(angle, NEARLY_RIGHT)));
+        self.gained += trivial_entries(&exact).saturating_sub(trivial_entries(&rotation));
+        rotation
+    }
+
+    /// Rotation of a unit quaternion w, x, y, z.
+    pub fn quaternion(&self, quaternion: [f64; 4]) -> Rotation {
+        from_quaternion(quaternion, self.snap.unwrap_or(0.0))
+    }
+
+    /// A single angle (of a Denavit–Hartenberg row).
+    pub fn angle(&mut self, angle: &At<f64>, owner: &str) -> f64 {
+        let value = self.snapped(angle.value);
+        if self.remember(value, angle.span, owner) {
+            self.gained += 4;
+        }
+        value
+    }
+
+    fn snapped(&self, angle: f64) -> f64 {
+        self.snap.map_or(angle, |tolerance| snapped(angle, tolerance))
+    }
+
+    fn remember(&mut self, angle: f64, span: Span, owner: &str) -> bool {
+        if looks_like_degrees(angle) {
+            self.degrees.push((span, format!("{owner} {angle}")));
+        }
+        let near = is_nearly_right(angle, NEARLY_RIGHT);
+        if near {
+            self.near.push((span, owner.to_owned(), angle));
+        }
+        near
+    }
+
+    /// Adds the notes, if there is something to say.
+    pub fn report(self, report: &mut Report) {
+        self.note_degrees(report);
+        let Some((first, ..)) = self.near.first() else {
+            return;
+        };
+        let entries = self.near.iter();
+        let entries = entries.map(|(_, owner, angle)| {
+            let distance = angle - snapped(*angle, NEARLY_RIGHT);
+            format!("{owner} (off by {})", three_digits(distance))
+        });
+        let count = self.near.len();
+        let message = format!(
+            "{count} angle{} within 1e-4 of a multiple of 90°, but not exactly there: {}; snapping would make {} entries \
+             of rotation matrices exactly 0 or ±1, which cost no operations",
+            if count == 1 { " is" } else { "s are" },
+            listed(entries),
+            self.gained,
+        );
+        let help = "`--snap-angles 1e-4` or the key `snap_angles = 1e-4` does it";
+        report.note(Some(*first), NEARLY_RIGHT_ANGLE, message).help(help);
+    }
+
+    fn note_degrees(&self, report: &mut Report) {
+        let Some((first, _)) = self.degrees.first() else {
+            return;
+        };
+        let entries = self.degrees.iter().map(|(_, entry)| entry.clone());
+        let message = format!("rotations look like degrees: {}; they are taken as radians", listed(entries));
+        report.note(Some(*first), "looks-like-degrees", message);
+        report.help("90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
+    }
+}
+
+fn trivial_entries(rotation: &Rotation) -> usize {
+    rotation.iter().flatten().filter(|entry| entry.abs() == 1.0 || **entry == 0.0).count()
+}

@@ -1,0 +1,334 @@
+//! The table of kinds of robots: functions and products that differ from their rows, or are missing.
+
+use super::frame_inputs::{self, beyond};
+use super::kind::Difference::{self, Missing};
+use super::kind::{Kind, MISSING, Otherwise, Product, equation, notes};
+use super::load_friction::{self, KINK, LOAD, MOTION};
+use super::motion::{FRICTION_BY_POSITION, INPUT_MATRIX_BY_POSITION, LINEARIZE_ON_TANGENT};
+use super::{driven, regressors, wrenches};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::dynamics::forces;
+use crate::model::{Drive, Joint, JointKind, Model};
+
+/// All kinds. Notes of several kinds have this order.
+pub static KINDS: [Kind; 11] = [
+    Kind {
+        robots: "a singular mass matrix",
+        code: "singular-mass-matrix",
+        condition: "the mass matrix is singular: nothing that has inertia moves with {}",
+        example: |model| {
+            Some(model.motions_without_inertia().join(", ")).filter(|motions| !motions.is_empty())
+        },
+        differences: &[
+            (
+                "forward_dynamics forward_dynamics_derivatives linearize discretize step step_derivatives \
+                 forward_dynamics_with_wrenches forward_dynamics_derivatives_with_wrenches",
+                Missing {
+                    why: "",
+                    help: "describe the mass or the rotor that moves with it, or ask for functions without the inverse",
+                },
+            ),
+            ("acados", MISSING),
+        ],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "friction that depends on the position",
+        code: "friction-by-position",
+        condition: "friction depends on the position",
+        example: |model| forces::friction_depends_on_position(model).then(String::new),
+        replaces: &[
+            FRICTION_BY_POSITION,
+            regressors::PARAMETERS_BY_POSITION,
+            regressors::REGRESSOR_BY_POSITION,
+        ],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "driven joints",
+        code: "driven-joint",
+        condition: "joints are driven, as `{}` is",
+        example: |model| name(model.driven_joints().next()),
+        adds: driven::QUANTITIES,
+        differences: &[
+            (
+                "coriolis_forces bias_forces equations_of_motion mass_matrix_and_bias_forces",
+                notes(&[
+                    "It contains M_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds for the other \
+                     joints.",
+                ]),
+            ),
+            (
+                "kinetic_energy",
+                equation(
+                    "½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)",
+                    &["With the mass matrix of all joints, the driven ones included."],
+                ),
+            ),
+            (
+                "joint_wrenches",
+                notes(&["The rows of the driven joints stand behind those of the coordinates."]),
+            ),
+            (
+                "center_of_mass_jacobian centroidal_momentum_matrix frame_NAME_jacobian",
+                notes(&["The columns of the driven joints stand behind those of the coordinates."]),
+            ),
+            (
+                "frame_NAME_jacobian_rate_times_velocity",
+                notes(&["The driven joints are accelerated as d says."]),
+            ),
+            (
+                "discretize step step_derivatives",
+                Missing {
+                    why: ": their motion is needed throughout the sample time",
+                    help: "`forward_dynamics` and `linearize` take the driven motion at one time; `DrivenRobot` of gelenk-runtime makes steps of them, with a motion over time",
+                },
+            ),
+            ("loops closed-forms casadi acados export identification", MISSING),
+        ],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "forces between frames",
+        code: "frame-forces",
+        condition: "forces act at frames, as `{}` does",
+        example: |model| model.point_forces.first().map(|force| force.name.clone()),
+        differences: &[("joint_wrenches", beyond()), ("loops closed-forms", MISSING)],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "inputs at frames",
+        code: "frame-forces",
+        condition: "inputs act at frames, as `{}` does",
+        example: |model| model.force_inputs.first().map(|input| input.name.clone()),
+        adds: frame_inputs::QUANTITIES,
+        replaces: &[INPUT_MATRIX_BY_POSITION],
+        differences: &[
+            ("joint_wrenches", beyond()),
+            (
+                "forward_dynamics_derivatives",
+                equation("∂ÿ = −M⁻¹ ∂(M ÿ + k − q − B(y) u), ∂ÿ/∂(B u) = M⁻¹", &[]),
+            ),
+            (
+                "inverse_dynamics_hessian",
+                Difference::Documented(Otherwise {
+                    only_note: Some(
+                        "The constraint `M ÿ + k − q = B(y) u` with multipliers λ adds these blocks to the Hessian of the Lagrangian, and those \
+                         of `−λᵀ B(y) u`, which are not in here.",
+                    ),
+                    ..Otherwise::ROW
+                }),
+            ),
+            ("loops closed-forms", MISSING),
+        ],
+    },
+    Kind {
+        robots: "friction under load",
+        code: "load-friction",
+        condition: "friction grows with the load, as that of `{}` does",
+        example: |model| name(model.joints().find(|joint| !joint.load_friction.is_empty())),
+        adds: load_friction::QUANTITIES,
+        differences: &[
+            (
+                "mass_matrix coriolis_forces input_matrix equations_of_motion mass_matrix_and_bias_forces",
+                equation(MOTION, &[LOAD]),
+            ),
+            (
+                "applied_forces friction_torques friction_parameters friction_regressor",
+                notes(&[
+                    "Friction without what the load adds, `|τ_l| load_friction`: that depends on the accelerations.",
+                ]),
+            ),
+            (
+                "inverse_dynamics",
+                equation(
+                    "τ_l + friction_torques + |τ_l| s₁(y, ẏ), τ_l = M ÿ + k − gravity_forces − spring_forces",
+                    &[LOAD],
+                ),
+            ),
+            (
+                "forward_dynamics",
+                equation(
+                    "ÿ = M⁻¹ (τ_l + gravity_forces + spring_forces − k), τ_l = w / (1 + s₁ sign w), w = B u − friction_torques",
+                    &[
+                        LOAD,
+                        "Joint by joint, since `|s₁| < 1`: `w`, what a drive exerts beyond `friction_torques`, has the sign of the load.",
+                    ],
+                ),
+            ),
+            (
+                "inverse_dynamics_derivatives",
+                Difference::Documented(Otherwise {
+                    equation: Some("δ(B u) = ∂/∂y δy + ∂/∂ẏ δẏ + D M δÿ, D = diag(1 + s₁ sign τ_l)"),
+                    first_result: Some("what the drives exert at the joints, friction under load included"),
+                    notes: &[LOAD, KINK],
+                    ..Otherwise::ROW
+                }),
+            ),
+            ("linearize", notes(&[LOAD, KINK])),
+            (
+                "inertial_regressor",
+                notes(&[
+                    "Here `W π − springs` is the load `τ_l`, and `|τ_l| load_friction` is part of the inverse dynamics too.",
+                ]),
+            ),
+            (
+                "step",
+                equation(
+                    "x⁺ ≈ x + ∫ f(x, u) dt with x = (y, ẏ), f = (ẏ, forward_dynamics(y, ẏ, u)) and u held",
+                    &[],
+                ),
+            ),
+            (
+                "inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives inverse_dynamics_hessian",
+                Missing {
+                    why: ": M and M⁻¹ would be taken for derivatives that have another factor there",
+                    help: "`inverse_dynamics_derivatives` and `linearize` hold; by the accelerations the former has D M, see its documentation",
+                },
+            ),
+            ("loops closed-forms", MISSING),
+        ],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "wrenches as arguments",
+        code: "wrenches",
+        condition: "wrenches are arguments, as `{}` is",
+        example: |model| model.wrenches.first().map(|wrench| wrench.name.clone()),
+        adds: wrenches::QUANTITIES,
+        differences: &[("joint_wrenches", beyond())],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "spherical or floating joints",
+        code: "quaternion-joint",
+        condition: "joints are spherical or floating, as `{}` is",
+        example: |model| model.quaternion_joints.first().map(|joint| joint.name.clone()),
+        replaces: &[LINEARIZE_ON_TANGENT],
+        differences: &[
+            (
+                "input_forces_derivatives inverse_dynamics_derivatives inverse_dynamics_derivatives_and_mass_matrix \
+                 inverse_dynamics_derivatives_with_wrenches forward_dynamics_derivatives inverse_dynamics_hessian \
+                 forward_dynamics_derivatives_with_wrenches wrench_forces_derivatives",
+                notes(&[
+                    "Column j of ∂/∂y is the derivative along ⊕: of `δ ↦ f(integrate(y, δ))` by δ_j at 0, with the velocities held in the \
+                     frames of their bodies.",
+                ]),
+            ),
+            (
+                "joint_wrenches",
+                notes(&["A spherical or floating joint has one row, in the place of its last velocity."]),
+            ),
+            (
+                "discretize",
+                equation(
+                    "x⁺ = A_d x + B_d u + c_d with x = (δ, v), solves δ̇ = D δ + v, v̇ = A_y δ + A_v v + B_x u + c with u held",
+                    &[],
+                ),
+            ),
+            (
+                "step",
+                equation(
+                    "(y⁺, ẏ⁺) ≈ the motion with ÿ = forward_dynamics(y, ẏ, u) after the period, u held",
+                    &[],
+                ),
+            ),
+            (
+                "step_derivatives",
+                equation("(y⁺ ⊕ δy⁺, ẏ⁺ + δẏ⁺) = step(y ⊕ δy, ẏ + δẏ, u + δu) to first order", &[]),
+            ),
+            ("closed-forms", MISSING),
+        ],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "joints that follow others, or drives that move several joints",
+        code: "coupled-joints",
+        condition: "joints are coupled, as by `{}`",
+        example: |model| {
+            let follower = model.moving_joints().get(model.motion_count()).map(|moving| moving.joint);
+            let shared: Option<&Drive> = model.moving_drives().find(|drive| drive.coordinate().is_none());
+            name(follower).or_else(|| Some(shared?.name.clone()))
+        },
+        differences: &[("closed-forms", MISSING)],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "helical joints",
+        code: "helical-joint",
+        condition: "joints are helical, as `{}` is",
+        example: |model| {
+            let mut moving = model.moving_joints().into_iter().map(|moving| moving.joint);
+            name(moving.find(|joint| matches!(joint.kind, JointKind::Helical { .. })))
+        },
+        differences: &[("closed-forms", MISSING)],
+        ..Kind::PLAIN
+    },
+    Kind {
+        robots: "no inputs",
+        code: "no-input",
+        condition: "the robot has no inputs",
+        example: |model| model.inputs().next().is_none().then(String::new),
+        differences: &[("acados", MISSING)],
+        ..Kind::PLAIN
+    },
+];
+
+fn name(joint: Option<&Joint>) -> Option<String> {
+    joint.map(|joint| joint.name.clone())
+}
+
+impl Product {
+    /// Whether a robot has the product.
+    ///
+    /// # Errors
+    /// The code of the first kind of the robot without the product.
+    pub fn check(&self, model: &Model) -> Result<(), Diagnostics> {
+        let refusal = refusal(model, self.name).map(|refusal| refusal.error(self.missing).help(self.help));
+        refusal.map_or(Ok(()), |refusal| Err(refusal.into()))
+    }
+}
+
+/// Why a model lacks a function or a product.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Refusal {
+    code: &'static str,
+    because: String,
+    help: &'static str,
+}
+
+impl Refusal {
+    /// The error for those who asked for it.
+    pub(crate) fn error(&self, missing: &str) -> Diagnostic {
+        Diagnostic::error(self.code, format!("{missing}, because {}", self.because)).help(self.help)
+    }
+
+    /// The note for those who asked for all.
+    pub(crate) fn note(&self, missing: &str) -> Diagnostic {
+        Diagnostic::note("left-out", format!("{missing}, because {}", self.because)).help(self.help)
+    }
+}
+
+/// The differences of a function or product, each with its kind.
+fn differences(name: &str) -> impl Iterator<Item = (&'static Kind, &'static Difference)> {
+    KINDS.iter().filter_map(move |kind| Some((kind, kind.difference(name)?)))
+}
+
+/// Why a model lacks a function or a product; `None` if it has it.
+///
+/// - `name`: of a function, with `NAME` in place of a frame's, or of a product
+pub(crate) fn refusal(model: &Model, name: &str) -> Option<Refusal> {
+    differences(name).find_map(|(kind, difference)| {
+        let Missing { why, help } = *difference else { return None };
+        let because = kind.condition.replace("{}", &(kind.example)(model)?) + why;
+        Some(Refusal { code: kind.code, because, help })
+    })
+}
+
+/// The documentation of a model's function where it differs from the row.
+pub(crate) fn otherwise(model: &Model, name: &str) -> impl Iterator<Item = &'static Otherwise> {
+    differences(name).filter_map(move |(kind, difference)| match difference {
+        Difference::Documented(other) => kind.includes(model).then_some(other),
+        Missing { .. } => None,
+    })
+}

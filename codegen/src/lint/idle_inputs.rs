@@ -1,0 +1,83 @@
+//! Inputs at frames whose column of B is zero: nothing gives way to them.
+
+use super::levers::Levers;
+use crate::description::{Name, RobotDescription, WrenchInputDescription};
+use crate::diagnostic::Report;
+use crate::model::{Attachment, ForceEffect, Model};
+use crate::random::Random;
+use crate::wording::list;
+use gelenk_findings::Rule;
+use gelenk_formula::Formula;
+
+/// Sees: an input at a frame to which no joint gives way at the described values of the free parameters.
+/// Matters: its column of B is zero.
+/// Example: a propeller whose axis crosses that of the only joint before it.
+/// Fixture: `codegen/tests/snapshots/bad/idle_inputs.toml.snap`.
+const MOVES_NOTHING: Rule = Rule::warning("input-moves-nothing");
+
+const SEED: u64 = 0x6964_6c65;
+
+/// Reports inputs that are wrenches and move nothing.
+pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
+    for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
+        let ForceEffect::Wrench { at, wrench } = &found.effect else { continue };
+        if !is_moved(at.link, model) {
+            refuse_on_driven(&input.name, model, report);
+        } else {
+            check_levers(input, (at, wrench), model, report);
+        }
+    }
+}
+
+/// Number of inputs that pull frames together, which stand before the others.
+fn pulls(model: &Model) -> usize {
+    model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
+}
+
+/// Whether a coordinate moves a link, by a joint of its own or by one that follows.
+fn is_moved(link: usize, model: &Model) -> bool {
+    let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
+    let follows = |link: usize| {
+        let mut followers = model.followers.iter().filter(|follower| follower.link == link);
+        followers.any(|one| one.follows.iter().any(|term| term.coordinate < model.coordinates.len()))
+    };
+    std::iter::successors(Some(link), parent).any(|link| model.coordinates.contains(&link) || follows(link))
+}
+
+/// An input to which only joints whose motion is prescribed give way.
+pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) {
+    let driven: Vec<&str> = model.driven_joints().map(|joint| joint.name.as_str()).collect();
+    let driven = list(driven.into_iter());
+    let message = format!("input `{}` moves nothing: it acts on driven joints alone, {driven}", name.value);
+    report.error(name.span, MOVES_NOTHING.code, message);
+    report.help(
+        "no input changes the motion of a driven joint: leave the input out, or let the joint move freely",
+    );
+}
+
+/// A wrench to which joints could give way, and none does: a force along an axis of nothing, or one through the axes of all that turns.
+fn check_levers(
+    input: &WrenchInputDescription,
+    (at, wrench): (&Attachment, &[Formula; 6]),
+    model: &Model,
+    report: &mut Report,
+) {
+    let described = model.described_parameters();
+    if Levers::new(model, described.clone()).are_moved_by(at, wrench) {
+        return;
+    }
+    let mut random = Random::new(SEED);
+    let others = described.iter().map(|value| value + random.either_side(0.1, 1.0)).collect();
+    let (name, frame) = (&input.name.value, &at.name);
+    let message = format!("input `{name}` moves nothing: no joint gives way to its wrench at `{frame}`");
+    let help = "a force moves a joint that turns if it passes by the axis, and one that slides if it has a part along the axis; a \
+                moment turns about axes that are not across it";
+    if Levers::new(model, others).are_moved_by(at, wrench) {
+        let message = format!("{message} at the described values of the free parameters");
+        report.push(Some(input.wrench.span), MOVES_NOTHING.found(message));
+        report.help(help);
+        return;
+    }
+    report.error(input.wrench.span, MOVES_NOTHING.code, message);
+    report.help(format!("{help}: correct `wrench` or `frame`, or leave the input out"));
+}

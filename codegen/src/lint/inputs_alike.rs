@@ -1,0 +1,61 @@
+//! Inputs at frames that act like others.
+
+use super::levers::Levers;
+use crate::description::RobotDescription;
+use crate::diagnostic::{Report, Span};
+use crate::model::{Actuator, ForceEffect, Model};
+use gelenk_findings::Rule;
+
+/// Sees: inputs that act in the same ratio at every position, of which one is at a frame.
+/// Matters: forces at the joints do not determine them.
+/// Example: two cylinders between the same links.
+/// Fixture: `inputs_that_act_alike_are_noted` in `codegen/tests/doubts.rs`.
+const INPUTS_ALIKE: Rule = Rule::note("inputs-alike");
+
+/// Directions and places are written numbers.
+const ROUNDING: f64 = 1e-9;
+
+/// Notes inputs whose columns of B are parallel at all states. Whoever means them so loses nothing.
+pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
+    if model.force_inputs.is_empty() {
+        return;
+    }
+    let described = model.described_parameters();
+    let levers = Levers::new(model, described);
+    let inputs: Vec<(Actuator<'_>, Vec<Vec<f64>>)> =
+        model.inputs().map(|input| (input, levers.columns(input))).collect();
+    for (index, (input, columns)) in inputs.iter().enumerate() {
+        let mut before = inputs[..index].iter().filter(|(other, _)| !are_told_elsewhere(*other, *input));
+        if let Some((other, _)) = before.find(|(_, others)| are_parallel(others, columns)) {
+            note_inputs(robot, [other.name(), input.name()], report);
+        }
+    }
+}
+
+/// Drives have a note of their own, and so has a drive together with a cylinder.
+fn are_told_elsewhere(one: Actuator<'_>, other: Actuator<'_>) -> bool {
+    let pulls = |input: Actuator<'_>| matches!(input, Actuator::Force(force) if matches!(force.effect, ForceEffect::Pull(_)));
+    one.drive().is_some() && (other.drive().is_some() || pulls(other))
+}
+
+fn are_parallel(some: &[Vec<f64>], others: &[Vec<f64>]) -> bool {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    some.iter().zip(others).all(|(a, b)| {
+        let sizes = (dot(a, a) * dot(b, b)).sqrt();
+        sizes > 0.0 && dot(a, b).abs() > (1.0 - ROUNDING) * sizes
+    })
+}
+
+fn note_inputs(robot: &RobotDescription, [first, second]: [&str; 2], report: &mut Report) {
+    let message = format!(
+        "inputs `{first}` and `{second}` act alike at every position: forces at the joints do not determine theirs, and B has no left inverse"
+    );
+    report.push(Some(place(robot, second)), INPUTS_ALIKE.found(message));
+    report.help("cylinders side by side are one input with the sum of their limits, unless each is commanded by itself");
+}
+
+fn place(robot: &RobotDescription, input: &str) -> Span {
+    let pulls = robot.point_forces.iter().filter_map(|force| force.input.as_ref()).map(|input| &input.name);
+    let mut names = pulls.chain(robot.wrench_inputs.iter().map(|input| &input.name));
+    names.find(|name| name.value == input).unwrap_or(&robot.name).span
+}

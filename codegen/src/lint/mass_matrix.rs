@@ -1,0 +1,70 @@
+//! Is the mass matrix positive definite?
+
+use crate::description::RobotDescription;
+use crate::diagnostic::{Report, Span};
+use crate::model::regularity::{Pivots, STATES};
+use crate::model::{Joint, Model};
+use crate::wording::list;
+use gelenk_findings::Rule;
+
+/// Sees: a robot that is accepted as it is, whose mass matrix has a negative eigenvalue.
+/// Matters: forces can accelerate joints backwards.
+/// Example: a URDF with a negative inertia, and `--accept-unphysical`.
+/// Fixture: `a_mass_matrix_that_is_not_positive_definite_is_refused` in `codegen/tests/wild_urdf.rs`.
+const INDEFINITE: Rule = Rule::warning("mass-matrix-not-positive-definite");
+
+/// Sees: joints, or sums of joints, that move nothing with inertia.
+/// Matters: the mass matrix is singular, so functions with its inverse are missing.
+/// Example: the last joint of an arm whose hand has no body.
+/// Fixture: `codegen/tests/snapshots/bad/massless_leaf.toml.snap`.
+const SINGULAR: Rule = Rule::warning("joints-without-inertia");
+
+/// A negative pivot is an error, unless the robot is wanted as it is; a zero one is a warning, since only
+/// some functions need the inverse.
+pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, report: &mut Report) {
+    let (negative, zero) = (model.joints_of(&pivots.negative), model.joints_of(&pivots.zero));
+    if let Some(first) = negative.first() {
+        report_indefinite(robot, place(robot, first), &negative, pivots, report);
+    }
+    if let Some(first) = zero.first() {
+        warn_of_singular(place(robot, first), &pivots.free_motions(model), report);
+    }
+}
+
+fn place(robot: &RobotDescription, joint: &Joint) -> Span {
+    let mut names = robot.joints.iter().map(|joint| &joint.name);
+    let name = names.find(|name| name.value == joint.name);
+    name.unwrap_or(&robot.name).span
+}
+
+fn report_indefinite(
+    robot: &RobotDescription,
+    span: Span,
+    joints: &[&Joint],
+    pivots: &Pivots,
+    report: &mut Report,
+) {
+    let message = format!(
+        "the mass matrix is not positive definite at {} of {STATES} seeded states: forces can accelerate {} backwards",
+        pivots.indefinite_states,
+        list(joints.iter().map(|joint| joint.name.as_str())),
+    );
+    if robot.accept_unphysical {
+        report.push(Some(span), INDEFINITE.found(message));
+        return;
+    }
+    report.error(span, INDEFINITE.code, message);
+    report.help(
+        "correct the bodies that these joints move, or accept the model as it is: `--accept-unphysical`, or \
+         `accept_unphysical = true` at the top of a TOML file",
+    );
+}
+
+fn warn_of_singular(span: Span, motions: &[String], report: &mut Report) {
+    let motions = motions.join(", ");
+    let message = format!("the mass matrix is singular: nothing that has inertia moves with {motions}");
+    report.push(Some(span), SINGULAR.found(message));
+    report.help(
+        "give the links that move there mass or inertia, give the drives a rotor inertia, or make the joints fixed or held",
+    );
+}

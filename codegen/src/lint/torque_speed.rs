@@ -1,0 +1,114 @@
+//! Torque–speed lines that no controller could keep, or that other limits do not fit.
+
+use crate::description::{DriveDescription, RobotDescription};
+use crate::diagnostic::{At, Report, Span};
+use crate::model::{Drive, Model, TorqueSpeedLine};
+use crate::wording::{as_written, three_digits};
+use gelenk_findings::Rule;
+
+/// Sees: a torque of a motor, or the effort of its joint, above its torque at rest.
+/// Matters: the described limit is never reached.
+/// Example: `torque = 1.5` next to `stall_torque = 1.2`.
+/// Fixture: `limits_beyond_a_torque_speed_line_are_told` in `codegen/tests/doubts.rs`.
+const BEYOND_STALL: Rule = Rule::warning("beyond-stall-torque");
+
+/// Sees: a highest speed of a motor above its speed without load.
+/// Matters: the motor has no torque there, and something else has to turn it.
+/// Example: `speed = 700` next to `no_load_speed = 600`.
+/// Fixture: `limits_beyond_a_torque_speed_line_are_told` in `codegen/tests/doubts.rs`.
+const BEYOND_SPEED: Rule = Rule::note("beyond-no-load-speed");
+
+/// Limits are written numbers.
+const ROUNDING: f64 = 1e-9;
+
+/// Reports lines that are not constants of the module. The motor of a held joint turns nothing and has none.
+pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
+    let described = model.described_parameters();
+    let lines = model.limited_inputs(&described);
+    for (name, motor) in robot.motors() {
+        let mut drives = model.input_drives().enumerate();
+        let found = drives.find(|(_, drive)| drive.name == name);
+        let (Some(span), Some((input, drive))) = (motor.line.as_ref().map(|line| line.span), found) else {
+            continue;
+        };
+        if !has_known_ratio(drive) {
+            refuse_free_ratio(name, motor, report);
+        } else if drive.acts_on.iter().any(|moved| moved.coordinate >= model.coordinates.len()) {
+            refuse_driven(name, span, report);
+        } else if let Some(line) = lines.iter().find(|line| line.input == input) {
+            let numbers = line.slopes.iter().chain([&line.limit]);
+            if numbers.clone().any(|number| !number.is_finite()) || line.limit == 0.0 {
+                let message = format!("the torque–speed line of motor `{name}` is beyond all numbers");
+                report.error(span, "torque-speed-line", message);
+                report.help("stall torque over no-load speed times gear ratio, in the unit of the input, must be a number");
+            }
+            doubt_limits(name, motor, report);
+            note_effort(name, drive, (model, span), report);
+        }
+    }
+}
+
+/// Limits of the motor that its line does not let it reach.
+fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
+    let Some(At { value: TorqueSpeedLine { stall_torque, no_load_speed }, span }) = &motor.line else {
+        return;
+    };
+    let beyond = |torque: Option<f64>| torque.filter(|torque| torque > stall_torque);
+    let told = |kind: &str, torque: f64| {
+        let [torque, stall] = [torque, *stall_torque].map(as_written);
+        format!("the {kind}torque of motor `{name}` is {torque} N m, and it has {stall} N m at rest")
+    };
+    if let Some(torque) = beyond(motor.torque.nominal) {
+        report.push(Some(*span), BEYOND_STALL.found(told("", torque)));
+        report.help("`torque` and `stall_torque` are both at the motor's shaft: a motor has its largest torque at rest, unless it brakes");
+    } else if let Some(torque) = beyond(motor.torque.peak) {
+        report.note(Some(*span), BEYOND_STALL.code, told("peak ", torque));
+        report.help(
+            "the line is the narrower limit, unless the motor brakes: the peak torque changes nothing else",
+        );
+    }
+    if let Some(speed) = motor.speed.as_ref().filter(|speed| speed.value > *no_load_speed) {
+        let [most, free] = [speed.value, *no_load_speed].map(as_written);
+        let message = format!(
+            "motor `{name}` has no torque left at {free} rad/s, its `no_load_speed`, and may turn at {most} rad/s, its `speed`"
+        );
+        report.push(Some(speed.span), BEYOND_SPEED.found(message));
+        report.help("beyond its speed without load a motor only brakes, and something else has to turn it: both are in rad/s at the shaft");
+    }
+}
+
+/// An effort of the joint that its motor does not have.
+fn note_effort(name: &str, drive: &Drive, (model, span): (&Model, Span), report: &mut Report) {
+    let joint = drive.coordinate().and_then(|coordinate| model.joints().nth(coordinate));
+    let effort = joint.and_then(|joint| joint.limits.effort);
+    let (Some(joint), Some(effort), Some(line)) = (joint, effort, drive.line) else { return };
+    let most = line.stall_torque * drive.gear_ratio.value(&[]).unwrap_or(f64::INFINITY).abs();
+    if effort > most * (1.0 + ROUNDING) {
+        let unit = joint.kind.effort_unit();
+        let message = format!(
+            "joint `{}` has an effort of {} {unit}, and its motor `{name}` {} {unit} at rest",
+            joint.name,
+            as_written(effort),
+            three_digits(most)
+        );
+        report.note(Some(span), BEYOND_STALL.code, message);
+        report.help("`stall_torque` times the gear ratio is the narrower limit: `effort` is at the joint, `stall_torque` at the motor");
+    }
+}
+
+fn has_known_ratio(drive: &Drive) -> bool {
+    drive.gear_ratio.value(&[]).is_some()
+        && drive.acts_on.iter().all(|moved| moved.ratio.value(&[]).is_some())
+}
+
+fn refuse_free_ratio(name: &str, motor: &DriveDescription, report: &mut Report) {
+    let message = format!("motor `{name}` has a torque–speed line, and its ratio is a free parameter");
+    report.error(motor.gear_ratio.span, "torque-speed-line", message);
+    report.help("a line needs a known ratio: give the ratio as a number, or give controllers a row of your own, `MpcRow::torque_speed_line`");
+}
+
+fn refuse_driven(name: &str, span: Span, report: &mut Report) {
+    let message = format!("motor `{name}` has a torque–speed line, and turns with a driven joint too");
+    report.error(span, "torque-speed-line", message);
+    report.help("the torque that the line allows would change with the prescribed motion, which no row of a controller contains: leave `stall_torque` and `no_load_speed` out, and limit `torque`");
+}

@@ -1,0 +1,293 @@
+//! The robot: one tree of links, its drives, force laws and named frames.
+
+use super::{
+    Drive, FollowedCoordinate, Follower, ForceInput, Input, Joint, JointKind, MovingJoint, PointForce, Pose,
+    QuaternionJoint, RotorCoupling, Wrench,
+};
+use gelenk_formula::Formula;
+use std::collections::BTreeSet;
+
+/// A robot: one tree of links, its drives, force laws and named frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Name of the generated module; a Rust identifier in snake case.
+    pub name: String,
+    /// Free text of the author, one line per entry; shown escaped in documentation.
+    pub description: Vec<String>,
+    /// Gravitational acceleration in the base frame (m/s²).
+    pub gravity: [Formula; 3],
+    /// Free parameters, in the order of their description.
+    pub parameters: Vec<Parameter>,
+    /// All links; `links[0]` is the base, every parent stands before its children.
+    pub links: Vec<Link>,
+    /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
+    /// `links[coordinates[i]]`.
+    pub coordinates: Vec<usize>,
+    /// Link indices of the driven joints, whose motion is prescribed. They stand behind the coordinates where all
+    /// that moves is counted: driven joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
+    pub driven: Vec<usize>,
+    /// The spherical and floating joints, in the order of their coordinates: each stands for several of them.
+    pub quaternion_joints: Vec<QuaternionJoint>,
+    /// The joints that follow coordinates. They come after those of the coordinates in the order of the
+    /// moving joints.
+    pub followers: Vec<Follower>,
+    /// The inputs u in their order.
+    pub drives: Vec<Drive>,
+    /// Forces between two frames.
+    pub point_forces: Vec<PointForce>,
+    /// The inputs that are forces at frames; they come after those of the drives.
+    pub force_inputs: Vec<ForceInput>,
+    /// Wrenches that are arguments of functions.
+    pub wrenches: Vec<Wrench>,
+    /// Named frames.
+    pub frames: Vec<Frame>,
+    /// Options that the description sets for the generator.
+    pub options: Options,
+}
+
+/// A free parameter: a field of the generated `Parameters`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// A Rust identifier.
+    pub name: String,
+    /// The described value.
+    pub default: f64,
+    /// Unit as text, empty if unknown.
+    pub unit: String,
+    /// One line of meaning, may be empty.
+    pub description: String,
+}
+
+/// A link and the joint that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Link {
+    /// Name in the description.
+    pub name: String,
+    /// The joint to the parent; `None` for the base alone.
+    pub joint: Option<Joint>,
+    /// Rigid bodies fixed to this link; lumped by the kinematics stage.
+    pub bodies: Vec<Body>,
+}
+
+/// A rigid body fixed to a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Name in the description.
+    pub name: String,
+    /// Mass (kg).
+    pub mass: Formula,
+    /// Centre of mass in the link's frame (m).
+    pub center_of_mass: [Formula; 3],
+    /// Inertia about the centre of mass, axes of the link's frame: xx, xy, xz, yy, yz, zz (kg m²).
+    pub inertia: [Formula; 6],
+}
+
+impl Model {
+    /// The moving joints in the order of the coordinates.
+    pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
+        self.coordinates.iter().map(|&link| self.joint_of(link))
+    }
+
+    /// Described values of the free parameters.
+    #[must_use]
+    pub fn described_parameters(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.default).collect()
+    }
+
+    /// Whether a joint follows others, or a drive acts on several coordinates.
+    #[must_use]
+    pub fn is_coupled(&self) -> bool {
+        !self.followers.is_empty() || self.moving_drives().any(|drive| drive.coordinate().is_none())
+    }
+
+    /// Number of coordinates, driven ones included.
+    #[must_use]
+    pub fn motion_count(&self) -> usize {
+        self.coordinates.len() + self.driven.len()
+    }
+
+    /// Whether friction or a spring jumps, at a joint or on the shaft of a drive.
+    #[must_use]
+    pub fn has_dry_friction(&self) -> bool {
+        self.moving_joints().iter().any(|moving| moving.joint.jumps()) || self.drives.iter().any(Drive::jumps)
+    }
+
+    /// Pairs of coordinates (i, j), sorted: friction at i jumps where velocity j changes its sign.
+    #[must_use]
+    pub fn friction_jumps(&self) -> Vec<[usize; 2]> {
+        let moving = self.moving_joints();
+        let joints = moving.iter().map(|moving| {
+            let terms = moving.joint.friction.iter().chain(&moving.joint.load_friction);
+            (terms.collect::<Vec<_>>(), &moving.follows)
+        });
+        let shafts = self.rubbing_drives().map(|drive| (drive.friction.iter().collect(), &drive.acts_on));
+        let mut pairs = BTreeSet::new();
+        for (terms, follows) in joints.chain(shafts) {
+            if terms.iter().any(|term| !term.coefficient.is_zero() && term.basis_jumps()) {
+                let moves = follows.iter().filter(|each| !each.ratio.is_zero()).map(|each| each.coordinate);
+                let coordinates: Vec<usize> = moves.filter(|&each| each < self.coordinates.len()).collect();
+                pairs.extend(coordinates.iter().flat_map(|&i| coordinates.iter().map(move |&j| [i, j])));
+            }
+        }
+        pairs.into_iter().collect()
+    }
+
+    /// The driven joints in their order.
+    pub fn driven_joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
+        self.driven.iter().map(|&link| self.joint_of(link))
+    }
+
+    pub(crate) fn joint_of(&self, link: usize) -> &Joint {
+        let joint = self.links.get(link).and_then(|link| link.joint.as_ref());
+        joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
+    }
+
+    /// The link that a coordinate moves, a driven one included.
+    #[must_use]
+    pub fn link_of(&self, coordinate: usize) -> Option<usize> {
+        self.coordinates.iter().chain(&self.driven).nth(coordinate).copied()
+    }
+
+    /// All joints that move: those of the coordinates in their order, the driven ones, then those that follow them.
+    #[must_use]
+    pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
+        let links = self.coordinates.iter().chain(&self.driven);
+        let own = links.enumerate().map(|(coordinate, &link)| MovingJoint {
+            joint: self.joint_of(link),
+            link,
+            follows: vec![FollowedCoordinate::itself(coordinate)],
+            offset: 0.0,
+        });
+        let followers = self.followers.iter().map(|follower| MovingJoint {
+            joint: self.joint_of(follower.link),
+            link: follower.link,
+            follows: follower.follows.clone(),
+            offset: follower.offset,
+        });
+        own.chain(followers).collect()
+    }
+
+    /// The inputs: the drives that move coordinates, then the forces at frames.
+    pub fn inputs(&self) -> impl Iterator<Item = Actuator<'_>> {
+        self.input_drives().map(Actuator::Drive).chain(self.force_inputs.iter().map(Actuator::Force))
+    }
+
+    /// The drives that move coordinates, in the order of the inputs.
+    pub fn input_drives(&self) -> impl Iterator<Item = &Drive> {
+        let drives = self.drives.iter();
+        drives.filter(|drive| !drive.acts_on.is_empty() && drive.input != Input::None)
+    }
+
+    /// The drives whose rotors move with coordinates, with an input or without.
+    pub fn moving_drives(&self) -> impl Iterator<Item = &Drive> {
+        self.drives.iter().filter(|drive| !drive.acts_on.is_empty())
+    }
+
+    /// The drives of held joints whose rotors are parts of their carriers.
+    pub(crate) fn held_rotors(&self) -> impl Iterator<Item = &Drive> {
+        let drives = self.drives.iter();
+        drives.filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body)
+    }
+
+    /// The drives whose shafts have friction of their own.
+    pub fn rubbing_drives(&self) -> impl Iterator<Item = &Drive> {
+        self.drives.iter().filter(|drive| !drive.friction.is_empty())
+    }
+
+    /// Whether B depends on the coordinates.
+    #[must_use]
+    pub fn inputs_depend_on_position(&self) -> bool {
+        !self.force_inputs.is_empty()
+    }
+
+    /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a
+    /// force.
+    pub fn input_unit(&self, input: Actuator<'_>) -> &'static str {
+        match input {
+            Actuator::Drive(drive) => self.drive_unit(drive),
+            Actuator::Force(force) => force.unit(),
+        }
+    }
+
+    fn drive_unit(&self, drive: &Drive) -> &'static str {
+        let joint = drive.coordinate().and_then(|moved| self.joints().nth(moved));
+        let is_force = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
+        let is_direct =
+            drive.gear_ratio.value(&[]) == Some(1.0) && drive.rotor_inertia.value(&[]) == Some(0.0);
+        match drive.input {
+            Input::Current(_) => "A",
+            Input::Torque if is_direct && is_force => "N",
+            Input::Torque | Input::None => "N m",
+        }
+    }
+
+    /// The joints of these links.
+    pub(crate) fn joints_of(&self, links: &[usize]) -> Vec<&Joint> {
+        let joints = links.iter().filter_map(|&link| self.links.get(link)?.joint.as_ref());
+        joints.collect()
+    }
+}
+
+/// Source of an input's effect.
+#[derive(Debug, Clone, Copy)]
+pub enum Actuator<'m> {
+    /// A drive of joints.
+    Drive(&'m Drive),
+    /// A force at frames.
+    Force(&'m ForceInput),
+}
+
+impl<'m> Actuator<'m> {
+    /// Name of the input.
+    #[must_use]
+    pub fn name(self) -> &'m str {
+        match self {
+            Self::Drive(drive) => &drive.name,
+            Self::Force(force) => &force.name,
+        }
+    }
+
+    /// The coordinate that it moves, where it moves that one alone.
+    #[must_use]
+    pub fn coordinate(self) -> Option<usize> {
+        match self {
+            Self::Drive(drive) => drive.coordinate(),
+            Self::Force(_) => None,
+        }
+    }
+
+    /// The drive, if it is one.
+    #[must_use]
+    pub fn drive(self) -> Option<&'m Drive> {
+        match self {
+            Self::Drive(drive) => Some(drive),
+            Self::Force(_) => None,
+        }
+    }
+}
+
+/// A named frame fixed to a link.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Name in the description, to the letter.
+    pub name: String,
+    /// The name as a Rust identifier, distinct among the frames: its functions are `frame_<identifier>_…`.
+    pub identifier: String,
+    /// Link that carries it.
+    pub link: usize,
+    /// Its pose in that link's frame.
+    pub pose: Pose,
+}
+
+/// Options that the description sets for the generator.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Options {
+    /// Names of the functions to generate; empty means all.
+    pub functions: Vec<String>,
+    /// Names of the functions that are also written over several states at once.
+    pub lanes: Vec<String>,
+    /// Replace exact `sign` by a smooth `tanh` of this slope in generated code.
+    pub smooth_sign: Option<f64>,
+    /// Runge–Kutta steps in one period of the generated `step`; 1 if absent.
+    pub substeps: Option<usize>,
+}

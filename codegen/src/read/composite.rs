@@ -1,0 +1,194 @@
+//! Joints with several degrees of freedom: each stands for a chain of joints with links of their own between them, which
+//! have no mass.
+
+use crate::description::{DriveChoice, JointDescription, Name, PartOf};
+use crate::diagnostic::At;
+use crate::model::{JointKind, Pose, QuaternionKind};
+
+/// A joint that is read as several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Composite {
+    /// It turns about its axis and slides along it.
+    Cylindrical,
+    /// It turns about the x axis of its frame, then about the y axis.
+    Universal,
+    /// It slides along two directions of a plane, then turns about its normal.
+    Planar,
+    /// Its attitude is a quaternion; its parts are the velocities in the body's own frame.
+    Quaternion(QuaternionKind),
+}
+
+/// One of the joints.
+#[derive(Debug)]
+pub(crate) struct Part {
+    /// Suffix of the part's name after the joint's name, and key of its values.
+    pub name: &'static str,
+    pub kind: JointKind,
+    axis: PartAxis,
+}
+
+/// The axis of a part in the frame whose z axis is that of the joint.
+#[derive(Debug, Clone, Copy)]
+enum PartAxis {
+    X,
+    Y,
+    Z,
+}
+
+const CYLINDRICAL: &[Part] = &[
+    Part { name: "turn", kind: JointKind::Revolute, axis: PartAxis::Z },
+    Part { name: "slide", kind: JointKind::Prismatic, axis: PartAxis::Z },
+];
+const UNIVERSAL: &[Part] = &[
+    Part { name: "x", kind: JointKind::Revolute, axis: PartAxis::X },
+    Part { name: "y", kind: JointKind::Revolute, axis: PartAxis::Y },
+];
+const PLANAR: &[Part] = &[
+    Part { name: "x", kind: JointKind::Prismatic, axis: PartAxis::X },
+    Part { name: "y", kind: JointKind::Prismatic, axis: PartAxis::Y },
+    Part { name: "theta", kind: JointKind::Revolute, axis: PartAxis::Z },
+];
+const FLOATING: &[Part] = &[
+    Part { name: "x", kind: JointKind::Prismatic, axis: PartAxis::X },
+    Part { name: "y", kind: JointKind::Prismatic, axis: PartAxis::Y },
+    Part { name: "z", kind: JointKind::Prismatic, axis: PartAxis::Z },
+    Part { name: "rx", kind: JointKind::Continuous, axis: PartAxis::X },
+    Part { name: "ry", kind: JointKind::Continuous, axis: PartAxis::Y },
+    Part { name: "rz", kind: JointKind::Continuous, axis: PartAxis::Z },
+];
+
+impl Composite {
+    pub const ALL: [Self; 5] = [
+        Self::Cylindrical,
+        Self::Universal,
+        Self::Planar,
+        Self::Quaternion(QuaternionKind::Spherical),
+        Self::FLOATING,
+    ];
+
+    /// A floating joint.
+    pub const FLOATING: Self = Self::Quaternion(QuaternionKind::Floating);
+
+    /// The type of the joint with a quaternion, if it is one.
+    pub fn quaternion(self) -> Option<QuaternionKind> {
+        match self {
+            Self::Quaternion(kind) => Some(kind),
+            _ => None,
+        }
+    }
+
+    /// The composite joint of a type's name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|composite| composite.name() == name)
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cylindrical => "cylindrical",
+            Self::Universal => "universal",
+            Self::Planar => "planar",
+            Self::Quaternion(kind) => kind.name(),
+        }
+    }
+
+    /// Its joints, from the base outwards.
+    pub fn parts(self) -> &'static [Part] {
+        match self {
+            Self::Cylindrical => CYLINDRICAL,
+            Self::Universal => UNIVERSAL,
+            Self::Planar => PLANAR,
+            Self::Quaternion(QuaternionKind::Floating) => FLOATING,
+            Self::Quaternion(QuaternionKind::Spherical) => &FLOATING[3..],
+        }
+    }
+
+    /// The names of its parts, for messages.
+    pub fn listed(self) -> String {
+        let names: Vec<String> = self.parts().iter().map(|part| format!("`{}`", part.name)).collect();
+        names.join(", ")
+    }
+}
+
+/// Where a composite joint stands.
+#[derive(Debug)]
+pub(crate) struct Place {
+    pub parent: Option<Name>,
+    pub child: Option<Name>,
+    pub origin: Option<Pose>,
+    pub axis: [f64; 3],
+}
+
+/// The joints of a composite one: the first stands at its place, the last carries its link.
+///
+/// - `values`: a part's joint with this name, with its limits, drive, friction and spring
+pub(crate) fn expand(
+    composite: Composite,
+    name: &Name,
+    place: Place,
+    mut values: impl FnMut(&'static Part, Name) -> JointDescription,
+) -> Vec<JointDescription> {
+    let mut carrier = place.parent;
+    let mut origin = place.origin;
+    let last = place.child.unwrap_or_else(|| name.clone());
+    let parts = composite.parts();
+    let mut joints = Vec::with_capacity(parts.len());
+    for (index, part) in parts.iter().enumerate() {
+        // A velocity of a joint with a quaternion has a drive only where one is described.
+        let passive = || composite.quaternion().map(|_| At::new(DriveChoice::Passive, name.span));
+        let own = At::new(format!("{}_{}", name.value, part.name), name.span);
+        let link = if index + 1 == parts.len() { last.clone() } else { own.clone() };
+        let values = values(part, own);
+        joints.push(JointDescription {
+            kind: Some(part.kind),
+            parent: carrier.replace(link.clone()),
+            child: Some(link),
+            origin: origin.take(),
+            axis: Some(part.axis.along(place.axis)),
+            part_of: composite.quaternion().map(|kind| PartOf { joint: name.clone(), kind, index }),
+            leads_on: index + 1 < parts.len(),
+            drive: values.drive.or_else(passive),
+            ..values
+        });
+    }
+    joints
+}
+
+impl PartAxis {
+    /// In the joint's frame, where `z` is the joint's axis. x and y are those of the joint's frame, taken there by the
+    /// shortest rotation of z (half a turn about x where it is opposite):
+    /// `R = 1 + [w]ₓ + [w]ₓ² / (1 + c)` with w = e_z × z, c = e_z · z.
+    fn along(self, z: [f64; 3]) -> [f64; 3] {
+        let [a, b, c] = z;
+        let below = 1.0 + c;
+        let axis = match self {
+            Self::Z => z,
+            Self::X if below < OPPOSITE => [1.0, 0.0, 0.0],
+            Self::Y if below < OPPOSITE => [0.0, -1.0, 0.0],
+            Self::X => [1.0 - a * a / below, -a * b / below, -a],
+            Self::Y => [-a * b / below, 1.0 - b * b / below, -b],
+        };
+        axis.map(|x| x + 0.0) // −0 becomes 0
+    }
+}
+
+/// Where 1 + cos is smaller, an axis points against z but for rounding.
+const OPPOSITE: f64 = 1e-12;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_of_a_plane_are_right_handed_with_its_normal() {
+        for z in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.6, 0.0, -0.8], [0.48, -0.6, 0.64]] {
+            let [x, y, normal] = [PartAxis::X, PartAxis::Y, PartAxis::Z].map(|axis| axis.along(z));
+            let cross = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+            for k in 0..3 {
+                assert!((cross[k] - z[k]).abs() < 1e-15, "{z:?}: {x:?} × {y:?} is {cross:?}");
+            }
+            let length: f64 = x.iter().map(|x| x * x).sum();
+            assert!((length - 1.0).abs() < 1e-15, "{z:?}: {x:?}");
+            assert_eq!(normal, z);
+        }
+    }
+}

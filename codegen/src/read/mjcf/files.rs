@@ -1,0 +1,198 @@
+//! The files of an MJCF: the model, and the files that it includes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use roxmltree::{Attribute, Document, Node};
+
+use super::mesh::MeshIntegrals;
+use crate::diagnostic::{At, Report, Span};
+use crate::read::fetch::Fetch;
+use crate::read::urdf::text::{UrdfText, opening_tag};
+
+/// Largest number of files that include each other.
+const MOST_FILES: usize = 100;
+
+/// One file.
+pub(super) struct Text {
+    /// Where it was found, from the folder of the first description.
+    path: PathBuf,
+    /// The file that includes it, and its name there; nothing for the model itself.
+    included: Option<(usize, String)>,
+    source: usize,
+    text: UrdfText,
+}
+
+/// Reads the model's text and all that it includes; `None` if something is wrong with them, which was reported.
+///
+/// - `path`: that of the model, from which the paths of included files begin, else from the file that includes them
+pub(super) fn gather(
+    (text, source): (&str, usize),
+    path: &Path,
+    load: &mut dyn Fetch,
+    report: &mut Report,
+) -> Option<Vec<Text>> {
+    let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
+    let mut texts = vec![Text { path: path.to_owned(), included: None, source, text: UrdfText::new(text) }];
+    let mut next = 0;
+    while next < texts.len() {
+        for file in includes(&texts[next], report)? {
+            let name = plain_path(&file.value);
+            // As in MuJoCo: in the folder of the model, else in that of the file that includes it.
+            let [first, second] = [path, &texts[next].path].map(|from| folder(from).join(&name));
+            let mut read = |path: &Path| load.text(&path.to_string_lossy());
+            let (path, found) = match read(&first) {
+                Err(wrong) => match read(&second) {
+                    Ok(found) => (second, Ok(found)),
+                    Err(_) => (first, Err(wrong)),
+                },
+                found => (first, found),
+            };
+            if texts.iter().any(|known| known.path == path) || texts.len() >= MOST_FILES {
+                let message =
+                    format!("`{}` is included a second time, or after {MOST_FILES} other files", file.value);
+                report.error(file.span, "included-twice", message).help("MuJoCo takes each file once");
+                return None;
+            }
+            match found {
+                Ok((name, text)) => {
+                    let included = Some((texts[next].source, file.value));
+                    let source = report.add_source(&name, &text);
+                    texts.push(Text { path, included, source, text: UrdfText::new(&text) });
+                }
+                Err(wrong) => {
+                    for entry in wrong.into_entries() {
+                        let here = entry.location().is_none().then_some(file.span);
+                        report.push(here, entry);
+                    }
+                    return None;
+                }
+            }
+        }
+        next += 1;
+    }
+    Some(texts)
+}
+
+/// The files that a text includes.
+fn includes(text: &Text, report: &mut Report) -> Option<Vec<At<String>>> {
+    let document = match Document::parse(text.text.as_str()) {
+        Ok(document) => document,
+        Err(wrong) => {
+            crate::read::urdf::report_syntax(&wrong, text.text.as_str(), text.source, report);
+            return None;
+        }
+    };
+    let includes = document.descendants().filter(|node| node.has_tag_name("include"));
+    let file = |node: Node<'_, '_>| {
+        let attribute = node.attribute_node("file")?;
+        Some(At::new(attribute.value().to_owned(), Span::new(text.source, attribute.range_value())))
+    };
+    Some(includes.filter_map(file).collect())
+}
+
+/// A path with the separators of all systems: files from Windows have others.
+pub(super) fn plain_path(path: &str) -> String {
+    path.replace('\\', "/")
+}
+
+/// The file that includes another one, and the name of the other one there.
+type Included<'t> = Option<(usize, &'t str)>;
+
+/// The parsed texts.
+pub(super) struct Files<'t> {
+    files: Vec<(Included<'t>, usize, Document<'t>)>,
+}
+
+/// An element and the file that it stands in.
+#[derive(Clone, Copy)]
+pub(super) struct Element<'a> {
+    pub(super) node: Node<'a, 'a>,
+    source: usize,
+}
+
+impl<'t> Files<'t> {
+    /// Parses texts that [`gather`] has found to be XML.
+    pub(super) fn parse(texts: &'t [Text]) -> Self {
+        let parsed = texts.iter().filter_map(|text| {
+            let document = Document::parse(text.text.as_str()).ok()?;
+            let included = text.included.as_ref().map(|(by, name)| (*by, name.as_str()));
+            Some((included, text.source, document))
+        });
+        Self { files: parsed.collect() }
+    }
+
+    /// The element around the whole model.
+    pub(super) fn root(&'t self) -> Option<Element<'t>> {
+        self.files
+            .first()
+            .map(|(_, source, document)| Element { node: document.root_element(), source: *source })
+    }
+
+    /// The elements inside one, with those of included files in the places of `<include>`.
+    pub(super) fn children(&'t self, element: Element<'t>) -> Vec<Element<'t>> {
+        let inside = |element: Element<'t>| {
+            let nodes = element.node.children().filter(Node::is_element);
+            nodes.map(move |node| Element { node, source: element.source })
+        };
+        let mut result = Vec::new();
+        let mut stack: Vec<Element<'t>> = inside(element).collect();
+        stack.reverse();
+        while let Some(next) = stack.pop() {
+            if next.tag() != "include" {
+                result.push(next);
+                continue;
+            }
+            let wanted = next.node.attribute("file").map(|file| (next.source, file));
+            let found = self.files.iter().skip(1).find(|(included, ..)| *included == wanted);
+            if let Some((_, source, document)) = found {
+                let root = Element { node: document.root_element(), source: *source };
+                let included: Vec<_> = inside(root).collect();
+                stack.extend(included.into_iter().rev());
+            }
+        }
+        result
+    }
+}
+
+impl<'a> Element<'a> {
+    pub(super) fn tag(self) -> &'a str {
+        self.node.tag_name().name()
+    }
+
+    pub(super) fn attribute(self, key: &str) -> Option<Given<'a>> {
+        let attribute = self.node.attribute_node(key)?;
+        Some(Given::of(attribute, self.source))
+    }
+
+    /// The names of its attributes, and their places.
+    pub(super) fn attributes(self) -> impl Iterator<Item = (&'a str, Span)> {
+        let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
+        own.map(move |attribute| (attribute.name(), Span::new(self.source, attribute.range())))
+    }
+
+    /// The opening tag.
+    pub(super) fn span(self) -> Span {
+        opening_tag(self.node, self.source)
+    }
+}
+
+/// The value of an attribute, and its place.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given<'a> {
+    pub(super) text: &'a str,
+    pub(super) span: Span,
+}
+
+impl<'a> Given<'a> {
+    fn of(attribute: Attribute<'a, 'a>, source: usize) -> Self {
+        Self { text: attribute.value(), span: Span::new(source, attribute.range_value()) }
+    }
+}
+
+/// The meshes of a file, each read when a geom needs it.
+pub(super) struct Meshes<'a, 'l> {
+    pub(super) load: &'l mut dyn Fetch,
+    pub(super) assets: BTreeMap<String, Element<'a>>,
+    pub(super) known: BTreeMap<String, Result<MeshIntegrals, String>>,
+}

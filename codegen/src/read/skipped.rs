@@ -1,0 +1,75 @@
+//! Skipped or changed parts of a file: one note for each kind.
+
+use std::collections::BTreeMap;
+
+use crate::diagnostic::{Diagnostic, Report, Severity, Span};
+use crate::wording::listed;
+
+/// A peculiarity of a description. It has one note, however often it occurs.
+pub(super) trait Remark: Copy + Ord {
+    fn code(self) -> &'static str;
+    fn severity(self) -> Severity;
+    fn text(self) -> &'static str;
+}
+
+/// Collects remarks of a format while one of its files is read.
+#[derive(Debug)]
+pub(super) struct Notes<R> {
+    /// Skipped elements and attributes: first place and count.
+    skipped: BTreeMap<String, (Span, usize)>,
+    /// First place and owners.
+    remarks: BTreeMap<R, (Span, Vec<String>)>,
+}
+
+impl<R: Remark> Notes<R> {
+    pub(super) fn new() -> Self {
+        Self { skipped: BTreeMap::new(), remarks: BTreeMap::new() }
+    }
+
+    pub(super) fn skip(&mut self, what: String, span: Span) {
+        self.skipped.entry(what).or_insert((span, 0)).1 += 1;
+    }
+
+    pub(super) fn remark(&mut self, remark: R, span: Span, owner: String) {
+        let entry = self.remarks.entry(remark);
+        entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
+    }
+
+    /// Reports the collected elements; elements that are not harmless have a note of their own.
+    pub(super) fn report(self, is_harmless: impl Fn(&str) -> bool, report: &mut Report) {
+        let (harmless, unknown): (Vec<_>, Vec<_>) =
+            self.skipped.into_iter().partition(|(what, _)| is_harmless(what));
+        note_skipped(harmless, report);
+        note_unknown(unknown, report);
+        for (remark, (span, owners)) in self.remarks {
+            let message = format!("{}: {}", remark.text(), listed(owners.into_iter()));
+            let entry =
+                Diagnostic { severity: remark.severity(), ..Diagnostic::note(remark.code(), message) };
+            report.push(Some(span), entry);
+        }
+    }
+}
+
+fn note_skipped(harmless: Vec<(String, (Span, usize))>, report: &mut Report) {
+    let spans = harmless.iter().map(|(_, (span, _))| *span);
+    let Some(first) = spans.min_by_key(|span| span.start) else {
+        return;
+    };
+    let counts = harmless.iter();
+    let counts = counts.map(|(what, (_, count))| format!("{count} {what}"));
+    let counts = counts.collect::<Vec<_>>().join(", ");
+    let message = format!("skipped: {counts}; no known part of them enters the dynamics");
+    report.note(Some(first), "skipped", message);
+}
+
+fn note_unknown(unknown: Vec<(String, (Span, usize))>, report: &mut Report) {
+    let spans = unknown.iter().map(|(_, (span, _))| *span);
+    let Some(first) = spans.min_by_key(|span| span.start) else {
+        return;
+    };
+    let entries = unknown.iter().map(|(what, (_, count))| match count {
+        1 => what.clone(),
+        count => format!("{what} ({count} times)"),
+    });
+    report.note(Some(first), "unknown-tag", format!("not known and skipped: {}", listed(entries)));
+}

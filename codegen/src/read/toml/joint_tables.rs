@@ -1,0 +1,167 @@
+//! The joints of a TOML description: those that it places, and what it says of joints with quaternions that stand
+//! already, that by which its base floats and those of the description that it extends. These are named whole, with their
+//! parts, or velocity by velocity.
+
+use super::joints::{by_part, check_all_parts, forces, of_part, read_joint, single_joint};
+use super::table::Table;
+use super::values::Reader;
+use crate::description::{JointDescription, Name};
+use crate::diagnostic::{At, Report};
+use crate::read::composite::Composite;
+
+/// Keys that would give a joint another place.
+const PLACE: [&str; 5] = ["origin", "dh", "modified_dh", "axis", "pitch"];
+
+/// Keys that a single velocity can have alone.
+const SINGLE: [&str; 2] = ["follows", "offset"];
+
+/// The joints of a file.
+#[derive(Debug, Default)]
+pub(crate) struct Joints {
+    pub joints: Vec<JointDescription>,
+    /// Tables of velocities of a base that this file frees.
+    pub velocities: Vec<JointDescription>,
+}
+
+/// Facts about the description that a file extends.
+#[derive(Debug, Default)]
+pub(crate) struct Extended {
+    /// Its joints with quaternions.
+    pub quaternions: Vec<(String, Composite)>,
+    /// The name of the joint by which its base floats once it is freed.
+    pub base_joint: String,
+    /// Whether it is to be freed, whatever the file says.
+    pub is_to_float: bool,
+}
+
+/// - `base`: its name, and whether this file frees it
+pub(crate) fn read_joints(
+    reader: &mut Reader,
+    top: &Table<'_>,
+    (base, frees): (Option<&Name>, bool),
+    extended: Option<Extended>,
+) -> Joints {
+    let Some(item) = top.get("joints") else {
+        return Joints::default();
+    };
+    let tables = item.tables(&mut reader.report);
+    let extends = extended.is_some();
+    let standing = standing(&tables, frees, extended);
+    let mut joints: Vec<JointDescription> = Vec::new();
+    let mut velocities: Vec<JointDescription> = Vec::new();
+    for table in &tables {
+        if let Some(told) = velocities_of(reader, table, &standing) {
+            for velocity in told {
+                add(velocity, &mut velocities, &mut reader.report);
+            }
+            continue;
+        }
+        for mut joint in read_joint(reader, table) {
+            if !extends {
+                chain(&mut joint, joints.last(), base);
+            }
+            joints.push(joint);
+        }
+    }
+    if extends {
+        joints.append(&mut velocities);
+    }
+    Joints { joints, velocities }
+}
+
+/// Joints with quaternions that stand without a table of their own: those of the extended description, and that of a
+/// base which is freed.
+fn standing(tables: &[Table<'_>], frees: bool, extended: Option<Extended>) -> Vec<(String, Composite)> {
+    let extended = extended.unwrap_or_else(|| {
+        let is_own = |table: &Table<'_>| is_called(table, "base") && has_place(table);
+        let base_joint = if tables.iter().any(is_own) { "floating_base" } else { "base" };
+        Extended { base_joint: base_joint.to_owned(), ..Extended::default() }
+    });
+    let mut standing = extended.quaternions;
+    let floats = standing.iter().any(|(_, joint)| *joint == Composite::FLOATING);
+    if (frees || extended.is_to_float) && !floats {
+        standing.push((extended.base_joint, Composite::FLOATING));
+    }
+    standing
+}
+
+/// Whether a table places a joint of its own.
+fn has_place(table: &Table<'_>) -> bool {
+    ["parent", "child", "type"].iter().any(|key| table.get(key).is_some())
+}
+
+/// The defaults of a chain: each joint moves a link of its own name, carried by the link of the joint before.
+fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
+    let at = joint.name.span;
+    let previous = before.and_then(|joint| joint.child.clone()).map(|link| At::new(link.value, at));
+    let first = || base.cloned().unwrap_or_else(|| At::new("base".to_owned(), at));
+    joint.parent.get_or_insert_with(|| previous.unwrap_or_else(first));
+    joint.complete();
+}
+
+/// The velocities that a table describes; `None` if it describes a joint of its own.
+///
+/// - `standing`: the joints with quaternions
+fn velocities_of(
+    reader: &mut Reader,
+    table: &Table<'_>,
+    standing: &[(String, Composite)],
+) -> Option<Vec<JointDescription>> {
+    if has_place(table) {
+        return None;
+    }
+    if let Some((_, joint)) = standing.iter().find(|(name, _)| is_called(table, name)) {
+        let name = reader.name_of(table, "name")?;
+        return Some(whole(reader, table, &name, *joint));
+    }
+    let is_part = |(name, joint): &(String, Composite)| {
+        joint.parts().iter().any(|part| is_called(table, &format!("{name}_{}", part.name)))
+    };
+    let (joint, composite) = standing.iter().find(|joint| is_part(joint))?;
+    let name = reader.name_of(table, "name")?;
+    refuse(reader, table, &PLACE, (joint, *composite));
+    Some(vec![single_joint(reader, table, name, None)])
+}
+
+/// Whether a table has a name.
+fn is_called(table: &Table<'_>, name: &str) -> bool {
+    table.get("name").is_some_and(|item| item.value.as_str() == Some(name))
+}
+
+/// A joint with all of its parts; those of which nothing is said are left out.
+fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) -> Vec<JointDescription> {
+    refuse(reader, table, &PLACE, (&name.value, composite));
+    refuse(reader, table, &SINGLE, (&name.value, composite));
+    check_all_parts(reader, table, name, composite);
+    let mut told = Vec::new();
+    for part in composite.parts() {
+        if by_part(table).any(|item| of_part(table, (composite, part), item.key).is_some()) {
+            let own = At::new(format!("{}_{}", name.value, part.name), name.span);
+            told.push(forces(reader, &|key| of_part(table, (composite, part), key), own));
+        }
+    }
+    told
+}
+
+fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composite): (&str, Composite)) {
+    for item in keys.iter().filter_map(|key| table.get(key)) {
+        let message =
+            format!("`{}` at {} joint `{joint}`, which is already given", item.key, composite.name());
+        reader.report.error(item.key_span, "conflicting-keys", message);
+        reader.report.help(format!(
+            "leave `{}` out; a joint of its own has `parent`, or another name than `{joint}`",
+            item.key
+        ));
+    }
+}
+
+/// Adds the keys of a velocity, once.
+fn add(velocity: JointDescription, velocities: &mut Vec<JointDescription>, report: &mut Report) {
+    if velocities.iter().any(|known| known.name.value == velocity.name.value) {
+        let message = format!("velocity `{}` is described twice", velocity.name.value);
+        report.error(velocity.name.span, "duplicate-name", message);
+        report.help("give all of it in one table: at the joint with its parts, or at the velocity");
+        return;
+    }
+    velocities.push(velocity);
+}

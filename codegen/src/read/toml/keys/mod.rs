@@ -1,0 +1,29 @@
+//! The keys of a TOML description: one row per key. Reader, advice about unknown keys, `gelenk schema` and the tables of
+//! models/README.md are made from these rows.
+
+mod advice;
+mod bodies;
+mod drives;
+mod force_laws;
+mod frame_forces;
+mod joints;
+mod robot;
+mod row;
+#[cfg(test)]
+mod tests;
+mod values;
+
+pub(super) use advice::advice;
+pub(crate) use robot::ROBOT;
+pub(crate) use row::{Key, Keys, Value};
+pub(crate) use values::FREE;
+
+/// Names of the parts of joints with several degrees of freedom.
+#[cfg(feature = "cli")]
+pub(crate) fn parts() -> std::collections::BTreeSet<&'static str> {
+    crate::read::composite::Composite::ALL
+        .iter()
+        .flat_map(|joint| joint.parts())
+        .map(|part| part.name)
+        .collect()
+}

@@ -1,0 +1,385 @@
+//! A TOML description as a [`RobotDescription`]; the format is documented in models/README.md.
+
+mod couplings;
+pub(crate) mod forces;
+mod frame_forces;
+pub(crate) mod joint_tables;
+mod joints;
+pub(crate) mod keys;
+mod table;
+pub(crate) mod values;
+
+use self::couplings::read_drives;
+use self::frame_forces::{read_point_forces, read_wrench_inputs, read_wrenches};
+use self::joint_tables::{Extended, Joints, read_joints};
+use self::keys::ROBOT;
+use self::table::{Item, Table};
+use self::values::{Reader, unsaid};
+use crate::description::{BodyDescription, DriveChoice, FrameDescription, Name, RobotDescription};
+use crate::diagnostic::{At, Span, nearest};
+use crate::function_names;
+use crate::model::{Options, Pose};
+use gelenk_formula::{Allowed, Formula, Hold};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::de::{DeTable, DeValue};
+
+/// Keys at the top of the file that say how to read the rest and its base.
+#[derive(Debug, Default)]
+pub(super) struct Preamble {
+    /// The URDF or TOML that this description extends.
+    pub extends: Option<Name>,
+    pub snap_angles: Option<f64>,
+    pub ignore_mimic: bool,
+    pub no_friction: bool,
+    /// Joints that are held.
+    pub held: Vec<At<Hold>>,
+    /// A body of the MJCF: its tree is extended.
+    pub body: Option<Name>,
+}
+
+/// Parses the text; syntax errors are reported all at once.
+pub(super) fn parse<'t>(
+    reader: &mut Reader,
+    text: &'t str,
+    source: usize,
+) -> Option<toml::Spanned<DeTable<'t>>> {
+    let (table, wrong) = DeTable::parse_recoverable(text);
+    let (mut last_line, mut repeated) = (None, None);
+    for wrong in &wrong {
+        let span = Span::new(source, wrong.span().unwrap_or(0..0));
+        if wrong.message().starts_with(DUPLICATE) {
+            let header = header(text, span.start);
+            // All keys of a table that stands twice are duplicates.
+            if repeated.is_some() && repeated == header {
+                continue;
+            }
+            repeated = header.filter(|header| header.contains(&span.start));
+        }
+        let line = text.get(..span.start).map(|before| before.matches('\n').count());
+        // What follows on the same line is usually a consequence of the first error.
+        if line.is_none() || line != last_line {
+            reader.report.error(span, "toml-syntax", wrong.message());
+            if let Some(help) = syntax_help(wrong.message(), text, span.start) {
+                reader.report.help(help);
+            }
+        }
+        last_line = line;
+    }
+    wrong.is_empty().then_some(table)
+}
+
+const DUPLICATE: &str = "duplicate key";
+
+/// Where the header of the table stands that a place is in.
+fn header(text: &str, at: usize) -> Option<Range<usize>> {
+    let mut start = 0;
+    let lines = text.split_inclusive('\n').map(|line| {
+        start += line.len();
+        (start - line.len()..start, line)
+    });
+    let is_header = |line: &str| {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        line.starts_with('[') && line.ends_with(']') && !line.contains([',', '='])
+    };
+    let before = lines.take_while(|(place, _)| place.start <= at);
+    before.filter(|(_, line)| is_header(line)).last().map(|(place, _)| place)
+}
+
+/// Advice for a key or a table that stands twice.
+fn duplicate_help(line: &str) -> String {
+    let name = line.split('#').next().unwrap_or_default().trim().strip_prefix('[');
+    let name = name.and_then(|name| name.strip_suffix(']')).map(str::trim);
+    match name {
+        Some(name) if ROBOT.row(name).is_some_and(|row| row.value.is_tables()) => {
+            format!("each of several needs double brackets: `[[{name}]]`")
+        }
+        Some(name) => format!("each table occurs once: put the keys of both under one `[{name}]`"),
+        None => "each key occurs once in its table: keep one of the two".to_owned(),
+    }
+}
+
+/// Advice for keys that stand twice, for numbers with units or a decimal comma, and for formulas without quotes.
+fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
+    let line_start = text.get(..at)?.rfind('\n').map_or(0, |last| last + 1);
+    let line = text.get(line_start..)?.lines().next()?;
+    if message.starts_with(DUPLICATE) {
+        return Some(duplicate_help(line));
+    }
+    let (key, value) = line.split_once('=')?;
+    let (key, value) = (key.trim(), value.split('#').next()?.trim());
+    match gelenk_formula::parse(value, Allowed::Motion, &BTreeMap::new()) {
+        Ok(_) => Some(format!("a formula needs quotes: `{key} = \"{value}\"`")),
+        Err(wrong) if wrong.is_habit() => wrong.help,
+        Err(_) => None,
+    }
+}
+
+/// The checked top level.
+pub(super) fn open<'t>(
+    reader: &mut Reader,
+    table: &'t toml::Spanned<DeTable<'t>>,
+    source: usize,
+) -> Table<'t> {
+    Table::checked(table.get_ref(), Span::new(source, 0..0), &ROBOT, &mut reader.report)
+}
+
+/// Reads the options that control the reading of the rest.
+pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
+    let mut flag = |key| top.get(key).and_then(|item| item.boolean(&mut reader.report)).unwrap_or(false);
+    let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
+    let extends = ["urdf", "extends"].map(|key| top.get(key));
+    if let [Some(_), Some(second)] = &extends {
+        let message = "both `urdf` and `extends` name a base";
+        reader.report.error(second.key_span, "conflicting-keys", message).help("keep one of them");
+    }
+    let extends = extends.into_iter().flatten().next();
+    let extends = extends.and_then(|item| reader.name(item));
+    let snap_angles = top.get("snap_angles").and_then(|item| snap_tolerance(reader, item));
+    let held = top.get("held").map_or(Vec::new(), |item| read_held(reader, item));
+    let body = top.get("body").and_then(|item| reader.name(item));
+    Preamble { extends, snap_angles, ignore_mimic, no_friction, held, body }
+}
+
+/// `held = { "finger_*" = 0 }`
+fn read_held(reader: &mut Reader, item: Item<'_>) -> Vec<At<Hold>> {
+    let Some(joints) = item.named() else {
+        item.expected("a table of joints with their positions", &mut reader.report);
+        return Vec::new();
+    };
+    let hold = |item: Item<'_>| {
+        let position = reader.number(item)?.value;
+        Some(At::new(Hold { pattern: item.key.to_owned(), position }, item.key_span))
+    };
+    joints.into_iter().filter_map(hold).collect()
+}
+
+/// Beyond this, angles would be snapped that were meant as they are (rad).
+const WIDEST_SNAP: f64 = 0.1;
+
+fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
+    let tolerance = reader.number(item)?;
+    if tolerance.value <= WIDEST_SNAP {
+        return Some(tolerance.value);
+    }
+    let message = format!("`snap_angles` is {}, more than {WIDEST_SNAP} rad", tolerance.value);
+    reader.report.error(item.span, "snap-too-wide", message);
+    reader.report.help("1e-4 corrects angles that were written with four digits or more");
+    None
+}
+
+/// Reads everything else.
+///
+/// - `extended`: the base description, if it extends one
+pub(super) fn description(
+    reader: &mut Reader,
+    top: &Table<'_>,
+    name: &str,
+    extended: Option<Extended>,
+) -> RobotDescription {
+    if let Some(parameters) = top.get("parameters") {
+        read_parameters(reader, parameters);
+    }
+    let fallback = At::new(name.to_owned(), top.span);
+    let (base, floating_base) = top.get("base").map_or((None, None), |item| read_base(reader, item));
+    let Joints { joints, velocities } =
+        read_joints(reader, top, (base.as_ref(), floating_base.is_some()), extended);
+    RobotDescription {
+        name: top.get("name").and_then(|item| reader.name(item)).unwrap_or(fallback),
+        description: top
+            .get("description")
+            .and_then(|item| item.text(&mut reader.report))
+            .map(lines)
+            .unwrap_or_default(),
+        gravity: top.get("gravity").and_then(|item| reader.formulas::<3>(item, "gravity")),
+        base,
+        floating_base,
+        is_freed: false,
+        velocities,
+        is_mjcf: false,
+        bodies: read_bodies(reader, top),
+        frames: read_frames(reader, top),
+        coordinates: top.get("coordinates").and_then(|item| names(reader, item, "a list of joint names")),
+        options: top.get("generate").map(|item| read_options(reader, item)),
+        parameters: Vec::new(), // of all files together, in the reader
+        joints,
+        resting: Vec::new(),
+        drives: read_drives(reader, top),
+        point_forces: read_point_forces(reader, top),
+        wrench_inputs: read_wrench_inputs(reader, top),
+        wrenches: read_wrenches(reader, top),
+        default_drive: DriveChoice::Passive,
+        accept_unphysical: top
+            .get("accept_unphysical")
+            .and_then(|item| item.boolean(&mut reader.report))
+            .unwrap_or(false),
+        sort_joints: false,
+        skipped_rotors: Vec::new(),
+        links: Vec::new(),
+        weightless_shapes: Vec::new(),
+    }
+}
+
+/// The base link, and where it is said that it moves freely.
+fn read_base(reader: &mut Reader, item: Item<'_>) -> (Option<Name>, Option<Span>) {
+    if item.value.is_str() {
+        return (reader.name(item), None);
+    }
+    let Some(table) = item.table(&mut reader.report) else {
+        return (None, None);
+    };
+    let link = table.get("link").and_then(|item| reader.name(item));
+    // An unknown type is that of a base that moves, so that it causes no second complaint.
+    let floats = table.get("type").filter(|kind| kind.word(&mut reader.report) != Some("fixed"));
+    let floats = floats.map(|kind| kind.span);
+    (link, floats)
+}
+
+fn lines(text: &str) -> Vec<String> {
+    let clean = |line: &str| line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>();
+    let lines: Vec<String> = text.trim().lines().map(|line| clean(line.trim_end())).collect();
+    lines
+}
+
+fn names(reader: &mut Reader, item: Item<'_>, what: &str) -> Option<Vec<Name>> {
+    let entries = item.array(what, &mut reader.report)?;
+    Some(entries.into_iter().filter_map(|entry| reader.name(entry)).collect())
+}
+
+fn read_parameters(reader: &mut Reader, item: Item<'_>) {
+    let Some(parameters) = item.named() else {
+        return item.expected("a table of parameters", &mut reader.report);
+    };
+    let before = reader.parameters.len();
+    for item in parameters {
+        read_parameter(reader, item);
+    }
+    reader.unused.extend(before..reader.parameters.len());
+}
+
+fn read_parameter(reader: &mut Reader, item: Item<'_>) {
+    let name = At::new(item.key.to_owned(), item.key_span);
+    if !item.value.is_table() {
+        let value = reader.number(item).map_or(1.0, |number| number.value);
+        reader.push_parameter(name, value, String::new(), String::new());
+        return;
+    }
+    let Some(table) = item.table(&mut reader.report) else {
+        return;
+    };
+    let value = table.get("value").and_then(|value| reader.number(value)).map_or(1.0, |number| number.value);
+    reader.add_parameter(name, value, &table);
+}
+
+fn read_options(reader: &mut Reader, item: Item<'_>) -> Options {
+    let Some(table) = item.table(&mut reader.report) else {
+        return Options::default();
+    };
+    let functions = table.get("functions");
+    let functions = functions.map(|item| function_names(reader, item));
+    let lanes = table.get("lanes");
+    let lanes = lanes.map(|item| function_names(reader, item));
+    let smooth_sign =
+        table.get("smooth_sign").and_then(|item| reader.number(item)).map(|number| number.value);
+    Options {
+        functions: functions.unwrap_or_default(),
+        lanes: lanes.unwrap_or_default(),
+        smooth_sign,
+        substeps: table.get("substeps").and_then(|item| substeps(reader, item)),
+    }
+}
+
+fn function_names(reader: &mut Reader, item: Item<'_>) -> Vec<String> {
+    let functions = names(reader, item, "a list of function names").unwrap_or_default();
+    for unknown in functions.iter().filter(|name| !function_names::is_known(&name.value)) {
+        reader.report.error(
+            unknown.span,
+            "unknown-function",
+            format!("unknown function `{}`", unknown.value),
+        );
+        if let Some(help) = nearest(&unknown.value, function_names::listed()) {
+            reader.report.help(help);
+        }
+    }
+    functions.into_iter().map(|name| name.value).collect()
+}
+
+/// Most Runge–Kutta steps in one period: more is a stiff robot that wants a shorter period.
+const MOST_SUBSTEPS: usize = 1000;
+
+fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
+    let number = reader.number(item)?;
+    let count = (1..=MOST_SUBSTEPS).find(|&count| count as f64 == number.value);
+    if count.is_none() {
+        reader.report.error(number.span, "bad-count", format!("`substeps` is {}", number.value));
+        reader.report.help(format!("give a whole number from 1 to {MOST_SUBSTEPS}"));
+    }
+    count
+}
+
+fn read_bodies(reader: &mut Reader, top: &Table<'_>) -> Vec<BodyDescription> {
+    reader.all(top, "bodies", read_body)
+}
+
+fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> {
+    let link = table.get("link").and_then(|item| reader.name(item));
+    let name = table.get("name").and_then(|item| reader.name(item)).or_else(|| link.clone());
+    let Some(name) = name else {
+        reader.report.error(table.span, "missing-key", "a body needs `name` or `link`");
+        reader.report.help("`link = \"forearm\"` is the link that the body belongs to");
+        return None;
+    };
+    let owner = name.value.clone();
+    let mass = table.get("mass").map(|item| (item, reader.formula(item, &owner)));
+    let center_of_mass = table.get("center_of_mass").and_then(|item| reader.formulas::<3>(item, &owner));
+    let inertia =
+        table.get("inertia").and_then(|item| Some(At::new(read_inertia(reader, item, &owner)?, item.span)));
+    let accepts = table.get("accept_unphysical").and_then(|item| item.boolean(&mut reader.report));
+    Some(BodyDescription {
+        link: link.unwrap_or_else(|| name.clone()),
+        name,
+        origin: table.get("origin").and_then(|item| reader.pose(item, &owner)),
+        unsaid: unsaid(table.get("origin")),
+        mass: mass.map(|(item, value)| At::new(value.unwrap_or(Formula::ONE), item.span)),
+        center_of_mass,
+        inertia,
+        accept_unphysical: accepts.unwrap_or(false),
+        is_published: false,
+    })
+}
+
+/// One moment for all axes, three principal ones, or a table of entries.
+fn read_inertia(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<[Formula; 6]> {
+    let zero = || Formula::ZERO;
+    match item.value {
+        DeValue::Array(_) => {
+            let [xx, yy, zz] = reader.formulas::<3>(item, owner)?;
+            Some([xx, zero(), zero(), yy, zero(), zz])
+        }
+        DeValue::Table(entries) if !entries.contains_key("free") => {
+            let table = item.table(&mut reader.report)?;
+            let owner = &format!("{owner}_inertia");
+            Some(
+                ["xx", "xy", "xz", "yy", "yz", "zz"].map(|key| {
+                    table.get(key).and_then(|item| reader.formula(item, owner)).unwrap_or_else(zero)
+                }),
+            )
+        }
+        _ => {
+            let moment = reader.formula(item, owner)?;
+            Some([moment.clone(), zero(), zero(), moment.clone(), zero(), moment])
+        }
+    }
+}
+
+fn read_frames(reader: &mut Reader, top: &Table<'_>) -> Vec<FrameDescription> {
+    reader.all(top, "frames", read_frame)
+}
+
+fn read_frame(reader: &mut Reader, table: &Table<'_>) -> Option<FrameDescription> {
+    let name = reader.name_of(table, "name");
+    let link = reader.name_of(table, "link");
+    let owner = name.as_ref().map_or("frame", |name| &name.value).to_owned();
+    let pose = table.get("origin").and_then(|item| reader.pose(item, &owner)).unwrap_or_else(Pose::identity);
+    Some(FrameDescription { name: name?, link: link?, pose, is_site: false })
+}

@@ -1,0 +1,31 @@
+//! Poses, rotations and matrices of three rows.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Position (m) and rotation matrix (columns are the frame's axes) of a frame in the base frame: what
+/// generated pose functions return.
+pub type Pose = ([f64; 3], [[f64; 3]; 3]);
+
+pub(super) fn vector(p: &[f64; 3]) -> Vector3<f64> {
+    Vector3::from(*p)
+}
+
+pub(super) fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+pub(super) fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)]))
+}
+
+/// The cross-product matrix.
+pub(super) fn skew(w: &Vector3<f64>) -> Matrix3<f64> {
+    w.cross_matrix()
+}
+
+/// Rotation by `angle` about the unit vector `axis` (Rodrigues).
+pub(super) fn rotation(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    let (sin, cos) = angle.sin_cos();
+    let k = skew(axis);
+    Matrix3::identity() + k * sin + k * k * (1.0 - cos)
+}
