@@ -225,7 +225,7 @@ fn what_acados_cannot_call_is_refused() {
         bodies = [{ link = \"arm\", mass = 1, center_of_mass = [0, 0, 1], inertia = 0.1 }]\n";
     fs::write(folder.join("rail.toml"), driven).unwrap();
     for (words, reason) in [
-        ("pendulum.toml", "there is nothing for acados to choose: the robot has no inputs"),
+        ("pendulum.toml", "there are no functions for acados, because the robot has no inputs"),
         ("rail.toml", "there are no functions for acados"),
         ("powercube.toml --scalar f32", "modules in C have no functions for acados in single precision"),
         ("powercube.toml --functions step", "acados needs the function `step_derivatives`"),

@@ -269,7 +269,7 @@ mod tests {
         }
     }
 
-    /// With a period of 2⁻⁶ s the times are exact, so that stages that are kept have the bits of those that are computed anew.
+    /// Times are exact for a period of 2⁻⁶ s, so that stages that are kept have the bits of those that are computed anew.
     #[test]
     fn stages_around_the_reference_are_kept_until_it_changes() {
         const PERIOD: f64 = 0.015625;

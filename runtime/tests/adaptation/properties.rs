@@ -38,8 +38,8 @@ fn intervals_hold_during_drift() {
     assert!(found.learned > 0.99, "{}", found.learned);
 }
 
-/// With a slowest drift of 8000 s intervals hold more often while friction drifts, and errors are larger: claim 13 of the paper's
-/// page does not hold then.
+/// A slowest drift of 8000 s makes intervals hold more often while friction drifts, and errors larger: claim 13 of the paper's page
+/// does not hold then.
 #[test]
 fn faster_drift_is_less_exact() {
     let faster = AdaptationSettings { drift_times: [8000.0, 2000.0, 400.0], ..settings() };

@@ -108,8 +108,7 @@ impl Projection {
             return unknown;
         }
         // The logarithm of a factor that is one standard deviation smaller; of one that may be zero nothing is known.
-        let logarithm =
-            if error < 1.0 { (-(-error).ln_1p()).min(levels::GAINS.get()) } else { levels::GAINS.get() };
+        let logarithm = (-(-error.min(1.0)).ln_1p()).min(levels::GAINS.get());
         influence *= logarithm / error;
         Self { gain: sign / own.abs(), influence }
     }

@@ -241,11 +241,8 @@ impl<'a> Recorded<'a> {
         let how = self.smoothing(bandwidth, band, vec![0.0; self.efforts()]);
         let smoothed = self.smooth(&how, bandwidth)?;
         let runs: Vec<&PreparedRun> = smoothed.iter().map(|s| &s.run).collect();
-        Ok(estimate(
-            &self.columns(robot, &runs, Some(how.filter()?), &[levels::SHARP.get()]),
-            &runs,
-            how.step,
-        ))
+        let columns = self.columns(robot, &runs, Some(how.filter()?), &[levels::SHARP.get()]);
+        Ok(estimate(&columns, &runs, how.step))
     }
 }
 

@@ -50,11 +50,10 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
         return None;
     }
     let problems = problems(columns, runs, &samples);
-    let usual =
-        Search { runs, samples: &samples, problems: &problems, step, range: levels::USUAL_DELAYS.get() };
+    let range = levels::USUAL_DELAYS.get();
+    let usual = Search { runs, samples: &samples, problems: &problems, step, range };
     let all: Vec<usize> = (0..problems.len()).collect();
-    let is_early =
-        |m: &&usize| problems[**m].is_some() && usual.least(&[**m]) <= levels::USUAL_DELAYS.get()[0] + AT_END;
+    let is_early = |m: &&usize| problems[**m].is_some() && usual.least(&[**m]) <= range[0] + AT_END;
     let early = 2 * all.iter().filter(is_early).count() > all.len();
     let search = if early { Search { range: levels::DELAYS.get(), ..usual } } else { usual };
     let mut own: Vec<DelayEstimate> = all.iter().map(|m| search.own(*m)).collect();

@@ -1,4 +1,4 @@
-//! What the numbers that decide do: each is halved and doubled, and the page says what changes.
+//! Effect of the numbers that decide: each is halved and doubled, and the page says which results change.
 //!
 //! Logs of a pendulum pass preparation and estimate; laws are found from samples of friction. A variation stays inside the bar if no log that had a result is refused,
 //! no finding appears or goes that is a warning or an error, and friction and moments are as near to the truth as [`BAR`] allows.
@@ -54,7 +54,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// What comes out of a log.
+/// Results of a log.
 struct Outcome {
     name: &'static str,
     values: Vec<f64>,
@@ -126,7 +126,7 @@ impl Case {
     }
 }
 
-/// What a variation does, over all logs.
+/// Effect of a variation, over all logs.
 fn compared(before: &[Outcome], after: &[Outcome]) -> String {
     let mut said = Vec::new();
     for (before, after) in before.iter().zip(after) {
