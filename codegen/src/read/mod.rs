@@ -1,6 +1,6 @@
 //! Stage 1: a robot description becomes a validated [`Model`].
 //!
-//! The readers of TOML, URDF and MJCF make a `RobotDescription`, [`check`](crate::check) a model or all problems.
+//! The readers of TOML, URDF and MJCF make a `RobotDescription`, `check/` a model or all problems.
 
 mod composite;
 mod description_files;

@@ -40,9 +40,9 @@ pub struct MotionLimits<const N: usize> {
     pub speeds: [f64; N],
     /// Largest acceleration [rad/s² or m/s²].
     pub accelerations: [f64; N],
-    /// Largest jerk [rad/s³ or m/s³]. [`ViaPoints`] has none.
+    /// Largest jerk [rad/s³ or m/s³]. [`ViaPoints`](super::ViaPoints) has none.
     pub jerks: [f64; N],
-    /// Joints that follow several coordinates and have limits of position or speed. [`ViaPoints`] keeps them. Those that
+    /// Joints that follow several coordinates and have limits of position or speed. [`ViaPoints`](super::ViaPoints) keeps them. Those that
     /// follow one coordinate count by its limits, and those that follow driven joints are not known here.
     pub dependent: &'static [DependentJoint<N>],
     /// Share (0 to 1) of the speeds of these joints.
@@ -126,7 +126,7 @@ impl<const N: usize> MotionLimits<N> {
 /// A motion from time 0 to [`duration`](Self::duration).
 ///
 /// Of a robot with quaternions (NY ≠ N) velocities are v, and accelerations are v̇: positions move by
-/// `ẏ = T(y) v`. [`GeodesicMotion`] makes such motions.
+/// `ẏ = T(y) v`. [`GeodesicMotion`](super::GeodesicMotion) makes such motions.
 pub trait Trajectory<const N: usize, const NY: usize = N> {
     /// Its length (s).
     fn duration(&self) -> f64;
