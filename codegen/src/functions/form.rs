@@ -224,7 +224,7 @@ impl<'m> Forms<'m> {
     fn may_loop(&self, quantity: &Quantity) -> bool {
         matches!(quantity.loops, Some(Loops::PerJoint { .. }))
             && !self.is_straight(quantity)
-            && catalogue::refusal(self.model, catalogue::LOOPS.name).is_none()
+            && catalogue::LOOPS.check(self.model).is_ok()
             && per_joint::is_possible(self.mechanism())
     }
 

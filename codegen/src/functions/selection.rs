@@ -7,7 +7,7 @@ use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::search::routes::Formulations;
 use crate::function_names;
-use crate::functions::catalogue::{self, FrameQuantity, Quantity, Refusal};
+use crate::functions::catalogue::{self, FrameQuantity, Quantity, Refusal, Refusals};
 use crate::functions::composition::Composition;
 use crate::functions::form::{Form, Forms};
 use crate::functions::function::{FrameFunction, Function};
@@ -59,16 +59,16 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
     let mechanism = Mechanism::new(model);
     let formulations = Formulations::new(model, &mechanism);
     let forms = Forms::new(model, &formulations, request.form, request.straight);
-    let mut left_out = LeftOut::default();
+    let (mut left_out, refusals) = (LeftOut::default(), Refusals::new(model));
     let mut compositions = catalogue::compositions(request.names);
     compositions.retain(|each| {
-        let refusal = catalogue::refusal(model, each.name());
+        let refusal = refusals.of(each.name());
         left_out.is_possible(each.name(), refusal, request.is_named(each.name()))
     });
     let wanted = Wanted::new(request, &forms, compositions);
     let mut rows: Vec<_> = rows(model).filter(|row| wanted.includes(row)).collect();
     rows.retain(|row| {
-        let (name, refusal) = (row.name(), catalogue::refusal(model, row.row_name()));
+        let (name, refusal) = (row.name(), refusals.of(row.row_name()));
         left_out.is_possible(&name, refusal, wanted.is_asked_for(&name))
     });
     or_problems((), std::mem::take(&mut left_out.problems))?;

@@ -1,5 +1,7 @@
 //! The table of kinds of robots: functions and products that differ from their rows, or are missing.
 
+use std::cell::OnceCell;
+
 use super::frame_inputs::{self, beyond};
 use super::kind::Difference::{self, Missing};
 use super::kind::{Kind, MISSING, Otherwise, Product, equation, notes};
@@ -284,7 +286,8 @@ impl Product {
     /// # Errors
     /// The code of the first kind of the robot without the product.
     pub fn check(&self, model: &Model) -> Result<(), Diagnostics> {
-        let refusal = refusal(model, self.name).map(|refusal| refusal.error(self.missing).help(self.help));
+        let refusal = Refusals::new(model).of(self.name);
+        let refusal = refusal.map(|refusal| refusal.error(self.missing).help(self.help));
         refusal.map_or(Ok(()), |refusal| Err(refusal.into()))
     }
 }
@@ -309,25 +312,32 @@ impl Refusal {
     }
 }
 
-/// The differences of a function or product, each with its kind.
-fn differences(name: &str) -> impl Iterator<Item = (&'static Kind, &'static Difference)> {
-    KINDS.iter().filter_map(move |kind| Some((kind, kind.difference(name)?)))
+/// The functions and products that a model lacks. Whether it is of a kind is asked once: some answers take the mass matrix.
+pub(crate) struct Refusals<'m> {
+    model: &'m Model,
+    examples: [OnceCell<Option<String>>; KINDS.len()],
 }
 
-/// Why a model lacks a function or a product; `None` if it has it.
-///
-/// - `name`: of a function, with `NAME` in place of a frame's, or of a product
-pub(crate) fn refusal(model: &Model, name: &str) -> Option<Refusal> {
-    differences(name).find_map(|(kind, difference)| {
-        let Missing { why, help } = *difference else { return None };
-        let because = kind.condition.replace("{}", &(kind.example)(model)?) + why;
-        Some(Refusal { code: kind.code, because, help })
-    })
+impl<'m> Refusals<'m> {
+    pub(crate) fn new(model: &'m Model) -> Self {
+        Self { model, examples: [const { OnceCell::new() }; KINDS.len()] }
+    }
+
+    /// Why the model lacks a function or a product; `None` if it has it.
+    ///
+    /// - `name`: of a function, with `NAME` in place of a frame's, or of a product
+    pub(crate) fn of(&self, name: &str) -> Option<Refusal> {
+        KINDS.iter().zip(&self.examples).find_map(|(kind, example)| {
+            let Missing { why, help } = *kind.difference(name)? else { return None };
+            let example = example.get_or_init(|| (kind.example)(self.model)).as_ref()?;
+            Some(Refusal { code: kind.code, because: kind.condition.replace("{}", example) + why, help })
+        })
+    }
 }
 
 /// The documentation of a model's function where it differs from the row.
 pub(crate) fn otherwise(model: &Model, name: &str) -> impl Iterator<Item = &'static Otherwise> {
-    differences(name).filter_map(move |(kind, difference)| match difference {
+    KINDS.iter().filter_map(move |kind| match kind.difference(name)? {
         Difference::Documented(other) => kind.includes(model).then_some(other),
         Missing { .. } => None,
     })

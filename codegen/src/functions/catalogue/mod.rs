@@ -22,7 +22,7 @@ pub use kind::{ACADOS, CASADI, CLOSED_FORMS, EXPORT, IDENTIFICATION, LOOPS, PROD
 pub use kind::{Difference, Kind, Otherwise, Product};
 pub use kinds::KINDS;
 pub(crate) use kinds::otherwise;
-pub(super) use kinds::{Refusal, refusal};
+pub(super) use kinds::{Refusal, Refusals};
 pub(super) use quantity::vector;
 pub use quantity::{Argument, Quantity, Value};
 pub(super) use quantity::{BuildLoops, Estimate, FrameQuantity, Loops, QuantityResult};
