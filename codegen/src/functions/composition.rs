@@ -166,16 +166,20 @@ impl Composition {
     /// - `called`: operations of one call
     #[must_use]
     pub fn cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
-        called * self.call_count(substeps) + self.own_cost(n, m, substeps)
+        called * self.call_count(substeps) + self.own_cost(n, m, substeps, MOST_HALVINGS)
+    }
+
+    /// As [`Self::cost`], at least where their number depends on the data.
+    #[must_use]
+    pub fn least_cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
+        called * self.call_count(substeps) + self.own_cost(n, m, substeps, 0)
     }
 
     /// All operations in a robot's module; `None` if the function that it calls is not among these.
     pub(crate) fn cost_in(self, model: &Model, functions: &[Function]) -> Option<Cost> {
         let called = functions.iter().find(|function| function.name == self.calls())?;
         let substeps = model.options.substeps.unwrap_or(1);
-        let called = count(&called.program);
-        let (n, m) = (model.coordinates.len(), input_count(model));
-        Some(self.cost(n, m, substeps, called))
+        Some(self.cost(model.coordinates.len(), input_count(model), substeps, count(&called.program)))
     }
 
     /// The note in the documentation about a cost that depends on the data.
@@ -183,24 +187,21 @@ impl Composition {
         if self != Self::Discretize {
             return None;
         }
-        let most = self.cost_in(model, functions)?;
+        let called = functions.iter().find(|function| function.name == self.calls())?;
         let (n, m) = (model.coordinates.len(), input_count(model));
-        let saved = |count: fn(Cost) -> usize| {
-            let [most, fewest] = [MOST_HALVINGS, 0].map(|halvings| count(discretize_cost(n, m, halvings)));
-            most - fewest
-        };
+        let Cost { multiplications, additions, .. } = self.least_cost(n, m, 1, count(&called.program));
         Some(format!(
-            "That is with {MOST_HALVINGS} halvings of the period; without any it is {} multiplications and {} additions.",
-            most.multiplications - saved(|cost| cost.multiplications),
-            most.additions - saved(|cost| cost.additions)
+            "That is with {MOST_HALVINGS} halvings of the period; without any it is {multiplications} multiplications and {additions} \
+             additions."
         ))
     }
 
-    fn own_cost(self, n: usize, m: usize, substeps: usize) -> Cost {
+    /// - `halvings`: of the period, in `discretize`
+    fn own_cost(self, n: usize, m: usize, substeps: usize, halvings: usize) -> Cost {
         // Entries of a coordinate vector, with derivatives by the state and the inputs.
         let motion = n + 2 * n * n + n * m;
         match self {
-            Self::Discretize => discretize_cost(n, m, MOST_HALVINGS),
+            Self::Discretize => discretize_cost(n, m, halvings),
             Self::Step => cost(14 * n, 14 * n, 12) * substeps + cost(0, 0, 1),
             Self::StepDerivatives => {
                 let chain_rule = 4 * n.pow(3) + 2 * n * n + n * m + 2 * n * n * m;
