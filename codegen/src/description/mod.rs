@@ -84,6 +84,11 @@ impl RobotDescription {
         }
     }
 
+    /// Where one of some names is written; the robot's name if it is none of them.
+    pub fn place_among<'r>(&'r self, mut names: impl Iterator<Item = &'r Name>, wanted: &str) -> Span {
+        names.find(|name| name.value == wanted).unwrap_or(&self.name).span
+    }
+
     /// All motors, of joints and apart from them, with the names of their drives.
     pub fn motors(&self) -> impl Iterator<Item = (&str, &DriveDescription)> {
         let of_joints = self.joints.iter().filter_map(|joint| match self.drive_of(joint) {

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::ROUNDING;
 use crate::description::RobotDescription;
 use crate::diagnostic::{Report, Span};
 use crate::model::{Drive, Model};
@@ -13,9 +14,6 @@ use gelenk_findings::Rule;
 /// Example: two motors of a differential whose weights have the same signs.
 /// Fixture: `drives_that_act_alike_are_noted` in `codegen/tests/meaning.rs`.
 const DRIVES_ALIKE: Rule = Rule::note("drives-alike");
-
-/// Directions and ratios are written numbers.
-const ROUNDING: f64 = 1e-9;
 
 /// Notes drives whose torques act on the coordinates alike: the sum of what they exert does not determine what each exerts.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
@@ -64,6 +62,5 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
 fn place(robot: &RobotDescription, drive: &Drive) -> Span {
     let apart = robot.drives.iter().map(|described| &described.name);
     let joints = robot.joints.iter().map(|joint| &joint.name);
-    let mut names = apart.chain(joints);
-    names.find(|name| name.value == drive.name).unwrap_or(&robot.name).span
+    robot.place_among(apart.chain(joints), &drive.name)
 }

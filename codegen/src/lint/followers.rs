@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::ROUNDING;
 use crate::description::RobotDescription;
 use crate::diagnostic::Report;
 use crate::model::pose::rotate_numbers;
@@ -13,9 +14,6 @@ use gelenk_findings::Rule;
 /// Example: the second finger of a gripper without its `parent`.
 /// Fixture: `a_joint_that_undoes_the_motion_below_it_is_noted` in `codegen/tests/meaning.rs`.
 const STANDS_STILL: Rule = Rule::note("follower-stands-still");
-
-/// Directions and ratios are written numbers.
-const ROUNDING: f64 = 1e-9;
 
 /// Notes followers without motion relative to the link before.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {

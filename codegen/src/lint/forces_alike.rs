@@ -1,5 +1,6 @@
 //! Forces between the same two points.
 
+use super::ROUNDING;
 use crate::description::RobotDescription;
 use crate::diagnostic::Report;
 use crate::model::{Attachment, Model};
@@ -11,9 +12,6 @@ use gelenk_formula::Formula;
 /// Example: a spring that a file has and an extension names otherwise.
 /// Fixture: `springs_between_the_same_points_are_noted` in `codegen/tests/doubts.rs`.
 const FORCES_ALIKE: Rule = Rule::note("forces-alike");
-
-/// Places are written numbers.
-const ROUNDING: f64 = 1e-9;
 
 /// Notes laws between the same two points.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {

@@ -1,5 +1,6 @@
 //! Inputs at frames that act like others.
 
+use super::ROUNDING;
 use super::levers::Levers;
 use crate::description::RobotDescription;
 use crate::diagnostic::{Report, Span};
@@ -11,9 +12,6 @@ use gelenk_findings::Rule;
 /// Example: two cylinders between the same links.
 /// Fixture: `inputs_that_act_alike_are_noted` in `codegen/tests/doubts.rs`.
 const INPUTS_ALIKE: Rule = Rule::note("inputs-alike");
-
-/// Directions and places are written numbers.
-const ROUNDING: f64 = 1e-9;
 
 /// Notes inputs whose columns of B are parallel at all states. Whoever means them so loses nothing.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
@@ -56,6 +54,5 @@ fn note_inputs(robot: &RobotDescription, [first, second]: [&str; 2], report: &mu
 
 fn place(robot: &RobotDescription, input: &str) -> Span {
     let pulls = robot.point_forces.iter().filter_map(|force| force.input.as_ref()).map(|input| &input.name);
-    let mut names = pulls.chain(robot.wrench_inputs.iter().map(|input| &input.name));
-    names.find(|name| name.value == input).unwrap_or(&robot.name).span
+    robot.place_among(pulls.chain(robot.wrench_inputs.iter().map(|input| &input.name)), input)
 }

@@ -1,5 +1,6 @@
 //! Columns of B of forces at frames, at seeded states.
 
+use super::ROUNDING;
 use super::distances::origin;
 use crate::model::pose::rotate_numbers;
 use crate::model::regularity::{child_from_parent, motion_axis, positions};
@@ -10,8 +11,6 @@ use gelenk_formula::Formula;
 /// Number of seeded states.
 const STATES: usize = 16;
 const SEED: u64 = 0x6c65_7665_7273;
-/// Part of a wrench that counts as none: directions and levers are written numbers.
-const ROUNDING: f64 = 1e-9;
 
 /// A robot at seeded states.
 pub(super) struct Levers<'m> {

@@ -32,9 +32,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, re
 }
 
 fn place(robot: &RobotDescription, joint: &Joint) -> Span {
-    let mut names = robot.joints.iter().map(|joint| &joint.name);
-    let name = names.find(|name| name.value == joint.name);
-    name.unwrap_or(&robot.name).span
+    robot.place_among(robot.joints.iter().map(|joint| &joint.name), &joint.name)
 }
 
 fn report_indefinite(
