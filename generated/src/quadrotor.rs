@@ -5182,8 +5182,8 @@ mod discrete_time {
         }
     }
 
-    /// Some rows of [`add_product`]. They are calls: a loop over all rows would be vectorized across them, which gathers numbers one
-    /// by one. The registers hold two rows of up to 14 columns; of longer ones they hold a block.
+    /// Some rows of [`add_product`]. It is not inlined: the compiler would vectorize a loop over all rows across them, and read their
+    /// entries one by one. The registers hold two rows of up to 14 columns; of longer rows they hold one block.
     #[inline(never)]
     fn add_rows<const N: usize, const R: usize>(
         sum: &mut [[[f64; N]; 2]; R],
@@ -5254,10 +5254,10 @@ mod discrete_time {
     /// The halves of `A_d − 1`, `B_d` and `c_d`.
     type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-    /// Φ over a short time is doubled at most so often. A period that needs more halvings is taken in steps.
+    /// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
     const MOST_DOUBLINGS: u32 = 6;
 
-    /// The number of steps is doubled at most so often.
+    /// Largest number of doublings of a step.
     const MOST_REPETITIONS: u32 = 18;
 
     /// Terms in each of the three parts of the Taylor polynomial.

@@ -202,7 +202,7 @@ impl Joint {
         self.waiting = derived.stride;
         let drift = self.bank.drift(derived.interval, &settings.drift_times, &derived.prior);
         if !is_settled {
-            // Without a sample no law becomes likelier. The ratios of nested laws would change with the covariance.
+            // Without a sample the weights of the nested laws stay. Computed from the wider covariance they would change.
             self.law.widen(drift, &derived.prior);
             return;
         }

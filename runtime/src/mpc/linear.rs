@@ -187,8 +187,7 @@ where
 
     delegated_controller_methods!();
 
-    /// All that this writes, the step writes anew or finds as it would write it: reference, stages, solution. Estimate and plan
-    /// stay.
+    /// Computes reference, stages and solution. The step computes them again, or keeps those that are equal. Estimate and plan stay.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let start = self.horizon.start_at(next.time);
         self.horizon.look_ahead(start);

@@ -27,8 +27,8 @@ fn add_product<'a, const N: usize>(
     }
 }
 
-/// Some rows of [`add_product`]. They are calls: a loop over all rows would be vectorized across them, which gathers numbers one
-/// by one. The registers hold two rows of up to 14 columns; of longer ones they hold a block.
+/// Some rows of [`add_product`]. It is not inlined: the compiler would vectorize a loop over all rows across them, and read their
+/// entries one by one. The registers hold two rows of up to 14 columns; of longer rows they hold one block.
 #[inline(never)]
 fn add_rows<const N: usize, const R: usize>(
     sum: &mut [[[f64; N]; 2]; R],

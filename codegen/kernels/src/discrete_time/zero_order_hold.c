@@ -1,7 +1,7 @@
-// The integral over a short time is doubled at most so often. A period that needs more halvings is taken in steps.
+// Largest number of doublings of the integral. A period that needs more halvings is divided into equal steps.
 #define GELENK_MOST_DOUBLINGS 6
 
-// The number of steps is doubled at most so often.
+// Largest number of doublings of a step.
 #define GELENK_MOST_REPETITIONS 18
 
 // Terms in each of the three parts of the Taylor polynomial.
@@ -158,7 +158,8 @@ static void gelenk_double_integral(const double *lower, double *integral)
 //
 // With A = [0 1; A_y A_v] the upper half [C P] of the integral I of exp(A s) gives everything: exp(A t) = 1 + I A, whose
 // upper half is [1 0] + [C P] A = [1 + X, Q], the lower one [0 1] + [X Q] A, and B_d = [P B_x; Q B_x]. The integral comes
-// from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3), with so many doublings.
+// from scaling and squaring (Higham, Functions of Matrices, 2008, section 10.3): from a short time h with nu h <= 5/4 by
+// `doublings`.
 static void gelenk_held(const double *by_y, const double *by_v, const double *by_u, const double *remainder,
     double time, int doublings, double change[2][GELENK_HALF], double *input, double *affine)
 {

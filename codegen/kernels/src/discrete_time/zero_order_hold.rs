@@ -5,10 +5,10 @@ pub type Discrete<const N: usize, const M: usize> =
 /// The halves of `A_d − 1`, `B_d` and `c_d`.
 type Held<const N: usize, const M: usize> = ([Half<N>; 2], [[[f64; M]; N]; 2], [[f64; N]; 2]);
 
-/// Φ over a short time is doubled at most so often. A period that needs more halvings is taken in steps.
+/// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
 const MOST_DOUBLINGS: u32 = 6;
 
-/// The number of steps is doubled at most so often.
+/// Largest number of doublings of a step.
 const MOST_REPETITIONS: u32 = 18;
 
 /// Terms in each of the three parts of the Taylor polynomial.

@@ -18,13 +18,14 @@ levels! {
     /// Standard deviation of friction as a share of the described one.
     DESCRIBED_FRICTION: f64 = 0.5;
 
-    /// The same as a share of the joint's largest force: descriptions hold placeholders, and many have no friction.
+    /// Least standard deviation of friction, as a share of the joint's largest force: descriptions hold placeholders, and many have no
+    /// friction.
     LEAST_FRICTION: f64 = 0.1;
 
     /// Standard deviation of an offset as a share of the largest force: class 1 of torque sensors.
     OFFSET: f64 = 0.01;
 
-    /// The same if the data ask for more: cables, springs, and sensors whose zero nobody set.
+    /// Factor of this standard deviation if the data ask for more: cables, springs, and sensors whose zero nobody set.
     LARGER_OFFSET: f64 = 10.0;
 
     /// Speeds at which a described law is compared with viscous and Coulomb friction.
@@ -34,7 +35,7 @@ levels! {
     /// exporters write point masses and thin bodies.
     OWN_FLOOR: f64 = 0.01;
 
-    /// The same for the mean radius of all bodies.
+    /// Share of the mean radius of gyration of all bodies, squared, below which a description's inertia is not believed.
     COMMON_FLOOR: f64 = 1e-3;
 
     /// Standard deviation of a described body in `Prior::round_metric`: 17 % of its mass, and 7 % of its radius of gyration for each coordinate of its
@@ -45,10 +46,10 @@ levels! {
     /// Largest standard deviation of ln K: three decades.
     GAINS: f64 = 7.0;
 
-    /// Weights of the description that are tried: two for each decade.
+    /// Smallest weight of the description that is tried.
     LEAST_WEIGHT: f64 = 1e-3;
 
-    /// Factor by which a body may be trusted less, and how often.
+    /// Factor by which a body may be trusted less.
     LESS_TRUST: f64 = 0.01;
 
     /// Multiples of the deviation beyond which a sample loses weight (Huber 1964): 99.9 % efficient for normal
@@ -58,10 +59,11 @@ levels! {
     /// Blocks over all runs, at most: more would cost time and change nothing.
     MOST_BLOCKS: usize = 600;
 
-    /// Factor of K: `0.4 T^⅔` for a first autocorrelation of 0.7 (Lazarus et al. 2018), in terms of correlation times.
+    /// Number K of cosines over the number of correlation times to the power ⅔: K is `0.4 T^⅔` for T samples with a first autocorrelation
+    /// of 0.7 (Lazarus et al. 2018).
     COSINES: f64 = 1.3;
 
-    /// Fewest cosines with which anything is said.
+    /// Fewest cosines that give a variance.
     FEWEST_COSINES: usize = 4;
 
     /// Change of a share s₁ between two passes, in standard errors, below which they have settled.
@@ -86,22 +88,22 @@ levels! {
     /// Share of the residual's variance that one quantity may explain before it is a doubt.
     SUSPICIOUS: f64 = 0.1;
 
-    /// The same in correlation times over samples: chance alone explains about one of these.
+    /// Least share of this variance in correlation times over samples: chance alone explains about one.
     BY_CHANCE: f64 = 10.0;
 
     /// Factor between estimated and described rigid forces beyond which a unit may be wrong.
     OTHER_UNIT: f64 = 3.0;
 
-    /// The same for the robot as a whole beyond which results are refused: bodies that are that wrong are not described.
+    /// Factor of the forces of the robot as a whole beyond which results are refused: no description has bodies that are so wrong.
     ANOTHER_UNIT: f64 = 10.0;
 
     /// Share of the largest described force from which on a joint carries the robot.
     CARRIES: f64 = 0.1;
 
-    /// How far a factor may be off a unit: described masses are guesses.
+    /// Largest ratio of a factor to that of a unit: described masses are guesses.
     GUESS: f64 = 2.5;
 
-    /// Share of a joint's largest speed within which Coulomb friction is smoothed.
+    /// Slope of smoothed Coulomb friction, `tanh(slope · speed)`, over shares of a joint's largest speed.
     STEEPNESS: f64 = 30.0;
 
     /// Angle from which a tilt matters [rad]: 2°.
@@ -119,6 +121,6 @@ levels! {
     /// Weight of the description that leaves bodies practically free and keeps all equations regular.
     FREE_BODIES: f64 = 1e-3;
 
-    /// Variance of an angle under independent residuals [rad²] from which it counts as not told.
+    /// Variance of an angle under independent residuals [rad²] from which the data do not determine it.
     UNTOLD: f64 = 0.01;
 }

@@ -15,10 +15,10 @@ levels! {
     /// its terms mean nothing.
     LEAST_R_SQUARED: f64 = 0.05;
 
-    /// Part of the described speed that a log shows at least where nothing is said.
+    /// Share of the described speed below which a log's speed is a finding.
     SMALL_PART: f64 = 0.1;
 
-    /// Speed or friction over the described limit that no joint has.
+    /// Ratio of a speed or a friction to its described limit that no joint has.
     ABSURD: f64 = 3.0;
 
     /// Condition number of the chosen terms above which coefficients are doubted (the curve need not be).
@@ -41,7 +41,7 @@ levels! {
     /// Fewest samples that tell of the fall from static to Coulomb friction.
     FEWEST_SLOW: usize = 10;
 
-    /// Share of the excess F_s − F_c that the law has to reach somewhere for its words to mean something.
+    /// Least share of F_s − F_c by which the law exceeds F_c at some speed.
     REACHED: f64 = 0.1;
 
     /// Fewest samples that show a drift.

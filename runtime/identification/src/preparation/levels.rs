@@ -9,7 +9,7 @@ levels! {
     /// Share of a joint's largest speed below which it sticks or creeps.
     SLOW: f64 = 0.01;
 
-    /// Deviations of the speed's noise below which a speed is not told from zero.
+    /// Standard deviations of the speed's noise below which a speed counts as zero.
     SPEED_NOISE: f64 = 4.0;
 
     /// Largest share of a joint's largest speed below which noise decides: with more noise, rest cannot be separated from motion.
@@ -108,6 +108,6 @@ levels! {
     /// Folds on which a delay of an effort's own is compared with the common one.
     DELAY_FOLDS: usize = 8;
 
-    /// How far delays of one robot's efforts lie from each other at least, before anything is known [s].
+    /// Least standard deviation of the delays of one robot's efforts [s].
     DELAY_SPREAD: f64 = 1e-3;
 }
