@@ -40,6 +40,9 @@ pub(crate) trait Vector:
     /// The smaller numbers; unspecified where one is NaN.
     fn fast_min(self, other: Self) -> Self;
     fn reduce_add(self) -> f64;
+    /// Runs `work` in a function of its own, compiled for the instructions of these lanes. Whatever computes with lanes does so
+    /// in here: elsewhere each operation would be a call, and one large function takes minutes to compile.
+    fn vectorized<R>(work: impl FnOnce() -> R) -> R;
     fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH];
 
     #[inline(always)]
@@ -100,6 +103,10 @@ impl Vector for Portable {
     #[inline(always)]
     fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH] {
         Self::transpose(v)
+    }
+    #[inline(never)]
+    fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+        work()
     }
 }
 

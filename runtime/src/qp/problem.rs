@@ -177,13 +177,11 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpStage<NX, NU, NR> {
 
 /// True if no number is infinite or NaN; without a branch per number, since it runs over all data of every
 /// solve.
-#[inline(always)]
 fn finite<'a>(numbers: impl Iterator<Item = &'a f64>) -> bool {
     numbers.fold(true, |ok, v| ok & v.is_finite())
 }
 
 /// True if `lower ≤ upper` everywhere, and neither is infinite inwards.
-#[inline(always)]
 fn ordered(lower: &[f64], upper: &[f64]) -> bool {
     lower
         .iter()
@@ -223,7 +221,6 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
 }
 
 /// The unit of a row: the power of two at or below its largest coefficient; 1 if all are zero.
-#[inline(always)]
 pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
     let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));
     let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());

@@ -143,7 +143,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 means no weight of the
     /// input's change.
-    #[inline(always)]
     pub(crate) fn set_weights(
         &mut self,
         q: &[[f64; NX]; NX],
@@ -162,7 +161,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     }
 
     /// Dynamics of stage `k`, `x⁺ = A x + B u`.
-    #[inline(always)]
     pub(crate) fn set_stage(&mut self, k: usize, a: &[[f64; NX]; NX], b: &[[f64; NU]; NX]) {
         let x = Self::RX;
         for (row, lanes) in a.iter().zip(self.a[k * NX * x..][..NX * x].chunks_exact_mut(x)) {
@@ -181,59 +179,65 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. With `affine`, the terms c_k of
     /// `x⁺ = A x + B u + c` (`A_0 x_0` included in c_0), prepares a solution with them too.
-    #[inline(always)]
     pub(crate) fn factorize<const NR: usize>(
         &mut self,
         weight: &Trajectory<V>,
         affine: Option<&[V]>,
         rows: &Rows<V, NX, NU, NR>,
     ) -> Result<(), NotPositive> {
-        let x = Self::RX;
-        let rho = flat(&weight.u);
-        self.begin(&weight.x[(self.horizon - 1) * x..][..x]);
-        if NR > 0 {
-            rows.add_to_cost(self.horizon, weight, &mut self.p);
-            mirror::<V, NX>(&mut self.p, x);
-        }
-        for k in (0..self.horizon).rev() {
-            if let Some(c) = affine {
-                self.stage_affine(k, &c[k * x..][..x]);
-            }
-            let with_rows = |h: &mut _| rows.add_to_pivot(k, weight, h);
-            self.stage_pivot(k, &rho[k * NU..][..NU], with_rows)?;
-            if k > 0 {
-                self.stage_gain(k, |y| rows.add_to_coupling(k, weight, y));
-                self.stage_closed_loop(k);
-                self.stage_cost_to_go(k, |p| rows.add_to_cost(k, weight, p));
-                Self::add_diagonal(&mut self.p, &weight.x[(k - 1) * x..][..x]);
-            }
-        }
-        Ok(())
+        V::vectorized(
+            #[inline(always)]
+            || {
+                let x = Self::RX;
+                let rho = flat(&weight.u);
+                self.begin(&weight.x[(self.horizon - 1) * x..][..x]);
+                if NR > 0 {
+                    rows.add_to_cost(self.horizon, weight, &mut self.p);
+                    mirror::<V, NX>(&mut self.p, x);
+                }
+                for k in (0..self.horizon).rev() {
+                    if let Some(c) = affine {
+                        self.stage_affine(k, &c[k * x..][..x]);
+                    }
+                    let with_rows = |h: &mut _| rows.add_to_pivot(k, weight, h);
+                    self.stage_pivot(k, &rho[k * NU..][..NU], with_rows)?;
+                    if k > 0 {
+                        self.stage_gain(k, |y| rows.add_to_coupling(k, weight, y));
+                        self.stage_closed_loop(k);
+                        self.stage_cost_to_go(k, |p| rows.add_to_cost(k, weight, p));
+                        Self::add_diagonal(&mut self.p, &weight.x[(k - 1) * x..][..x]);
+                    }
+                }
+                Ok(())
+            },
+        )
     }
 
     /// The recursion without barrier terms down to P_0, so that K_0 exists too: a linear-quadratic regulator
     /// over the horizon.
-    #[inline(always)]
     pub(crate) fn regulate(&mut self) -> Result<(), NotPositive> {
-        self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
-        for k in (0..self.horizon).rev() {
-            self.stage_pivot(k, &[0.0; NU], |_| {})?;
-            self.stage_gain(k, |_| {});
-            self.stage_closed_loop(k);
-            self.stage_cost_to_go(k, |_| {});
-        }
-        Ok(())
+        V::vectorized(
+            #[inline(always)]
+            || {
+                self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
+                for k in (0..self.horizon).rev() {
+                    self.stage_pivot(k, &[0.0; NU], |_| {})?;
+                    self.stage_gain(k, |_| {});
+                    self.stage_closed_loop(k);
+                    self.stage_cost_to_go(k, |_| {});
+                }
+                Ok(())
+            },
+        )
     }
 
     /// The gain K_k of the last factorization, rows first.
-    #[inline(always)]
     pub(crate) fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         let rows = &self.k[k * NU * Self::RX..][..NU * Self::RX];
         core::array::from_fn(|i| core::array::from_fn(|j| at(&rows[i * Self::RX..][..Self::RX], j)))
     }
 
     /// The cost-to-go matrix that the last factorization ended with.
-    #[inline(always)]
     pub(crate) fn cost_to_go(&self) -> [[f64; NX]; NX] {
         core::array::from_fn(|i| core::array::from_fn(|j| at(&self.p[j * Self::RX..][..Self::RX], i)))
     }
@@ -417,7 +421,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 }
 
 /// Mean of a matrix and its transpose.
-#[inline(always)]
 fn symmetric<const N: usize>(m: &[[f64; N]; N]) -> [[f64; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i])))
 }

@@ -20,8 +20,8 @@ mod side;
 mod start;
 
 pub(super) use self::measure::ROUNDING;
-pub(super) use self::side::Tally;
-use self::side::{Side, Softening};
+pub(super) use self::side::Totals;
+use self::side::{Side, Softening, Tally};
 use super::lanes::Vector;
 use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
@@ -55,13 +55,11 @@ impl<V: Vector> Bounds<V> {
     /// Largest diagonal term of the Newton system. Beyond it, digits of the smaller weights would be lost
     /// (`R` in `R + BᵀWB`); a step that takes the slack for `λ/W_max` instead is still a Newton step to
     /// second order, since `dλ` vanishes at the optimum.
-    #[inline(always)]
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
 
     /// [`Self::linearize_as`], with soft bounds or without.
-    #[inline(always)]
     pub(super) fn linearize(
         &mut self,
         soft: bool,
@@ -69,52 +67,72 @@ impl<V: Vector> Bounds<V> {
         gradient: &[V],
         weight: &mut [V],
         rhs: &mut [V],
-    ) -> Tally<V> {
-        if soft {
-            self.linearize_as::<true>(z, gradient, weight, rhs)
-        } else {
-            self.linearize_as::<false>(z, gradient, weight, rhs)
-        }
+    ) -> Totals {
+        V::vectorized(
+            #[inline(always)]
+            || {
+                if soft {
+                    self.linearize_as::<true>(z, gradient, weight, rhs)
+                } else {
+                    self.linearize_as::<false>(z, gradient, weight, rhs)
+                }
+            },
+        )
     }
 
     /// [`Self::predictor_as`], likewise.
-    #[inline(always)]
-    pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Tally<V> {
-        if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) }
+    pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Totals {
+        V::vectorized(
+            #[inline(always)]
+            || {
+                if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) }
+            },
+        )
     }
 
     /// [`Self::centre_as`], likewise.
-    #[inline(always)]
     pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
-        if soft {
-            self.centre_as::<true>(gradient, target, correction, rhs);
-        } else {
-            self.centre_as::<false>(gradient, target, correction, rhs);
-        }
+        V::vectorized(
+            #[inline(always)]
+            || {
+                if soft {
+                    self.centre_as::<true>(gradient, target, correction, rhs);
+                } else {
+                    self.centre_as::<false>(gradient, target, correction, rhs);
+                }
+            },
+        )
     }
 
     /// [`Self::corrector_as`], likewise.
-    #[inline(always)]
-    pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Tally<V> {
-        if soft {
-            self.corrector_as::<true>(dz, target, correction)
-        } else {
-            self.corrector_as::<false>(dz, target, correction)
-        }
+    pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Totals {
+        V::vectorized(
+            #[inline(always)]
+            || {
+                if soft {
+                    self.corrector_as::<true>(dz, target, correction)
+                } else {
+                    self.corrector_as::<false>(dz, target, correction)
+                }
+            },
+        )
     }
 
     /// [`Self::advance_as`], likewise.
-    #[inline(always)]
     pub(super) fn advance(&mut self, soft: bool, length: f64) {
-        if soft {
-            self.advance_as::<true>(length);
-        } else {
-            self.advance_as::<false>(length);
-        }
+        V::vectorized(
+            #[inline(always)]
+            || {
+                if soft {
+                    self.advance_as::<true>(length);
+                } else {
+                    self.advance_as::<false>(length);
+                }
+            },
+        )
     }
 
     /// [`Self::start_as`], likewise.
-    #[inline(always)]
     pub(super) fn start(
         &mut self,
         soft: bool,
@@ -124,11 +142,16 @@ impl<V: Vector> Bounds<V> {
         far: bool,
         last: Option<&Multipliers<V>>,
     ) {
-        if soft {
-            self.start_as::<true>(z, mu, share, far, last);
-        } else {
-            self.start_as::<false>(z, mu, share, far, last);
-        }
+        V::vectorized(
+            #[inline(always)]
+            || {
+                if soft {
+                    self.start_as::<true>(z, mu, share, far, last);
+                } else {
+                    self.start_as::<false>(z, mu, share, far, last);
+                }
+            },
+        )
     }
 
     /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns
@@ -140,7 +163,7 @@ impl<V: Vector> Bounds<V> {
         gradient: &[V],
         weight: &mut [V],
         rhs: &mut [V],
-    ) -> Tally<V> {
+    ) -> Totals {
         let mut tally = Tally::new();
         let cap = self.cap;
         for i in 0..self.sides.len() {
@@ -150,19 +173,19 @@ impl<V: Vector> Bounds<V> {
             weight[i] = lower.weight + upper.weight;
             rhs[i] = gradient[i] - pull;
         }
-        tally
+        tally.totals()
     }
 
     /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
     #[inline(always)]
-    fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Tally<V> {
+    fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Totals {
         let mut tally = Tally::new();
         for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
             upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
         }
-        tally
+        tally.totals()
     }
 
     /// Third pass: `rhs` becomes the gradient of the centred and corrected step.
@@ -178,7 +201,7 @@ impl<V: Vector> Bounds<V> {
 
     /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
     #[inline(always)]
-    fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Tally<V> {
+    fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Totals {
         let mut tally = Tally::new();
         let target = [V::splat(target), V::splat(correction)];
         for i in 0..self.sides.len() {
@@ -186,7 +209,7 @@ impl<V: Vector> Bounds<V> {
             lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
             upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
         }
-        tally
+        tally.totals()
     }
 
     /// Fifth pass: the step is taken.

@@ -14,7 +14,6 @@ const VIOLATION_SHARE: f64 = 0.1;
 impl<V: Vector> Bounds<V> {
     /// Bounds of number `i` of the padded variables, made inert where infinite, and the penalty weights
     /// `(w₁, w₂)` if it is soft.
-    #[inline(always)]
     pub(in crate::qp) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
         let (lane, i) = (i / WIDTH, i % WIDTH);
         for (side, bound) in [(0, lower), (1, upper)] {
@@ -35,73 +34,88 @@ impl<V: Vector> Bounds<V> {
     }
 
     /// Forgets all softening, before the bounds of a new problem are set.
-    #[inline(always)]
     pub(in crate::qp) fn harden(&mut self) {
         self.soft.fill([Softening::default(); 2]);
     }
 
     /// Gives every bound that is still hard the penalty `linear · v`.
-    #[inline(always)]
     pub(in crate::qp) fn soften(&mut self, linear: f64) {
-        for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
-            for (side, soft) in sides.iter().zip(soft) {
-                let hard = side.active * (V::one() - soft.active);
-                soft.w1 = (V::one() - hard) * soft.w1 + hard * V::splat(linear);
-                soft.active = side.active;
-                soft.relaxed = hard;
-            }
-        }
+        V::vectorized(
+            #[inline(always)]
+            || {
+                for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
+                    for (side, soft) in sides.iter().zip(soft) {
+                        let hard = side.active * (V::one() - soft.active);
+                        soft.w1 = (V::one() - hard) * soft.w1 + hard * V::splat(linear);
+                        soft.active = side.active;
+                        soft.relaxed = hard;
+                    }
+                }
+            },
+        )
     }
 
     /// Adds a quadratic cost of `size` per distance between the bounds, from their middle; from 1 + |b|
     /// inside a bound that has no other side.
-    #[inline(always)]
     pub(in crate::qp) fn attract(&self, size: f64, weight: &mut [V], linear: &mut [V]) {
-        let (half, one) = (V::splat(0.5), V::one());
-        for (i, [lower, upper]) in self.sides.iter().enumerate() {
-            let both = lower.active * upper.active;
-            let (of_lower, of_upper) = (lower.active - both, upper.active - both);
-            let (l, u) = (lower.bound, upper.bound);
-            let width = both * (u - l) + of_lower * (one + l.abs()) + of_upper * (one + u.abs());
-            let middle = both * half * (l + u) + of_lower * (l + width) + of_upper * (u - width);
-            let any = both + of_lower + of_upper;
-            let width = width.fast_max(V::splat(MIN_WIDTH));
-            let w = any * V::splat(size) / (width * width);
-            weight[i] += w;
-            linear[i] = w.mul_neg_add(middle, linear[i]);
-        }
+        V::vectorized(
+            #[inline(always)]
+            || {
+                let (half, one) = (V::splat(0.5), V::one());
+                for (i, [lower, upper]) in self.sides.iter().enumerate() {
+                    let both = lower.active * upper.active;
+                    let (of_lower, of_upper) = (lower.active - both, upper.active - both);
+                    let (l, u) = (lower.bound, upper.bound);
+                    let width = both * (u - l) + of_lower * (one + l.abs()) + of_upper * (one + u.abs());
+                    let middle = both * half * (l + u) + of_lower * (l + width) + of_upper * (u - width);
+                    let any = both + of_lower + of_upper;
+                    let width = width.fast_max(V::splat(MIN_WIDTH));
+                    let w = any * V::splat(size) / (width * width);
+                    weight[i] += w;
+                    linear[i] = w.mul_neg_add(middle, linear[i]);
+                }
+            },
+        )
     }
 
     /// Raises slacks (and softenings) whose product with their multiplier is below `least`: they would block
     /// every step. The residual takes it up.
-    #[inline(always)]
     pub(in crate::qp) fn recentre(&mut self, least: f64) {
-        let least = V::splat(least);
-        for (sides, softs) in self.sides.iter_mut().zip(&mut self.soft) {
-            for (side, soft) in sides.iter_mut().zip(softs) {
-                let slack = side.slack.fast_max(least / side.multiplier);
-                side.slack = V::select_positive(side.active, slack, side.slack);
-                let t = soft.t.fast_max(least / soft.nu);
-                let t = V::select_positive(soft.active, t, soft.t);
-                soft.nu = soft.w2.mul_add(t - soft.t, soft.nu);
-                soft.t = t;
-            }
-        }
+        V::vectorized(
+            #[inline(always)]
+            || {
+                let least = V::splat(least);
+                for (sides, softs) in self.sides.iter_mut().zip(&mut self.soft) {
+                    for (side, soft) in sides.iter_mut().zip(softs) {
+                        let slack = side.slack.fast_max(least / side.multiplier);
+                        side.slack = V::select_positive(side.active, slack, side.slack);
+                        let t = soft.t.fast_max(least / soft.nu);
+                        let t = V::select_positive(soft.active, t, soft.t);
+                        soft.nu = soft.w2.mul_add(t - soft.t, soft.nu);
+                        soft.t = t;
+                    }
+                }
+            },
+        )
     }
 
     /// Raises slacks to several times the residual that moving the variables to `z` leaves: smaller ones
     /// would block every step.
-    #[inline(always)]
     pub(in crate::qp) fn loosen(&mut self, z: &[V]) {
-        let several = V::splat(10.0);
-        for ((sides, softs), z) in self.sides.iter_mut().zip(&self.soft).zip(z) {
-            let distances = [*z - sides[0].bound, sides[1].bound - *z];
-            for ((side, soft), d) in sides.iter_mut().zip(softs).zip(distances) {
-                let residual = soft.active.mul_add(soft.t, d) - side.slack;
-                let least = side.active * several * residual.abs();
-                side.slack = side.slack.fast_max(least);
-            }
-        }
+        V::vectorized(
+            #[inline(always)]
+            || {
+                let several = V::splat(10.0);
+                for ((sides, softs), z) in self.sides.iter_mut().zip(&self.soft).zip(z) {
+                    let distances = [*z - sides[0].bound, sides[1].bound - *z];
+                    for ((side, soft), d) in sides.iter_mut().zip(softs).zip(distances) {
+                        let residual = soft.active.mul_add(soft.t, d) - side.slack;
+                        let least = side.active * several * residual.abs();
+                        side.slack = side.slack.fast_max(least);
+                    }
+                }
+            },
+        )
     }
 
     /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance
@@ -135,7 +149,6 @@ impl<V: Vector> Bounds<V> {
 }
 
 /// Writes one number of a lane.
-#[inline(always)]
 fn set_number<V: Vector>(lane: &mut V, i: usize, value: f64) {
     flat_mut(core::slice::from_mut(lane))[i] = value;
 }

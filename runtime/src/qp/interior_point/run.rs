@@ -85,7 +85,6 @@ impl Run {
         }
     }
 
-    #[inline(always)]
     pub(super) fn note(&mut self, merit: f64) {
         let since = |(last, count): (f64, usize), share: f64| {
             if merit < share * last { (merit, 0) } else { (last, count + 1) }

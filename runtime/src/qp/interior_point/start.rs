@@ -1,7 +1,7 @@
 //! Points from which the method starts, and starts again.
 
 use super::super::core::{Core, Start};
-use super::super::lanes::{Vector, largest};
+use super::super::lanes::Vector;
 use super::super::ldl::NotPositive;
 use super::run::Run;
 
@@ -23,7 +23,6 @@ const ABOVE_SOFT: f64 = 1e3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// The optimum without bounds, by one factorization.
-    #[inline(always)]
     pub(super) fn unconstrained(&mut self) -> Result<(), NotPositive> {
         self.weight.clear();
         self.fixed.weigh(&mut self.weight.u);
@@ -37,7 +36,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Slacks and multipliers for the first iterate.
-    #[inline(always)]
     pub(super) fn begin(&mut self, run: &mut Run) {
         let gap = match run.start {
             Start::Near => NEAR_GAP * self.cost().abs(),
@@ -52,7 +50,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Slacks as the iterate has them, and multipliers, for a gap `Σ sλ`.
-    #[inline(always)]
     fn set_slacks(&mut self, gap: f64, run: &mut Run) {
         let mu = if gap > 0.0 { gap / run.count.max(1.0) } else { 1.0 };
         run.start_gap = mu * run.count;
@@ -66,7 +63,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole
     /// cost as the scale: where the optimum without bounds lies far outside, what it costs to move it there
     /// tells nothing, and the method creeps along the boundary.
-    #[inline(always)]
     pub(super) fn restart(&mut self, run: &mut Run) {
         if run.iterations > 0 {
             self.iterate.copy_from(&self.best);
@@ -100,12 +96,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Size of the cost at the iterate.
-    #[inline(always)]
     fn scale(&mut self) -> f64 {
         self.cost().abs() + self.state_bounds.penalty(&self.iterate.x, true)
     }
 
-    #[inline(always)]
     fn centre(&mut self, size: f64) -> Result<(), NotPositive> {
         self.weight.clear();
         self.rhs.copy_from(&self.linear);
@@ -120,14 +114,12 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.riccati.factorize(&self.weight, Some(&self.affine), &self.rows)
     }
 
-    #[inline(always)]
     fn cap_weights(&mut self, cap: f64) {
         self.state_bounds.cap_weights(cap);
         self.equalities.cap_weights(cap);
     }
 
     /// Cost of the iterate, without penalties.
-    #[inline(always)]
     fn cost(&mut self) -> f64 {
         let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         0.5 * quadratic + linear + self.constant
@@ -135,7 +127,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Scale of the multipliers: the cost of moving each number of the iterate into its bounds and rows, if
     /// the iterate were the optimum without them.
-    #[inline(always)]
     fn excess_energy(&mut self) -> f64 {
         self.step.copy_from(&self.iterate);
         self.input_bounds.clip(&mut self.step.u);
@@ -152,13 +143,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Exact penalties in place of all hard state bounds and rows, from the unconstrained optimum in memory.
-    #[inline(always)]
     pub(super) fn soften(&mut self) {
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
-        let mut slope = 0.0_f64;
-        for g in &self.gradient.x {
-            slope = slope.max(largest(g.abs()));
-        }
+        let mut slope = self.gradient.largest_state();
         if NR > 0 {
             slope = slope.max(self.gradient.largest_input());
         }
