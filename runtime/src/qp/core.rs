@@ -276,7 +276,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             self.load_stage(k, stage, &penalty);
         }
         self.load_rows(p);
-        self.negligible = self.riccati.largest_weight() * self.settings.feasibility.powi(2)
+        self.negligible = self.riccati.largest * self.settings.feasibility.powi(2)
             + self.state_bounds.steepest() * ROUNDING;
         let first = &p.stages[0];
         let mut c = first.affine;

@@ -1,6 +1,6 @@
 //! Multipliers of bounds, as the solution keeps them.
 
-use super::lanes::{Vector, WIDTH, flat, flat_mut};
+use super::lanes::{Vector, WIDTH, flat, flat_mut, vectorized};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
@@ -35,14 +35,11 @@ impl<V: Vector> Multipliers<V> {
 
     /// Subtracts the forces of the bounds, `λ_lower − λ_upper`, from a gradient.
     pub(super) fn subtract_from(&self, gradient: &mut [V]) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
-                    *g += *upper - *lower;
-                }
-            },
-        )
+        vectorized!(V, {
+            for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
+                *g += *upper - *lower;
+            }
+        })
     }
 
     /// Multipliers `[lower, upper]` of number `i` of the padded variables.

@@ -13,7 +13,7 @@
 //! 3). A row is stored in units of its largest coefficient, rounded to a power of two so that scaling is
 //! exact. Without rows (`NR = 0`) every function is empty.
 
-use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
+use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, vectorized, zeros};
 use super::problem::{QpProblem, unit};
 use super::trajectory::Trajectory;
 #[cfg(not(feature = "std"))]
@@ -136,40 +136,34 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
 
     /// Sets the values of a step: `dw = C dx + D du`.
     pub(super) fn follow(&self, z: &mut Trajectory<V>) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                for k in 0..self.d.len() {
-                    for r in 0..NR {
-                        let mut sum = 0.0;
-                        if k > 0 {
-                            sum = dot(self.state_row(k, r), &z.x[(k - 1) * Self::RX..][..Self::RX]);
-                        }
-                        if k + 1 < self.d.len() {
-                            for j in 0..NU {
-                                sum += self.d[k][r][j] * flat(&z.u)[k * NU + j];
-                            }
-                        }
-                        flat_mut(&mut z.x[self.of_node(k)])[r] = sum;
+        vectorized!(V, {
+            for k in 0..self.d.len() {
+                for r in 0..NR {
+                    let mut sum = 0.0;
+                    if k > 0 {
+                        sum = dot(self.state_row(k, r), &z.x[(k - 1) * Self::RX..][..Self::RX]);
                     }
+                    if k + 1 < self.d.len() {
+                        for j in 0..NU {
+                            sum += self.d[k][r][j] * flat(&z.u)[k * NU + j];
+                        }
+                    }
+                    flat_mut(&mut z.x[self.of_node(k)])[r] = sum;
                 }
-            },
-        )
+            }
+        })
     }
 
     /// Turns the linear cost e of the values into that of states and inputs, `Cᵀe` and `Dᵀe`; e becomes 0.
     pub(super) fn fold(&self, gradient: &mut Trajectory<V>) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                for k in 0..self.d.len() {
-                    for r in 0..NR {
-                        let cost = core::mem::take(&mut flat_mut(&mut gradient.x[self.of_node(k)])[r]);
-                        self.add(k, r, cost, gradient);
-                    }
+        vectorized!(V, {
+            for k in 0..self.d.len() {
+                for r in 0..NR {
+                    let cost = core::mem::take(&mut flat_mut(&mut gradient.x[self.of_node(k)])[r]);
+                    self.add(k, r, cost, gradient);
                 }
-            },
-        )
+            }
+        })
     }
 
     /// `(x, u) += (cᵀ, dᵀ) factor` for row `r` of node `k`.
@@ -192,37 +186,31 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
     /// Moves states and inputs along the rows, each row by itself, the shortest way that changes its value as
     /// `step` says, at most as far as its value; the values of `step` become 0.
     pub(super) fn move_along(&self, step: &mut Trajectory<V>) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                for k in 0..self.d.len() {
-                    for r in 0..NR {
-                        let change = core::mem::take(&mut flat_mut(&mut step.x[self.of_node(k)])[r]);
-                        let c = self.state_row(k, r);
-                        let square = dot(c, c) + self.d[k][r].iter().map(|d| d * d).sum::<f64>();
-                        // What is left of a row at the given state may be short: no leaps along that.
-                        self.add(k, r, change / square.max(1.0), step);
-                    }
+        vectorized!(V, {
+            for k in 0..self.d.len() {
+                for r in 0..NR {
+                    let change = core::mem::take(&mut flat_mut(&mut step.x[self.of_node(k)])[r]);
+                    let c = self.state_row(k, r);
+                    let square = dot(c, c) + self.d[k][r].iter().map(|d| d * d).sum::<f64>();
+                    // What is left of a row at the given state may be short: no leaps along that.
+                    self.add(k, r, change / square.max(1.0), step);
                 }
-            },
-        )
+            }
+        })
     }
 
     /// Adds the contribution of x_0 to the gradient of quadratic terms `½ ω w²`.
     pub(super) fn attract(&self, weight: &Trajectory<V>, gradient: &mut Trajectory<V>) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                if NR > 0 {
-                    let first = self.of_node(0);
-                    let weight = flat(&weight.x[first.clone()]);
-                    let gradient = flat_mut(&mut gradient.x[first]);
-                    for r in 0..NR {
-                        gradient[r] += weight[r] * self.offset[r];
-                    }
+        vectorized!(V, {
+            if NR > 0 {
+                let first = self.of_node(0);
+                let weight = flat(&weight.x[first.clone()]);
+                let gradient = flat_mut(&mut gradient.x[first]);
+                for r in 0..NR {
+                    gradient[r] += weight[r] * self.offset[r];
                 }
-            },
-        )
+            }
+        })
     }
 
     /// `P += CᵀωC` of node `k`, P by its padded columns.

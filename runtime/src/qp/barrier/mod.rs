@@ -22,7 +22,7 @@ mod start;
 pub(super) use self::measure::ROUNDING;
 pub(super) use self::side::Totals;
 use self::side::{Side, Softening, Tally};
-use super::lanes::Vector;
+use super::lanes::{Vector, vectorized};
 use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -33,6 +33,9 @@ use crate::no_std::*;
 pub(super) struct Bounds<V> {
     sides: Vec<[Side<V>; 2]>,
     soft: Vec<[Softening<V>; 2]>,
+    /// Lanes whose bounds take part in the iterations ([`Self::choose`]), and the others.
+    awake: Vec<usize>,
+    asleep: Vec<usize>,
     /// `W_max` and its inverse.
     cap: [V; 2],
 }
@@ -42,6 +45,8 @@ impl<V: Vector> Bounds<V> {
         Self {
             sides: vec![Default::default(); lanes],
             soft: vec![Default::default(); lanes],
+            awake: Vec::with_capacity(lanes),
+            asleep: Vec::with_capacity(lanes),
             cap: [V::one(); 2],
         }
     }
@@ -68,68 +73,51 @@ impl<V: Vector> Bounds<V> {
         weight: &mut [V],
         rhs: &mut [V],
     ) -> Totals {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                if soft {
-                    self.linearize_as::<true>(z, gradient, weight, rhs)
-                } else {
-                    self.linearize_as::<false>(z, gradient, weight, rhs)
-                }
-            },
-        )
+        vectorized!(V, {
+            if soft {
+                self.linearize_as::<true>(z, gradient, weight, rhs)
+            } else {
+                self.linearize_as::<false>(z, gradient, weight, rhs)
+            }
+        })
     }
 
     /// [`Self::predictor_as`], likewise.
     pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Totals {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) }
-            },
-        )
+        vectorized!(V, { if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) } })
     }
 
     /// [`Self::centre_as`], likewise.
     pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                if soft {
-                    self.centre_as::<true>(gradient, target, correction, rhs);
-                } else {
-                    self.centre_as::<false>(gradient, target, correction, rhs);
-                }
-            },
-        )
+        vectorized!(V, {
+            if soft {
+                self.centre_as::<true>(gradient, target, correction, rhs);
+            } else {
+                self.centre_as::<false>(gradient, target, correction, rhs);
+            }
+        })
     }
 
     /// [`Self::corrector_as`], likewise.
     pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Totals {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                if soft {
-                    self.corrector_as::<true>(dz, target, correction)
-                } else {
-                    self.corrector_as::<false>(dz, target, correction)
-                }
-            },
-        )
+        vectorized!(V, {
+            if soft {
+                self.corrector_as::<true>(dz, target, correction)
+            } else {
+                self.corrector_as::<false>(dz, target, correction)
+            }
+        })
     }
 
     /// [`Self::advance_as`], likewise.
     pub(super) fn advance(&mut self, soft: bool, length: f64) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                if soft {
-                    self.advance_as::<true>(length);
-                } else {
-                    self.advance_as::<false>(length);
-                }
-            },
-        )
+        vectorized!(V, {
+            if soft {
+                self.advance_as::<true>(length);
+            } else {
+                self.advance_as::<false>(length);
+            }
+        })
     }
 
     /// [`Self::start_as`], likewise.
@@ -142,16 +130,13 @@ impl<V: Vector> Bounds<V> {
         far: bool,
         last: Option<&Multipliers<V>>,
     ) {
-        V::vectorized(
-            #[inline(always)]
-            || {
-                if soft {
-                    self.start_as::<true>(z, mu, share, far, last);
-                } else {
-                    self.start_as::<false>(z, mu, share, far, last);
-                }
-            },
-        )
+        vectorized!(V, {
+            if soft {
+                self.start_as::<true>(z, mu, share, far, last);
+            } else {
+                self.start_as::<false>(z, mu, share, far, last);
+            }
+        })
     }
 
     /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns
@@ -166,7 +151,9 @@ impl<V: Vector> Bounds<V> {
     ) -> Totals {
         let mut tally = Tally::new();
         let cap = self.cap;
-        for i in 0..self.sides.len() {
+        weight.fill(V::zero());
+        rhs.copy_from_slice(gradient);
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             let from_below = lower.linearize::<false, SOFT>(soft_lower, z[i], cap, &mut tally);
             let pull = from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
@@ -180,7 +167,7 @@ impl<V: Vector> Bounds<V> {
     #[inline(always)]
     fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Totals {
         let mut tally = Tally::new();
-        for i in 0..self.sides.len() {
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
             upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
@@ -192,7 +179,8 @@ impl<V: Vector> Bounds<V> {
     #[inline(always)]
     fn centre_as<const SOFT: bool>(&mut self, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         let (target, correction) = (V::splat(target), V::splat(correction));
-        for i in 0..self.sides.len() {
+        rhs.copy_from_slice(gradient);
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             rhs[i] = gradient[i] - lower.centred::<SOFT>(soft_lower, target, correction)
                 + upper.centred::<SOFT>(soft_upper, target, correction);
@@ -204,7 +192,7 @@ impl<V: Vector> Bounds<V> {
     fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Totals {
         let mut tally = Tally::new();
         let target = [V::splat(target), V::splat(correction)];
-        for i in 0..self.sides.len() {
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
             upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
@@ -216,7 +204,7 @@ impl<V: Vector> Bounds<V> {
     #[inline(always)]
     fn advance_as<const SOFT: bool>(&mut self, length: f64) {
         let length = V::splat(length);
-        for i in 0..self.sides.len() {
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.advance::<SOFT>(soft_lower, length);
             upper.advance::<SOFT>(soft_upper, length);

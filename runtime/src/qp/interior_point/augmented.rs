@@ -42,7 +42,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         problem: &QpProblem<NX, NU, NR>,
         first: Certificate,
     ) -> (Certificate, usize) {
-        let largest = self.riccati.largest_weight();
+        let largest = self.riccati.largest;
         let (mut w, mut violation) = (FIRST_WEIGHT * largest, f64::INFINITY);
         let mut kept = self.better_of(None, first);
         self.iterate.copy_from(&self.solution);

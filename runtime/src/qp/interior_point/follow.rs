@@ -52,7 +52,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.solved = false;
         self.load(problem);
         let weight = factor_ldl(self.riccati.r).map_err(|_| 0_usize)?;
-        let scale = self.riccati.largest_weight();
+        let scale = self.riccati.largest;
         let w = [RIGID * WEIGHT * scale, WEIGHT * scale];
         self.recall(scale);
         self.augment(w, true);

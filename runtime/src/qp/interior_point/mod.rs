@@ -135,7 +135,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// [`Self::follow`] has found bounds active.
     fn set_out(&mut self, start: Start) -> Result<Start, NotPositive> {
         if start == Start::Near {
-            self.recall(self.riccati.largest_weight());
+            self.recall(self.riccati.largest);
             if self.has_active_bounds() || !self.solved {
                 return Ok(start);
             }
@@ -143,7 +143,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.unconstrained()?;
         match start {
             Start::Near if self.keeps_bounds() => return Ok(Start::Cold),
-            Start::Near => self.recall(self.riccati.largest_weight()),
+            Start::Near => self.recall(self.riccati.largest),
             Start::Relaxed => self.soften(),
             Start::Cold | Start::Deep => {}
         }
@@ -167,7 +167,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// True if there is a bound or row that may become active.
     fn is_bounded(&self) -> bool {
-        self.equalities.any() || self.input_bounds.count() + self.state_bounds.count() > 0.0
+        self.equalities.any() || self.input_bounds.any() || self.state_bounds.any()
     }
 
     /// True if the iterate keeps all bounds and rows.
@@ -217,6 +217,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                     self.iterate.copy_from(&self.solution);
                     self.input_bounds.loosen(&self.iterate.u);
                     self.state_bounds.loosen(&self.iterate.x);
+                    self.wake(certificate.residuals.gap / run.count.max(1.0), &mut run);
                 }
             }
             candidate = self.iterate(least, &mut run);
