@@ -71,8 +71,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
     /// True if all coefficients are finite, sides are ordered, and finite sides stay finite in units of the
     /// row's largest coefficient.
     fn is_valid(&self) -> bool {
-        let coefficients = self.state_matrix.iter().flatten().chain(self.input_matrix.iter().flatten());
-        let mut valid = finite(coefficients) & ordered(&self.lower, &self.upper);
+        let coefficients = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
+        let mut valid = coefficients.into_iter().all(finite) & ordered(&self.lower, &self.upper);
         for r in 0..NR {
             let unit = unit(&self.state_matrix[r], &self.input_matrix[r]);
             for side in [self.lower[r], self.upper[r]] {
@@ -166,19 +166,19 @@ impl<const NX: usize, const NU: usize, const NR: usize> Default for QpStage<NX, 
 
 impl<const NX: usize, const NU: usize, const NR: usize> QpStage<NX, NU, NR> {
     fn is_valid(&self) -> bool {
-        let matrices = self.state_matrix.iter().flatten().chain(self.input_matrix.iter().flatten());
-        let vectors = self.affine.iter().chain(&self.input_gradient).chain(&self.state_gradient);
-        finite(matrices.chain(vectors))
-            & ordered(&self.input_lower, &self.input_upper)
-            & ordered(&self.state_lower, &self.state_upper)
-            & (NR == 0 || self.rows.is_valid())
+        let matrices = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
+        let vectors = [&self.affine[..], &self.input_gradient, &self.state_gradient];
+        matrices.into_iter().chain(vectors).all(finite)
+            && ordered(&self.input_lower, &self.input_upper)
+            && ordered(&self.state_lower, &self.state_upper)
+            && (NR == 0 || self.rows.is_valid())
     }
 }
 
 /// True if no number is infinite or NaN; without a branch per number, since it runs over all data of every
 /// solve.
-fn finite<'a>(numbers: impl Iterator<Item = &'a f64>) -> bool {
-    numbers.fold(true, |ok, v| ok & v.is_finite())
+fn finite(numbers: &[f64]) -> bool {
+    numbers.iter().fold(true, |ok, v| ok & v.is_finite())
 }
 
 /// True if `lower ≤ upper` everywhere, and neither is infinite inwards.
@@ -192,12 +192,13 @@ fn ordered(lower: &[f64], upper: &[f64]) -> bool {
 impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
     /// True if all numbers are finite (bounds may be infinite outwards), bounds ordered, penalties positive.
     pub(super) fn is_valid(&self) -> bool {
-        let weights = self.state_weight.iter().chain(&self.terminal_weight).flatten();
-        let input_weights = self.input_weight.iter().chain(&self.input_rate_weight).flatten();
+        let weights = [&self.state_weight, &self.terminal_weight].map(|weight| weight.as_flattened());
+        let input_weights = [&self.input_weight, &self.input_rate_weight].map(|weight| weight.as_flattened());
+        let vectors = [&self.initial_state[..], &self.previous_input];
         let penalties = self.state_penalty.iter().chain(&self.row_penalty).flatten();
-        finite(weights.chain(input_weights).chain(&self.initial_state).chain(&self.previous_input))
+        weights.into_iter().chain(input_weights).chain(vectors).all(finite)
             && penalties.fold(true, |ok, p| {
-                ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([p.linear, p.quadratic].iter())
+                ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite(&[p.linear, p.quadratic])
             })
             && (NR == 0 || self.terminal_rows.is_valid())
             && self.stages.iter().all(QpStage::is_valid)
