@@ -187,18 +187,16 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         problem.stages.len() == self.horizon && problem.is_valid()
     }
 
-    /// Solves from a cold start, or from near the solution in memory.
+    /// Solves from a cold start, or from near the solution in memory; a problem that [`Self::accepts`].
     pub(super) fn solve(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         self.unsolved = None;
-        if !self.accepts(problem) {
-            return self.invalid(problem);
-        }
         if start == Start::Cold && !self.solved {
             self.forget();
         }
         let soft = self.load(problem);
         let report = self.optimize(problem, soft, start);
-        self.judge(problem, report)
+        let report = self.judge(problem, report);
+        self.go_on(problem, report)
     }
 
     /// Remembers whether there is a solution to start from.
@@ -328,8 +326,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// The answer without a QP to solve: inputs nearest zero within those bounds that make sense.
-    fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
+    /// The answer to a problem that makes no QP: inputs nearest zero within those bounds that make sense.
+    pub(super) fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solved = false;
         self.solution.clear();
         self.multipliers[0].clear();

@@ -72,7 +72,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
     /// row's largest coefficient.
     fn is_valid(&self) -> bool {
         let coefficients = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
-        let mut valid = coefficients.into_iter().all(finite) & ordered(&self.lower, &self.upper);
+        let mut valid = finite(coefficients) & ordered(&self.lower, &self.upper);
         for r in 0..NR {
             let unit = unit(&self.state_matrix[r], &self.input_matrix[r]);
             for side in [self.lower[r], self.upper[r]] {
@@ -167,18 +167,29 @@ impl<const NX: usize, const NU: usize, const NR: usize> Default for QpStage<NX, 
 impl<const NX: usize, const NU: usize, const NR: usize> QpStage<NX, NU, NR> {
     fn is_valid(&self) -> bool {
         let matrices = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
-        let vectors = [&self.affine[..], &self.input_gradient, &self.state_gradient];
-        matrices.into_iter().chain(vectors).all(finite)
+        finite([matrices[0], matrices[1], &self.affine, &self.input_gradient, &self.state_gradient])
             && ordered(&self.input_lower, &self.input_upper)
             && ordered(&self.state_lower, &self.state_upper)
             && (NR == 0 || self.rows.is_valid())
     }
 }
 
-/// True if no number is infinite or NaN; without a branch per number, since it runs over all data of every
-/// solve.
-fn finite(numbers: &[f64]) -> bool {
-    numbers.iter().fold(true, |ok, v| ok & v.is_finite())
+/// True if no number is infinite or NaN: 0 times these is NaN. Without a branch for each number, since this runs over all data of
+/// every solve.
+fn finite<const K: usize>(all: [&[f64]; K]) -> bool {
+    let mut sums = [0.0; 8];
+    for numbers in all {
+        let (chunks, rest) = numbers.as_chunks::<8>();
+        for chunk in chunks {
+            for i in 0..8 {
+                sums[i] += 0.0 * chunk[i];
+            }
+        }
+        for (sum, number) in sums.iter_mut().zip(rest) {
+            *sum += 0.0 * number;
+        }
+    }
+    sums.iter().sum::<f64>() == 0.0
 }
 
 /// True if `lower ≤ upper` everywhere, and neither is infinite inwards.
@@ -194,11 +205,12 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
     pub(super) fn is_valid(&self) -> bool {
         let weights = [&self.state_weight, &self.terminal_weight].map(|weight| weight.as_flattened());
         let input_weights = [&self.input_weight, &self.input_rate_weight].map(|weight| weight.as_flattened());
-        let vectors = [&self.initial_state[..], &self.previous_input];
         let penalties = self.state_penalty.iter().chain(&self.row_penalty).flatten();
-        weights.into_iter().chain(input_weights).chain(vectors).all(finite)
+        finite(weights)
+            && finite(input_weights)
+            && finite([&self.initial_state, &self.previous_input])
             && penalties.fold(true, |ok, p| {
-                ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite(&[p.linear, p.quadratic])
+                ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([&[p.linear, p.quadratic]])
             })
             && (NR == 0 || self.terminal_rows.is_valid())
             && self.stages.iter().all(QpStage::is_valid)

@@ -87,7 +87,10 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
 
     /// Solves from a cold start: nothing of an earlier solve has any influence.
     pub fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        self.solve_from(problem, Start::Cold)
+        core!(&mut self.0, core => match core.accepts(problem) {
+            true => core.solve(problem, Start::Cold),
+            false => core.invalid(problem),
+        })
     }
 
     /// Solves from the last solution, which may have been moved by [`Self::shift`]: by Newton's method from its active set, which
@@ -95,17 +98,14 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     /// cold start if neither succeeds, and if the last problem was not solved. After failures Newton's method is left out for up
     /// to 31 problems. The result depends on all solves since the solver was made.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        let followed = core!(&mut self.0, core => core.follow(problem));
-        followed.unwrap_or_else(|(start, tried)| {
-            let report = self.solve_from(problem, start);
-            QpReport { iterations: report.iterations + tried, ..report }
-        })
-    }
-
-    fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         core!(&mut self.0, core => {
-            let report = core.solve(problem, start);
-            core.go_on(problem, report)
+            if !core.accepts(problem) {
+                return core.invalid(problem);
+            }
+            core.follow(problem).unwrap_or_else(|(start, tried)| {
+                let report = core.solve(problem, start);
+                QpReport { iterations: report.iterations + tried, ..report }
+            })
         })
     }
 

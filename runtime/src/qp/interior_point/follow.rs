@@ -36,7 +36,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
     ) -> Result<QpReport, (Start, usize)> {
-        if !self.solved || !self.accepts(problem) {
+        if !self.solved {
             return Err((Start::Cold, 0));
         }
         if !self.pause.is_over() {
