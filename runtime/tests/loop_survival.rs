@@ -11,7 +11,8 @@ use crate::support::robot::{
 use gelenk_identification::log::{ColumnOptions, runs};
 use gelenk_runtime::control_loop::{
     Clock, Command, ControlLoop, Controller, ControllerFault, Counts, Cycle, EncoderFault, End, Estimate,
-    LimitFault, LoopReport, LoopSettings, Refusal, StopReason, StopRequest, VirtualClock, log_to_file,
+    Lateness, LimitFault, LoopReport, LoopSettings, Refusal, StopReason, StopRequest, VirtualClock,
+    log_to_file,
 };
 use gelenk_runtime::trajectory::RestToRest;
 use gelenk_runtime::transport::{Brakes, Reading};
@@ -78,8 +79,11 @@ fn without_faults_the_motion_is_finished_at_every_rate() {
         let report = run(settings(rate), &mut robot);
         assert_eq!(report.end, End::Finished, "{report}");
         assert_eq!(report.brakes, Brakes::Engaged);
+        let mut lateness = Lateness::default();
+        lateness.counts[0] = periods(rate) + 2;
         let expected = Counts {
             periods: periods(rate) + 2,
+            lateness,
             controller: periods(rate),
             // Before the start, and before each period that drives.
             warm_ups: periods(rate) + 2,

@@ -61,6 +61,8 @@ mod joint_pd;
 mod law;
 mod law_controller;
 #[cfg(feature = "std")]
+mod lateness;
+#[cfg(feature = "std")]
 mod log;
 #[cfg(feature = "std")]
 mod monitor;
@@ -95,6 +97,8 @@ pub use joint_lqr::{JointLqr, JointLqrError, LqrWeights};
 pub use joint_pd::{JointGains, JointPd, JointPdError};
 pub use law::JointLaw;
 pub use law_controller::{FeedForwardPd, LawController};
+#[cfg(feature = "std")]
+pub use lateness::Lateness;
 #[cfg(feature = "std")]
 pub use log::{LogRecord, LogSink, LogSummary, LogWriter, MAX_LOG_CAPACITY, log_to, log_to_file};
 #[cfg(feature = "std")]

@@ -2,6 +2,7 @@
 
 use super::controller::ControllerFault;
 use super::guard::EncoderFault;
+use super::lateness::Lateness;
 use super::monitor::LimitFault;
 use super::stage::STAGES;
 use crate::dynamics::Named;
@@ -189,6 +190,8 @@ pub struct Counts {
     pub longest: [Duration; STAGES],
     /// Longest lateness of a wake-up.
     pub latest_wake: Duration,
+    /// Lateness of all wake-ups.
+    pub lateness: Lateness,
     /// Periods before which the controller was computed once for the caches.
     pub warm_ups: u64,
     /// Warm-ups that took longer than their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)):
@@ -238,6 +241,9 @@ impl fmt::Display for LoopReport {
                 "\nwarm-ups of the controller's caches took too long, and were left out after {}",
                 c.warm_ups
             )?;
+        }
+        if c.lateness.any() {
+            write!(f, "\nlateness of wake-ups:\n{}", c.lateness)?;
         }
         Ok(())
     }

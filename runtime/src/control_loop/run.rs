@@ -211,6 +211,7 @@ where
         let counts = &mut self.state.counts;
         counts.periods += 1;
         counts.latest_wake = counts.latest_wake.max(lateness);
+        counts.lateness.add(lateness);
         let mut watch = Stopwatch::new(begin);
         let record = match self.state.phase {
             Phase::Braking { end, left } => self.brake_again(end, left),
