@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::ROUNDING;
+use super::levers::ROUNDING;
 use crate::description::RobotDescription;
 use crate::diagnostic::{Report, Span};
 use crate::model::{Drive, Model};

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::ROUNDING;
+use super::levers::ROUNDING;
 use crate::description::RobotDescription;
 use crate::diagnostic::Report;
 use crate::model::pose::rotate_numbers;

@@ -1,6 +1,6 @@
 //! Forces between the same two points.
 
-use super::ROUNDING;
+use super::levers::ROUNDING;
 use crate::description::RobotDescription;
 use crate::diagnostic::Report;
 use crate::model::{Attachment, Model};

@@ -1,7 +1,6 @@
 //! Inputs at frames that act like others.
 
-use super::ROUNDING;
-use super::levers::Levers;
+use super::levers::{Levers, ROUNDING};
 use crate::description::RobotDescription;
 use crate::diagnostic::{Report, Span};
 use crate::model::{Actuator, ForceEffect, Model};

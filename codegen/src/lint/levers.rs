@@ -1,12 +1,14 @@
 //! Columns of B of forces at frames, at seeded states.
 
-use super::ROUNDING;
 use super::distances::origin;
 use crate::model::pose::rotate_numbers;
 use crate::model::regularity::{child_from_parent, motion_axis, positions};
 use crate::model::{Actuator, Attachment, Drive, FollowedCoordinate, ForceEffect, Model};
 use crate::random::Random;
 use gelenk_formula::Formula;
+
+/// Relative difference below which directions, ratios and places are equal: a description writes them in decimals.
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Number of seeded states.
 const STATES: usize = 16;

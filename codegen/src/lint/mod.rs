@@ -22,9 +22,6 @@ use crate::diagnostic::Report;
 use crate::model::Model;
 use crate::model::regularity::Pivots;
 
-/// Relative difference below which directions, ratios and places are equal: a description writes them in decimals.
-const ROUNDING: f64 = 1e-9;
-
 /// Reports all lints, and narrows limits of coordinates to those that follow from drives and cylinders; returns the pivots of the
 /// mass matrix.
 pub(super) fn check(robot: &RobotDescription, model: &mut Model, report: &mut Report) -> Pivots {

@@ -58,10 +58,10 @@ mod decide;
 mod guard;
 mod joint_lqr;
 mod joint_pd;
-mod law;
-mod law_controller;
 #[cfg(feature = "std")]
 mod lateness;
+mod law;
+mod law_controller;
 #[cfg(feature = "std")]
 mod log;
 #[cfg(feature = "std")]
@@ -95,10 +95,10 @@ pub use controller::{Command, Controller, ControllerFault, Cycle, Estimate, TooF
 pub use guard::{EncoderFault, EncoderGuard, GuardSettings};
 pub use joint_lqr::{JointLqr, JointLqrError, LqrWeights};
 pub use joint_pd::{JointGains, JointPd, JointPdError};
-pub use law::JointLaw;
-pub use law_controller::{FeedForwardPd, LawController};
 #[cfg(feature = "std")]
 pub use lateness::Lateness;
+pub use law::JointLaw;
+pub use law_controller::{FeedForwardPd, LawController};
 #[cfg(feature = "std")]
 pub use log::{LogRecord, LogSink, LogSummary, LogWriter, MAX_LOG_CAPACITY, log_to, log_to_file};
 #[cfg(feature = "std")]

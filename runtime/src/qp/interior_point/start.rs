@@ -50,8 +50,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Chooses the bounds that take part. Near the last solution these are the ones that the iterate is near to, and those that
-    /// [`Self::recall`] has found active. Elsewhere all do: from a cold start, iterates pass by so many bounds that waking them
-    /// one after another takes up to twice the iterations.
+    /// [`Self::recall`] has found active. Elsewhere all do: from a cold start, iterates pass by many bounds, and waking
+    /// them one after another takes up to twice the iterations.
     fn choose(&mut self, all: bool) {
         self.input_bounds.choose(all, &self.iterate.u, START_SLACK);
         self.state_bounds.choose(all, &self.iterate.x, START_SLACK);
