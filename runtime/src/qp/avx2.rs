@@ -54,7 +54,19 @@ impl Neg for Avx2 {
     type Output = Self;
 }
 
+/// [`Vector::vectorized`] for [`Avx2`].
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+    work()
+}
+
 impl Vector for Avx2 {
+    #[inline(always)]
+    fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+        // SAFETY: see the type.
+        unsafe { vectorized(work) }
+    }
     #[inline(always)]
     fn splat(value: f64) -> Self {
         // SAFETY: see the type.

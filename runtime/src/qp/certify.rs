@@ -18,7 +18,6 @@ const ROUNDED: f64 = 1e4;
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// Makes the iterate the solution, with the multipliers in memory: inputs into their bounds, states from
     /// the dynamics. Needs a factorization; overwrites `gradient`, `rhs` and `step`.
-    #[inline(always)]
     pub(super) fn certify(&mut self, problem: &QpProblem<NX, NU, NR>) -> Certificate {
         self.solution.copy_from(&self.iterate);
         self.riccati.project(&mut self.solution, &self.affine, |k, u| {
@@ -68,7 +67,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// True if the solution keeps its hard bounds and rows to [`ROUNDED`] times their tolerance when the sums of the
     /// roll-out are rounded otherwise. Dynamics that let rounding grow beyond that leave it to the order of the sums
     /// whether its inputs keep the bounds.
-    #[inline(always)]
     pub(super) fn survives_rounding(&mut self) -> bool {
         self.step.copy_from(&self.solution);
         self.riccati.roll_out_otherwise(&mut self.step, &self.affine);
@@ -84,7 +82,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Largest violation of a hard bound or row at a step of this length from the solution.
-    #[inline(always)]
     fn violation_beside(&mut self, length: f64) -> f64 {
         self.rhs.copy_from(&self.solution);
         self.rhs.advance(&self.step, length);
@@ -95,7 +92,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
 /// `penalty` is the cost of violated hard bounds that were softened, 0 if none was. Where it exceeds the gap, the
 /// optimum of the softened problem violates them too, and the violation is not a residual.
-#[inline(always)]
 fn merit(residuals: &KktResiduals, allowed: f64, feasibility: f64, penalty: f64) -> f64 {
     let r = residuals;
     if !(r.stationarity + r.primal + r.gap + allowed).is_finite() {

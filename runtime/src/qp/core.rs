@@ -123,7 +123,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Moves the last solution on by one stage, its last stage repeated, as the start of the next
     /// [`Self::solve_warm`] in a receding horizon.
-    #[inline(always)]
     pub(super) fn shift(&mut self) {
         let padded = Self::RX * WIDTH;
         let (u, x) = (flat_mut(&mut self.solution.u), flat_mut(&mut self.solution.x));
@@ -141,20 +140,17 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// `u_k` of the solution; zeros for `k ≥ N`.
-    #[inline(always)]
     pub(super) fn input(&self, k: usize) -> [f64; NU] {
         if k < self.horizon { self.solution.input(k) } else { [0.0; NU] }
     }
 
     /// `x_k` of the solution, `1 ≤ k ≤ N`, rolled out from the inputs through the dynamics; zeros for other
     /// `k`.
-    #[inline(always)]
     pub(super) fn state(&self, k: usize) -> [f64; NX] {
         if (1..=self.horizon).contains(&k) { self.solution.state(k - 1) } else { [0.0; NX] }
     }
 
     /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0.
-    #[inline(always)]
     pub(super) fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
         core::array::from_fn(
             |i| {
@@ -164,7 +160,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Multipliers `[lower, upper]` of the bounds of `x_k`, `1 ≤ k ≤ N`, all ≥ 0.
-    #[inline(always)]
     pub(super) fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         let padded = Self::RX * WIDTH;
         let inside = (1..=self.horizon).contains(&k);
@@ -176,7 +171,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N`, all ≥ 0.
-    #[inline(always)]
     pub(super) fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         let place = (self.horizon * Self::RX + k * lanes(NR)) * WIDTH;
         core::array::from_fn(|r| {
@@ -189,28 +183,23 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// True if the data make a problem of this horizon.
-    #[inline(always)]
     pub(super) fn accepts(&self, problem: &QpProblem<NX, NU, NR>) -> bool {
         problem.stages.len() == self.horizon && problem.is_valid()
     }
 
-    /// Solves from a cold start, or from near the solution in memory.
-    #[inline(always)]
+    /// Solves from a cold start, or from near the solution in memory; a problem that [`Self::accepts`].
     pub(super) fn solve(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
         self.unsolved = None;
-        if !self.accepts(problem) {
-            return self.invalid(problem);
-        }
         if start == Start::Cold && !self.solved {
             self.forget();
         }
         let soft = self.load(problem);
         let report = self.optimize(problem, soft, start);
-        self.judge(problem, report)
+        let report = self.judge(problem, report);
+        self.go_on(problem, report)
     }
 
     /// Remembers whether there is a solution to start from.
-    #[inline(always)]
     pub(super) fn judge(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -226,7 +215,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Sets the solution aside. The next problem is tried warm.
-    #[inline(always)]
     pub(super) fn set_aside(&mut self) {
         let (solution, multipliers, solved, pause) = &mut self.spare;
         solution.copy_from(&self.solution);
@@ -236,7 +224,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Restores the solution that was set aside.
-    #[inline(always)]
     pub(super) fn take_back(&mut self) {
         if !self.solved {
             self.forget();
@@ -275,7 +262,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Takes over the data. Returns whether there are soft bounds or rows.
-    #[inline(always)]
     pub(super) fn load(&mut self, problem: &QpProblem<NX, NU, NR>) -> bool {
         let p = problem;
         self.riccati.set_weights(&p.state_weight, &p.input_weight, &p.terminal_weight, &p.input_rate_weight);
@@ -288,7 +274,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             self.load_stage(k, stage, &penalty);
         }
         self.load_rows(p);
-        self.negligible = self.riccati.largest_weight() * self.settings.feasibility.powi(2)
+        self.negligible = self.riccati.largest * self.settings.feasibility.powi(2)
             + self.state_bounds.steepest() * ROUNDING;
         let first = &p.stages[0];
         let mut c = first.affine;
@@ -311,7 +297,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         penalty.iter().any(Option::is_some) || p.row_penalty.iter().any(Option::is_some)
     }
 
-    #[inline(always)]
     fn load_rows(&mut self, problem: &QpProblem<NX, NU, NR>) {
         let behind = self.horizon * Self::RX * WIDTH;
         let Self { rows, equalities, state_bounds, .. } = self;
@@ -320,7 +305,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         });
     }
 
-    #[inline(always)]
     fn load_stage(&mut self, k: usize, stage: &QpStage<NX, NU, NR>, penalty: &[Option<(f64, f64)>; NX]) {
         let padded = Self::RX * WIDTH;
         self.riccati.set_stage(k, &stage.state_matrix, &stage.input_matrix);
@@ -342,9 +326,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// The answer without a QP to solve: inputs nearest zero within those bounds that make sense.
-    #[inline(always)]
-    fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
+    /// The answer to a problem that makes no QP: inputs nearest zero within those bounds that make sense.
+    pub(super) fn invalid(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
         self.solved = false;
         self.solution.clear();
         self.multipliers[0].clear();
@@ -364,7 +347,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 }
 
 /// Bounds of number `i` of the padded states and rows: an equality where hard ones leave one value only.
-#[inline(always)]
 fn set_bounds<V: Vector>(
     equalities: &mut Equalities<V>,
     bounds: &mut Bounds<V>,
@@ -382,7 +364,6 @@ fn set_bounds<V: Vector>(
 }
 
 /// The value that bounds leave to a variable, if they leave one only.
-#[inline(always)]
 fn single_value(lower: f64, upper: f64) -> Option<f64> {
     let width = upper - lower;
     let single = width.is_finite() && width <= LEAST_WIDTH * lower.abs().max(1.0);

@@ -14,7 +14,7 @@
 //! Friedlander, Orban, *A primal–dual regularized interior-point method for convex quadratic programs*, Math.
 //! Program. Comput. 4, 2012).
 
-use super::lanes::{Vector, WIDTH, flat_mut, largest};
+use super::lanes::{Vector, WIDTH, flat_mut, largest, vectorized};
 use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -36,7 +36,6 @@ impl<V: Vector> Targets<V> {
         Self { any: false, active: vec![V::zero(); lanes], target: vec![V::zero(); lanes] }
     }
 
-    #[inline(always)]
     fn clear(&mut self) {
         if self.any {
             self.any = false;
@@ -45,7 +44,6 @@ impl<V: Vector> Targets<V> {
         }
     }
 
-    #[inline(always)]
     fn set(&mut self, i: usize, target: f64) {
         self.any = true;
         flat_mut(&mut self.active)[i] = 1.0;
@@ -53,13 +51,14 @@ impl<V: Vector> Targets<V> {
     }
 
     /// Puts the numbers where they belong.
-    #[inline(always)]
     fn place(&self, z: &mut [V]) {
-        if self.any {
-            for ((z, active), target) in z.iter_mut().zip(&self.active).zip(&self.target) {
-                *z = (V::one() - *active) * *z + *target;
+        vectorized!(V, {
+            if self.any {
+                for ((z, active), target) in z.iter_mut().zip(&self.active).zip(&self.target) {
+                    *z = (V::one() - *active) * *z + *target;
+                }
             }
-        }
+        })
     }
 }
 
@@ -73,66 +72,69 @@ impl<V: Vector> Fixed<V> {
     }
 
     /// Forgets all, before the bounds of a new problem are set.
-    #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }
 
     /// Fixes number `i` of the inputs.
-    #[inline(always)]
     pub(super) fn set(&mut self, i: usize, value: f64) {
         self.0.set(i, value);
     }
 
     /// Puts the fixed inputs to their values.
-    #[inline(always)]
     pub(super) fn place(&self, u: &mut [V]) {
-        self.0.place(u);
+        vectorized!(V, {
+            self.0.place(u);
+        })
     }
 
     /// Leaves the fixed inputs out of a step.
-    #[inline(always)]
     pub(super) fn hold(&self, step: &mut [V]) {
-        if self.0.any {
-            for (step, active) in step.iter_mut().zip(&self.0.active) {
-                *step = (V::one() - *active) * *step;
+        vectorized!(V, {
+            if self.0.any {
+                for (step, active) in step.iter_mut().zip(&self.0.active) {
+                    *step = (V::one() - *active) * *step;
+                }
             }
-        }
+        })
     }
 
     /// Adds the diagonal term that keeps the inputs where they are.
-    #[inline(always)]
     pub(super) fn weigh(&self, weight: &mut [V]) {
-        if self.0.any {
-            for (weight, active) in weight.iter_mut().zip(&self.0.active) {
-                *weight = active.mul_add(V::splat(FIXING), *weight);
+        vectorized!(V, {
+            if self.0.any {
+                for (weight, active) in weight.iter_mut().zip(&self.0.active) {
+                    *weight = active.mul_add(V::splat(FIXING), *weight);
+                }
             }
-        }
+        })
     }
 
     /// Linear cost that makes the minimum with the diagonal term lie at the values.
-    #[inline(always)]
     pub(super) fn attract(&self, linear: &mut [V]) {
-        if self.0.any {
-            for (linear, target) in linear.iter_mut().zip(&self.0.target) {
-                *linear = target.mul_add(V::splat(-FIXING), *linear);
+        vectorized!(V, {
+            if self.0.any {
+                for (linear, target) in linear.iter_mut().zip(&self.0.target) {
+                    *linear = target.mul_add(V::splat(-FIXING), *linear);
+                }
             }
-        }
+        })
     }
 
     /// Moves what is left of the reduced gradient at fixed inputs into their multipliers, which may have any
     /// size.
-    #[inline(always)]
     pub(super) fn absorb(&self, gradient: &mut [V], multipliers: &mut Multipliers<V>) {
-        if self.0.any {
-            for ((g, active), [lower, upper]) in
-                gradient.iter_mut().zip(&self.0.active).zip(multipliers.lanes())
-            {
-                *lower += *active * g.fast_max(V::zero());
-                *upper += *active * (-*g).fast_max(V::zero());
-                *g = (V::one() - *active) * *g;
+        vectorized!(V, {
+            if self.0.any {
+                for ((g, active), [lower, upper]) in
+                    gradient.iter_mut().zip(&self.0.active).zip(multipliers.lanes())
+                {
+                    *lower += *active * g.fast_max(V::zero());
+                    *upper += *active * (-*g).fast_max(V::zero());
+                    *g = (V::one() - *active) * *g;
+                }
             }
-        }
+        })
     }
 }
 
@@ -158,7 +160,6 @@ impl<V: Vector> Equalities<V> {
     }
 
     /// Forgets all, before the bounds of a new problem are set.
-    #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.targets.clear();
     }
@@ -170,36 +171,36 @@ impl<V: Vector> Equalities<V> {
     }
 
     /// Makes number `i` of the padded states meet `value`.
-    #[inline(always)]
     pub(super) fn set(&mut self, i: usize, value: f64) {
         self.targets.set(i, value);
     }
 
     /// Puts the states to their values.
-    #[inline(always)]
     pub(super) fn place(&self, x: &mut [V]) {
-        self.targets.place(x);
+        vectorized!(V, {
+            self.targets.place(x);
+        })
     }
 
     /// The diagonal term W.
-    #[inline(always)]
     pub(super) fn cap_weights(&mut self, weight: f64) {
         self.weight = V::splat(weight);
     }
 
     /// Starts without force, or with that of the last solution.
-    #[inline(always)]
     pub(super) fn start(&mut self, last: Option<&Multipliers<V>>) {
-        if !self.any() {
-            return;
-        }
-        self.force.fill(V::zero());
-        let Some(last) = last else { return };
-        for ((force, active), [lower, upper]) in
-            self.force.iter_mut().zip(&self.targets.active).zip(last.pairs())
-        {
-            *force = *active * (*lower - *upper);
-        }
+        vectorized!(V, {
+            if !self.any() {
+                return;
+            }
+            self.force.fill(V::zero());
+            let Some(last) = last else { return };
+            for ((force, active), [lower, upper]) in
+                self.force.iter_mut().zip(&self.targets.active).zip(last.pairs())
+            {
+                *force = *active * (*lower - *upper);
+            }
+        })
     }
 
     #[inline(always)]
@@ -208,112 +209,120 @@ impl<V: Vector> Equalities<V> {
     }
 
     /// Largest `|x − b|`, relative to b where that exceeds 1.
-    #[inline(always)]
     pub(super) fn violation(&self, x: &[V]) -> f64 {
-        if !self.any() {
-            return 0.0;
-        }
-        let mut max = V::zero();
-        for i in 0..x.len() {
-            let size = self.targets.target[i].abs().fast_max(V::one());
-            max = max.fast_max(self.residual(x, i).abs() / size);
-        }
-        largest(max)
+        vectorized!(V, {
+            if !self.any() {
+                return 0.0;
+            }
+            let mut max = V::zero();
+            for i in 0..x.len() {
+                let size = self.targets.target[i].abs().fast_max(V::one());
+                max = max.fast_max(self.residual(x, i).abs() / size);
+            }
+            largest(max)
+        })
     }
 
     /// Adds the diagonal terms.
-    #[inline(always)]
     pub(super) fn weigh(&self, weight: &mut [V]) {
-        if self.any() {
-            for (weight, active) in weight.iter_mut().zip(&self.targets.active) {
-                *weight = active.mul_add(self.weight, *weight);
+        vectorized!(V, {
+            if self.any() {
+                for (weight, active) in weight.iter_mut().zip(&self.targets.active) {
+                    *weight = active.mul_add(self.weight, *weight);
+                }
             }
-        }
+        })
     }
 
     /// Adds the diagonal terms and the linear cost with which the minimum lies near the values.
-    #[inline(always)]
     pub(super) fn attract(&self, weight: &mut [V], linear: &mut [V]) {
-        self.weigh(weight);
-        if self.any() {
-            for (linear, target) in linear.iter_mut().zip(&self.targets.target) {
-                *linear = target.mul_neg_add(self.weight, *linear);
+        vectorized!(V, {
+            self.weigh(weight);
+            if self.any() {
+                for (linear, target) in linear.iter_mut().zip(&self.targets.target) {
+                    *linear = target.mul_neg_add(self.weight, *linear);
+                }
             }
-        }
+        })
     }
 
     /// Subtracts the forces `π − W (x − b)` from the gradient of a step.
-    #[inline(always)]
     pub(super) fn pull(&self, x: &[V], rhs: &mut [V]) {
-        if self.any() {
-            for i in 0..rhs.len() {
-                let pull = self.residual(x, i).mul_neg_add(self.weight, self.force[i]);
-                rhs[i] = rhs[i] - pull;
+        vectorized!(V, {
+            if self.any() {
+                for i in 0..rhs.len() {
+                    let pull = self.residual(x, i).mul_neg_add(self.weight, self.force[i]);
+                    rhs[i] = rhs[i] - pull;
+                }
             }
-        }
+        })
     }
 
     /// Derivative of the augmented terms along `dx` at `x + length · dx`.
-    #[inline(always)]
     pub(super) fn slope(&self, x: &[V], dx: &[V], length: f64) -> f64 {
-        if !self.any() {
-            return 0.0;
-        }
-        let mut sum = V::zero();
-        for i in 0..dx.len() {
-            let left = (self.targets.active[i] * dx[i]).mul_add(V::splat(length), self.residual(x, i));
-            sum += (self.weight * left - self.force[i]) * dx[i];
-        }
-        sum.reduce_add()
+        vectorized!(V, {
+            if !self.any() {
+                return 0.0;
+            }
+            let mut sum = V::zero();
+            for i in 0..dx.len() {
+                let left = (self.targets.active[i] * dx[i]).mul_add(V::splat(length), self.residual(x, i));
+                sum += (self.weight * left - self.force[i]) * dx[i];
+            }
+            sum.reduce_add()
+        })
     }
 
     /// Takes in the step `dx`.
-    #[inline(always)]
     pub(super) fn corrector(&mut self, x: &[V], dx: &[V]) {
-        if self.any() {
-            for i in 0..dx.len() {
-                let left = self.targets.active[i].mul_add(dx[i], self.residual(x, i));
-                self.step[i] = -(self.weight * left);
+        vectorized!(V, {
+            if self.any() {
+                for i in 0..dx.len() {
+                    let left = self.targets.active[i].mul_add(dx[i], self.residual(x, i));
+                    self.step[i] = -(self.weight * left);
+                }
             }
-        }
+        })
     }
 
     /// The step is taken.
-    #[inline(always)]
     pub(super) fn advance(&mut self, length: f64) {
-        if self.any() {
-            for (force, step) in self.force.iter_mut().zip(&self.step) {
-                *force = step.mul_add(V::splat(length), *force);
+        vectorized!(V, {
+            if self.any() {
+                for (force, step) in self.force.iter_mut().zip(&self.step) {
+                    *force = step.mul_add(V::splat(length), *force);
+                }
             }
-        }
+        })
     }
 
     /// Adds the forces to the multipliers of the bounds.
-    #[inline(always)]
     pub(super) fn multipliers(&self, out: &mut Multipliers<V>) {
-        if self.any() {
-            for ([lower, upper], force) in out.lanes().zip(&self.force) {
-                *lower += force.fast_max(V::zero());
-                *upper += (-*force).fast_max(V::zero());
+        vectorized!(V, {
+            if self.any() {
+                for ([lower, upper], force) in out.lanes().zip(&self.force) {
+                    *lower += force.fast_max(V::zero());
+                    *upper += (-*force).fast_max(V::zero());
+                }
             }
-        }
+        })
     }
 
     /// `Σ |π (x − b)|`, the forces given as multipliers.
-    #[inline(always)]
     pub(super) fn gap(&self, x: &[V], multipliers: &Multipliers<V>) -> f64 {
-        if !self.any() {
-            return 0.0;
-        }
-        let mut sum = V::zero();
-        for (i, [lower, upper]) in multipliers.pairs().enumerate() {
-            sum += ((*lower - *upper) * self.residual(x, i)).abs();
-        }
-        sum.reduce_add()
+        vectorized!(V, {
+            if !self.any() {
+                return 0.0;
+            }
+            let mut sum = V::zero();
+            for (i, [lower, upper]) in multipliers.pairs().enumerate() {
+                sum += ((*lower - *upper) * self.residual(x, i)).abs();
+            }
+            sum.reduce_add()
+        })
     }
 
     /// The targets as pairs of equal bounds, each with its place, and forgets them.
-    #[inline(always)]
     pub(super) fn release(&mut self, mut bound: impl FnMut(usize, f64)) {
         if self.any() {
             for i in 0..self.force.len() * WIDTH {

@@ -2,9 +2,6 @@
 
 use super::lanes::{Vector, WIDTH, lanes};
 
-/// Columns of a block held in registers at once.
-const COLUMNS: usize = 4;
-
 /// The right factor of a product: entry (i, c) is `numbers[i · by_row + c · by_column]`.
 #[derive(Clone, Copy)]
 pub(super) struct Right<'a> {
@@ -60,49 +57,65 @@ pub(super) fn product<
     let n = lanes(ROWS);
     assert!(out.len() >= COLS * n && start.is_none_or(|s| s.len() >= COLS * n));
     assert!(terms.iter().all(|t| t.covers(n, COLS)));
-    let mut c = 0;
-    while c + COLUMNS <= COLS {
-        // SAFETY: the entries exist by the assertions above, for columns below COLS and lanes below n.
-        unsafe { strip::<V, COLUMNS, LOWER, TERMS>(out, start, &terms, n, c) };
-        c += COLUMNS;
-    }
-    // SAFETY: as above.
+    let mut r = 0;
+    // SAFETY: the entries exist by the assertions above, for columns below COLS and lanes below n.
     unsafe {
-        match const { COLS % COLUMNS } {
-            1 => strip::<V, 1, LOWER, TERMS>(out, start, &terms, n, c),
-            2 => strip::<V, 2, LOWER, TERMS>(out, start, &terms, n, c),
-            3 => strip::<V, 3, LOWER, TERMS>(out, start, &terms, n, c),
-            _ => {}
+        if LOWER {
+            for r in 0..n {
+                columns::<V, 1, TERMS>(out, start, &terms, n, [r, COLS.min((r + 1) * WIDTH)]);
+            }
+            return;
+        }
+        while n - r > 4 || n - r == 3 {
+            columns::<V, 3, TERMS>(out, start, &terms, n, [r, COLS]);
+            r += 3;
+        }
+        while n - r >= 2 {
+            columns::<V, 2, TERMS>(out, start, &terms, n, [r, COLS]);
+            r += 2;
+        }
+        if n - r == 1 {
+            columns::<V, 1, TERMS>(out, start, &terms, n, [r, COLS]);
         }
     }
 }
 
-/// `C` columns from column `c`: blocks of three lanes, the last ones of two or one, since four by four do not
-/// fit the registers.
+/// The first `count` columns of `R` lanes from lane `r` on, by blocks. Eight sums at least hide the latency of a fused
+/// multiply-add. With a column of the left factor and one number of the right one they must fit 16 registers, with two to spare:
+/// the compiler loads the next number before the last one is used.
 ///
 /// # Safety
-/// As for [`block`], for all its lanes below `n`.
+/// As for [`block`], for these columns.
 #[inline(always)]
-unsafe fn strip<V: Vector, const C: usize, const LOWER: bool, const TERMS: usize>(
+unsafe fn columns<V: Vector, const R: usize, const TERMS: usize>(
     out: &mut [V],
     start: Option<&[V]>,
     terms: &[Term<'_, V>; TERMS],
     n: usize,
-    c: usize,
+    [r, count]: [usize; 2],
 ) {
-    let mut r = if LOWER { c / WIDTH } else { 0 };
+    let mut c = 0;
     // SAFETY: by this function's contract.
     unsafe {
-        while n - r > 4 || n - r == 3 {
-            block::<V, 3, C, TERMS>(out, start, terms, n, [r, c]);
-            r += 3;
-        }
-        while n - r >= 2 {
-            block::<V, 2, C, TERMS>(out, start, terms, n, [r, c]);
-            r += 2;
-        }
-        if n - r == 1 {
-            block::<V, 1, C, TERMS>(out, start, terms, n, [r, c]);
+        while c < count {
+            let left = count - c;
+            let width = match R {
+                1 if left == 12 => 12,
+                1 if left >= 8 => 8,
+                1 | 2 if left >= 6 && left != 8 => 6,
+                1 | 2 if left >= 4 => 4,
+                _ => left.min(3),
+            };
+            match width {
+                12 => block::<V, R, 12, TERMS>(out, start, terms, n, [r, c]),
+                8 => block::<V, R, 8, TERMS>(out, start, terms, n, [r, c]),
+                6 => block::<V, R, 6, TERMS>(out, start, terms, n, [r, c]),
+                4 => block::<V, R, 4, TERMS>(out, start, terms, n, [r, c]),
+                3 => block::<V, R, 3, TERMS>(out, start, terms, n, [r, c]),
+                2 => block::<V, R, 2, TERMS>(out, start, terms, n, [r, c]),
+                _ => block::<V, R, 1, TERMS>(out, start, terms, n, [r, c]),
+            }
+            c += width;
         }
     }
 }

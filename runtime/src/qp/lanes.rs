@@ -16,6 +16,19 @@ pub(crate) const WIDTH: usize = 4;
 /// Lanes that need no feature beyond those the crate is compiled for.
 pub(crate) type Portable = wide::f64x4;
 
+/// Runs a block in a function of its own, compiled for the instructions of the lanes: `vectorized!(V, { … })`. Whatever computes
+/// with lanes does so in here. Elsewhere each operation would be a call, and as one large function the method takes minutes to
+/// compile.
+macro_rules! vectorized {
+    ($lanes:ty, $block:block) => {
+        <$lanes as $crate::qp::lanes::Vector>::vectorized(
+            #[inline(always)]
+            || $block,
+        )
+    };
+}
+pub(super) use vectorized;
+
 /// Four numbers. All functions are inlined, so that they become instructions of the function that they end up
 /// in.
 pub(crate) trait Vector:
@@ -40,6 +53,8 @@ pub(crate) trait Vector:
     /// The smaller numbers; unspecified where one is NaN.
     fn fast_min(self, other: Self) -> Self;
     fn reduce_add(self) -> f64;
+    /// See [`vectorized!`].
+    fn vectorized<R>(work: impl FnOnce() -> R) -> R;
     fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH];
 
     #[inline(always)]
@@ -100,6 +115,10 @@ impl Vector for Portable {
     #[inline(always)]
     fn transpose(v: [Self; WIDTH]) -> [Self; WIDTH] {
         Self::transpose(v)
+    }
+    #[inline(never)]
+    fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+        work()
     }
 }
 

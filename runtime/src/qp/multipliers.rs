@@ -1,6 +1,6 @@
 //! Multipliers of bounds, as the solution keeps them.
 
-use super::lanes::{Vector, WIDTH, flat, flat_mut};
+use super::lanes::{Vector, WIDTH, flat, flat_mut, vectorized};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
@@ -13,7 +13,6 @@ impl<V: Vector> Multipliers<V> {
         Self(vec![[V::zero(); 2]; lanes])
     }
 
-    #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.0.fill([V::zero(); 2]);
     }
@@ -30,17 +29,17 @@ impl<V: Vector> Multipliers<V> {
         self.0.iter_mut()
     }
 
-    #[inline(always)]
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.0.copy_from_slice(&other.0);
     }
 
     /// Subtracts the forces of the bounds, `λ_lower − λ_upper`, from a gradient.
-    #[inline(always)]
     pub(super) fn subtract_from(&self, gradient: &mut [V]) {
-        for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
-            *g += *upper - *lower;
-        }
+        vectorized!(V, {
+            for (g, [lower, upper]) in gradient.iter_mut().zip(&self.0) {
+                *g += *upper - *lower;
+            }
+        })
     }
 
     /// Multipliers `[lower, upper]` of number `i` of the padded variables.
@@ -60,7 +59,6 @@ impl<V: Vector> Multipliers<V> {
 
     /// Moves stage `k + 1` to stage `k`, `stride` numbers each, of the `count` numbers from `start` on; the
     /// last stage stays.
-    #[inline(always)]
     pub(super) fn shift(&mut self, start: usize, stride: usize, count: usize) {
         for i in start..(start + count).saturating_sub(stride) {
             self.set(i, self.get(i + stride));

@@ -71,7 +71,7 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
     /// True if all coefficients are finite, sides are ordered, and finite sides stay finite in units of the
     /// row's largest coefficient.
     fn is_valid(&self) -> bool {
-        let coefficients = self.state_matrix.iter().flatten().chain(self.input_matrix.iter().flatten());
+        let coefficients = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
         let mut valid = finite(coefficients) & ordered(&self.lower, &self.upper);
         for r in 0..NR {
             let unit = unit(&self.state_matrix[r], &self.input_matrix[r]);
@@ -166,24 +166,33 @@ impl<const NX: usize, const NU: usize, const NR: usize> Default for QpStage<NX, 
 
 impl<const NX: usize, const NU: usize, const NR: usize> QpStage<NX, NU, NR> {
     fn is_valid(&self) -> bool {
-        let matrices = self.state_matrix.iter().flatten().chain(self.input_matrix.iter().flatten());
-        let vectors = self.affine.iter().chain(&self.input_gradient).chain(&self.state_gradient);
-        finite(matrices.chain(vectors))
-            & ordered(&self.input_lower, &self.input_upper)
-            & ordered(&self.state_lower, &self.state_upper)
-            & (NR == 0 || self.rows.is_valid())
+        let matrices = [self.state_matrix.as_flattened(), self.input_matrix.as_flattened()];
+        finite([matrices[0], matrices[1], &self.affine, &self.input_gradient, &self.state_gradient])
+            && ordered(&self.input_lower, &self.input_upper)
+            && ordered(&self.state_lower, &self.state_upper)
+            && (NR == 0 || self.rows.is_valid())
     }
 }
 
-/// True if no number is infinite or NaN; without a branch per number, since it runs over all data of every
-/// solve.
-#[inline(always)]
-fn finite<'a>(numbers: impl Iterator<Item = &'a f64>) -> bool {
-    numbers.fold(true, |ok, v| ok & v.is_finite())
+/// True if no number is infinite or NaN: 0 times these is NaN. Without a branch for each number, since this runs over all data of
+/// every solve.
+fn finite<const K: usize>(all: [&[f64]; K]) -> bool {
+    let mut sums = [0.0; 8];
+    for numbers in all {
+        let (chunks, rest) = numbers.as_chunks::<8>();
+        for chunk in chunks {
+            for i in 0..8 {
+                sums[i] += 0.0 * chunk[i];
+            }
+        }
+        for (sum, number) in sums.iter_mut().zip(rest) {
+            *sum += 0.0 * number;
+        }
+    }
+    sums.iter().sum::<f64>() == 0.0
 }
 
 /// True if `lower ≤ upper` everywhere, and neither is infinite inwards.
-#[inline(always)]
 fn ordered(lower: &[f64], upper: &[f64]) -> bool {
     lower
         .iter()
@@ -194,12 +203,14 @@ fn ordered(lower: &[f64], upper: &[f64]) -> bool {
 impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
     /// True if all numbers are finite (bounds may be infinite outwards), bounds ordered, penalties positive.
     pub(super) fn is_valid(&self) -> bool {
-        let weights = self.state_weight.iter().chain(&self.terminal_weight).flatten();
-        let input_weights = self.input_weight.iter().chain(&self.input_rate_weight).flatten();
+        let weights = [&self.state_weight, &self.terminal_weight].map(|weight| weight.as_flattened());
+        let input_weights = [&self.input_weight, &self.input_rate_weight].map(|weight| weight.as_flattened());
         let penalties = self.state_penalty.iter().chain(&self.row_penalty).flatten();
-        finite(weights.chain(input_weights).chain(&self.initial_state).chain(&self.previous_input))
+        finite(weights)
+            && finite(input_weights)
+            && finite([&self.initial_state, &self.previous_input])
             && penalties.fold(true, |ok, p| {
-                ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([p.linear, p.quadratic].iter())
+                ok & (p.linear > 0.0) & (p.quadratic >= 0.0) & finite([&[p.linear, p.quadratic]])
             })
             && (NR == 0 || self.terminal_rows.is_valid())
             && self.stages.iter().all(QpStage::is_valid)
@@ -223,7 +234,6 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpProblem<NX, NU, NR> {
 }
 
 /// The unit of a row: the power of two at or below its largest coefficient; 1 if all are zero.
-#[inline(always)]
 pub(super) fn unit(c: &[f64], d: &[f64]) -> f64 {
     let largest = c.iter().chain(d).fold(0.0_f64, |max, v| v.abs().max(max));
     let power = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());

@@ -32,7 +32,7 @@
 //! IFAC 2020.
 
 use super::kernels::{Right, Term, add_combination, product};
-use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
+use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, largest, pack, vectorized, zeros};
 use super::ldl::{NotPositive, factor_ldl, solve_ldl};
 use super::rows::Rows;
 use super::trajectory::Trajectory;
@@ -56,6 +56,8 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     pub(super) q: Vec<V>,
     pub(super) terminal: Vec<V>,
     pub(super) r: [[f64; NU]; NU],
+    /// Largest entry of Q, of the terminal weight, of R and W.
+    pub(super) largest: f64,
     /// W, if the change of the input has a weight.
     pub(super) rate: Option<[[f64; NU]; NU]>,
     /// Rows of the gains `K_k`.
@@ -123,6 +125,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             q: zeros(NX * x),
             terminal: zeros(NX * x),
             r: [[0.0; NU]; NU],
+            largest: 0.0,
             rate: None,
             k: zeros(horizon * NU * x),
             phi: zeros(horizon * NX * x),
@@ -143,7 +146,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// Constant weights Q, R, P and W, of which only the symmetric part counts; W = 0 means no weight of the
     /// input's change.
-    #[inline(always)]
     pub(crate) fn set_weights(
         &mut self,
         q: &[[f64; NX]; NX],
@@ -158,11 +160,17 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
         self.r = symmetric(r);
         let rate = symmetric(rate);
+        let of_lanes = self.q.iter().chain(&self.terminal);
+        let largest = V::vectorized(
+            #[inline(always)]
+            || largest(of_lanes.fold(V::zero(), |max, w| max.fast_max(w.abs()))),
+        );
+        let of_inputs = self.r.iter().chain(&rate).flatten();
+        self.largest = of_inputs.fold(largest, |max, w| w.abs().max(max));
         self.rate = rate.iter().flatten().any(|w| *w != 0.0).then_some(rate);
     }
 
     /// Dynamics of stage `k`, `x⁺ = A x + B u`.
-    #[inline(always)]
     pub(crate) fn set_stage(&mut self, k: usize, a: &[[f64; NX]; NX], b: &[[f64; NU]; NX]) {
         let x = Self::RX;
         for (row, lanes) in a.iter().zip(self.a[k * NX * x..][..NX * x].chunks_exact_mut(x)) {
@@ -181,59 +189,61 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. With `affine`, the terms c_k of
     /// `x⁺ = A x + B u + c` (`A_0 x_0` included in c_0), prepares a solution with them too.
-    #[inline(always)]
     pub(crate) fn factorize<const NR: usize>(
         &mut self,
         weight: &Trajectory<V>,
         affine: Option<&[V]>,
         rows: &Rows<V, NX, NU, NR>,
     ) -> Result<(), NotPositive> {
-        let x = Self::RX;
-        let rho = flat(&weight.u);
-        self.begin(&weight.x[(self.horizon - 1) * x..][..x]);
-        if NR > 0 {
-            rows.add_to_cost(self.horizon, weight, &mut self.p);
-            mirror::<V, NX>(&mut self.p, x);
-        }
-        for k in (0..self.horizon).rev() {
-            if let Some(c) = affine {
-                self.stage_affine(k, &c[k * x..][..x]);
+        vectorized!(V, {
+            let x = Self::RX;
+            let rho = flat(&weight.u);
+            self.begin(&weight.x[(self.horizon - 1) * x..][..x]);
+            if NR > 0 {
+                rows.add_to_cost(self.horizon, weight, &mut self.p);
+                mirror::<V, NX>(&mut self.p, x);
             }
-            let with_rows = |h: &mut _| rows.add_to_pivot(k, weight, h);
-            self.stage_pivot(k, &rho[k * NU..][..NU], with_rows)?;
-            if k > 0 {
-                self.stage_gain(k, |y| rows.add_to_coupling(k, weight, y));
-                self.stage_closed_loop(k);
-                self.stage_cost_to_go(k, |p| rows.add_to_cost(k, weight, p));
-                Self::add_diagonal(&mut self.p, &weight.x[(k - 1) * x..][..x]);
+            for k in (0..self.horizon).rev() {
+                if let Some(c) = affine {
+                    self.stage_affine(k, &c[k * x..][..x]);
+                }
+                let with_rows = |h: &mut _| rows.add_to_pivot(k, weight, h);
+                self.stage_pivot(k, &rho[k * NU..][..NU], with_rows)?;
+                if k > 0 {
+                    self.stage_transition(k);
+                    self.stage_gain(k, |y| rows.add_to_coupling(k, weight, y));
+                    self.stage_closed_loop(k);
+                    self.stage_cost_to_go(k, |p| rows.add_to_cost(k, weight, p));
+                    Self::add_diagonal(&mut self.p, &weight.x[(k - 1) * x..][..x]);
+                }
             }
-        }
-        Ok(())
+            Ok(())
+        })
     }
 
     /// The recursion without barrier terms down to P_0, so that K_0 exists too: a linear-quadratic regulator
     /// over the horizon.
-    #[inline(always)]
     pub(crate) fn regulate(&mut self) -> Result<(), NotPositive> {
-        self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
-        for k in (0..self.horizon).rev() {
-            self.stage_pivot(k, &[0.0; NU], |_| {})?;
-            self.stage_gain(k, |_| {});
-            self.stage_closed_loop(k);
-            self.stage_cost_to_go(k, |_| {});
-        }
-        Ok(())
+        vectorized!(V, {
+            self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
+            for k in (0..self.horizon).rev() {
+                self.stage_pivot(k, &[0.0; NU], |_| {})?;
+                self.stage_transition(k);
+                self.stage_gain(k, |_| {});
+                self.stage_closed_loop(k);
+                self.stage_cost_to_go(k, |_| {});
+            }
+            Ok(())
+        })
     }
 
     /// The gain K_k of the last factorization, rows first.
-    #[inline(always)]
     pub(crate) fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         let rows = &self.k[k * NU * Self::RX..][..NU * Self::RX];
         core::array::from_fn(|i| core::array::from_fn(|j| at(&rows[i * Self::RX..][..Self::RX], j)))
     }
 
     /// The cost-to-go matrix that the last factorization ended with.
-    #[inline(always)]
     pub(crate) fn cost_to_go(&self) -> [[f64; NX]; NX] {
         core::array::from_fn(|i| core::array::from_fn(|j| at(&self.p[j * Self::RX..][..Self::RX], i)))
     }
@@ -393,9 +403,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         );
     }
 
-    /// `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by product, the upper ones by symmetry.
+    /// `P⁺A`. It needs no pivot: the processor computes it while it waits for their divisions.
     #[inline(always)]
-    fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
+    fn stage_transition(&mut self, k: usize) {
         let x = Self::RX;
         let a = &self.a[k * NX * x..][..NX * x];
         product::<V, NX, NX, false, 1>(
@@ -403,6 +413,13 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             None,
             [Term { left: &self.p, right: Right::rows(flat(a), x * WIDTH), depth: NX }],
         );
+    }
+
+    /// `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by product, the upper ones by symmetry.
+    #[inline(always)]
+    fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
+        let x = Self::RX;
+        let a = &self.a[k * NX * x..][..NX * x];
         product::<V, NX, NX, true, 2>(
             &mut self.p,
             Some(&self.q),
@@ -417,7 +434,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 }
 
 /// Mean of a matrix and its transpose.
-#[inline(always)]
 fn symmetric<const N: usize>(m: &[[f64; N]; N]) -> [[f64; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i])))
 }

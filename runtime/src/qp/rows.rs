@@ -13,7 +13,7 @@
 //! 3). A row is stored in units of its largest coefficient, rounded to a power of two so that scaling is
 //! exact. Without rows (`NR = 0`) every function is empty.
 
-use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, zeros};
+use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, lanes, pack, vectorized, zeros};
 use super::problem::{QpProblem, unit};
 use super::trajectory::Trajectory;
 #[cfg(not(feature = "std"))]
@@ -61,7 +61,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
     }
 
     /// Takes over the matrices of a problem, and hands each row's limits to `limit`.
-    #[inline(always)]
     pub(super) fn load(&mut self, problem: &QpProblem<NX, NU, NR>, mut limit: impl FnMut(Limits)) {
         for r in 0..NR {
             for (k, stage) in problem.stages.iter().enumerate() {
@@ -80,7 +79,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    #[inline(always)]
     fn set(&mut self, k: usize, r: usize, (c, d): (&[f64; NX], &[f64; NU])) {
         let unit = unit(c, d);
         let c = if k > 0 { c.map(|v| v / unit) } else { [0.0; NX] };
@@ -89,7 +87,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         self.unit[k][r] = unit;
     }
 
-    #[inline(always)]
     fn limits(&self, k: usize, r: usize, sides: [f64; 2], problem: &QpProblem<NX, NU, NR>) -> Limits {
         let unit = self.unit[k][r];
         let mut sides = sides.map(|side| side / unit);
@@ -104,7 +101,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
     }
 
     /// True if no variable moves row `r` of node `k`.
-    #[inline(always)]
     fn is_constant(&self, k: usize, r: usize) -> bool {
         self.d[k][r] == [0.0; NU] && flat(self.state_row(k, r)).iter().all(|c| *c == 0.0)
     }
@@ -128,7 +124,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
     }
 
     /// Sets the values of a point: `w = C x + D u`, and what x_0 adds.
-    #[inline(always)]
     pub(super) fn evaluate(&self, z: &mut Trajectory<V>) {
         if NR > 0 {
             self.follow(z);
@@ -140,33 +135,35 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
     }
 
     /// Sets the values of a step: `dw = C dx + D du`.
-    #[inline(always)]
     pub(super) fn follow(&self, z: &mut Trajectory<V>) {
-        for k in 0..self.d.len() {
-            for r in 0..NR {
-                let mut sum = 0.0;
-                if k > 0 {
-                    sum = dot(self.state_row(k, r), &z.x[(k - 1) * Self::RX..][..Self::RX]);
-                }
-                if k + 1 < self.d.len() {
-                    for j in 0..NU {
-                        sum += self.d[k][r][j] * flat(&z.u)[k * NU + j];
+        vectorized!(V, {
+            for k in 0..self.d.len() {
+                for r in 0..NR {
+                    let mut sum = 0.0;
+                    if k > 0 {
+                        sum = dot(self.state_row(k, r), &z.x[(k - 1) * Self::RX..][..Self::RX]);
                     }
+                    if k + 1 < self.d.len() {
+                        for j in 0..NU {
+                            sum += self.d[k][r][j] * flat(&z.u)[k * NU + j];
+                        }
+                    }
+                    flat_mut(&mut z.x[self.of_node(k)])[r] = sum;
                 }
-                flat_mut(&mut z.x[self.of_node(k)])[r] = sum;
             }
-        }
+        })
     }
 
     /// Turns the linear cost e of the values into that of states and inputs, `Cᵀe` and `Dᵀe`; e becomes 0.
-    #[inline(always)]
     pub(super) fn fold(&self, gradient: &mut Trajectory<V>) {
-        for k in 0..self.d.len() {
-            for r in 0..NR {
-                let cost = core::mem::take(&mut flat_mut(&mut gradient.x[self.of_node(k)])[r]);
-                self.add(k, r, cost, gradient);
+        vectorized!(V, {
+            for k in 0..self.d.len() {
+                for r in 0..NR {
+                    let cost = core::mem::take(&mut flat_mut(&mut gradient.x[self.of_node(k)])[r]);
+                    self.add(k, r, cost, gradient);
+                }
             }
-        }
+        })
     }
 
     /// `(x, u) += (cᵀ, dᵀ) factor` for row `r` of node `k`.
@@ -188,30 +185,32 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
 
     /// Moves states and inputs along the rows, each row by itself, the shortest way that changes its value as
     /// `step` says, at most as far as its value; the values of `step` become 0.
-    #[inline(always)]
     pub(super) fn move_along(&self, step: &mut Trajectory<V>) {
-        for k in 0..self.d.len() {
-            for r in 0..NR {
-                let change = core::mem::take(&mut flat_mut(&mut step.x[self.of_node(k)])[r]);
-                let c = self.state_row(k, r);
-                let square = dot(c, c) + self.d[k][r].iter().map(|d| d * d).sum::<f64>();
-                // What is left of a row at the given state may be short: no leaps along that.
-                self.add(k, r, change / square.max(1.0), step);
+        vectorized!(V, {
+            for k in 0..self.d.len() {
+                for r in 0..NR {
+                    let change = core::mem::take(&mut flat_mut(&mut step.x[self.of_node(k)])[r]);
+                    let c = self.state_row(k, r);
+                    let square = dot(c, c) + self.d[k][r].iter().map(|d| d * d).sum::<f64>();
+                    // What is left of a row at the given state may be short: no leaps along that.
+                    self.add(k, r, change / square.max(1.0), step);
+                }
             }
-        }
+        })
     }
 
     /// Adds the contribution of x_0 to the gradient of quadratic terms `½ ω w²`.
-    #[inline(always)]
     pub(super) fn attract(&self, weight: &Trajectory<V>, gradient: &mut Trajectory<V>) {
-        if NR > 0 {
-            let first = self.of_node(0);
-            let weight = flat(&weight.x[first.clone()]);
-            let gradient = flat_mut(&mut gradient.x[first]);
-            for r in 0..NR {
-                gradient[r] += weight[r] * self.offset[r];
+        vectorized!(V, {
+            if NR > 0 {
+                let first = self.of_node(0);
+                let weight = flat(&weight.x[first.clone()]);
+                let gradient = flat_mut(&mut gradient.x[first]);
+                for r in 0..NR {
+                    gradient[r] += weight[r] * self.offset[r];
+                }
             }
-        }
+        })
     }
 
     /// `P += CᵀωC` of node `k`, P by its padded columns.

@@ -87,7 +87,10 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
 
     /// Solves from a cold start: nothing of an earlier solve has any influence.
     pub fn solve(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        self.solve_from(problem, Start::Cold)
+        core!(&mut self.0, core => match core.accepts(problem) {
+            true => core.solve(problem, Start::Cold),
+            false => core.invalid(problem),
+        })
     }
 
     /// Solves from the last solution, which may have been moved by [`Self::shift`]: by Newton's method from its active set, which
@@ -95,31 +98,15 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     /// cold start if neither succeeds, and if the last problem was not solved. After failures Newton's method is left out for up
     /// to 31 problems. The result depends on all solves since the solver was made.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        let followed = match &mut self.0 {
-            Engine::Portable(core) => follow(core, problem),
-            #[cfg(all(target_arch = "x86_64", feature = "std"))]
-            // SAFETY: as in `solve_from`.
-            Engine::Avx2(core) => unsafe { follow_avx2(core, problem) },
-        };
-        followed.unwrap_or_else(|(start, tried)| {
-            let report = self.solve_from(problem, start);
-            QpReport { iterations: report.iterations + tried, ..report }
-        })
-    }
-
-    fn solve_from(&mut self, problem: &QpProblem<NX, NU, NR>, start: Start) -> QpReport {
-        match &mut self.0 {
-            Engine::Portable(core) => {
-                let report = core.solve(problem, start);
-                go_on(core, problem, report)
+        core!(&mut self.0, core => {
+            if !core.accepts(problem) {
+                return core.invalid(problem);
             }
-            #[cfg(all(target_arch = "x86_64", feature = "std"))]
-            // SAFETY: this variant exists only where the processor has the features.
-            Engine::Avx2(core) => unsafe {
-                let report = solve_avx2(core, problem, start);
-                go_on_avx2(core, problem, report)
-            },
-        }
+            core.follow(problem).unwrap_or_else(|(start, tried)| {
+                let report = core.solve(problem, start);
+                QpReport { iterations: report.iterations + tried, ..report }
+            })
+        })
     }
 
     /// Computes for the caches alone what solves compute, cold and warm. The last solution stays.
@@ -161,58 +148,4 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     pub fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         core!(&self.0, core => core.row_multipliers(k))
     }
-}
-
-/// The method of multipliers in a function of its own: without optimization, whatever is inlined takes a place of
-/// its own on the stack.
-#[inline(never)]
-fn go_on<const NX: usize, const NU: usize, const NR: usize>(
-    core: &mut Core<Portable, NX, NU, NR>,
-    problem: &QpProblem<NX, NU, NR>,
-    report: QpReport,
-) -> QpReport {
-    core.go_on(problem, report)
-}
-
-/// [`go_on`] compiled for these features.
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-#[target_feature(enable = "avx2,fma")]
-#[inline(never)]
-fn go_on_avx2<const NX: usize, const NU: usize, const NR: usize>(
-    core: &mut Core<Avx2, NX, NU, NR>,
-    problem: &QpProblem<NX, NU, NR>,
-    report: QpReport,
-) -> QpReport {
-    core.go_on(problem, report)
-}
-
-/// Newton's method of warm starts in a function of its own, for the same reason.
-#[inline(never)]
-fn follow<const NX: usize, const NU: usize, const NR: usize>(
-    core: &mut Core<Portable, NX, NU, NR>,
-    problem: &QpProblem<NX, NU, NR>,
-) -> Result<QpReport, (Start, usize)> {
-    core.follow(problem)
-}
-
-/// [`follow`] compiled for these features.
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-#[target_feature(enable = "avx2,fma")]
-#[inline(never)]
-fn follow_avx2<const NX: usize, const NU: usize, const NR: usize>(
-    core: &mut Core<Avx2, NX, NU, NR>,
-    problem: &QpProblem<NX, NU, NR>,
-) -> Result<QpReport, (Start, usize)> {
-    core.follow(problem)
-}
-
-/// The method in a function compiled for these features, into which everything below is inlined.
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-#[target_feature(enable = "avx2,fma")]
-fn solve_avx2<const NX: usize, const NU: usize, const NR: usize>(
-    core: &mut Core<Avx2, NX, NU, NR>,
-    problem: &QpProblem<NX, NU, NR>,
-    start: Start,
-) -> QpReport {
-    core.solve(problem, start)
 }

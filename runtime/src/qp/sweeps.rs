@@ -1,24 +1,27 @@
 //! The sweeps of the Riccati recursion: solutions for a right-hand side, gradients, roll-outs.
 
-use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, reduce4};
+use super::lanes::{Vector, WIDTH, at, dot, flat, flat_mut, reduce4, vectorized};
 use super::ldl::solve_ldl;
 use super::riccati::{MAX_LANES, Riccati};
 use super::trajectory::Trajectory;
 
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     /// The minimizer `step` for the linear costs `gradient`; `affine` as for [`Self::factorize`].
-    #[inline(always)]
     pub(crate) fn solve(&self, gradient: &Trajectory<V>, step: &mut Trajectory<V>, affine: Option<&[V]>) {
-        self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
-        self.forward(flat_mut(&mut step.u), &mut step.x, affine);
+        vectorized!(V, {
+            self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
+            self.forward(flat_mut(&mut step.u), &mut step.x, affine);
+        })
     }
 
     /// Decrease of a function with these gradients by a Newton step with the last factorization: `½ Σ wᵀ (Λ D
     /// Λᵀ)⁻¹ w`. The gradients are by inputs and states, the dynamics not yet eliminated; `scratch` is
     /// overwritten.
-    #[inline(always)]
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
-        self.backward(gradient, flat_mut(&mut scratch.u), false)
+        V::vectorized(
+            #[inline(always)]
+            || self.backward(gradient, flat_mut(&mut scratch.u), false),
+        )
     }
 
     /// The backward sweep: feed-forward terms `d_k` into `d`. Returns their reduction of the cost.
@@ -135,69 +138,72 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     }
 
     /// States of `x⁺ = A x + B u + c` for given inputs, `A_0 x_0` included in c_0.
-    #[inline(always)]
     pub(crate) fn roll_out(&self, z: &mut Trajectory<V>, affine: &[V]) {
-        let mut state = [V::zero(); MAX_LANES];
-        for k in 0..self.horizon {
-            state = self.follow(k, &state, &z.input(k), affine);
-            z.x[k * Self::RX..][..Self::RX].copy_from_slice(&state[..Self::RX]);
-        }
+        vectorized!(V, {
+            let mut state = [V::zero(); MAX_LANES];
+            for k in 0..self.horizon {
+                state = self.follow(k, &state, &z.input(k), affine);
+                z.x[k * Self::RX..][..Self::RX].copy_from_slice(&state[..Self::RX]);
+            }
+        })
     }
 
     /// [`Self::roll_out`] with sums that are rounded otherwise. Two orders of a sum of n terms differ by up to 2nε of
     /// the terms (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.1).
-    #[inline(always)]
     pub(crate) fn roll_out_otherwise(&self, z: &mut Trajectory<V>, affine: &[V]) {
-        let error = 2.0 * (NX + NU) as f64 * f64::EPSILON;
-        let (more, less) = (1.0 + error, 1.0 - error);
-        let mut state = [V::zero(); MAX_LANES];
-        for k in 0..self.horizon {
-            let mut input = z.input::<NU>(k);
-            for u in &mut input {
-                *u *= less;
+        vectorized!(V, {
+            let error = 2.0 * (NX + NU) as f64 * f64::EPSILON;
+            let (more, less) = (1.0 + error, 1.0 - error);
+            let mut state = [V::zero(); MAX_LANES];
+            for k in 0..self.horizon {
+                let mut input = z.input::<NU>(k);
+                for u in &mut input {
+                    *u *= less;
+                }
+                state = self.follow(k, &state, &input, affine);
+                z.x[k * Self::RX..][..Self::RX].copy_from_slice(&state[..Self::RX]);
+                for x in &mut state[..Self::RX] {
+                    *x = *x * V::splat(more);
+                }
             }
-            state = self.follow(k, &state, &input, affine);
-            z.x[k * Self::RX..][..Self::RX].copy_from_slice(&state[..Self::RX]);
-            for x in &mut state[..Self::RX] {
-                *x = *x * V::splat(more);
-            }
-        }
+        })
     }
 
     /// Moves the inputs of `z` by `limit(k, u_k)` and its states to where these inputs lead. By the gains of
     /// the last factorization, later inputs act against what that and rounding change, which an unstable
     /// system would let grow.
-    #[inline(always)]
     pub(crate) fn project(
         &self,
         z: &mut Trajectory<V>,
         affine: &[V],
         limit: impl Fn(usize, [f64; NU]) -> [f64; NU],
     ) {
-        let n = Self::RX;
-        let (mut state, mut off) = ([V::zero(); MAX_LANES], [V::zero(); MAX_LANES]);
-        let mut last = [0.0; NU];
-        for k in 0..self.horizon {
-            let planned = z.input(k);
-            let mut u: [f64; NU] = planned;
-            if k > 0 {
-                for (j, row) in self.k[k * NU * n..][..NU * n].chunks_exact(n).enumerate() {
-                    u[j] += dot(row, &off[..n]);
-                    if self.rate.is_some() {
-                        u[j] += product(&self.kv[k][j], &last);
+        vectorized!(V, {
+            let n = Self::RX;
+            let (mut state, mut off) = ([V::zero(); MAX_LANES], [V::zero(); MAX_LANES]);
+            let mut last = [0.0; NU];
+            for k in 0..self.horizon {
+                let planned = z.input(k);
+                let mut u: [f64; NU] = planned;
+                if k > 0 {
+                    for (j, row) in self.k[k * NU * n..][..NU * n].chunks_exact(n).enumerate() {
+                        u[j] += dot(row, &off[..n]);
+                        if self.rate.is_some() {
+                            u[j] += product(&self.kv[k][j], &last);
+                        }
                     }
                 }
+                let u = limit(k, u);
+                last = core::array::from_fn(|j| u[j] - planned[j]);
+                z.set_input(k, &u);
+                state = self.follow(k, &state, &u, affine);
+                let x = &mut z.x[k * n..][..n];
+                for r in 0..n {
+                    off[r] = state[r] - x[r];
+                    x[r] = state[r];
+                }
             }
-            let u = limit(k, u);
-            last = core::array::from_fn(|j| u[j] - planned[j]);
-            z.set_input(k, &u);
-            state = self.follow(k, &state, &u, affine);
-            let x = &mut z.x[k * n..][..n];
-            for r in 0..n {
-                off[r] = state[r] - x[r];
-                x[r] = state[r];
-            }
-        }
+        })
     }
 
     /// `A_k x_k + B_k u_k + c_k`.
@@ -218,35 +224,36 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     }
 
     /// `gradient = H z + linear` for the weights (without barrier terms). Returns `(zᵀHz, linearᵀz)`.
-    #[inline(always)]
     pub(crate) fn gradient(
         &self,
         z: &Trajectory<V>,
         linear: &Trajectory<V>,
         gradient: &mut Trajectory<V>,
     ) -> (f64, f64) {
-        let n = Self::RX;
-        for k in 0..self.horizon {
-            let weight = if k + 1 == self.horizon { &self.terminal } else { &self.q };
-            let state = &z.x[k * n..][..n];
-            for r in 0..n {
-                let mut sum = [linear.x[k * n + r], V::zero()];
-                for j in 0..NX {
-                    sum[j % 2] = weight[j * n + r].mul_add(V::splat(at(state, j)), sum[j % 2]);
+        vectorized!(V, {
+            let n = Self::RX;
+            for k in 0..self.horizon {
+                let weight = if k + 1 == self.horizon { &self.terminal } else { &self.q };
+                let state = &z.x[k * n..][..n];
+                for r in 0..n {
+                    let mut sum = [linear.x[k * n + r], V::zero()];
+                    for j in 0..NX {
+                        sum[j % 2] = weight[j * n + r].mul_add(V::splat(at(state, j)), sum[j % 2]);
+                    }
+                    gradient.x[k * n + r] = sum[0] + sum[1];
                 }
-                gradient.x[k * n + r] = sum[0] + sum[1];
             }
-        }
-        self.input_gradient(flat(&z.u), flat(&linear.u), flat_mut(&mut gradient.u));
-        let (mut both, mut line) = (V::zero(), V::zero());
-        for ((z, g), l) in
-            z.x.iter().zip(&gradient.x).zip(&linear.x).chain(z.u.iter().zip(&gradient.u).zip(&linear.u))
-        {
-            both = g.mul_add(*z, both);
-            line = l.mul_add(*z, line);
-        }
-        let line = line.reduce_add();
-        (both.reduce_add() - line, line)
+            self.input_gradient(flat(&z.u), flat(&linear.u), flat_mut(&mut gradient.u));
+            let (mut both, mut line) = (V::zero(), V::zero());
+            for ((z, g), l) in
+                z.x.iter().zip(&gradient.x).zip(&linear.x).chain(z.u.iter().zip(&gradient.u).zip(&linear.u))
+            {
+                both = g.mul_add(*z, both);
+                line = l.mul_add(*z, line);
+            }
+            let line = line.reduce_add();
+            (both.reduce_add() - line, line)
+        })
     }
 
     #[inline(always)]
@@ -277,7 +284,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
 
     /// `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of the last factorization: what moving the inputs costs above the
     /// minimum.
-    #[inline(always)]
     pub(crate) fn input_energy(&self, u: &Trajectory<V>) -> f64 {
         let mut sum = 0.0;
         for (k, l) in self.ldl.iter().enumerate() {
@@ -293,40 +299,31 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         sum
     }
 
-    /// Largest entry of Q, P, R and W.
-    #[inline(always)]
-    pub(crate) fn largest_weight(&self) -> f64 {
-        let entries = flat(&self.q)
-            .iter()
-            .chain(flat(&self.terminal))
-            .chain(self.r.iter().flatten())
-            .chain(self.rate.iter().flatten().flatten());
-        entries.fold(0.0, |max, w| w.abs().max(max))
-    }
-
     /// Reduced gradient of the inputs, `h + Bᵀp` with the costate `p = g + Aᵀp⁺`, in place of `h`, for the
     /// gradients of the Lagrangian without dynamics.
-    #[inline(always)]
     pub(crate) fn reduce(&self, gradient: &mut Trajectory<V>) {
-        let n = Self::RX;
-        let mut p = [V::zero(); MAX_LANES];
-        for k in (0..self.horizon).rev() {
-            let mut next = [V::zero(); MAX_LANES];
-            for r in 0..n {
-                next[r] = gradient.x[k * n + r];
-                if k + 1 < self.horizon {
-                    for i in 0..NX {
-                        next[r] = self.a[((k + 1) * NX + i) * n + r].mul_add(V::splat(at(&p, i)), next[r]);
+        vectorized!(V, {
+            let n = Self::RX;
+            let mut p = [V::zero(); MAX_LANES];
+            for k in (0..self.horizon).rev() {
+                let mut next = [V::zero(); MAX_LANES];
+                for r in 0..n {
+                    next[r] = gradient.x[k * n + r];
+                    if k + 1 < self.horizon {
+                        for i in 0..NX {
+                            next[r] =
+                                self.a[((k + 1) * NX + i) * n + r].mul_add(V::splat(at(&p, i)), next[r]);
+                        }
                     }
                 }
+                p = next;
+                let mut h: [f64; NU] = gradient.input(k);
+                for j in 0..NU {
+                    h[j] += dot(&self.b[(k * NU + j) * n..][..n], &p[..n]);
+                }
+                gradient.set_input(k, &h);
             }
-            p = next;
-            let mut h: [f64; NU] = gradient.input(k);
-            for j in 0..NU {
-                h[j] += dot(&self.b[(k * NU + j) * n..][..n], &p[..n]);
-            }
-            gradient.set_input(k, &h);
-        }
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Inputs and states over the horizon, as lanes.
 
-use super::lanes::{Vector, flat, flat_mut, lanes, largest, zeros};
+use super::lanes::{Vector, flat, flat_mut, lanes, largest, vectorized, zeros};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
@@ -19,65 +19,66 @@ impl<V: Vector> Trajectory<V> {
     }
 
     /// Takes the numbers of another trajectory of the same shape.
-    #[inline(always)]
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.u.copy_from_slice(&other.u);
         self.x.copy_from_slice(&other.x);
     }
 
     /// Sets all numbers to zero.
-    #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.u.fill(V::zero());
         self.x.fill(V::zero());
     }
 
     /// True if an entry differs from that of another trajectory.
-    #[inline(always)]
     pub(super) fn differs_from(&self, other: &Self) -> bool {
         flat(&self.u) != flat(&other.u) || flat(&self.x) != flat(&other.x)
     }
 
     /// `self += length · step`.
-    #[inline(always)]
     pub(super) fn advance(&mut self, step: &Self, length: f64) {
-        let length = V::splat(length);
-        for (z, d) in self.u.iter_mut().zip(&step.u) {
-            *z = d.mul_add(length, *z);
-        }
-        for (z, d) in self.x.iter_mut().zip(&step.x) {
-            *z = d.mul_add(length, *z);
-        }
+        vectorized!(V, {
+            let length = V::splat(length);
+            for (z, d) in self.u.iter_mut().zip(&step.u) {
+                *z = d.mul_add(length, *z);
+            }
+            for (z, d) in self.x.iter_mut().zip(&step.x) {
+                *z = d.mul_add(length, *z);
+            }
+        })
     }
 
     /// `selfᵀ other`.
-    #[inline(always)]
     pub(super) fn inner(&self, other: &Self) -> f64 {
-        let mut sum = V::zero();
-        for (a, b) in self.u.iter().zip(&other.u).chain(self.x.iter().zip(&other.x)) {
-            sum = a.mul_add(*b, sum);
-        }
-        sum.reduce_add()
+        vectorized!(V, {
+            let mut sum = V::zero();
+            for (a, b) in self.u.iter().zip(&other.u).chain(self.x.iter().zip(&other.x)) {
+                sum = a.mul_add(*b, sum);
+            }
+            sum.reduce_add()
+        })
     }
 
     /// Largest magnitude of an input.
-    #[inline(always)]
     pub(super) fn largest_input(&self) -> f64 {
-        let mut max = V::zero();
-        for u in &self.u {
-            max = max.fast_max(u.abs());
-        }
-        largest(max)
+        vectorized!(V, {
+            let mut max = V::zero();
+            for u in &self.u {
+                max = max.fast_max(u.abs());
+            }
+            largest(max)
+        })
     }
 
     /// Largest magnitude of a state or value of a row.
-    #[inline(always)]
     pub(super) fn largest_state(&self) -> f64 {
-        let mut max = V::zero();
-        for x in &self.x {
-            max = max.fast_max(x.abs());
-        }
-        largest(max)
+        vectorized!(V, {
+            let mut max = V::zero();
+            for x in &self.x {
+                max = max.fast_max(x.abs());
+            }
+            largest(max)
+        })
     }
 
     /// `u_k`.

@@ -1,14 +1,13 @@
 //! Bounds inside the method of multipliers (`interior_point::augmented`): forces that need neither slacks nor
 //! an interior.
 
-use super::super::lanes::{Vector, largest};
+use super::super::lanes::{Vector, largest, vectorized};
 use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::{Side, Softening};
 
 impl<V: Vector> Bounds<V> {
     /// Starts without multipliers.
-    #[inline(always)]
     pub(in crate::qp) fn start_augmented(&mut self) {
         for side in self.sides.iter_mut().flatten() {
             side.multiplier = V::zero();
@@ -17,27 +16,28 @@ impl<V: Vector> Bounds<V> {
 
     /// Takes the multipliers of another solution, whose variables were `z`, where they tell that a bound was active:
     /// `λ > c d`. The others become 0.
-    #[inline(always)]
     pub(in crate::qp) fn recall(&mut self, c: f64, z: &[V], last: &Multipliers<V>) {
-        let c = V::splat(c);
-        for ((sides, z), last) in self.sides.iter_mut().zip(z).zip(last.pairs()) {
-            let distances = [*z - sides[0].bound, sides[1].bound - *z];
-            for ((side, d), l) in sides.iter_mut().zip(distances).zip(*last) {
-                side.multiplier = side.active * V::select_positive(d.mul_neg_add(c, l), l, V::zero());
+        vectorized!(V, {
+            let c = V::splat(c);
+            for ((sides, z), last) in self.sides.iter_mut().zip(z).zip(last.pairs()) {
+                let distances = [*z - sides[0].bound, sides[1].bound - *z];
+                for ((side, d), l) in sides.iter_mut().zip(distances).zip(*last) {
+                    side.multiplier = side.active * V::select_positive(d.mul_neg_add(c, l), l, V::zero());
+                }
             }
-        }
+        })
     }
 
     /// True if a multiplier is positive.
-    #[inline(always)]
     pub(in crate::qp) fn is_active(&self) -> bool {
-        let most = self.sides.iter().flatten().fold(V::zero(), |max, side| max.fast_max(side.multiplier));
-        largest(most) > 0.0
+        vectorized!(V, {
+            let most = self.sides.iter().flatten().fold(V::zero(), |max, side| max.fast_max(side.multiplier));
+            largest(most) > 0.0
+        })
     }
 
     /// `weight` becomes the second derivative of the terms, `rhs` the gradient with their forces. Which piece of its
     /// term a bound is on follows from `z`, or if `known` from its multiplier.
-    #[inline(always)]
     pub(in crate::qp) fn augment(
         &self,
         (w, known): (f64, bool),
@@ -46,38 +46,42 @@ impl<V: Vector> Bounds<V> {
         weight: &mut [V],
         rhs: &mut [V],
     ) {
-        let w = V::splat(w);
-        for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
-            let [lower, of_lower] = sides[0].augmented(&soft[0], w, z[i] - sides[0].bound, known);
-            let [upper, of_upper] = sides[1].augmented(&soft[1], w, sides[1].bound - z[i], known);
-            weight[i] = of_lower + of_upper;
-            rhs[i] = gradient[i] - lower + upper;
-        }
+        vectorized!(V, {
+            let w = V::splat(w);
+            for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
+                let [lower, of_lower] = sides[0].augmented(&soft[0], w, z[i] - sides[0].bound, known);
+                let [upper, of_upper] = sides[1].augmented(&soft[1], w, sides[1].bound - z[i], known);
+                weight[i] = of_lower + of_upper;
+                rhs[i] = gradient[i] - lower + upper;
+            }
+        })
     }
 
     /// Derivative of the terms along `dz` at `z + length · dz`.
-    #[inline(always)]
     pub(in crate::qp) fn slope(&self, w: f64, z: &[V], dz: &[V], length: f64) -> f64 {
-        let (w, length, mut sum) = (V::splat(w), V::splat(length), V::zero());
-        for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
-            let z = dz[i].mul_add(length, z[i]);
-            let [lower, _] = sides[0].augmented(&soft[0], w, z - sides[0].bound, false);
-            let [upper, _] = sides[1].augmented(&soft[1], w, sides[1].bound - z, false);
-            sum += (upper - lower) * dz[i];
-        }
-        sum.reduce_add()
+        vectorized!(V, {
+            let (w, length, mut sum) = (V::splat(w), V::splat(length), V::zero());
+            for (i, (sides, soft)) in self.sides.iter().zip(&self.soft).enumerate() {
+                let z = dz[i].mul_add(length, z[i]);
+                let [lower, _] = sides[0].augmented(&soft[0], w, z - sides[0].bound, false);
+                let [upper, _] = sides[1].augmented(&soft[1], w, sides[1].bound - z, false);
+                sum += (upper - lower) * dz[i];
+            }
+            sum.reduce_add()
+        })
     }
 
     /// Takes the forces at `z` for the multipliers.
-    #[inline(always)]
     pub(in crate::qp) fn take_forces(&mut self, w: f64, z: &[V]) {
-        let w = V::splat(w);
-        for (i, (sides, soft)) in self.sides.iter_mut().zip(&self.soft).enumerate() {
-            let distances = [z[i] - sides[0].bound, sides[1].bound - z[i]];
-            for ((side, soft), d) in sides.iter_mut().zip(soft).zip(distances) {
-                side.multiplier = side.augmented(soft, w, d, false)[0];
+        vectorized!(V, {
+            let w = V::splat(w);
+            for (i, (sides, soft)) in self.sides.iter_mut().zip(&self.soft).enumerate() {
+                let distances = [z[i] - sides[0].bound, sides[1].bound - z[i]];
+                for ((side, soft), d) in sides.iter_mut().zip(soft).zip(distances) {
+                    side.multiplier = side.augmented(soft, w, d, false)[0];
+                }
             }
-        }
+        })
     }
 }
 

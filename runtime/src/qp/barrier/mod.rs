@@ -20,9 +20,9 @@ mod side;
 mod start;
 
 pub(super) use self::measure::ROUNDING;
-pub(super) use self::side::Tally;
-use self::side::{Side, Softening};
-use super::lanes::Vector;
+pub(super) use self::side::Totals;
+use self::side::{Side, Softening, Tally};
+use super::lanes::{Vector, vectorized};
 use super::multipliers::Multipliers;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
@@ -33,6 +33,9 @@ use crate::no_std::*;
 pub(super) struct Bounds<V> {
     sides: Vec<[Side<V>; 2]>,
     soft: Vec<[Softening<V>; 2]>,
+    /// Lanes whose bounds take part in the iterations ([`Self::choose`]), and the others.
+    awake: Vec<usize>,
+    asleep: Vec<usize>,
     /// `W_max` and its inverse.
     cap: [V; 2],
 }
@@ -42,6 +45,8 @@ impl<V: Vector> Bounds<V> {
         Self {
             sides: vec![Default::default(); lanes],
             soft: vec![Default::default(); lanes],
+            awake: Vec::with_capacity(lanes),
+            asleep: Vec::with_capacity(lanes),
             cap: [V::one(); 2],
         }
     }
@@ -55,13 +60,11 @@ impl<V: Vector> Bounds<V> {
     /// Largest diagonal term of the Newton system. Beyond it, digits of the smaller weights would be lost
     /// (`R` in `R + BᵀWB`); a step that takes the slack for `λ/W_max` instead is still a Newton step to
     /// second order, since `dλ` vanishes at the optimum.
-    #[inline(always)]
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
 
     /// [`Self::linearize_as`], with soft bounds or without.
-    #[inline(always)]
     pub(super) fn linearize(
         &mut self,
         soft: bool,
@@ -69,52 +72,55 @@ impl<V: Vector> Bounds<V> {
         gradient: &[V],
         weight: &mut [V],
         rhs: &mut [V],
-    ) -> Tally<V> {
-        if soft {
-            self.linearize_as::<true>(z, gradient, weight, rhs)
-        } else {
-            self.linearize_as::<false>(z, gradient, weight, rhs)
-        }
+    ) -> Totals {
+        vectorized!(V, {
+            if soft {
+                self.linearize_as::<true>(z, gradient, weight, rhs)
+            } else {
+                self.linearize_as::<false>(z, gradient, weight, rhs)
+            }
+        })
     }
 
     /// [`Self::predictor_as`], likewise.
-    #[inline(always)]
-    pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Tally<V> {
-        if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) }
+    pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Totals {
+        vectorized!(V, { if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) } })
     }
 
     /// [`Self::centre_as`], likewise.
-    #[inline(always)]
     pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
-        if soft {
-            self.centre_as::<true>(gradient, target, correction, rhs);
-        } else {
-            self.centre_as::<false>(gradient, target, correction, rhs);
-        }
+        vectorized!(V, {
+            if soft {
+                self.centre_as::<true>(gradient, target, correction, rhs);
+            } else {
+                self.centre_as::<false>(gradient, target, correction, rhs);
+            }
+        })
     }
 
     /// [`Self::corrector_as`], likewise.
-    #[inline(always)]
-    pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Tally<V> {
-        if soft {
-            self.corrector_as::<true>(dz, target, correction)
-        } else {
-            self.corrector_as::<false>(dz, target, correction)
-        }
+    pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Totals {
+        vectorized!(V, {
+            if soft {
+                self.corrector_as::<true>(dz, target, correction)
+            } else {
+                self.corrector_as::<false>(dz, target, correction)
+            }
+        })
     }
 
     /// [`Self::advance_as`], likewise.
-    #[inline(always)]
     pub(super) fn advance(&mut self, soft: bool, length: f64) {
-        if soft {
-            self.advance_as::<true>(length);
-        } else {
-            self.advance_as::<false>(length);
-        }
+        vectorized!(V, {
+            if soft {
+                self.advance_as::<true>(length);
+            } else {
+                self.advance_as::<false>(length);
+            }
+        })
     }
 
     /// [`Self::start_as`], likewise.
-    #[inline(always)]
     pub(super) fn start(
         &mut self,
         soft: bool,
@@ -124,11 +130,13 @@ impl<V: Vector> Bounds<V> {
         far: bool,
         last: Option<&Multipliers<V>>,
     ) {
-        if soft {
-            self.start_as::<true>(z, mu, share, far, last);
-        } else {
-            self.start_as::<false>(z, mu, share, far, last);
-        }
+        vectorized!(V, {
+            if soft {
+                self.start_as::<true>(z, mu, share, far, last);
+            } else {
+                self.start_as::<false>(z, mu, share, far, last);
+            }
+        })
     }
 
     /// First pass: `weight` becomes the diagonal barrier term, `rhs` the gradient of the affine step. Returns
@@ -140,36 +148,39 @@ impl<V: Vector> Bounds<V> {
         gradient: &[V],
         weight: &mut [V],
         rhs: &mut [V],
-    ) -> Tally<V> {
+    ) -> Totals {
         let mut tally = Tally::new();
         let cap = self.cap;
-        for i in 0..self.sides.len() {
+        weight.fill(V::zero());
+        rhs.copy_from_slice(gradient);
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             let from_below = lower.linearize::<false, SOFT>(soft_lower, z[i], cap, &mut tally);
             let pull = from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
             weight[i] = lower.weight + upper.weight;
             rhs[i] = gradient[i] - pull;
         }
-        tally
+        tally.totals()
     }
 
     /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
     #[inline(always)]
-    fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Tally<V> {
+    fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Totals {
         let mut tally = Tally::new();
-        for i in 0..self.sides.len() {
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
             upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
         }
-        tally
+        tally.totals()
     }
 
     /// Third pass: `rhs` becomes the gradient of the centred and corrected step.
     #[inline(always)]
     fn centre_as<const SOFT: bool>(&mut self, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         let (target, correction) = (V::splat(target), V::splat(correction));
-        for i in 0..self.sides.len() {
+        rhs.copy_from_slice(gradient);
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             rhs[i] = gradient[i] - lower.centred::<SOFT>(soft_lower, target, correction)
                 + upper.centred::<SOFT>(soft_upper, target, correction);
@@ -178,22 +189,22 @@ impl<V: Vector> Bounds<V> {
 
     /// Fourth pass: the steps proper. Returns the inverse step to the boundary.
     #[inline(always)]
-    fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Tally<V> {
+    fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Totals {
         let mut tally = Tally::new();
         let target = [V::splat(target), V::splat(correction)];
-        for i in 0..self.sides.len() {
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
             upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
         }
-        tally
+        tally.totals()
     }
 
     /// Fifth pass: the step is taken.
     #[inline(always)]
     fn advance_as<const SOFT: bool>(&mut self, length: f64) {
         let length = V::splat(length);
-        for i in 0..self.sides.len() {
+        for &i in &self.awake {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.advance::<SOFT>(soft_lower, length);
             upper.advance::<SOFT>(soft_upper, length);

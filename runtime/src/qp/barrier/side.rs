@@ -50,28 +50,28 @@ pub(super) struct Softening<V> {
 
 /// Sums and maxima over the bounds, gathered by the passes below.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::qp) struct Tally<V> {
+pub(super) struct Tally<V> {
     sum: V,
     max: V,
     force: V,
 }
 
+/// [`Tally`] over all lanes.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::qp) struct Totals {
+    pub(in crate::qp) sum: f64,
+    pub(in crate::qp) max: f64,
+    pub(in crate::qp) force: f64,
+}
+
 impl<V: Vector> Tally<V> {
     #[inline(always)]
-    pub(in crate::qp) fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { sum: V::zero(), max: V::zero(), force: V::zero() }
     }
     #[inline(always)]
-    pub(in crate::qp) fn force(&self) -> f64 {
-        largest(self.force)
-    }
-    #[inline(always)]
-    pub(in crate::qp) fn sum(&self) -> f64 {
-        self.sum.reduce_add()
-    }
-    #[inline(always)]
-    pub(in crate::qp) fn max(&self) -> f64 {
-        largest(self.max)
+    pub(super) fn totals(&self) -> Totals {
+        Totals { sum: self.sum.reduce_add(), max: largest(self.max), force: largest(self.force) }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Bounds of a problem, and where slacks and multipliers start or start again.
 
-use super::super::lanes::{Vector, WIDTH, flat_mut};
+use super::super::lanes::{Vector, WIDTH, flat_mut, largest, vectorized};
 use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::Softening;
@@ -14,7 +14,6 @@ const VIOLATION_SHARE: f64 = 0.1;
 impl<V: Vector> Bounds<V> {
     /// Bounds of number `i` of the padded variables, made inert where infinite, and the penalty weights
     /// `(w₁, w₂)` if it is soft.
-    #[inline(always)]
     pub(in crate::qp) fn set(&mut self, i: usize, lower: f64, upper: f64, penalty: Option<(f64, f64)>) {
         let (lane, i) = (i / WIDTH, i % WIDTH);
         for (side, bound) in [(0, lower), (1, upper)] {
@@ -35,73 +34,129 @@ impl<V: Vector> Bounds<V> {
     }
 
     /// Forgets all softening, before the bounds of a new problem are set.
-    #[inline(always)]
     pub(in crate::qp) fn harden(&mut self) {
         self.soft.fill([Softening::default(); 2]);
     }
 
     /// Gives every bound that is still hard the penalty `linear · v`.
-    #[inline(always)]
     pub(in crate::qp) fn soften(&mut self, linear: f64) {
-        for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
-            for (side, soft) in sides.iter().zip(soft) {
-                let hard = side.active * (V::one() - soft.active);
-                soft.w1 = (V::one() - hard) * soft.w1 + hard * V::splat(linear);
-                soft.active = side.active;
-                soft.relaxed = hard;
+        vectorized!(V, {
+            for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
+                for (side, soft) in sides.iter().zip(soft) {
+                    let hard = side.active * (V::one() - soft.active);
+                    soft.w1 = (V::one() - hard) * soft.w1 + hard * V::splat(linear);
+                    soft.active = side.active;
+                    soft.relaxed = hard;
+                }
             }
-        }
+        })
     }
 
     /// Adds a quadratic cost of `size` per distance between the bounds, from their middle; from 1 + |b|
     /// inside a bound that has no other side.
-    #[inline(always)]
     pub(in crate::qp) fn attract(&self, size: f64, weight: &mut [V], linear: &mut [V]) {
-        let (half, one) = (V::splat(0.5), V::one());
-        for (i, [lower, upper]) in self.sides.iter().enumerate() {
-            let both = lower.active * upper.active;
-            let (of_lower, of_upper) = (lower.active - both, upper.active - both);
-            let (l, u) = (lower.bound, upper.bound);
-            let width = both * (u - l) + of_lower * (one + l.abs()) + of_upper * (one + u.abs());
-            let middle = both * half * (l + u) + of_lower * (l + width) + of_upper * (u - width);
-            let any = both + of_lower + of_upper;
-            let width = width.fast_max(V::splat(MIN_WIDTH));
-            let w = any * V::splat(size) / (width * width);
-            weight[i] += w;
-            linear[i] = w.mul_neg_add(middle, linear[i]);
-        }
+        vectorized!(V, {
+            let (half, one) = (V::splat(0.5), V::one());
+            for (i, [lower, upper]) in self.sides.iter().enumerate() {
+                let both = lower.active * upper.active;
+                let (of_lower, of_upper) = (lower.active - both, upper.active - both);
+                let (l, u) = (lower.bound, upper.bound);
+                let width = both * (u - l) + of_lower * (one + l.abs()) + of_upper * (one + u.abs());
+                let middle = both * half * (l + u) + of_lower * (l + width) + of_upper * (u - width);
+                let any = both + of_lower + of_upper;
+                let width = width.fast_max(V::splat(MIN_WIDTH));
+                let w = any * V::splat(size) / (width * width);
+                weight[i] += w;
+                linear[i] = w.mul_neg_add(middle, linear[i]);
+            }
+        })
     }
 
     /// Raises slacks (and softenings) whose product with their multiplier is below `least`: they would block
     /// every step. The residual takes it up.
-    #[inline(always)]
     pub(in crate::qp) fn recentre(&mut self, least: f64) {
-        let least = V::splat(least);
-        for (sides, softs) in self.sides.iter_mut().zip(&mut self.soft) {
-            for (side, soft) in sides.iter_mut().zip(softs) {
-                let slack = side.slack.fast_max(least / side.multiplier);
-                side.slack = V::select_positive(side.active, slack, side.slack);
-                let t = soft.t.fast_max(least / soft.nu);
-                let t = V::select_positive(soft.active, t, soft.t);
-                soft.nu = soft.w2.mul_add(t - soft.t, soft.nu);
-                soft.t = t;
+        vectorized!(V, {
+            let least = V::splat(least);
+            for (sides, softs) in self.sides.iter_mut().zip(&mut self.soft) {
+                for (side, soft) in sides.iter_mut().zip(softs) {
+                    let slack = side.slack.fast_max(least / side.multiplier);
+                    side.slack = V::select_positive(side.active, slack, side.slack);
+                    let t = soft.t.fast_max(least / soft.nu);
+                    let t = V::select_positive(soft.active, t, soft.t);
+                    soft.nu = soft.w2.mul_add(t - soft.t, soft.nu);
+                    soft.t = t;
+                }
             }
-        }
+        })
     }
 
     /// Raises slacks to several times the residual that moving the variables to `z` leaves: smaller ones
     /// would block every step.
-    #[inline(always)]
     pub(in crate::qp) fn loosen(&mut self, z: &[V]) {
-        let several = V::splat(10.0);
-        for ((sides, softs), z) in self.sides.iter_mut().zip(&self.soft).zip(z) {
-            let distances = [*z - sides[0].bound, sides[1].bound - *z];
-            for ((side, soft), d) in sides.iter_mut().zip(softs).zip(distances) {
-                let residual = soft.active.mul_add(soft.t, d) - side.slack;
-                let least = side.active * several * residual.abs();
-                side.slack = side.slack.fast_max(least);
+        vectorized!(V, {
+            let several = V::splat(10.0);
+            for ((sides, softs), z) in self.sides.iter_mut().zip(&self.soft).zip(z) {
+                let distances = [*z - sides[0].bound, sides[1].bound - *z];
+                for ((side, soft), d) in sides.iter_mut().zip(softs).zip(distances) {
+                    let residual = soft.active.mul_add(soft.t, d) - side.slack;
+                    let least = side.active * several * residual.abs();
+                    side.slack = side.slack.fast_max(least);
+                }
             }
-        }
+        })
+    }
+
+    /// Chooses the lanes that take part: all, or those with a bound that has a multiplier or is nearer to `z` than `share` of the
+    /// distance between the bounds (of 1 + |z| for a one-sided bound). [`Self::wake`] adds others once they come as near.
+    pub(in crate::qp) fn choose(&mut self, all: bool, z: &[V], share: f64) {
+        vectorized!(V, {
+            self.awake.clear();
+            self.asleep.clear();
+            for i in 0..self.sides.len() {
+                let [lower, upper] = &self.sides[i];
+                let is_active = largest(lower.multiplier + upper.multiplier) > 0.0;
+                let takes_part = all || is_active || self.is_near(i, z[i], share);
+                if takes_part { &mut self.awake } else { &mut self.asleep }.push(i);
+            }
+        })
+    }
+
+    /// Wakes the lanes that `z` has come near to, with products `mu`. True if there are any.
+    pub(in crate::qp) fn wake(&mut self, soft: bool, z: &[V], mu: f64, share: f64) -> bool {
+        vectorized!(V, {
+            let before = self.awake.len();
+            for k in (0..self.asleep.len()).rev() {
+                let i = self.asleep[k];
+                if self.is_near(i, z[i], share) {
+                    self.asleep.swap_remove(k);
+                    self.awake.push(i);
+                    if soft {
+                        self.start_lane::<true>(i, z[i], [V::splat(mu), V::splat(share)], false, None);
+                    } else {
+                        self.start_lane::<false>(i, z[i], [V::splat(mu), V::splat(share)], false, None);
+                    }
+                }
+            }
+            self.awake.len() > before
+        })
+    }
+
+    /// True if a bound of lane `i` is nearer to `z` than `share` of [`Self::width`].
+    #[inline(always)]
+    fn is_near(&self, i: usize, z: V, share: f64) -> bool {
+        let [lower, upper] = &self.sides[i];
+        let least = self.width(i, z) * V::splat(share);
+        let (below, above) = (lower.bound + least - z, z + least - upper.bound);
+        largest((lower.active * below).fast_max(upper.active * above)) > 0.0
+    }
+
+    /// Distances between the bounds, 1 + |z| for one-sided ones.
+    #[inline(always)]
+    fn width(&self, i: usize, z: V) -> V {
+        let [lower, upper] = &self.sides[i];
+        let both = lower.active * upper.active;
+        let width = both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z.abs());
+        width.fast_max(V::splat(MIN_WIDTH))
     }
 
     /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance
@@ -116,26 +171,37 @@ impl<V: Vector> Bounds<V> {
         far: bool,
         last: Option<&Multipliers<V>>,
     ) {
-        let mu = V::splat(mu);
-        for i in 0..self.sides.len() {
-            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
-            let both = lower.active * upper.active;
-            let width = both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z[i].abs());
-            let least = width.fast_max(V::splat(MIN_WIDTH)) * V::splat(share);
-            let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
-            // Between bounds that are close to each other relative to their violation, slacks by their distance
-            // alone would be far too small.
-            let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
-            let [of_lower, of_upper] = last.map_or([V::zero(); 2], |last| last.0[i]);
-            let at_most = |l: V| least.fast_min(mu / l.fast_max(V::splat(f64::MIN_POSITIVE)));
-            lower.start::<SOFT>(soft_lower, [below, at_most(of_lower)], mu, far);
-            upper.start::<SOFT>(soft_upper, [above, at_most(of_upper)], mu, far);
+        for k in 0..self.awake.len() {
+            let i = self.awake[k];
+            let last = last.map(|last| last.0[i]);
+            self.start_lane::<SOFT>(i, z[i], [V::splat(mu), V::splat(share)], far, last);
         }
+    }
+
+    /// [`Self::start_as`] for one lane.
+    #[inline(always)]
+    fn start_lane<const SOFT: bool>(
+        &mut self,
+        i: usize,
+        z: V,
+        [mu, share]: [V; 2],
+        far: bool,
+        last: Option<[V; 2]>,
+    ) {
+        let least = self.width(i, z) * share;
+        let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
+        let (below, above) = (z - lower.bound, upper.bound - z);
+        // Between bounds that are close to each other relative to their violation, slacks by their distance
+        // alone would be far too small.
+        let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
+        let [of_lower, of_upper] = last.unwrap_or([V::zero(); 2]);
+        let at_most = |l: V| least.fast_min(mu / l.fast_max(V::splat(f64::MIN_POSITIVE)));
+        lower.start::<SOFT>(soft_lower, [below, at_most(of_lower)], mu, far);
+        upper.start::<SOFT>(soft_upper, [above, at_most(of_upper)], mu, far);
     }
 }
 
 /// Writes one number of a lane.
-#[inline(always)]
 fn set_number<V: Vector>(lane: &mut V, i: usize, value: f64) {
     flat_mut(core::slice::from_mut(lane))[i] = value;
 }

@@ -37,13 +37,12 @@ const HALVINGS: usize = 20;
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// Goes on from the solution in memory, which `first` has found not to be one. Returns the certificate of
     /// the better point, which it makes the solution, and the number of its factorizations.
-    #[inline(always)]
     pub(super) fn multiply(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
         first: Certificate,
     ) -> (Certificate, usize) {
-        let largest = self.riccati.largest_weight();
+        let largest = self.riccati.largest;
         let (mut w, mut violation) = (FIRST_WEIGHT * largest, f64::INFINITY);
         let mut kept = self.better_of(None, first);
         self.iterate.copy_from(&self.solution);
@@ -79,7 +78,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Gradient and diagonal terms at the iterate, for weights W of inputs and of states; `known` as in
     /// [`Bounds::augment`](super::super::barrier::Bounds::augment). The cost's own gradient stays in memory.
-    #[inline(always)]
     pub(super) fn augment(&mut self, [of_inputs, of_states]: [f64; 2], known: bool) {
         self.rows.evaluate(&mut self.iterate);
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
@@ -94,14 +92,12 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// The Newton step from the iterate.
-    #[inline(always)]
     pub(super) fn augmented_step(&mut self) {
         self.solve_step();
         self.fixed.hold(&mut self.step.u);
     }
 
     /// Length of the step: 1, or less where the cost would rise again before.
-    #[inline(always)]
     fn augmented_length(&mut self, w: f64) -> f64 {
         let linear = self.gradient.inner(&self.step);
         self.rhs.clear();
@@ -131,7 +127,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// The forces at the iterate as multipliers of it and of the solution. Returns the largest violation of a
     /// hard bound or row.
-    #[inline(always)]
     pub(super) fn take_forces(&mut self, [of_inputs, of_states]: [f64; 2]) -> f64 {
         let z = &self.iterate;
         self.input_bounds.take_forces(of_inputs, &z.u);

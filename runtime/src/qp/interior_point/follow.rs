@@ -32,12 +32,11 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     ///
     /// # Errors
     /// Where to start instead, and the number of iterations, if that does not lead to its solution.
-    #[inline(always)]
     pub(in crate::qp) fn follow(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
     ) -> Result<QpReport, (Start, usize)> {
-        if !self.solved || !self.accepts(problem) {
+        if !self.solved {
             return Err((Start::Cold, 0));
         }
         if !self.pause.is_over() {
@@ -48,13 +47,12 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         followed.map_err(|iterations| (Start::Near, iterations))
     }
 
-    #[inline(always)]
     fn pursue(&mut self, problem: &QpProblem<NX, NU, NR>) -> Result<QpReport, usize> {
         // A cold start in place of this one forgets what it leaves.
         self.solved = false;
         self.load(problem);
         let weight = factor_ldl(self.riccati.r).map_err(|_| 0_usize)?;
-        let scale = self.riccati.largest_weight();
+        let scale = self.riccati.largest;
         let w = [RIGID * WEIGHT * scale, WEIGHT * scale];
         self.recall(scale);
         self.augment(w, true);
@@ -100,7 +98,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Takes the multipliers of inputs at a bound from the reduced gradient: the force `−W d` has few digits. Returns
     /// by how much the rest of the gradient g may lower the cost at most, `½ gᵀ R⁻¹ g` with the factors of R; the certificate's own measure
     /// has the weights W, which hide what a bound kept by mistake would gain.
-    #[inline(always)]
     fn settle(&mut self, problem: &QpProblem<NX, NU, NR>, weight: &[[f64; NU]; NU]) -> f64 {
         let mut gain = 0.0;
         for (k, stage) in problem.stages.iter().enumerate() {
@@ -126,7 +123,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// The inputs of the solution in memory and where they lead to, with the multipliers of its active set.
-    #[inline(always)]
     pub(super) fn recall(&mut self, scale: f64) {
         self.iterate.copy_from(&self.solution);
         let [of_inputs, of_states] = &self.multipliers;
@@ -139,13 +135,11 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// 0 for one iteration that has found no bound active.
-    #[inline(always)]
     fn counted(&self, iterations: usize) -> usize {
         if self.has_active_bounds() { iterations } else { iterations - 1 }
     }
 
     /// True if a bound or row has a force.
-    #[inline(always)]
     pub(super) fn has_active_bounds(&self) -> bool {
         self.equalities.any() || self.input_bounds.is_active() || self.state_bounds.is_active()
     }

@@ -26,7 +26,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// True if the run has had its iterations; beyond the cap, a second start goes on only where the bounds
     /// are about to be kept, and every start with the iterations of later ones while it closes in on the
     /// solution: those would begin far from it.
-    #[inline(always)]
     pub(super) fn is_over(&self, merit: f64, state: &State, run: &Run) -> bool {
         if merit <= NEAR && run.progress.1 < PATIENCE {
             return run.iterations >= run.budget;
@@ -36,7 +35,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// True if the start was a bad one.
-    #[inline(always)]
     pub(super) fn is_slow(&self, state: &State, run: &Run) -> bool {
         if state.residual <= NEAR * self.settings.feasibility
             || (run.iterations > 0 && run.iterations < JUDGED)
@@ -50,7 +48,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Multipliers of the iterate, as those of the solution or of the best iterate.
-    #[inline(always)]
     pub(super) fn take_multipliers(&mut self, best: bool) {
         let [of_inputs, of_states] = if best { &mut self.best_multipliers } else { &mut self.multipliers };
         self.input_bounds.multipliers(of_inputs);
@@ -59,7 +56,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// At most 1 if the tolerances are met.
-    #[inline(always)]
     pub(super) fn merit(&self, state: &State, run: &Run) -> f64 {
         let (gap, residual) = (state.gap, state.residual);
         // Maxima drop NaN.
@@ -72,7 +68,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Keeps the iterate if it is the best so far.
-    #[inline(always)]
     pub(super) fn keep_best(&mut self, merit: f64, state: &State, run: &mut Run) {
         if merit < run.best.0 || run.best.0.is_infinite() {
             run.best = (merit, state.residual);
@@ -82,7 +77,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// True if the residual of the bounds has ceased to fall, as it does where they cannot be kept.
-    #[inline(always)]
     pub(super) fn stalled(&self, state: &State, run: &mut Run) -> bool {
         let iterations = run.iterations - run.begun;
         if iterations < LATE || !iterations.is_multiple_of(STALL_PERIOD) {

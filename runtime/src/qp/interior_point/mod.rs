@@ -8,6 +8,8 @@
 //! A start near the last solution has its inputs, the states that they lead to, and slacks
 //! `s = max(d, min(μ/λ, share of the width))` at a distance d into a bound whose multiplier was λ, with multipliers `μ/s`: the
 //! products have one value μ, so that the start lies on the central path as far as the last solution tells it.
+//! From such a start only the bounds take part that the iterate is near to or that were active, four to a lane; others join once an
+//! iterate comes near to them. The certificate ([`super::certify`]) looks at all bounds.
 //!
 //! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2
 //! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA
@@ -57,7 +59,6 @@ enum Candidate {
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// Solves the problem in memory, `soft` if it has soft bounds or rows. Where its hard state bounds or rows prove out of reach, solves it again with exact penalties in their
     /// place.
-    #[inline(always)]
     pub(super) fn optimize(
         &mut self,
         problem: &QpProblem<NX, NU, NR>,
@@ -106,7 +107,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Continues with the method of multipliers if the starts did not solve the problem.
-    #[inline(always)]
     pub(super) fn go_on(&mut self, problem: &QpProblem<NX, NU, NR>, report: QpReport) -> QpReport {
         let Some(first) = self.unsolved.take() else { return report };
         let (certificate, further) = self.multiply(problem, first);
@@ -116,7 +116,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Makes the better one of two points the solution: the one kept in memory, if there is one, or the
     /// present one. Keeps it.
-    #[inline(always)]
     fn better_of(&mut self, kept: Option<Certificate>, present: Certificate) -> Certificate {
         let feasibility = self.settings.feasibility;
         let better = kept.filter(|kept| !present.holds() && kept.is_better_than(&present, feasibility));
@@ -136,10 +135,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Makes the first iterate. Near a solution without active bounds, the optimum without bounds is tried first, unless
     /// [`Self::follow`] has found bounds active.
-    #[inline(always)]
     fn set_out(&mut self, start: Start) -> Result<Start, NotPositive> {
         if start == Start::Near {
-            self.recall(self.riccati.largest_weight());
+            self.recall(self.riccati.largest);
             if self.has_active_bounds() || !self.solved {
                 return Ok(start);
             }
@@ -147,7 +145,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.unconstrained()?;
         match start {
             Start::Near if self.keeps_bounds() => return Ok(Start::Cold),
-            Start::Near => self.recall(self.riccati.largest_weight()),
+            Start::Near => self.recall(self.riccati.largest),
             Start::Relaxed => self.soften(),
             Start::Cold | Start::Deep => {}
         }
@@ -155,7 +153,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// The status of the solution in memory. No other place calls one solved.
-    #[inline(always)]
     pub(super) fn status(&mut self, certificate: &Certificate) -> QpStatus {
         if !certificate.is_finite() {
             QpStatus::Invalid
@@ -171,13 +168,11 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// True if there is a bound or row that may become active.
-    #[inline(always)]
     fn is_bounded(&self) -> bool {
-        self.equalities.any() || self.input_bounds.count() + self.state_bounds.count() > 0.0
+        self.equalities.any() || self.input_bounds.any() || self.state_bounds.any()
     }
 
     /// True if the iterate keeps all bounds and rows.
-    #[inline(always)]
     fn keeps_bounds(&self) -> bool {
         let inputs = self.input_bounds.violation(&self.iterate.u, false);
         let states = self.state_bounds.violation(&self.iterate.x, false);
@@ -185,7 +180,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Runs the method from the iterate in memory.
-    #[inline(always)]
     fn run(&mut self, problem: &QpProblem<NX, NU, NR>, soft: bool, start: Start, budget: usize) -> Outcome {
         let mut run = Run::new(start, soft, self.settings.max_iterations, budget);
         let mut candidate = None;
@@ -225,6 +219,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                     self.iterate.copy_from(&self.solution);
                     self.input_bounds.loosen(&self.iterate.u);
                     self.state_bounds.loosen(&self.iterate.x);
+                    self.wake(certificate.residuals.gap / run.count.max(1.0), &mut run);
                 }
             }
             candidate = self.iterate(least, &mut run);
@@ -233,7 +228,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// One iteration, unless it finds a candidate for the solution; the last one is known to have a merit of
     /// at least `least`, 0 if there was none.
-    #[inline(always)]
     fn iterate(&mut self, least: f64, run: &mut Run) -> Option<Candidate> {
         let state = self.linearize(run.soft);
         // For the next one

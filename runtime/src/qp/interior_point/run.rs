@@ -41,7 +41,8 @@ pub(super) struct Run {
     pub(super) soft: bool,
     /// Complementarity pairs.
     pub(super) count: f64,
-    /// Gap at the start.
+    /// Product `sλ` at the start, and gap.
+    pub(super) start_product: f64,
     pub(super) start_gap: f64,
     /// Largest diagonal term of the Newton system.
     pub(super) cap: f64,
@@ -71,6 +72,7 @@ impl Run {
             crawl: 0,
             soft,
             count: 0.0,
+            start_product: 0.0,
             start_gap: 0.0,
             cap: 0.0,
             stiffness: STIFFNESS,
@@ -85,7 +87,6 @@ impl Run {
         }
     }
 
-    #[inline(always)]
     pub(super) fn note(&mut self, merit: f64) {
         let since = |(last, count): (f64, usize), share: f64| {
             if merit < share * last { (merit, 0) } else { (last, count + 1) }

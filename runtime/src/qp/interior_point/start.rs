@@ -1,7 +1,7 @@
 //! Points from which the method starts, and starts again.
 
 use super::super::core::{Core, Start};
-use super::super::lanes::{Vector, largest};
+use super::super::lanes::Vector;
 use super::super::ldl::NotPositive;
 use super::run::Run;
 
@@ -23,7 +23,6 @@ const ABOVE_SOFT: f64 = 1e3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// The optimum without bounds, by one factorization.
-    #[inline(always)]
     pub(super) fn unconstrained(&mut self) -> Result<(), NotPositive> {
         self.weight.clear();
         self.fixed.weigh(&mut self.weight.u);
@@ -37,25 +36,47 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Slacks and multipliers for the first iterate.
-    #[inline(always)]
     pub(super) fn begin(&mut self, run: &mut Run) {
         let gap = match run.start {
             Start::Near => NEAR_GAP * self.cost().abs(),
             _ => START_GAP * self.excess_energy(),
         };
-        run.cap = WEIGHT_CAP * self.riccati.largest_weight();
+        run.cap = WEIGHT_CAP * self.riccati.largest;
         self.input_bounds.cap_weights(f64::INFINITY);
         self.cap_weights(run.cap);
         self.equalities.start((run.start == Start::Near).then_some(&self.multipliers[1]));
-        run.count = self.input_bounds.count() + self.state_bounds.count();
+        self.choose(run.start != Start::Near);
         self.set_slacks(gap, run);
     }
 
+    /// Chooses the bounds that take part. Near the last solution these are the ones that the iterate is near to, and those that
+    /// [`Self::recall`] has found active. Elsewhere all do: from a cold start, iterates pass by so many bounds that waking them
+    /// one after another takes up to twice the iterations.
+    fn choose(&mut self, all: bool) {
+        self.input_bounds.choose(all, &self.iterate.u, START_SLACK);
+        self.state_bounds.choose(all, &self.iterate.x, START_SLACK);
+    }
+
+    /// Bounds that the iterate has come near to take part from now on, with products `mu`; with those of the start if it is 0,
+    /// because no bound has taken part.
+    pub(super) fn wake(&mut self, mu: f64, run: &mut Run) {
+        let mu = if mu > 0.0 { mu } else { run.start_product };
+        let (z, soft) = (&self.iterate, run.soft);
+        let woken = [
+            self.input_bounds.wake(false, &z.u, mu, START_SLACK),
+            self.state_bounds.wake(soft, &z.x, mu, START_SLACK),
+        ];
+        if woken != [false; 2] {
+            run.count = self.input_bounds.count() + self.state_bounds.count();
+            (run.start_gap, run.shrink) = (run.shrink * run.start_gap + mu * run.count, 1.0);
+        }
+    }
+
     /// Slacks as the iterate has them, and multipliers, for a gap `Σ sλ`.
-    #[inline(always)]
     fn set_slacks(&mut self, gap: f64, run: &mut Run) {
+        run.count = self.input_bounds.count() + self.state_bounds.count();
         let mu = if gap > 0.0 { gap / run.count.max(1.0) } else { 1.0 };
-        run.start_gap = mu * run.count;
+        (run.start_product, run.start_gap) = (mu, mu * run.count);
         run.shrink = 1.0;
         let far = run.restarted;
         let last = |side: usize| (run.start == Start::Near).then_some(&self.multipliers[side]);
@@ -66,7 +87,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     /// Starts again from a point that lies as deep inside the bounds as the dynamics allow, with its whole
     /// cost as the scale: where the optimum without bounds lies far outside, what it costs to move it there
     /// tells nothing, and the method creeps along the boundary.
-    #[inline(always)]
     pub(super) fn restart(&mut self, run: &mut Run) {
         if run.iterations > 0 {
             self.iterate.copy_from(&self.best);
@@ -80,7 +100,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         (run.progress, run.pace) = ((f64::INFINITY, 0), (f64::INFINITY, 0));
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();
-        let most = 10.0 * size * run.count.max(1.0);
+        self.choose(true);
+        let count = self.input_bounds.count() + self.state_bounds.count();
+        let most = 10.0 * size * count.max(1.0);
         let mut level = size;
         for _ in 0..4 {
             if self.centre(size).is_ok() {
@@ -100,12 +122,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Size of the cost at the iterate.
-    #[inline(always)]
     fn scale(&mut self) -> f64 {
         self.cost().abs() + self.state_bounds.penalty(&self.iterate.x, true)
     }
 
-    #[inline(always)]
     fn centre(&mut self, size: f64) -> Result<(), NotPositive> {
         self.weight.clear();
         self.rhs.copy_from(&self.linear);
@@ -120,14 +140,12 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.riccati.factorize(&self.weight, Some(&self.affine), &self.rows)
     }
 
-    #[inline(always)]
     fn cap_weights(&mut self, cap: f64) {
         self.state_bounds.cap_weights(cap);
         self.equalities.cap_weights(cap);
     }
 
     /// Cost of the iterate, without penalties.
-    #[inline(always)]
     fn cost(&mut self) -> f64 {
         let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         0.5 * quadratic + linear + self.constant
@@ -135,7 +153,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// Scale of the multipliers: the cost of moving each number of the iterate into its bounds and rows, if
     /// the iterate were the optimum without them.
-    #[inline(always)]
     fn excess_energy(&mut self) -> f64 {
         self.step.copy_from(&self.iterate);
         self.input_bounds.clip(&mut self.step.u);
@@ -152,17 +169,13 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// Exact penalties in place of all hard state bounds and rows, from the unconstrained optimum in memory.
-    #[inline(always)]
     pub(super) fn soften(&mut self) {
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
-        let mut slope = 0.0_f64;
-        for g in &self.gradient.x {
-            slope = slope.max(largest(g.abs()));
-        }
+        let mut slope = self.gradient.largest_state();
         if NR > 0 {
             slope = slope.max(self.gradient.largest_input());
         }
-        let weight = RELAXATION * slope.max(self.riccati.largest_weight());
+        let weight = RELAXATION * slope.max(self.riccati.largest);
         let weight = weight.max(ABOVE_SOFT * self.state_bounds.steepest());
         let bounds = &mut self.state_bounds;
         self.equalities.release(|i, value| bounds.set(i, value, value, None));

@@ -1,6 +1,6 @@
 //! One step of the method: Newton system, affine step, centred and corrected step.
 
-use super::super::barrier::Tally;
+use super::super::barrier::Totals;
 use super::super::core::{Core, Start};
 use super::super::lanes::Vector;
 use super::judge::CRAWL;
@@ -20,7 +20,6 @@ const SAFE_CENTRING: f64 = 0.3;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
     /// Gradient of the cost, barrier terms and right-hand side of the affine step.
-    #[inline(always)]
     pub(super) fn linearize(&mut self, soft: bool) -> State {
         self.rows.evaluate(&mut self.iterate);
         let (quadratic, linear) = self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
@@ -35,14 +34,13 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         State {
             quadratic,
             cost: 0.5 * quadratic + linear + self.constant,
-            gap: inputs.sum() + states.sum(),
-            residual: inputs.max().max(states.max()).max(unmet),
-            force: states.force(),
+            gap: inputs.sum + states.sum,
+            residual: inputs.max.max(states.max).max(unmet),
+            force: states.force,
         }
     }
 
     /// One iteration. Returns false if the arithmetic broke down, the iterate then being unchanged.
-    #[inline(always)]
     pub(super) fn advance(&mut self, state: &State, run: &mut Run) -> bool {
         if self.riccati.factorize(&self.weight, None, &self.rows).is_err() {
             // Rounding relative to the largest terms.
@@ -74,6 +72,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.equalities.advance(length);
         self.iterate.advance(&self.step, length);
         run.shrink *= 1.0 - length;
+        let mu = (1.0 - length) * state.gap / run.count.max(1.0) + length * target;
+        self.wake(mu, run);
         run.crawl = if length < CRAWL { run.crawl + 1 } else { 0 };
         if length < BLOCKED && run.iterations >= run.begun + SETTLED {
             let least = LEAST_PRODUCT * state.gap / run.count.max(1.0);
@@ -84,19 +84,17 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
     }
 
     /// The step for the right-hand side in memory.
-    #[inline(always)]
     pub(super) fn solve_step(&mut self) {
         self.riccati.solve(&self.rhs, &mut self.step, None);
         self.rows.follow(&mut self.step);
     }
 
     /// Complementarity `σμ` to aim at, from the affine step: `σ = (μ_affine/μ)³` (Mehrotra 1992).
-    #[inline(always)]
     fn centring(&mut self, state: &State, run: &Run) -> (f64, f64) {
         let inputs = self.input_bounds.predictor(false, &self.step.u);
         let states = self.state_bounds.predictor(run.soft, &self.step.x);
         let length = 1.0 / inverse_step(&inputs, &states).max(1.0);
-        let affine = (1.0 - length) * state.gap + length * length * (inputs.sum() + states.sum());
+        let affine = (1.0 - length) * state.gap + length * length * (inputs.sum + states.sum);
         // Without complementarity pairs there is nothing to centre.
         let ratio = if state.gap > 0.0 { (affine / state.gap).clamp(0.0, 1.0) } else { 0.0 };
         let mu = state.gap / run.count.max(1.0);
@@ -109,7 +107,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 }
 
 /// Inverse of the step to the boundary.
-#[inline(always)]
-fn inverse_step<V: Vector>(inputs: &Tally<V>, states: &Tally<V>) -> f64 {
-    inputs.max().max(states.max())
+fn inverse_step(inputs: &Totals, states: &Totals) -> f64 {
+    inputs.max.max(states.max)
 }
