@@ -1162,35 +1162,183 @@ pub fn linearize(
     u: &[f64; M],
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let [inverse_d_beta, t12, t23, t31, t34, t44, omega_gamma_z, t58, t61, t65, t74, t83,
-    t86, t93, t96, t99] = linearize_body_1(
-        [sin_beta, cos_beta, sin_gamma, cos_gamma],
-        v,
-        u,
-    );
-    linearize_body_2(
-        [
-            sin_gamma,
-            inverse_d_beta,
-            t12,
-            t23,
-            t31,
-            t34,
-            t44,
-            omega_gamma_z,
-            t58,
-            t61,
-            t65,
-            t74,
-            t83,
-            t86,
-            t93,
-            t96,
-            t99,
-        ],
-        y,
-        v,
-        u,
+    let t4 = cos_gamma * 0.31075498619999997;
+    let t5 = t4 + 0.6693697768564999;
+    let t6 = t5 * 0.4935471238405507;
+    let t7 = t5 * t6;
+    let t8 = cos_gamma * 0.6215099723999999;
+    let t9 = t8 + 2.3212965868565;
+    let t10 = t9 - t7;
+    let inverse_d_beta = 1.0 / t10;
+    let t12 = t6 * inverse_d_beta;
+    let acceleration_beta_x = cos_beta * 54.48138888888889;
+    let t14 = cos_gamma * acceleration_beta_x;
+    let acceleration_beta_y = sin_beta * 54.48138888888889;
+    let t16 = sin_gamma * acceleration_beta_y;
+    let t17 = t16 - t14;
+    let t18 = 0.31075498619999997 * t17;
+    let t19 = t12 * t18;
+    let t20 = cos_beta * 15.9469662177;
+    let t21 = t20 - t18;
+    let t22 = inverse_d_beta * t21;
+    let t23 = t22 + t19;
+    let t24 = v[0] * v[0];
+    let t25 = acceleration_beta_x - t24;
+    let t26 = sin_gamma * t25;
+    let t27 = cos_gamma * acceleration_beta_y;
+    let acceleration_gamma_y = t26 + t27;
+    let moment_gamma_z = 0.31075498619999997 * acceleration_gamma_y;
+    let t30 = v[1] * 10.0;
+    let t31 = math::tanh(t30);
+    let t32 = 0.368 * t31;
+    let t33 = v[1] * 5.0;
+    let t34 = math::tanh(t33);
+    let t35 = t34 * 0.368;
+    let t36 = t35 + t32;
+    let t37 = v[1] * 56.231;
+    let t38 = u[1] * 161.0;
+    let t39 = t38 - t37;
+    let t40 = sign(v[1]);
+    let t41 = t40 * 0.492;
+    let t42 = t41 - t39;
+    let t43 = v[1] * 100.0;
+    let t44 = math::tanh(t43);
+    let t45 = t44 * 8.342;
+    let t46 = t45 + t42;
+    let t47 = t46 + t36;
+    let t48 = moment_gamma_z - t47;
+    let t49 = t12 * t48;
+    let omega_gamma_z = v[0] + v[1];
+    let t51 = omega_gamma_z * omega_gamma_z;
+    let force_gamma_x = 0.31075498619999997 * t51;
+    let force_beta_y = sin_gamma * force_gamma_x;
+    let t54 = sin_beta * 15.9469662177;
+    let t55 = t54 + force_beta_y;
+    let moment_beta_z = moment_gamma_z + t55;
+    let t57 = v[0] * 10.0;
+    let t58 = math::tanh(t57);
+    let t59 = t58 * 10.838;
+    let t60 = v[0] * 5.0;
+    let t61 = math::tanh(t60);
+    let t62 = t61 * 3.924;
+    let t63 = t62 + t59;
+    let t64 = v[0] * 20.0;
+    let t65 = math::tanh(t64);
+    let t66 = t65 * 2.236;
+    let t67 = v[0] * 76.556;
+    let t68 = u[0] * 161.0;
+    let t69 = t68 - t67;
+    let t70 = t66 - t69;
+    let t71 = t70 + t63;
+    let t72 = moment_beta_z - t71;
+    let t73 = inverse_d_beta * t72;
+    let t74 = t73 - t49;
+    let t75 = acceleration_beta_y - t74;
+    let t76 = sin_gamma * t75;
+    let t77 = cos_gamma * t25;
+    let t78 = t77 - t76;
+    let t79 = 0.31075498619999997 * t78;
+    let t80 = cos_gamma * force_gamma_x;
+    let t81 = t80 + t79;
+    let t82 = t6 * t12;
+    let t83 = 0.4935471238405507 + t82;
+    let t84 = t83 * t48;
+    let t85 = t12 * t72;
+    let t86 = t85 - t84;
+    let t87 = t74 - t86;
+    let t88 = 0.31075498619999997 * t87;
+    let t89 = sin_gamma * t88;
+    let t90 = t89 + t81;
+    let t91 = inverse_d_beta * t90;
+    let t92 = t12 * t79;
+    let t93 = t91 - t92;
+    let t94 = t83 * t18;
+    let t95 = t12 * t21;
+    let t96 = t95 + t94;
+    let t97 = t12 * t90;
+    let t98 = t83 * t79;
+    let t99 = t97 - t98;
+    let t100 = v[0] + v[0];
+    let t101 = sin_gamma * t100;
+    let t102 = 0.31075498619999997 * t101;
+    let t103 = t12 * t102;
+    let t104 = t58 * t58;
+    let t105 = 1.0 - t104;
+    let t106 = t105 * 108.38;
+    let t107 = t61 * t61;
+    let t108 = 1.0 - t107;
+    let t109 = t108 * 19.62;
+    let t110 = t109 + t106;
+    let t111 = 0.6215099723999999 * omega_gamma_z;
+    let t112 = sin_gamma * t111;
+    let t113 = 76.556 - t112;
+    let t114 = t102 + t113;
+    let t115 = t65 * t65;
+    let t116 = 1.0 - t115;
+    let t117 = t116 * 44.720000000000006;
+    let t118 = t117 + t114;
+    let t119 = t118 + t110;
+    let t120 = inverse_d_beta * t119;
+    let t121 = t103 - t120;
+    let t122 = t31 * t31;
+    let t123 = 1.0 - t122;
+    let t124 = t123 * 3.6799999999999997;
+    let t125 = t34 * t34;
+    let t126 = 1.0 - t125;
+    let t127 = t126 * 1.8399999999999999;
+    let t128 = t127 + t124;
+    let t129 = t44 * t44;
+    let t130 = 1.0 - t129;
+    let t131 = t130 * 834.2;
+    let t132 = 56.231 + t131;
+    let t133 = t132 + t128;
+    let t134 = t12 * t133;
+    let t135 = inverse_d_beta * t112;
+    let t136 = t135 + t134;
+    let t137 = t83 * t102;
+    let t138 = t12 * t119;
+    let t139 = t137 - t138;
+    let t140 = t83 * t133;
+    let t141 = t12 * t112;
+    let t142 = t141 + t140;
+    let t143 = 161.0 * inverse_d_beta;
+    let t144 = 161.0 * t12;
+    let t145 = 161.0 * t83;
+    let t146 = y[1] * t93;
+    let t147 = v[1] * t136;
+    let t148 = v[0] * t121;
+    let t149 = t148 + t147;
+    let t150 = y[0] * t23;
+    let t151 = t150 + t149;
+    let t152 = u[1] * t144;
+    let t153 = u[0] * t143;
+    let t154 = t153 - t152;
+    let t155 = t154 - t74;
+    let t156 = t155 + t151;
+    let t157 = t146 + t156;
+    let t158 = y[1] * t99;
+    let t159 = v[1] * t142;
+    let t160 = v[0] * t139;
+    let t161 = t160 + t159;
+    let t162 = y[0] * t96;
+    let t163 = t162 + t161;
+    let t164 = u[1] * t145;
+    let t165 = u[0] * t144;
+    let t166 = t165 - t164;
+    let t167 = t166 - t86;
+    let t168 = t167 + t163;
+    let t169 = t158 + t168;
+    let t170 = -t96;
+    let t171 = -t99;
+    let t172 = -t139;
+    let t173 = -t142;
+    let t174 = -t144;
+    let t175 = -t157;
+    (
+        [[t23, t93], [t170, t171]],
+        [[t121, t136], [t172, t173]],
+        [[t143, t174], [t174, t145]],
+        [t175, t169],
     )
 }
 
@@ -1585,6 +1733,25 @@ pub fn linearize_lanes_avx512(
 ) {
     linearize_each::<8>(y, v, u, a_y, a_v, b_x, c);
 }
+
+/// `linearize_lanes` for any processor, for avx2, for avx512f: the runtime's choice.
+#[allow(
+    clippy::type_complexity,
+    reason = "blocks of fixed size need no type of their own"
+)]
+pub const LINEARIZE_LANES: [unsafe fn(
+    y: &[Lanes; N],
+    v: &[Lanes; N],
+    u: &[Lanes; M],
+    a_y: &mut [[Lanes; N]; N],
+    a_v: &mut [[Lanes; N]; N],
+    b_x: &mut [[Lanes; M]; N],
+    c: &mut [Lanes; N],
+); 3] = {
+    #[cfg(target_arch = "x86_64")]
+    { [linearize_lanes, linearize_lanes_avx2, linearize_lanes_avx512] }
+    #[cfg(not(target_arch = "x86_64"))] { [linearize_lanes; 3] }
+};
 
 /// Kinetic energy, rotors included.
 ///

@@ -169,16 +169,6 @@ impl Default for Parameters {
     }
 }
 
-/// One quantity of eight states side by side, aligned for SIMD registers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(64))]
-pub struct Lanes(pub [f64; 8]);
-
-/// One quantity of those states that are computed at a time.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-struct Group<const W: usize>([f64; W]);
-
 /// Structure of `M`: `false` where the entry is zero in every state; 4 of 4 are not.
 pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 
@@ -1576,71 +1566,6 @@ pub fn linearize(
     p: &Parameters,
 ) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let ([sin_beta, sin_gamma], [cos_beta, cos_gamma]) = math::sin_cos_2(y[0], y[1]);
-    let [t5, inverse_d_beta, t23, acceleration_beta_x, acceleration_beta_y, t29, t32,
-    t34, t36, t38, t40, t43, t47, t49] = linearize_body_1(
-        [sin_beta, cos_beta, sin_gamma, cos_gamma],
-        v,
-        p,
-    );
-    let [t58, t98, t104, t107, t123, t126, t129, t132, t133, t147, t149] = linearize_body_2(
-        [
-            sin_gamma,
-            cos_gamma,
-            t5,
-            inverse_d_beta,
-            t23,
-            acceleration_beta_x,
-            acceleration_beta_y,
-            t29,
-            t32,
-            t34,
-            t38,
-            t49,
-        ],
-        v,
-        u,
-        p,
-    );
-    linearize_body_3(
-        [
-            sin_gamma,
-            inverse_d_beta,
-            t23,
-            t36,
-            t38,
-            t40,
-            t43,
-            t47,
-            t58,
-            t98,
-            t104,
-            t107,
-            t123,
-            t126,
-            t129,
-            t132,
-            t133,
-            t147,
-            t149,
-        ],
-        y,
-        v,
-        u,
-        p,
-    )
-}
-
-/// Part 1 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-fn linearize_body_1(
-    [sin_beta,
-    cos_beta,
-    sin_gamma,
-    cos_gamma,
-    ]: [f64; 4],
-    v: &[f64; N],
-    p: &Parameters,
-) -> [f64; 14] {
     let t4 = 0.5586 * p.load;
     let t5 = 1.72641659 + t4;
     let t6 = t5 * cos_gamma;
@@ -1687,44 +1612,6 @@ fn linearize_body_1(
     let t47 = math::tanh(t46);
     let t48 = t47 * p.gamma_tanh_5;
     let t49 = t48 + t45;
-    [
-        t5,
-        inverse_d_beta,
-        t23,
-        acceleration_beta_x,
-        acceleration_beta_y,
-        t29,
-        t32,
-        t34,
-        t36,
-        t38,
-        t40,
-        t43,
-        t47,
-        t49,
-    ]
-}
-
-/// Part 2 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-fn linearize_body_2(
-    [sin_gamma,
-    cos_gamma,
-    t5,
-    inverse_d_beta,
-    t23,
-    acceleration_beta_x,
-    acceleration_beta_y,
-    t29,
-    t32,
-    t34,
-    t38,
-    t49,
-    ]: [f64; 12],
-    v: &[f64; N],
-    u: &[f64; M],
-    p: &Parameters,
-) -> [f64; 11] {
     let t50 = v[1] * p.gamma_viscous;
     let t51 = p.gamma_constant + t50;
     let t52 = u[1] * 161.0;
@@ -1825,41 +1712,6 @@ fn linearize_body_2(
     let t147 = t146 + t142;
     let t148 = omega_gamma_z + omega_gamma_z;
     let t149 = t5 * t148;
-    [t58, t98, t104, t107, t123, t126, t129, t132, t133, t147, t149]
-}
-
-/// Part 3 of `linearize` from sines, cosines and what earlier parts made.
-#[inline(always)]
-#[allow(
-    clippy::type_complexity,
-    reason = "blocks of fixed size need no type of their own"
-)]
-fn linearize_body_3(
-    [sin_gamma,
-    inverse_d_beta,
-    t23,
-    t36,
-    t38,
-    t40,
-    t43,
-    t47,
-    t58,
-    t98,
-    t104,
-    t107,
-    t123,
-    t126,
-    t129,
-    t132,
-    t133,
-    t147,
-    t149,
-    ]: [f64; 19],
-    y: &[f64; N],
-    v: &[f64; N],
-    u: &[f64; M],
-    p: &Parameters,
-) -> ([[f64; N]; N], [[f64; N]; N], [[f64; M]; N], [f64; N]) {
     let t150 = sin_gamma * t149;
     let t151 = 0.18 * t150;
     let t152 = p.beta_viscous - t151;
@@ -1940,212 +1792,6 @@ fn linearize_body_3(
         [[t222, t192], [t192, t193]],
         [t205, t223],
     )
-}
-
-/// `linearize` of eight states, `W` at a time.
-#[inline(always)]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "blocks of fixed size need no type of their own"
-)]
-fn linearize_each<const W: usize>(
-    y: &[Lanes; N],
-    v: &[Lanes; N],
-    u: &[Lanes; M],
-    p: &Parameters,
-    a_y: &mut [[Lanes; N]; N],
-    a_v: &mut [[Lanes; N]; N],
-    b_x: &mut [[Lanes; M]; N],
-    c: &mut [Lanes; N],
-) {
-    for group in 0..8 / W {
-        let mut angles = [Group([0.0; W]); 2];
-        for lane in 0..W {
-            angles[0].0[lane] = y[0].0[W * group + lane];
-            angles[1].0[lane] = y[1].0[W * group + lane];
-        }
-        let (mut sines, mut cosines) = ([Group([0.0; W]); 2], [Group([0.0; W]); 2]);
-        math::sin_cos_lanes(&angles[0].0, &mut sines[0].0, &mut cosines[0].0);
-        math::sin_cos_lanes(&angles[1].0, &mut sines[1].0, &mut cosines[1].0);
-        let mut values_1 = [Group([0.0; W]); 14];
-        for lane in 0..W {
-            let values = linearize_body_1(
-                [
-                    sines[0].0[lane],
-                    cosines[0].0[lane],
-                    sines[1].0[lane],
-                    cosines[1].0[lane],
-                ],
-                &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-                p,
-            );
-            values_1[0].0[lane] = values[0];
-            values_1[1].0[lane] = values[1];
-            values_1[2].0[lane] = values[2];
-            values_1[3].0[lane] = values[3];
-            values_1[4].0[lane] = values[4];
-            values_1[5].0[lane] = values[5];
-            values_1[6].0[lane] = values[6];
-            values_1[7].0[lane] = values[7];
-            values_1[8].0[lane] = values[8];
-            values_1[9].0[lane] = values[9];
-            values_1[10].0[lane] = values[10];
-            values_1[11].0[lane] = values[11];
-            values_1[12].0[lane] = values[12];
-            values_1[13].0[lane] = values[13];
-        }
-        let mut values_2 = [Group([0.0; W]); 11];
-        for lane in 0..W {
-            let values = linearize_body_2(
-                [
-                    sines[1].0[lane],
-                    cosines[1].0[lane],
-                    values_1[0].0[lane],
-                    values_1[1].0[lane],
-                    values_1[2].0[lane],
-                    values_1[3].0[lane],
-                    values_1[4].0[lane],
-                    values_1[5].0[lane],
-                    values_1[6].0[lane],
-                    values_1[7].0[lane],
-                    values_1[9].0[lane],
-                    values_1[13].0[lane],
-                ],
-                &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-                &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
-                p,
-            );
-            values_2[0].0[lane] = values[0];
-            values_2[1].0[lane] = values[1];
-            values_2[2].0[lane] = values[2];
-            values_2[3].0[lane] = values[3];
-            values_2[4].0[lane] = values[4];
-            values_2[5].0[lane] = values[5];
-            values_2[6].0[lane] = values[6];
-            values_2[7].0[lane] = values[7];
-            values_2[8].0[lane] = values[8];
-            values_2[9].0[lane] = values[9];
-            values_2[10].0[lane] = values[10];
-        }
-        for lane in 0..W {
-            let (result_1, result_2, result_3, result_4) = linearize_body_3(
-                [
-                    sines[1].0[lane],
-                    values_1[1].0[lane],
-                    values_1[2].0[lane],
-                    values_1[8].0[lane],
-                    values_1[9].0[lane],
-                    values_1[10].0[lane],
-                    values_1[11].0[lane],
-                    values_1[12].0[lane],
-                    values_2[0].0[lane],
-                    values_2[1].0[lane],
-                    values_2[2].0[lane],
-                    values_2[3].0[lane],
-                    values_2[4].0[lane],
-                    values_2[5].0[lane],
-                    values_2[6].0[lane],
-                    values_2[7].0[lane],
-                    values_2[8].0[lane],
-                    values_2[9].0[lane],
-                    values_2[10].0[lane],
-                ],
-                &[y[0].0[W * group + lane], y[1].0[W * group + lane]],
-                &[v[0].0[W * group + lane], v[1].0[W * group + lane]],
-                &[u[0].0[W * group + lane], u[1].0[W * group + lane]],
-                p,
-            );
-            a_y[0][0].0[W * group + lane] = result_1[0][0];
-            a_y[0][1].0[W * group + lane] = result_1[0][1];
-            a_y[1][0].0[W * group + lane] = result_1[1][0];
-            a_y[1][1].0[W * group + lane] = result_1[1][1];
-            a_v[0][0].0[W * group + lane] = result_2[0][0];
-            a_v[0][1].0[W * group + lane] = result_2[0][1];
-            a_v[1][0].0[W * group + lane] = result_2[1][0];
-            a_v[1][1].0[W * group + lane] = result_2[1][1];
-            b_x[0][0].0[W * group + lane] = result_3[0][0];
-            b_x[0][1].0[W * group + lane] = result_3[0][1];
-            b_x[1][0].0[W * group + lane] = result_3[1][0];
-            b_x[1][1].0[W * group + lane] = result_3[1][1];
-            c[0].0[W * group + lane] = result_4[0];
-            c[1].0[W * group + lane] = result_4[1];
-        }
-    }
-}
-
-/// `linearize` of eight states, the same bits as of each.
-///
-/// Nothing that stood in the results is read.
-#[inline(never)]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "blocks of fixed size need no type of their own"
-)]
-pub fn linearize_lanes(
-    y: &[Lanes; N],
-    v: &[Lanes; N],
-    u: &[Lanes; M],
-    p: &Parameters,
-    a_y: &mut [[Lanes; N]; N],
-    a_v: &mut [[Lanes; N]; N],
-    b_x: &mut [[Lanes; M]; N],
-    c: &mut [Lanes; N],
-) {
-    linearize_each::<4>(y, v, u, p, a_y, a_v, b_x, c);
-}
-
-/// `linearize` of eight states, the same bits as of each; for processors with avx2.
-///
-/// Nothing that stood in the results is read.
-///
-/// # Safety
-///
-/// The processor must have these instructions: `is_x86_feature_detected!` tells.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-#[inline(never)]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "blocks of fixed size need no type of their own"
-)]
-pub fn linearize_lanes_avx2(
-    y: &[Lanes; N],
-    v: &[Lanes; N],
-    u: &[Lanes; M],
-    p: &Parameters,
-    a_y: &mut [[Lanes; N]; N],
-    a_v: &mut [[Lanes; N]; N],
-    b_x: &mut [[Lanes; M]; N],
-    c: &mut [Lanes; N],
-) {
-    linearize_each::<4>(y, v, u, p, a_y, a_v, b_x, c);
-}
-
-/// `linearize` of eight states, the same bits as of each; for processors with avx512f.
-///
-/// Nothing that stood in the results is read.
-///
-/// # Safety
-///
-/// The processor must have these instructions: `is_x86_feature_detected!` tells.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-#[inline(never)]
-#[allow(
-    clippy::too_many_arguments,
-    reason = "blocks of fixed size need no type of their own"
-)]
-pub fn linearize_lanes_avx512(
-    y: &[Lanes; N],
-    v: &[Lanes; N],
-    u: &[Lanes; M],
-    p: &Parameters,
-    a_y: &mut [[Lanes; N]; N],
-    a_v: &mut [[Lanes; N]; N],
-    b_x: &mut [[Lanes; M]; N],
-    c: &mut [Lanes; N],
-) {
-    linearize_each::<8>(y, v, u, p, a_y, a_v, b_x, c);
 }
 
 /// Kinetic energy, rotors included.
@@ -3033,30 +2679,6 @@ mod math {
     fn sin_cos_array_large<const L: usize>(x: [f64; L]) -> ([f64; L], [f64; L]) {
         let pairs = x.map(sin_cos);
         (pairs.map(|pair| pair.0), pairs.map(|pair| pair.1))
-    }
-
-    // Sine and cosine of the angles of several states, written in place (after sin_cos.rs): results that are returned
-    // would be copied twice.
-
-    /// Writes the sine and cosine of each angle, the same bits as [`sin_cos`] of each.
-    #[inline(always)]
-    pub fn sin_cos_lanes<const L: usize>(x: &[f64; L], sin: &mut [f64; L], cos: &mut [f64; L]) {
-        let mut all_direct = true;
-        for i in 0..L {
-            (sin[i], cos[i]) = sin_cos_direct(x[i]);
-            all_direct &= x[i].abs() <= LARGEST_DIRECT_ANGLE;
-        }
-        if !all_direct {
-            sin_cos_lanes_large(x, sin, cos);
-        }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn sin_cos_lanes_large<const L: usize>(x: &[f64; L], sin: &mut [f64; L], cos: &mut [f64; L]) {
-        for i in 0..L {
-            (sin[i], cos[i]) = sin_cos(x[i]);
-        }
     }
 
     // Sine and cosine of 2 angles that arrive in registers (after sin_cos_array.rs).

@@ -7,6 +7,9 @@
 //! periods; "bounded" counts only periods whose QP has active bounds, and "per iteration" divides their QP with
 //! its set-up by its iterations.
 //!
+//! The exact hold is computed over lanes, as the controller does ([`ZeroOrderHolds`]); the line "one by one" has the horizon with
+//! `discretize` of each stage, and the ratio of the two.
+//!
 //! Each robot's linear controller predicts by the exact zero-order hold and by the implicit midpoint rule; the line "midpoint
 //! to hold" has the ratios of whole steps, of bounded ones, of the horizon, and of the prediction of a stage alone.
 //!
@@ -14,8 +17,9 @@
 //! states, 6 inputs). Over all periods the ratio depends on how often the bounds of each motion are active.
 
 use gelenk_runtime::control_loop::{Controller, Cycle, LogRecord, LogSink, Source, log_to};
-use gelenk_runtime::dynamics::{Discretizable, LimitRows, PhaseSpace};
+use gelenk_runtime::dynamics::{Discretizable, Discretization, LimitRows, Linearization, PhaseSpace, Point};
 use gelenk_runtime::feed_forward::FeedForward;
+use gelenk_runtime::lanes::{ZeroOrderHolds, instructions};
 use gelenk_runtime::mpc::{DisturbanceObserver, LtvMpc, MpcOptions, Nmpc, PredictionRule};
 use gelenk_runtime::trajectory::{RestToRest, Sample, Trajectory};
 use rand::{RngExt, SeedableRng};
@@ -185,6 +189,12 @@ where
         1e3 * linear[1].1.predicting,
         1e3 * linear[0].1.predicting,
     );
+    let Stages { looking, one_by_one, .. } = linear[0].1;
+    println!(
+        "{:<10} one by one: horizon {one_by_one:.1} us; over lanes {:.2} of it",
+        "",
+        looking / one_by_one
+    );
     println!(
         "{:<10} NMPC    {:>6.1} us, bounded {:>6.1} us",
         "",
@@ -199,7 +209,9 @@ struct Stages {
     observing: f64,
     /// The horizon: reference, feed-forward and prediction of each period.
     looking: f64,
-    /// The prediction of one period alone.
+    /// The same with `discretize` of each period.
+    one_by_one: f64,
+    /// The prediction of one period alone, its share of all.
     predicting: f64,
     logging: f64,
 }
@@ -226,18 +238,9 @@ where
         observer.correct_by(model, &sample.positions);
         std::hint::black_box(&observer);
     });
-    let predict = |at: &Sample<N, NY>, u: &[f64; M]| {
-        let (y, v, a) = (&at.positions, &at.velocities, &at.accelerations);
-        match rule {
-            PredictionRule::ExactHold => {
-                let _ = std::hint::black_box(model.discretize(y, v, u, period));
-            }
-            PredictionRule::ImplicitMidpoint => {
-                let _ = std::hint::black_box(model.midpoint_step(y, v, a, u, period));
-            }
-        }
-    };
-    let looking = time_alone(|i| {
+    let mut horizon = vec![(sample, inputs); HORIZON];
+    let mut lanes = Lanes::new(model);
+    let mut look = |i: usize, lanes: &mut Lanes<N, M, NY>, rule| {
         for k in 0..HORIZON {
             let time = (i % 50 + k) as f64 * period;
             std::hint::black_box(motion.sample(time));
@@ -246,12 +249,72 @@ where
             if k + 1 == HORIZON {
                 inputs = feed_forward.at(&middle).inputs;
             }
-            predict(&middle, &inputs);
+            horizon[k] = (middle, inputs);
         }
-    });
-    let predicting = time_alone(|_| predict(&sample, &inputs));
+        predict(model, lanes, &horizon, period, rule);
+    };
+    let looking = time_alone(|i| look(i, &mut lanes, Some(rule)));
+    let one_by_one = time_alone(|i| look(i, &mut lanes, None));
+    let horizon = vec![(sample, inputs); HORIZON];
+    let all = time_alone(|_| predict(model, &mut lanes, &horizon, period, Some(rule)));
+    let predicting = all / HORIZON as f64;
     let logging = time_alone(|_| log.push(log_record(0.0, &sample.positions, &inputs)));
-    Ok(Stages { observing, looking, predicting, logging })
+    Ok(Stages { observing, looking, one_by_one, predicting, logging })
+}
+
+/// Memory of predictions over lanes.
+struct Lanes<const N: usize, const M: usize, const NY: usize> {
+    points: Vec<Point<N, M, NY>>,
+    linear: Vec<Linearization<N, M, NY>>,
+    drifts: Vec<[[f64; N]; N]>,
+    held: Vec<Discretization<N, M, NY>>,
+    holds: ZeroOrderHolds<N, M>,
+}
+
+impl<const N: usize, const M: usize, const NY: usize> Lanes<N, M, NY> {
+    fn new(model: &impl Discretizable<N, M, NY>) -> Self {
+        Self {
+            points: Vec::new(),
+            linear: vec![Linearization::ZERO; HORIZON],
+            drifts: vec![[[0.0; N]; N]; HORIZON],
+            held: vec![model.discretize(&model.neutral(), &[0.0; N], &[0.0; M], 1e-3); HORIZON],
+            holds: ZeroOrderHolds::new(),
+        }
+    }
+}
+
+/// Predicts every stage: by the rule, or one by one by the exact hold.
+fn predict<const N: usize, const M: usize, const NY: usize>(
+    model: &impl Discretizable<N, M, NY>,
+    lanes: &mut Lanes<N, M, NY>,
+    horizon: &[(Sample<N, NY>, [f64; M])],
+    period: f64,
+    rule: Option<PredictionRule>,
+) {
+    let Some(PredictionRule::ExactHold) = rule else {
+        for (at, u) in horizon {
+            let (y, v, a) = (&at.positions, &at.velocities, &at.accelerations);
+            match rule {
+                None => drop(std::hint::black_box(model.discretize(y, v, u, period))),
+                _ => drop(std::hint::black_box(model.midpoint_step(y, v, a, u, period))),
+            }
+        }
+        return;
+    };
+    let Lanes { points, linear, drifts, held, holds } = lanes;
+    points.clear();
+    points.extend(horizon.iter().map(|(at, inputs)| Point {
+        time: 0.0,
+        positions: at.positions,
+        velocities: at.velocities,
+        inputs: *inputs,
+    }));
+    model.linearize_along(instructions(), points, linear);
+    if N != NY {
+        drifts.iter_mut().zip(&*points).for_each(|(drift, point)| *drift = model.drift(&point.velocities));
+    }
+    holds.discretize(linear, (N != NY).then_some(&drifts[..]), period, held);
+    std::hint::black_box(held);
 }
 
 /// Prints the linear controller's steps; their medians, of all, and of those with active bounds.

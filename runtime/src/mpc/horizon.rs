@@ -12,6 +12,7 @@ use crate::control_loop::zero_order_hold::{discretize, flat_input, flat_state};
 use crate::control_loop::{Command, ControllerFault, Cycle, Estimate};
 use crate::dynamics::{Discretizable, Discretization};
 use crate::feed_forward::{FeedForward, FeedForwardError};
+use crate::lanes::batch::Held;
 use crate::lqr::Lqr;
 use crate::qp::{QpProblem, QpReport, QpSolver, QpStage, QpStatus};
 use crate::trajectory::{Sample, Trajectory};
@@ -366,6 +367,17 @@ where
             affine[i] = sum;
         }
         stage.affine = affine;
+    }
+
+    /// Stage `k` of an arm from the hold that begins at the reference.
+    pub fn set_stage_from_reference(&mut self, k: usize, held: &Held<N, M>) {
+        let (stage, end) = (&mut self.problem.stages[k], &self.reference.nodes[k + 1]);
+        let (state, input) = (held.state.as_flattened().as_flattened(), held.input.as_flattened());
+        stage.state_matrix.as_flattened_mut().copy_from_slice(state.as_flattened());
+        stage.input_matrix.as_flattened_mut().copy_from_slice(input.as_flattened());
+        let positions = core::array::from_fn(|i| held.next[0][i]);
+        let next = Node { positions, velocities: held.next[1] };
+        stage.affine = next.from(end, self.feed_forward.model());
     }
 
     /// Solves from `state` at `start` (s) on; the stages are set.

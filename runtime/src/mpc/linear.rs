@@ -6,10 +6,13 @@ use super::horizon::Horizon;
 use super::integrate::midpoint;
 use super::node::{Node, Prediction};
 use super::options::{LinearizationPoint, MpcOptions, PredictionRule};
-use crate::control_loop::zero_order_hold::discretize;
+use crate::control_loop::zero_order_hold::too_fast;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
-use crate::dynamics::{Discretizable, PhaseSpace};
+use crate::dynamics::{Discretizable, Linearization, PhaseSpace, Point};
 use crate::feed_forward::FeedForwardError;
+use crate::lanes::batch::{Case, Held};
+use crate::lanes::{ZeroOrderHolds, instructions};
+use crate::qp::lanes::WIDTH;
 use crate::trajectory::{Sample, Trajectory};
 
 /// Linear time-varying MPC: predictions by the exact zero-order hold of the affine linearization in the
@@ -43,6 +46,29 @@ pub struct LtvMpc<
     const NY: usize = N,
 > {
     horizon: Horizon<D, T, N, M, NX, NR, NY>,
+    memory: Memory<N, M, NY>,
+}
+
+/// Stages that are computed together.
+#[derive(Debug, Clone)]
+struct Memory<const N: usize, const M: usize, const NY: usize> {
+    stages: Vec<usize>,
+    points: Vec<Point<N, M, NY>>,
+    linear: Vec<Linearization<N, M, NY>>,
+    cases: Vec<Case<N, M>>,
+    holds: ZeroOrderHolds<N, M>,
+}
+
+impl<const N: usize, const M: usize, const NY: usize> Memory<N, M, NY> {
+    fn new(stages: usize) -> Self {
+        Self {
+            stages: Vec::with_capacity(stages),
+            points: Vec::with_capacity(stages),
+            linear: vec![Linearization::ZERO; stages],
+            cases: vec![Case::ZERO; WIDTH],
+            holds: ZeroOrderHolds::new(),
+        }
+    }
 }
 
 impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
@@ -64,7 +90,7 @@ where
         if horizon.options.prediction == PredictionRule::ImplicitMidpoint {
             horizon.note_alternating();
         }
-        Ok(Self { horizon })
+        Ok(Self { memory: Memory::new(horizon.options.horizon), horizon })
     }
 
     delegated_methods!();
@@ -93,40 +119,42 @@ where
 
     /// Sets the stages that are not those of the period before: around the plan all of them.
     fn set_stages(&mut self) -> Result<(), ControllerFault> {
-        let around_reference = self.horizon.options.linearization == LinearizationPoint::Reference;
+        if self.horizon.options.prediction == PredictionRule::ExactHold {
+            return self.set_held_stages();
+        }
         for k in 0..self.horizon.options.horizon {
-            if self.horizon.reference.is_set[k] {
-                continue;
+            if !self.horizon.reference.is_set[k] {
+                self.set_midpoint_stage(k)?;
+                self.horizon.mark_set(k);
             }
-            match self.horizon.options.prediction {
-                PredictionRule::ExactHold => self.set_held_stage(k)?,
-                PredictionRule::ImplicitMidpoint => self.set_midpoint_stage(k)?,
-            }
-            self.horizon.reference.is_set[k] = around_reference;
         }
         Ok(())
     }
 
-    /// Stage `k` by the exact zero-order hold.
-    fn set_held_stage(&mut self, k: usize) -> Result<(), ControllerFault> {
-        let (horizon, period) = (&self.horizon, self.horizon.options.period);
-        let (at, u) = match horizon.options.linearization {
-            LinearizationPoint::Plan => self.middle_of_plan(k),
-            LinearizationPoint::Reference => {
-                let Sample { positions, velocities, .. } = horizon.reference.middles[k];
-                (Node { positions, velocities }, horizon.reference.inputs[k])
+    /// By the exact zero-order hold: linearized over all stages, then held several at a time.
+    fn set_held_stages(&mut self) -> Result<(), ControllerFault> {
+        let (horizon, Memory { stages, points, linear, cases, holds }) =
+            (&mut self.horizon, &mut self.memory);
+        stages.clear();
+        stages.extend((0..horizon.options.horizon).filter(|k| !horizon.reference.is_set[*k]));
+        points.clear();
+        points.extend(stages.iter().map(|k| horizon.middle(*k)));
+        horizon.model().linearize_along(instructions(), points, linear);
+        for (group, stages) in stages.chunks(WIDTH).enumerate() {
+            let (points, linear) = (&points[WIDTH * group..], &linear[WIDTH * group..]);
+            for (lane, k) in stages.iter().enumerate() {
+                cases[lane].set_robot(&linear[lane]);
+                horizon.begin(*k, &points[lane], &mut cases[lane]);
             }
-        };
-        let (model, time) = (horizon.model(), horizon.reference.middle_time(k));
-        let (y, v) = (&at.positions, &at.velocities);
-        let discrete = model.at_time(time, |model| discretize(model, y, v, &u, period))?;
-        let prediction = Prediction {
-            state: &discrete.state,
-            input: &discrete.input,
-            next: at.predicted(&discrete, &u, model),
-            at: (at, u),
-        };
-        self.horizon.set_stage(k, &prediction);
+            let held = holds.hold(&cases[..stages.len()], N != NY, horizon.options.period);
+            for (lane, k) in stages.iter().enumerate() {
+                if !held[lane].is_finite {
+                    return Err(horizon.too_fast(&points[lane]));
+                }
+                horizon.set_held_stage(*k, &points[lane], &held[lane]);
+                horizon.mark_set(*k);
+            }
+        }
         Ok(())
     }
 
@@ -160,11 +188,61 @@ where
         self.horizon.set_stage(k, &prediction);
         Ok(())
     }
+}
 
-    fn middle_of_plan(&self, k: usize) -> (Node<N, NY>, [f64; M]) {
-        let (at, u) = self.horizon.planned_point(k);
-        let next = &self.horizon.plan.states[k + 1];
-        (at.middle(next, self.horizon.model()), u)
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    Horizon<D, T, N, M, NX, NR, NY>
+where
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
+{
+    /// The point at which stage `k` is linear.
+    fn middle(&self, k: usize) -> Point<N, M, NY> {
+        let time = self.reference.middle_time(k);
+        match self.options.linearization {
+            LinearizationPoint::Plan => {
+                let (at, inputs) = self.planned_point(k);
+                let Node { positions, velocities } = at.middle(&self.plan.states[k + 1], self.model());
+                Point { time, positions, velocities, inputs }
+            }
+            LinearizationPoint::Reference => {
+                let Sample { positions, velocities, .. } = self.reference.middles[k];
+                Point { time, positions, velocities, inputs: self.reference.inputs[k] }
+            }
+        }
+    }
+
+    /// Where the robot of stage `k` begins: an arm at the reference, another one where it is linear.
+    fn begin(&self, k: usize, point: &Point<N, M, NY>, case: &mut Case<N, M>) {
+        if N != NY {
+            case.drift = self.model().drift(&point.velocities);
+            (case.state, case.input) = ([[0.0; N], point.velocities], point.inputs);
+            return;
+        }
+        let Node { positions, velocities } = &self.reference.nodes[k];
+        case.state = [core::array::from_fn(|i| positions[i]), *velocities];
+        case.input = self.reference.inputs[k];
+    }
+
+    fn set_held_stage(&mut self, k: usize, point: &Point<N, M, NY>, held: &Held<N, M>) {
+        if N == NY {
+            return self.set_stage_from_reference(k, held);
+        }
+        let Point { positions, velocities, inputs, .. } = *point;
+        let next =
+            Node { positions: self.model().integrate(&positions, &held.next[0]), velocities: held.next[1] };
+        let at = (Node { positions, velocities }, inputs);
+        self.set_stage(k, &Prediction { state: &held.blocks(), input: &held.input, next, at });
+    }
+
+    fn too_fast(&self, Point { time, positions, velocities, inputs }: &Point<N, M, NY>) -> ControllerFault {
+        let fault = |model: &D| too_fast(model, positions, velocities, inputs, self.options.period);
+        self.model().at_time(*time, fault)
+    }
+
+    /// Stage `k` is set. Around the reference it may serve the next period too.
+    fn mark_set(&mut self, k: usize) {
+        self.reference.is_set[k] = self.options.linearization == LinearizationPoint::Reference;
     }
 }
 

@@ -1,7 +1,7 @@
 //! States of reference and plan, and predictions in their deviations.
 
 use super::integrate::{add_product, join};
-use crate::dynamics::{Discretization, Dynamics, plain_positions};
+use crate::dynamics::{Dynamics, plain_positions};
 
 /// A state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,22 +56,6 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
     /// do not have.
     pub fn coordinates<const M: usize, const NX: usize>(&self, model: &impl Dynamics<N, M, NY>) -> [f64; NX] {
         join(&plain_positions(model.quaternion_joints(), &self.positions), &self.velocities)
-    }
-
-    /// The state a period later that a linear robot predicts.
-    pub fn predicted<const M: usize>(
-        &self,
-        discrete: &Discretization<N, M, NY>,
-        u: &[f64; M],
-        model: &impl Dynamics<N, M, NY>,
-    ) -> Self {
-        if N == NY {
-            let y = core::array::from_fn(|i| self.positions[i]);
-            let (positions, velocities) = discrete.displaced(&y, &self.velocities, u);
-            return Self { positions: core::array::from_fn(|i| positions[i]), velocities };
-        }
-        let (way, velocities) = discrete.displaced(&[0.0; N], &self.velocities, u);
-        Self { positions: model.integrate(&self.positions, &way), velocities }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::no_std::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// Numbers per lane.
-pub(super) const WIDTH: usize = 4;
+pub(crate) const WIDTH: usize = 4;
 
 /// Lanes that need no feature beyond those the crate is compiled for.
 pub(crate) type Portable = wide::f64x4;
@@ -146,13 +146,13 @@ pub(super) fn pack<V: Vector>(v: &mut [V], values: &[f64]) {
 
 /// The numbers of a padded vector, padding included.
 #[inline(always)]
-pub(super) fn flat<V: Vector>(v: &[V]) -> &[f64] {
+pub(crate) fn flat<V: Vector>(v: &[V]) -> &[f64] {
     bytemuck::cast_slice(v)
 }
 
 /// The numbers of a padded vector, padding included, to be written.
 #[inline(always)]
-pub(super) fn flat_mut<V: Vector>(v: &mut [V]) -> &mut [f64] {
+pub(crate) fn flat_mut<V: Vector>(v: &mut [V]) -> &mut [f64] {
     bytemuck::cast_slice_mut(v)
 }
 

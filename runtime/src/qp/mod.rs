@@ -23,7 +23,7 @@
 //! ([`QpStatus::Relaxed`]).
 
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
-mod avx2;
+pub(crate) mod avx2;
 mod barrier;
 mod certificate;
 mod certify;

@@ -291,6 +291,7 @@ macro_rules! dynamics {
                 @made linearize, [$($module)::+], $p, (y: NY, v: N, u: M),
                 Linearization<N, M, NY>
             );
+            $crate::dynamics!(@linearize_along [$($module)::+], $p);
         }
     };
     // What the trait makes of the module's derivatives.
@@ -468,6 +469,25 @@ macro_rules! dynamics {
                     ($($argument,)* $(&self.$p,)*),
                     || $crate::dynamics!(@otherwise $function, (self, $($argument),*) $(, $by_default)?),
                 )
+            }
+        }
+    };
+    // Equations with driven joints depend on time.
+    (@linearize_along $module:tt, [driven $(, $parameters:ident)?]) => {};
+    (@linearize_along [$($module:ident)::+], [$($p:ident)?]) => {
+        fn linearize_along(
+            &self,
+            instructions: $crate::dynamics::Instructions,
+            points: &[$crate::dynamics!(@made Point<N, M, NY>, [$($module)::+])],
+            results: &mut [$crate::dynamics!(@made Linearization<N, M, NY>, [$($module)::+])],
+        ) {
+            #[allow(unused_imports, reason = "only modules without lanes need it")]
+            use $crate::dynamics::{Missing as LINEARIZE_LANES, NoLanes as Lanes};
+            {
+                $crate::dynamics!(@import [$($module)::+]);
+                $crate::dynamics::linearize_along(
+                    self, (&LINEARIZE_LANES, ($(&self.$p,)?)), Lanes, |lanes| &lanes.0, (instructions, points), results,
+                );
             }
         }
     };

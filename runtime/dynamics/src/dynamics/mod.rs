@@ -15,6 +15,7 @@ mod friction_law;
 mod functions;
 mod include_model;
 mod input_matrix;
+mod lanes;
 mod load_friction;
 mod macros;
 mod manifold;
@@ -44,6 +45,9 @@ pub use functions::{HasDerivatives, MadeOrElse, Missing, NO_SUBSTEPS, OrElse, Re
 pub use input_matrix::{
     ALL_DRIVES, InputMatrix, InputMatrixWithDriven, InputMatrixWithParameters, InputRanges,
 };
+pub use lanes::{Instructions, Point};
+#[doc(hidden)]
+pub use lanes::{LinearizeLanes, NoLanes, linearize_along};
 pub use load_friction::{load, under_load};
 pub use manifold::{
     AttitudeError, QuaternionJoint, UNIT_LENGTH, plain_entries, plain_positions, position_rates,

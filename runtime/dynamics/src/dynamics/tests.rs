@@ -2,6 +2,7 @@ use super::solve::{product, solve_positive_definite};
 use super::*;
 
 mod discrete_time;
+mod lanes;
 
 /// A cart-pole with unit masses and length, written by hand like a generated module: ideal force on the cart.
 /// Equations: Barto, Sutton and Anderson 1983, frictionless, point mass, angle from upright.

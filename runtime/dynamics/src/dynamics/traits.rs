@@ -3,6 +3,7 @@
 use super::at_rest::either_side;
 use super::defaults;
 use super::dependent::LimitRows;
+use super::lanes::{Instructions, Point, linearize_one_by_one};
 use super::manifold::{self, AttitudeError, NO_WIDTHS, QuaternionJoint};
 use super::names::{names_of_arms, numbered};
 use super::types::{
@@ -280,6 +281,20 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
 
     /// Linearization of the forward dynamics about a state and an input.
     fn linearize(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M, NY>;
+
+    /// [`Self::linearize`] at each of the points, with the same bits: over eight points at once where the module has
+    /// `linearize_lanes`, and else one by one. What is longer of `points` and `results` is not read or written.
+    fn linearize_along(
+        &self,
+        instructions: Instructions,
+        points: &[Point<N, M, NY>],
+        results: &mut [Linearization<N, M, NY>],
+    ) where
+        Self: Sized,
+    {
+        let _ = instructions;
+        linearize_one_by_one(self, points, results);
+    }
 
     /// `D = −ad_v` in `δ̇ = D δ + v − v̄`: how small deviations δ from a motion with the velocities v̄ turn, see
     /// [`Linearization`]. Zero for arms.

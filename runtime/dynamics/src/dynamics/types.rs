@@ -60,6 +60,14 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
+    /// All blocks zero.
+    pub const ZERO: Self = Self {
+        by_coordinates: [[0.0; N]; N],
+        by_velocities: [[0.0; N]; N],
+        by_inputs: [[0.0; M]; N],
+        affine: [0.0; N],
+    };
+
     /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period (s) in which the inputs
     /// are held, for `x = (δ, v)` and the drift D = −ad_v̄ of a robot with quaternions.
     ///

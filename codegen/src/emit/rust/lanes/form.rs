@@ -54,6 +54,9 @@ impl InstructionSet {
     }
 }
 
+/// The function whose forms the runtime takes from a table.
+const TABLED: &str = "linearize";
+
 /// Names that the text over lanes takes.
 const LOCALS: [&str; 8] = ["p", "group", "lane", "W", "angles", "sines", "cosines", "values"];
 
@@ -64,6 +67,7 @@ pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenS
     let form = Form::new(body, name, plan);
     let mut items = vec![form.each(unused)];
     items.extend(InstructionSet::ALL.map(|set| form.public(set)));
+    items.extend((name == TABLED).then(|| form.table()));
     items
 }
 
@@ -290,6 +294,27 @@ impl<'a> Form<'a> {
 
     fn each_name(&self) -> Ident {
         format_ident!("{}_each", self.name)
+    }
+
+    /// The forms by their instruction sets.
+    fn table(&self) -> TokenStream {
+        let (arguments, name) =
+            (&self.arguments, format_ident!("{}_LANES", self.name.to_string().to_uppercase()));
+        let forms = InstructionSet::ALL.map(|set| format_ident!("{}_lanes{}", self.name, set.suffix()));
+        let any = &forms[0];
+        let documentation =
+            format!("`{any}` for any processor, for avx2, for avx512f: the runtime's choice.");
+        let documentation = DocComment::new(&documentation).tokens();
+        quote! {
+            #documentation
+            #[allow(clippy::type_complexity, reason = "blocks of fixed size need no type of their own")]
+            pub const #name: [unsafe fn(#(#arguments),*); 3] = {
+                #[cfg(target_arch = "x86_64")]
+                { [#(#forms),*] }
+                #[cfg(not(target_arch = "x86_64"))]
+                { [#any; 3] }
+            };
+        }
     }
 
     /// The function for one instruction set; never inlined, since in a caller's loop the lanes would be

@@ -16,7 +16,7 @@ use quote::quote;
 use super::body::Body;
 use super::context::Context;
 use super::signature::Signature;
-use super::{parts, public};
+use super::{parts, straight};
 use crate::emit::options::Math;
 use crate::functions::function::Function;
 use crate::program::Operand;
@@ -43,7 +43,7 @@ const LANES: usize = 8;
 const LONGEST_LOOP: usize = 100;
 
 /// Names that the module takes for lanes.
-pub(super) const RESERVED: [&str; 2] = ["Lanes", "Group"];
+pub(super) const RESERVED: [&str; 3] = ["Lanes", "Group", "LINEARIZE_LANES"];
 
 /// The types that the functions printed so far need: eight values, and what stands between the loops of a
 /// function, which one without angles and parts that hand on values has not.
@@ -93,9 +93,8 @@ pub(super) fn items(
     let angles = angles.map(|&index| body.program.instructions[index].operation);
     let read: Vec<Operand> = angles.flat_map(operands).collect();
     let unused = parts::unused(&body, &plan.parts, read.into_iter());
-    let statements = scalar::statements(&body, name, plan);
-    let statements = quote!(#(let _ = #unused;)* #statements);
-    let mut items = public::items(function, &body, name, &signature, &statements);
+    // The bodies as they are cut for lanes would make a slower function of one state.
+    let mut items = straight::items(context, function, name);
     items.extend(scalar::items(&body, name, &signature, plan));
     items.extend(form::items(&body, name, plan, &unused));
     items

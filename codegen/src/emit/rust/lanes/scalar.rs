@@ -1,4 +1,4 @@
-//! The bodies of a function, and the scalar function that calls them.
+//! The bodies of a function, from which that over lanes is made.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -17,30 +17,6 @@ pub(super) fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
         1 => format_ident!("{}_body", name),
         _ => format_ident!("{}_body_{}", name, index + 1),
     }
-}
-
-/// The statements of the scalar function: its angles, then the bodies.
-pub(super) fn statements(body: &Body<'_>, name: &Ident, plan: &Plan) -> TokenStream {
-    let end = plan.angles.last().map_or(0, |&last| last + 1);
-    let is_angle = |index| plan.angles.binary_search(&index).is_ok();
-    let angles = body.without_stores().statements_among(0..end, is_angle);
-    let calls = plan.parts.iter().enumerate().map(|(index, part)| {
-        let callee = body_name(name, plan, index);
-        let results = part.results.iter();
-        let results = results.map(|&(result, _)| {
-            let name = &body.results[result];
-            quote!(#name)
-        });
-        let arguments = arguments(Taken::called(body, part), results);
-        let call = quote!(#callee(#(#arguments),*));
-        let returns = values(body, &part.returns);
-        match (index + 1 == plan.parts.len(), part.returns.is_empty()) {
-            (true, _) => call,
-            (false, true) => quote!(#call;),
-            (false, false) => quote!(let #returns = #call;),
-        }
-    });
-    quote!(#(#angles)* #(#calls)*)
 }
 
 /// The arguments of a body.

@@ -1,4 +1,14 @@
-//! Functions over eight states at once: the form for the widest registers that this processor has.
+//! Many states at once: generated functions over eight states in the form for the widest registers that this processor has
+//! ([`widest!`](crate::widest)), and zero-order holds four at a time ([`ZeroOrderHolds`]).
+
+pub(crate) mod batch;
+mod hold;
+mod packed;
+mod product;
+#[cfg(test)]
+mod tests;
+
+pub use hold::{ZeroOrderHolds, instructions};
 
 /// Calls one of three forms of a function over lanes: for any processor, for AVX2, for AVX-512.
 ///

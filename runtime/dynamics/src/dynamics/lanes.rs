@@ -1,0 +1,179 @@
+//! Linearization at many points: over the lanes of a module that has them.
+
+use super::functions::Missing;
+use super::traits::Differentiable;
+use super::types::Linearization;
+
+/// States per call of a function over lanes.
+const LANES: usize = 8;
+
+/// A point at which a robot is linearized.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point<const N: usize, const M: usize, const NY: usize = N> {
+    /// Time (s), for robots with driven joints.
+    pub time: f64,
+    /// y.
+    pub positions: [f64; NY],
+    /// ẏ.
+    pub velocities: [f64; N],
+    /// u.
+    pub inputs: [f64; M],
+}
+
+/// Instructions that functions over lanes may use. Only a caller who knows the processor makes others than [`Self::ANY`]:
+/// `gelenk_runtime::lanes::instructions()`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Instructions(usize);
+
+impl Instructions {
+    /// Those of the target.
+    pub const ANY: Self = Self(0);
+
+    /// AVX2.
+    ///
+    /// # Safety
+    /// The processor must have it.
+    #[must_use]
+    pub const unsafe fn avx2() -> Self {
+        Self(1)
+    }
+
+    /// AVX-512, with F, BW, DQ and VL.
+    ///
+    /// # Safety
+    /// The processor must have it.
+    #[must_use]
+    pub const unsafe fn avx512() -> Self {
+        Self(2)
+    }
+}
+
+/// Stands for the type of a module without functions over lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct NoLanes(pub [f64; LANES]);
+
+/// The table `LINEARIZE_LANES` of a module, or [`Missing`]: the forms of `linearize` over lanes L. P are free parameters.
+pub trait LinearizeLanes<L, P, const N: usize, const M: usize, const NY: usize> {
+    /// Linearizes at up to eight points; false if the module cannot.
+    fn linearize(
+        &self,
+        instructions: Instructions,
+        parameters: P,
+        lanes: (impl Fn([f64; LANES]) -> L, impl Fn(&L) -> &[f64; LANES]),
+        points: &[Point<N, M, NY>],
+        results: &mut [Linearization<N, M, NY>],
+    ) -> bool;
+}
+
+impl<L, P, const N: usize, const M: usize, const NY: usize> LinearizeLanes<L, P, N, M, NY> for Missing {
+    fn linearize(
+        &self,
+        _: Instructions,
+        _: P,
+        _: (impl Fn([f64; LANES]) -> L, impl Fn(&L) -> &[f64; LANES]),
+        _: &[Point<N, M, NY>],
+        _: &mut [Linearization<N, M, NY>],
+    ) -> bool {
+        false
+    }
+}
+
+/// One number to each result.
+#[inline]
+fn scatter<T>(numbers: &[f64; LANES], results: &mut [T], entry: impl Fn(&mut T) -> &mut f64) {
+    for (number, result) in numbers.iter().zip(results) {
+        *entry(result) = *number;
+    }
+}
+
+type Square<L, const N: usize> = [[L; N]; N];
+
+/// The trait for tables of functions with and without parameters, with and without the drift of robots with quaternions.
+macro_rules! tables {
+    ($ny:ident $(, const $more:ident)?; [$($p:ident: $type:ident)?]; [$($drift:ident)?]) => {
+        impl<L: Copy, $($type,)? const N: usize, const M: usize $(, const $more: usize)?>
+            LinearizeLanes<L, ($(&$type,)?), N, M, $ny>
+            for [unsafe fn(
+                &[L; $ny], &[L; N], &[L; M], $(&$type,)?
+                &mut Square<L, N>, &mut Square<L, N>, &mut [[L; M]; N], &mut [L; N] $(, &mut tables!(@drift $drift))?
+            ); 3]
+        {
+            fn linearize(
+                &self,
+                instructions: Instructions,
+                ($($p,)?): ($(&$type,)?),
+                (of, numbers): (impl Fn([f64; LANES]) -> L, impl Fn(&L) -> &[f64; LANES]),
+                points: &[Point<N, M, $ny>],
+                results: &mut [Linearization<N, M, $ny>],
+            ) -> bool {
+                let Some(last) = points.len().checked_sub(1) else { return true };
+                let point = |lane: usize| &points[if lane < last { lane } else { last }];
+                let y = core::array::from_fn(|i| of(core::array::from_fn(|lane| point(lane).positions[i])));
+                let v = core::array::from_fn(|i| of(core::array::from_fn(|lane| point(lane).velocities[i])));
+                let u = core::array::from_fn(|i| of(core::array::from_fn(|lane| point(lane).inputs[i])));
+                let zero = of([0.0; LANES]);
+                let (mut by_y, mut by_v, mut by_u) = ([[zero; N]; N], [[zero; N]; N], [[zero; M]; N]);
+                let mut affine = [zero; N];
+                $(let mut $drift = [[zero; N]; N];)?
+                // SAFETY: the processor has the instructions, as whoever made `instructions` has promised.
+                unsafe {
+                    self[instructions.0](
+                        &y, &v, &u, $($p,)? &mut by_y, &mut by_v, &mut by_u, &mut affine $(, &mut $drift)?
+                    );
+                }
+                for i in 0..N {
+                    for j in 0..N {
+                        scatter(numbers(&by_y[i][j]), results, |result| &mut result.by_coordinates[i][j]);
+                        scatter(numbers(&by_v[i][j]), results, |result| &mut result.by_velocities[i][j]);
+                    }
+                    for j in 0..M {
+                        scatter(numbers(&by_u[i][j]), results, |result| &mut result.by_inputs[i][j]);
+                    }
+                    scatter(numbers(&affine[i]), results, |result| &mut result.affine[i]);
+                }
+                true
+            }
+        }
+    };
+    (@drift $drift:ident) => { Square<L, N> };
+}
+
+tables!(N; []; []);
+tables!(N; [p: P]; []);
+tables!(NY, const NY; []; [drift]);
+tables!(NY, const NY; [p: P]; [drift]);
+
+/// [`Differentiable::linearize_along`] of a module's type.
+#[inline]
+pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: usize>(
+    robot: &D,
+    (table, parameters): (&impl LinearizeLanes<L, P, N, M, NY>, P),
+    of: impl Fn([f64; LANES]) -> L,
+    numbers: impl Fn(&L) -> &[f64; LANES],
+    (instructions, points): (Instructions, &[Point<N, M, NY>]),
+    results: &mut [Linearization<N, M, NY>],
+) where
+    D: Differentiable<N, M, NY>,
+{
+    let count = points.len().min(results.len());
+    for (points, results) in points[..count].chunks(LANES).zip(results[..count].chunks_mut(LANES)) {
+        // A call takes as long as two or three single ones.
+        let lanes = (&of, &numbers);
+        if points.len() < 3 || !table.linearize(instructions, parameters, lanes, points, results) {
+            linearize_one_by_one(robot, points, results);
+        }
+    }
+}
+
+/// [`Differentiable::linearize_along`] without lanes.
+pub fn linearize_one_by_one<D, const N: usize, const M: usize, const NY: usize>(
+    robot: &D,
+    points: &[Point<N, M, NY>],
+    results: &mut [Linearization<N, M, NY>],
+) where
+    D: Differentiable<N, M, NY>,
+{
+    for (Point { time, positions, velocities, inputs }, result) in points.iter().zip(results) {
+        *result = robot.at_time(*time, |robot| robot.linearize(positions, velocities, inputs));
+    }
+}

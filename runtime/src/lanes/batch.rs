@@ -1,0 +1,445 @@
+//! The zero-order hold of a batch of robots, one in each lane.
+
+use super::packed::{pack, unpack};
+use super::product::{Blocks, Half, Lanes, Start};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
+use crate::qp::lanes::{Vector, WIDTH, flat};
+
+/// Largest number of doublings of Φ. A period that needs more halvings is divided into equal steps.
+const MOST_DOUBLINGS: u32 = 6;
+
+/// Largest number of doublings of a step.
+const MOST_REPETITIONS: u32 = 18;
+
+/// Terms in each part of the Taylor polynomial.
+const TERMS: usize = 6;
+
+/// Largest magnitude of a rate times the time for which two parts of the polynomial suffice: the rest of the series is below
+/// `0.34¹²/13! = 4e-16`.
+const OF_TWO_PARTS: f64 = 0.34;
+
+/// `1/(k + 1)!`
+const COEFFICIENTS: [[f64; TERMS]; 3] = {
+    let mut coefficients = [[1.0; TERMS]; 3];
+    let (mut k, mut last) = (0, 1.0);
+    while k < 3 * TERMS {
+        last /= (k + 1) as f64;
+        coefficients[k / TERMS][k % TERMS] = last;
+        k += 1;
+    }
+    coefficients
+};
+
+/// A linearized robot `v̇ = A_y δ + A_v v + B_x u + c`, `δ̇ = D δ + v`, and where its period begins.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Case<const N: usize, const M: usize> {
+    pub by_y: [[f64; N]; N],
+    pub by_v: [[f64; N]; N],
+    pub by_u: [[f64; M]; N],
+    pub rest: [f64; N],
+    /// D; not read of arms.
+    pub drift: [[f64; N]; N],
+    /// δ and v at the beginning.
+    pub state: [[f64; N]; 2],
+    pub input: [f64; M],
+}
+
+/// The hold of a [`Case`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Held<const N: usize, const M: usize> {
+    /// A_d, row by row.
+    pub state: [[[[f64; N]; 2]; N]; 2],
+    /// B_d, row by row.
+    pub input: [[[f64; M]; N]; 2],
+    /// δ and v at the end.
+    pub next: [[f64; N]; 2],
+    /// False where the robot is too fast or not finite; the rest then has no meaning.
+    pub is_finite: bool,
+}
+
+impl<const N: usize, const M: usize> Case<N, M> {
+    pub const ZERO: Self = Self {
+        by_y: [[0.0; N]; N],
+        by_v: [[0.0; N]; N],
+        by_u: [[0.0; M]; N],
+        rest: [0.0; N],
+        drift: [[0.0; N]; N],
+        state: [[0.0; N]; 2],
+        input: [0.0; M],
+    };
+}
+
+impl<const N: usize, const M: usize> Held<N, M> {
+    pub const ZERO: Self = Self {
+        state: [[[[0.0; N]; 2]; N]; 2],
+        input: [[[0.0; M]; N]; 2],
+        next: [[0.0; N]; 2],
+        is_finite: true,
+    };
+}
+
+/// One vector for each column of a block.
+type Column<V, const N: usize> = Blocks<V, N, 1, 1>;
+
+/// Memory of the method, which is that of `discrete_time::zero_order_hold` of gelenk-kernels: the comments there have the
+/// equations. Two things differ. Products are fused where the vectors are. And the Taylor polynomial has degree 11 instead of 17
+/// where the norms of the fourth and fifth power of A say that it suffices (Al-Mohy and Higham, SIAM J. Matrix Anal. Appl. 31,
+/// 2009, theorem 4.2).
+#[derive(Debug, Clone)]
+pub(super) struct Batch<V, const N: usize, const M: usize> {
+    by_y: Blocks<V, N, 1, N>,
+    by_v: Blocks<V, N, 1, N>,
+    by_u: Blocks<V, N, 1, M>,
+    rest: Column<V, N>,
+    drift: Blocks<V, N, 1, N>,
+    from: [Column<V, N>; 2],
+    u: [V; M],
+    /// Upper halves of Aᵏ over the short time; that of A⁷ is the lower one of A⁶.
+    powers: Vec<Half<V, N>>,
+    /// Upper half of Φ.
+    integral: Half<V, N>,
+    spare: [Half<V, N>; 3],
+    change: [Half<V, N>; 2],
+    input: [Blocks<V, N, 1, M>; 2],
+    affine: [Column<V, N>; 2],
+    pub held: [Held<N, M>; WIDTH],
+}
+
+impl<V: Lanes, const N: usize, const M: usize> Batch<V, N, M> {
+    pub fn new() -> Self {
+        let (zero, column) = ([[[V::zero(); N]; 2]; N], [[[V::zero()]]; N]);
+        let (square, by_u) = ([[[V::zero(); N]]; N], [[[V::zero(); M]]; N]);
+        Self {
+            by_y: square,
+            by_v: square,
+            by_u,
+            rest: column,
+            drift: square,
+            from: [column; 2],
+            u: [V::zero(); M],
+            powers: vec![zero; TERMS + 2],
+            integral: zero,
+            spare: [zero; 3],
+            change: [zero; 2],
+            input: [by_u; 2],
+            affine: [column; 2],
+            held: [Held::ZERO; WIDTH],
+        }
+    }
+
+    /// The holds of up to `WIDTH` cases, into [`Self::held`]; more are left out.
+    ///
+    /// - `turns`: whether the robots have drifts
+    #[inline(always)]
+    pub fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) {
+        let Some(last) = cases.len().min(WIDTH).checked_sub(1) else { return };
+        let cases = core::array::from_fn(|lane| &cases[lane.min(last)]);
+        self.load(cases);
+        if turns {
+            self.turn_rates(cases);
+        }
+        let halvings = self.halvings(period);
+        let most = halvings.iter().flatten().copied().max().unwrap_or(0);
+        let repetitions = most.saturating_sub(MOST_DOUBLINGS);
+        let h = period / (1_u32 << most) as f64;
+        self.set_integral(h);
+        self.double_integral(most - repetitions);
+        self.set_changes(h);
+        for _ in 0..repetitions {
+            self.double_step();
+        }
+        for half in 0..2 {
+            for i in 0..N {
+                self.change[half][i][half][i] += V::one();
+            }
+        }
+        if turns {
+            self.turn_back();
+        }
+        self.store();
+        let zeros = [self.zero_if_finite()];
+        for (lane, halvings) in halvings.iter().enumerate() {
+            self.held[lane].is_finite = halvings.is_some() && flat(&zeros)[lane] == 0.0;
+        }
+    }
+
+    #[inline(always)]
+    fn load(&mut self, cases: [&Case<N, M>; WIDTH]) {
+        pack(entries_mut(&mut self.by_y), cases.map(|case| case.by_y.as_flattened()));
+        pack(entries_mut(&mut self.by_v), cases.map(|case| case.by_v.as_flattened()));
+        pack(entries_mut(&mut self.by_u), cases.map(|case| case.by_u.as_flattened()));
+        pack(entries_mut(&mut self.rest), cases.map(|case| &case.rest[..]));
+        for half in 0..2 {
+            pack(entries_mut(&mut self.from[half]), cases.map(|case| &case.state[half][..]));
+        }
+        pack(&mut self.u, cases.map(|case| &case.input[..]));
+    }
+
+    /// `A_y ← A_y − A_v D`, `A_v ← A_v + D`: the robot in the rates `D δ + v`.
+    #[inline(always)]
+    fn turn_rates(&mut self, cases: [&Case<N, M>; WIDTH]) {
+        pack(entries_mut(&mut self.drift), cases.map(|case| case.drift.as_flattened()));
+        let of_v = &mut self.spare[0];
+        let mut negative = self.drift;
+        for i in 0..N {
+            for j in 0..N {
+                of_v[i][1][j] = self.by_v[i][0][j];
+                self.by_v[i][0][j] += self.drift[i][0][j];
+                negative[i][0][j] = -self.drift[i][0][j];
+            }
+        }
+        let start = self.by_y;
+        V::sum(&mut self.by_y, Start::Scaled(1.0, &start), of_v, &[(1, &negative)]);
+    }
+
+    /// The change in velocities v from the one in the rates.
+    #[inline(always)]
+    fn turn_back(&mut self) {
+        let [by_drift, minus, spare] = &mut self.spare;
+        for i in 0..N {
+            for j in 0..N {
+                by_drift[i][0][j] = self.drift[i][0][j];
+                by_drift[i][1][j] = V::zero();
+                minus[i][1][j] = -self.drift[i][0][j];
+            }
+        }
+        for half in &mut self.change {
+            V::sum(spare, Start::Scaled(1.0, half), half, &[(1, by_drift)]);
+            core::mem::swap(half, spare);
+        }
+        let [upper, lower] = &mut self.change;
+        V::sum(spare, Start::Scaled(1.0, lower), minus, &[(1, upper)]);
+        core::mem::swap(lower, spare);
+        let start = self.input[1];
+        let [upper, lower] = &mut self.input;
+        V::sum(lower, Start::Scaled(1.0, &start), minus, &[(1, upper)]);
+        let start = self.affine[1];
+        let [upper, lower] = &mut self.affine;
+        V::sum(lower, Start::Scaled(1.0, &start), minus, &[(1, upper)]);
+    }
+
+    /// How often the period is to be halved for the robot of each lane; `None` where it is too fast.
+    #[inline(always)]
+    fn halvings(&self, period: f64) -> [Option<u32>; WIDTH] {
+        let (a, b) = ([norm(&self.by_y)], [norm(&self.by_v)]);
+        core::array::from_fn(|lane| halvings(flat(&a)[lane], flat(&b)[lane], period))
+    }
+
+    /// Φ over the short time h, in units of which ẏ counts as h ẏ.
+    #[inline(always)]
+    fn set_integral(&mut self, h: f64) {
+        let (by_y, by_v) = (V::splat(h * h), V::splat(h));
+        for i in 0..N {
+            for j in 0..N {
+                self.powers[2][i][0][j] = by_y * self.by_y[i][0][j];
+                self.powers[2][i][1][j] = by_v * self.by_v[i][0][j];
+            }
+        }
+        for k in 2..=TERMS {
+            let (known, next) = self.powers.split_at_mut(k + 1);
+            V::sum(&mut next[0], Start::Shifted(&known[k]), &known[k], &[(1, &known[2])]);
+        }
+        let (left, right) = (&self.powers[TERMS], &self.powers[TERMS + 1]);
+        let ([first, second, third], sum) = (&mut self.spare, &mut self.change[0]);
+        if two_parts_suffice(&self.powers) {
+            combine(&self.powers, [&COEFFICIENTS[0], &COEFFICIENTS[1]], [first, second]);
+        } else {
+            combine(&self.powers, COEFFICIENTS.each_ref(), [first, sum, third]);
+            V::sum(second, Start::Scaled(1.0, sum), third, &[(0, left), (1, right)]);
+        }
+        V::sum(&mut self.integral, Start::Scaled(1.0, first), second, &[(0, left), (1, right)]);
+    }
+
+    /// Φ over 2ᵏ times the time, with k = `doublings`.
+    #[inline(always)]
+    fn double_integral(&mut self, doublings: u32) {
+        let [change, other, _] = &mut self.spare;
+        let (mut integral, mut next) = (&mut self.integral, other);
+        for _ in 0..doublings {
+            V::sum(change, Start::Shifted(integral), integral, &[(1, &self.powers[2])]);
+            V::sum(next, Start::Scaled(2.0, integral), change, &[(0, &*integral), (1, &*change)]);
+            core::mem::swap(&mut integral, &mut next);
+        }
+        if doublings % 2 == 1 {
+            *next = *integral;
+        }
+    }
+
+    /// `A_d − 1`, `B_d` and `c_d` from Φ.
+    #[inline(always)]
+    fn set_changes(&mut self, h: f64) {
+        let (system, [upper, lower], integral) = (&mut self.spare[0], &mut self.change, &mut self.integral);
+        let (by_position, by_velocity) = (V::splat(h * h), V::splat(h));
+        V::sum(upper, Start::Shifted(integral), integral, &[(1, &self.powers[2])]);
+        for i in 0..N {
+            for j in 0..N {
+                system[i][0][j] = by_velocity * self.by_y[i][0][j];
+                system[i][1][j] = by_velocity * self.by_v[i][0][j];
+            }
+        }
+        V::sum(lower, Start::Shifted(upper), upper, &[(1, system)]);
+        for i in 0..N {
+            for j in 0..N {
+                upper[i][1][j] = by_velocity * upper[i][1][j];
+                integral[i][1][j] = by_position * integral[i][1][j];
+            }
+        }
+        for (half, by_acceleration) in [&*integral, &*upper].into_iter().enumerate() {
+            V::sum(&mut self.input[half], Start::Zero, by_acceleration, &[(1, &self.by_u)]);
+            V::sum(&mut self.affine[half], Start::Zero, by_acceleration, &[(1, &self.rest)]);
+        }
+    }
+
+    /// `A_d − 1`, `B_d` and `c_d` over twice the time.
+    #[inline(always)]
+    fn double_step(&mut self) {
+        let (change, input, affine) = (self.change, self.input, self.affine);
+        for half in 0..2 {
+            let by = &change[half];
+            V::sum(
+                &mut self.input[half],
+                Start::Scaled(2.0, &input[half]),
+                by,
+                &[(0, &input[0]), (1, &input[1])],
+            );
+            V::sum(
+                &mut self.affine[half],
+                Start::Scaled(2.0, &affine[half]),
+                by,
+                &[(0, &affine[0]), (1, &affine[1])],
+            );
+            V::sum(&mut self.change[half], Start::Scaled(2.0, by), by, &[(0, &change[0]), (1, &change[1])]);
+        }
+    }
+
+    /// Writes the results, with the state at the end in place of c_d.
+    #[inline(always)]
+    fn store(&mut self) {
+        for half in 0..2 {
+            let mut next = self.affine[half];
+            let by = [(0, &self.from[0]), (1, &self.from[1])];
+            V::sum(&mut next, Start::Scaled(1.0, &self.affine[half]), &self.change[half], &by);
+            for i in 0..N {
+                for j in 0..M {
+                    next[i][0][0] = self.input[half][i][0][j].mul_add(self.u[j], next[i][0][0]);
+                }
+            }
+            self.affine[half] = next;
+            let held = &mut self.held;
+            unpack(
+                entries(&self.change[half]),
+                held.each_mut().map(|held| entries_mut(&mut held.state[half])),
+            );
+            unpack(
+                entries(&self.input[half]),
+                held.each_mut().map(|held| held.input[half].as_flattened_mut()),
+            );
+            unpack(entries(&next), held.each_mut().map(|held| &mut held.next[half][..]));
+        }
+    }
+
+    /// Zero in the lanes whose results are finite, NaN in the others.
+    #[inline(always)]
+    fn zero_if_finite(&self) -> V {
+        let mut sum = V::zero();
+        for half in 0..2 {
+            for i in 0..N {
+                sum += zero_if_finite(self.change[half][i].as_flattened());
+                sum += zero_if_finite(&self.input[half][i][0]);
+            }
+            sum += zero_if_finite(entries(&self.affine[half]));
+        }
+        sum
+    }
+}
+
+/// Zero in the lanes whose numbers all are finite, NaN in the others.
+#[inline(always)]
+fn zero_if_finite<V: Vector>(numbers: &[V]) -> V {
+    let mut sum = V::zero();
+    for number in numbers {
+        sum = number.mul_add(V::zero(), sum);
+    }
+    sum
+}
+
+/// Whether `‖A⁴‖^¼` and `‖A⁵‖^⅕` are small in every lane.
+#[inline(always)]
+fn two_parts_suffice<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> bool {
+    let (fourth, fifth, sixth) = (norm(&powers[4]), norm(&powers[5]), norm(&powers[6]));
+    // The lower half of a power is the upper one of the next.
+    let of = [fourth.fast_max(fifth), fifth.fast_max(sixth)];
+    let square = OF_TWO_PARTS * OF_TWO_PARTS;
+    let most = [square * square, square * square * OF_TWO_PARTS];
+    // A lane that is not a number decides nothing.
+    (0..2).all(|k| !flat(&of[k..=k]).iter().any(|norm| *norm > most[k]))
+}
+
+/// `Σ c_k Aᵏ` over the terms of each part.
+#[inline(always)]
+fn combine<V: Vector, const N: usize, const P: usize>(
+    powers: &[Half<V, N>],
+    coefficients: [&[f64; TERMS]; P],
+    sums: [&mut Half<V, N>; P],
+) {
+    for i in 0..N {
+        for block in 0..2 {
+            for j in 0..N {
+                let mut entry = [V::zero(); P];
+                for k in 2..TERMS {
+                    let power = powers[k][i][block][j];
+                    for part in 0..P {
+                        entry[part] = power.mul_add(V::splat(coefficients[part][k]), entry[part]);
+                    }
+                }
+                for part in 0..P {
+                    sums[part][i][block][j] = entry[part];
+                }
+            }
+            for part in 0..P {
+                sums[part][i][block][i] += V::splat(coefficients[part][block]);
+            }
+        }
+    }
+}
+
+/// How often the period is to be halved before `ν t ≤ 5/4`; `None` beyond `MOST_DOUBLINGS + MOST_REPETITIONS`.
+fn halvings(a: f64, b: f64, period: f64) -> Option<u32> {
+    let mut t = period / 1.25;
+    let mut halvings = 0;
+    while (a * t + b) * t > 1.0 {
+        if halvings == MOST_DOUBLINGS + MOST_REPETITIONS {
+            return None;
+        }
+        t *= 0.5;
+        halvings += 1;
+    }
+    Some(halvings)
+}
+
+/// The largest sum of magnitudes in a row.
+#[inline(always)]
+fn norm<V: Vector, const N: usize, const B: usize>(blocks: &Blocks<V, N, B, N>) -> V {
+    let mut largest = V::zero();
+    for row in blocks {
+        let mut sum = V::zero();
+        for entry in row.as_flattened() {
+            sum += entry.abs();
+        }
+        largest = largest.fast_max(sum);
+    }
+    largest
+}
+
+/// All entries, row by row.
+#[inline(always)]
+fn entries_mut<T, const N: usize, const B: usize, const C: usize>(blocks: &mut [[[T; C]; B]; N]) -> &mut [T] {
+    blocks.as_flattened_mut().as_flattened_mut()
+}
+
+/// All entries, row by row.
+#[inline(always)]
+fn entries<T, const N: usize, const B: usize, const C: usize>(blocks: &[[[T; C]; B]; N]) -> &[T] {
+    blocks.as_flattened().as_flattened()
+}

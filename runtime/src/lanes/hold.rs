@@ -1,0 +1,177 @@
+//! Zero-order holds of many robots, in the lanes of this processor.
+
+use super::batch::{Batch, Case, Held};
+use crate::dynamics::{Discretization, Instructions, Linearization};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use crate::qp::avx2::{self, Avx2};
+use crate::qp::lanes::{Portable, WIDTH};
+
+/// The instructions of this processor for [`linearize_along`](crate::dynamics::Differentiable::linearize_along).
+pub fn instructions() -> Instructions {
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    {
+        let with_avx512 = std::is_x86_feature_detected!("avx512f")
+            && std::is_x86_feature_detected!("avx512bw")
+            && std::is_x86_feature_detected!("avx512dq")
+            && std::is_x86_feature_detected!("avx512vl");
+        if with_avx512 {
+            // SAFETY: the processor has them.
+            return unsafe { Instructions::avx512() };
+        }
+        if std::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has it.
+            return unsafe { Instructions::avx2() };
+        }
+    }
+    Instructions::ANY
+}
+
+/// Exact zero-order holds `x⁺ = A_d x + B_d u + c_d` of many linearized robots, four at a time: what predictive controllers
+/// call along a horizon. A value of this type is the memory of the method; nothing is allocated after [`Self::new`].
+///
+/// The method is that of [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize), and so are the bounds of its
+/// errors. Its results differ from those in the last digits: four robots have the number of halvings that the fastest of them
+/// needs, products are fused where the processor can, and a shorter Taylor polynomial serves where it suffices. So the last digits
+/// of a result depend on the other robots of its four, and on whether the processor has AVX2 with fused multiply-add. Robots that
+/// are not finite or too fast leave those beside them within the bounds.
+///
+/// ```
+/// use gelenk_runtime::dynamics::Differentiable;
+/// use gelenk_runtime::lanes::ZeroOrderHolds;
+///
+/// gelenk_runtime::dynamics!(struct PowerCube = gelenk_generated::powercube);
+///
+/// let linear: [_; 20] = core::array::from_fn(|k| {
+///     PowerCube.linearize(&[0.02 * k as f64, -0.3], &[0.5, 0.0], &[0.0; 2])
+/// });
+/// let mut held = [linear[0].discretize(0.02); 20];
+/// ZeroOrderHolds::new().discretize(&linear, None, 0.02, &mut held);
+/// for (held, linear) in held.iter().zip(&linear) {
+///     let single = linear.discretize(0.02);
+///     assert!((held.state[1][1][0][0] - single.state[1][1][0][0]).abs() < 1e-14);
+/// }
+/// ```
+#[derive(Debug, Clone)]
+pub struct ZeroOrderHolds<const N: usize, const M: usize>(Engine<N, M>);
+
+/// The method compiled for the lanes of this processor.
+#[derive(Debug, Clone)]
+enum Engine<const N: usize, const M: usize> {
+    Portable(Box<Batch<Portable, N, M>>),
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    Avx2(Box<Batch<Avx2, N, M>>),
+}
+
+impl<const N: usize, const M: usize> Default for ZeroOrderHolds<N, M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize, const M: usize> ZeroOrderHolds<N, M> {
+    /// Chooses the lanes, and allocates.
+    pub fn new() -> Self {
+        #[cfg(all(target_arch = "x86_64", feature = "std"))]
+        if avx2::available() {
+            return Self(Engine::Avx2(Box::new(Batch::new())));
+        }
+        Self(Engine::Portable(Box::new(Batch::new())))
+    }
+
+    /// The hold of each robot over `period` (s). Every entry is +∞ where the robot is too fast for it, and where its
+    /// linearization is not finite.
+    ///
+    /// - `drifts`: of robots with quaternions their [`drift`](crate::dynamics::Differentiable::drift)s, as
+    ///   [`Linearization::discretize_with`] takes them; of arms none
+    /// - `linear`, `drifts`, `results`: of equal length; what is longer is not read or written
+    pub fn discretize<const NY: usize>(
+        &mut self,
+        linear: &[Linearization<N, M, NY>],
+        drifts: Option<&[[[f64; N]; N]]>,
+        period: f64,
+        results: &mut [Discretization<N, M, NY>],
+    ) {
+        let count = linear.len().min(results.len()).min(drifts.map_or(usize::MAX, <[_]>::len));
+        let mut cases = [Case::ZERO; WIDTH];
+        for first in (0..count).step_by(WIDTH) {
+            let of = first..count.min(first + WIDTH);
+            for (case, k) in cases.iter_mut().zip(of.clone()) {
+                case.set_robot(&linear[k]);
+                case.drift = drifts.map_or(case.drift, |drifts| drifts[k]);
+            }
+            let held = self.hold(&cases[..of.len()], drifts.is_some(), period);
+            for (result, held) in results[of].iter_mut().zip(held) {
+                *result = held.discretization();
+            }
+        }
+    }
+
+    /// The holds of up to `WIDTH` cases.
+    ///
+    /// - `turns`: whether the robots have drifts
+    pub(crate) fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
+        match &mut self.0 {
+            Engine::Portable(batch) => {
+                batch.hold(cases, turns, period);
+                &batch.held
+            }
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Engine::Avx2(batch) => {
+                // SAFETY: this variant exists only where the processor has the features.
+                unsafe { hold_avx2(batch, cases, turns, period) };
+                &batch.held
+            }
+        }
+    }
+}
+
+/// The method in a function compiled for these features.
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+#[target_feature(enable = "avx2,fma")]
+fn hold_avx2<const N: usize, const M: usize>(
+    batch: &mut Batch<Avx2, N, M>,
+    cases: &[Case<N, M>],
+    turns: bool,
+    period: f64,
+) {
+    batch.hold(cases, turns, period);
+}
+
+impl<const N: usize, const M: usize> Case<N, M> {
+    pub fn set_robot<const NY: usize>(&mut self, linear: &Linearization<N, M, NY>) {
+        self.by_y = linear.by_coordinates;
+        self.by_v = linear.by_velocities;
+        self.by_u = linear.by_inputs;
+        self.rest = linear.affine;
+    }
+}
+
+impl<const N: usize, const M: usize> Held<N, M> {
+    /// The hold of a case that began at zero, whose end is c_d.
+    fn discretization<const NY: usize>(&self) -> Discretization<N, M, NY> {
+        let infinite = f64::INFINITY;
+        if !self.is_finite {
+            return Discretization {
+                state: [[[[infinite; N]; N]; 2]; 2],
+                input: [[[infinite; M]; N]; 2],
+                affine: [[infinite; N]; 2],
+            };
+        }
+        Discretization { state: self.blocks(), input: self.input, affine: self.next }
+    }
+
+    /// A_d by blocks.
+    pub fn blocks(&self) -> [[[[f64; N]; N]; 2]; 2] {
+        let mut blocks = [[[[0.0; N]; N]; 2]; 2];
+        for half in 0..2 {
+            for i in 0..N {
+                for block in 0..2 {
+                    blocks[half][block][i] = self.state[half][i][block];
+                }
+            }
+        }
+        blocks
+    }
+}

@@ -1,0 +1,39 @@
+//! Numbers of several arrays side by side in vectors, and back.
+
+use crate::qp::lanes::{Vector, WIDTH, flat, flat_mut};
+
+/// Entry e of vector k is entry k of array e.
+#[inline(always)]
+pub(super) fn pack<V: Vector>(to: &mut [V], from: [&[f64]; WIDTH]) {
+    let (fours, rest) = to.as_chunks_mut::<WIDTH>();
+    let done = fours.len() * WIDTH;
+    for (k, vectors) in fours.iter_mut().enumerate() {
+        let mut rows = [V::zero(); WIDTH];
+        for (row, from) in rows.iter_mut().zip(from) {
+            flat_mut(core::slice::from_mut(row)).copy_from_slice(&from[WIDTH * k..][..WIDTH]);
+        }
+        *vectors = V::transpose(rows);
+    }
+    for (k, numbers) in flat_mut(rest).chunks_exact_mut(WIDTH).enumerate() {
+        for (number, from) in numbers.iter_mut().zip(from) {
+            *number = from[done + k];
+        }
+    }
+}
+
+/// The reverse of [`pack`].
+#[inline(always)]
+pub(super) fn unpack<V: Vector>(from: &[V], mut to: [&mut [f64]; WIDTH]) {
+    let (fours, rest) = from.as_chunks::<WIDTH>();
+    let done = fours.len() * WIDTH;
+    for (k, vectors) in fours.iter().enumerate() {
+        for (row, to) in V::transpose(*vectors).iter().zip(&mut to) {
+            to[WIDTH * k..][..WIDTH].copy_from_slice(flat(core::slice::from_ref(row)));
+        }
+    }
+    for (k, numbers) in flat(rest).chunks_exact(WIDTH).enumerate() {
+        for (number, to) in numbers.iter().zip(&mut to) {
+            to[done + k] = *number;
+        }
+    }
+}
