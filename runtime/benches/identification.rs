@@ -172,7 +172,7 @@ fn lasso(data: &Data, m: usize) -> Outcome {
 }
 
 fn stribeck(data: &Data, m: usize) -> Outcome {
-    let (time, fit) = timed(|| StribeckRegression::default().fit(&data.v[..m], &data.torque[..m], None));
+    let (time, fit) = timed(|| StribeckRegression::default().fit(&data.v[..m], &data.torque[..m]));
     let fit = fit?;
     row(
         "Stribeck",
@@ -293,7 +293,7 @@ fn joint_model(run: &Run, joint: usize) -> gelenk_identification::Result<String>
     let folds = Moments::blocks(&samples, 10)?;
     let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-3)?;
     let validation = CrossValidation::new(&lasso, &folds, 0, &grid)?;
-    let fit = StribeckRegression::default().fit(&motion.first, torque, None)?;
+    let fit = StribeckRegression::default().fit(&motion.first, torque)?;
     Ok(format!(
         "joint {joint}: STLS terms {:?}, LASSO one-standard-error λ {:.3e}, Stribeck {}",
         sparse.active,

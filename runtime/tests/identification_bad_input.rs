@@ -48,12 +48,8 @@ fn identify(
     velocities: &[f64],
     torques: &[f64],
 ) -> Result<FrictionReport> {
-    let settings = FrictionIdentification {
-        library: library.clone(),
-        method,
-        draws: 10,
-        ..FrictionIdentification::new()?
-    };
+    let settings =
+        FrictionIdentification { library: library.clone(), method, ..FrictionIdentification::new()? };
     settings.identify(&FrictionData::of("beta", velocities, torques))
 }
 

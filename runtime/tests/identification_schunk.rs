@@ -146,7 +146,6 @@ fn identify(runs: &[Recorder], groups: &[Vec<u32>]) -> Result<[FrictionLaw; 6]> 
     let friction = friction_of(runs, groups);
     let settings = FrictionIdentification {
         method: FrictionMethod::BestSubset,
-        draws: 0,
         passive: false,
         ..FrictionIdentification::new()?
     };

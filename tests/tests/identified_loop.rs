@@ -76,8 +76,7 @@ fn identified() -> [FrictionResult; 2] {
     let methods = [FrictionMethod::BestSubset, FrictionMethod::Stribeck(StribeckRegression::default())];
     let mut joint = 0;
     methods.map(|method| {
-        let settings =
-            FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().expect("settings") };
+        let settings = FrictionIdentification { method, ..FrictionIdentification::new().expect("settings") };
         let data = FrictionData::of(powercube::JOINT_NAMES[joint], &velocities[joint], &torques[joint]);
         joint += 1;
         let mut result = settings.identify(&data).expect("a friction law").result;

@@ -14,15 +14,13 @@ const DIGITS: usize = 4;
 pub(super) fn table(found: &Identification) -> Table {
     let mut table = Table::new(
         "friction_terms",
-        "Terms that the laws were chosen from, those that were left out without a coefficient. Drawn: share of the bootstrap's draws that \
-         choose the term. Probability: the weight of all subsets of the terms that have it, by the Bayesian information criterion.",
+        "Terms that the laws were chosen from, those that were left out without a coefficient. Probability: the weight of all subsets of the terms that have it, by the Bayesian information criterion.",
     )
     .column("joint", "joint", "")
     .column("term", "term", "")
     .column("coefficient", "coefficient", "")
     .column("lowest", "lowest", "")
     .column("highest", "highest", "")
-    .column("drawn", "inclusion", "")
     .column("probability", "probability", "");
     for joint in &found.friction {
         let Ok(report) = &joint.report else { continue };
@@ -32,15 +30,14 @@ pub(super) fn table(found: &Identification) -> Table {
 }
 
 fn row(joint: &str, candidate: &Candidate) -> Vec<Cell> {
-    let share = |share: Option<f64>| share.map_or(Cell::Empty, |share| Cell::Rounded(share, 3));
+    let probability = candidate.probability.map_or(Cell::Empty, |share| Cell::Rounded(share, 3));
     let error = candidate.chosen.and_then(|term| term.standard_error);
     let ends = candidate.interval;
     let numbers =
         [candidate.chosen.map(|term| term.coefficient), ends.map(|[low, _]| low), ends.map(|[_, high]| high)];
     let numbers = numbers.map(|number| number.map_or(Cell::Empty, |number| measured(number, error)));
     let names = [Cell::text(joint), Cell::Code(candidate.basis.to_owned())];
-    let shares = [candidate.inclusion, candidate.probability].map(share);
-    names.into_iter().chain(numbers).chain(shares).collect()
+    names.into_iter().chain(numbers).chain([probability]).collect()
 }
 
 /// A number with the digits that its error leaves it.
@@ -97,7 +94,6 @@ pub fn terms_as_json(report: &FrictionReport) -> Value {
             "coefficient": term.map(|term| term.coefficient),
             "standard_error": term.and_then(|term| term.standard_error),
             "interval": candidate.interval,
-            "inclusion": candidate.inclusion,
             "probability": candidate.probability,
         })
     };

@@ -96,7 +96,7 @@ pub fn worst_iterations(model: Arm, motion: &Sampled<2>, factor: f64) -> Outcome
 /// regression makes one, whatever the data, into moments.
 pub fn passes(samples: &FrictionSamples, joint: usize) -> Outcome<usize> {
     let (v, torque) = (&samples.velocities[joint], &samples.torques[joint]);
-    let fit = StribeckRegression::default().fit(v, torque, None)?;
+    let fit = StribeckRegression::default().fit(v, torque)?;
     Ok(fit.iterations)
 }
 
@@ -236,7 +236,7 @@ fn regression_table(samples: &FrictionSamples, calls: usize) -> Outcome<Table> {
             Ok(())
         })?;
         let regression = time_of(calls, || {
-            StribeckRegression::default().fit(v, torque, None)?;
+            StribeckRegression::default().fit(v, torque)?;
             Ok(())
         })?;
         table = table.row([

@@ -54,7 +54,6 @@ impl Method {
             method: self.settings(),
             // The paper counts a constant torque as friction.
             offsets: Offsets::PartOfLaw,
-            draws: 0,
             passive: false,
             ..FrictionIdentification::new()?
         };

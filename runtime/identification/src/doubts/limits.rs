@@ -1,10 +1,11 @@
 //! Positions, speeds and efforts of joints against their described limits.
 
-use super::super::log::{Recording, SEEN, are_minutes, unit_value};
+use super::super::log::{Recording, are_minutes, is_seen, unit_value};
 use super::super::numeric::statistics::span;
 use super::super::pose::rows_of;
 use super::super::robot::{FollowerLimits, JointLimits, Robot};
 use super::super::run::{Effort, PreparedRun};
+use super::levels;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Severity};
 use std::f64::consts::TAU;
@@ -20,13 +21,6 @@ const BEYOND: Rule = Rule::note("beyond-limits");
 /// Example: degrees without a unit in the header.
 /// Fixture: `degrees` in `codegen/tests/findings/arm.rs`.
 const FAR_BEYOND: Rule = Rule::error("far-beyond-limits");
-
-/// Factor beyond a limit of speed or effort that no right log reaches: the least confusion of units is rpm or a gear.
-const FAR: f64 = 3.0;
-/// The same for positions, which may be counted from elsewhere.
-const FAR_AWAY: f64 = 10.0;
-/// Share of a limit, or of a range of positions, by which described limits are rounded.
-const ROUNDED: [f64; 2] = [0.1, 0.01];
 
 /// Units that columns may be in, as `--columns` calls them.
 const ANGLES: &[&str] = &["deg", "mrad"];
@@ -104,7 +98,7 @@ impl Log<'_> {
                 known.map(|name| format!("they look like {name}: --columns 'position={pattern}[{name}]'"));
             known.or_else(|| {
                 let counts = format!("counts have a factor: --columns 'position={pattern}[0.001 {unit}]'");
-                Some(counts).filter(|_| times > FAR_AWAY)
+                Some(counts).filter(|_| times > levels::FAR_AWAY.get())
             })
         })
     }
@@ -126,7 +120,8 @@ impl Log<'_> {
             let time = |unit: &str| format!("(--columns 'time={}[{unit}]')", labels.time);
             let times = match are_minutes(times) {
                 true => Some(format!("times are in min {}", time("min"))),
-                false => Some(format!("times are in another unit {}", time("UNIT"))).filter(|_| times > FAR),
+                false => Some(format!("times are in another unit {}", time("UNIT")))
+                    .filter(|_| times > levels::FAR.get()),
             };
             let all: Vec<String> = positions.into_iter().chain(times).collect();
             Some(format!("it may be that {}", all.join(" or "))).filter(|_| !all.is_empty())
@@ -238,23 +233,26 @@ struct Excess {
 }
 
 impl Range<'static> {
-    const NONE: Self = Self {
-        joint: "",
-        values: Vec::new(),
-        what: String::new(),
-        unit: String::new(),
-        limits: [f64::NEG_INFINITY, f64::INFINITY],
-        tolerance: 0.0,
-        far: FAR,
-    };
+    fn new(limits: [f64; 2], tolerance: f64, far: f64) -> Self {
+        Self {
+            joint: "",
+            values: Vec::new(),
+            what: String::new(),
+            unit: String::new(),
+            limits,
+            tolerance,
+            far,
+        }
+    }
 
     fn positions(limits: [f64; 2]) -> Self {
-        Self { limits, tolerance: ROUNDED[1] * (limits[1] - limits[0]).min(TAU), far: FAR_AWAY, ..Self::NONE }
+        let range = (limits[1] - limits[0]).min(TAU);
+        Self::new(limits, levels::ROUNDED_POSITIONS.get() * range, levels::FAR_AWAY.get())
     }
 
     /// Magnitudes up to a limit.
     fn within(limit: f64) -> Self {
-        Self { limits: [-limit, limit], tolerance: ROUNDED[0] * limit, ..Self::NONE }
+        Self::new([-limit, limit], levels::ROUNDED.get() * limit, levels::FAR.get())
     }
 }
 
@@ -277,6 +275,6 @@ fn in_column(of: &str, column: Option<&String>) -> String {
 
 /// The largest unit in which values of this share of their limit are within it, and use a part of it that can be seen.
 fn likely(share: f64, units: &'static [&'static str]) -> Option<&'static str> {
-    let fits = |name: &&&str| unit_value(name).is_some_and(|value| SEEN.contains(&(share * value)));
+    let fits = |name: &&&str| unit_value(name).is_some_and(|value| is_seen(share * value));
     units.iter().find(fits).copied()
 }

@@ -1,4 +1,5 @@
 //! Doubts about data and laws that need more than one stage of the identification.
 
+pub(crate) mod levels;
 pub(crate) mod limits;
 pub(crate) mod written;

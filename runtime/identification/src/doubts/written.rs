@@ -11,6 +11,7 @@ use super::super::preparation::Filter;
 use super::super::result::{CONFIDENCE, FrictionResult, FrictionTerm};
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
+use super::levels;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use std::ops::Range;
@@ -26,9 +27,6 @@ const TOO_FEW_TERMS: Rule = Rule::warning("too-few-terms");
 /// Example: a torque sensor with a zero error.
 /// Fixture: `codegen/tests/external_arm/offsets.rs`.
 const OFFSET: Rule = Rule::warning("offset-not-written");
-
-/// Loss of held-out R² from which it is said.
-const NOTICEABLE: f64 = 0.01;
 
 /// Gives a joint the numbers of its law, and the law a warning where it explains much less than the estimate's own terms.
 ///
@@ -47,7 +45,7 @@ pub(crate) fn judge(joint: &mut JointEstimate, law: &mut FrictionResult) {
     joint.held_out_with_rest -= loss;
     joint.r_squared = 1.0 - law.residual.powi(2) / total;
     joint.sigma = law.residual;
-    if loss > NOTICEABLE {
+    if loss > levels::NOTICEABLE.get() {
         let message = format!(
             "the terms of the law explain less than friction with viscous and Coulomb terms of its own would: R² on held-out data is \
              {} instead of {}",
@@ -153,7 +151,7 @@ impl Written<'_> {
             }
         }
         let samples = measured.len() as f64;
-        let middle = mean(&measured, None);
+        let middle = mean(&measured);
         let total: f64 = measured.iter().map(|force| (force - middle).powi(2)).sum::<f64>() / samples;
         let joint = &mut estimate.joints[self.joint];
         let within = joint.sigma.powi(2) / (1.0 - joint.r_squared);
@@ -167,7 +165,8 @@ impl Written<'_> {
         joint.r_squared = 1.0 - (fitted + cost) / total;
         joint.held_out_r_squared = 1.0 - (unseen + cost) / total;
         joint.held_out_with_rest -= before - joint.held_out_r_squared;
-        let doubt = (cost > NOTICEABLE * total).then(|| not_written(joint, recordings, 1.0 - unseen / total));
+        let doubt = (cost > levels::NOTICEABLE.get() * total)
+            .then(|| not_written(joint, recordings, 1.0 - unseen / total));
         doubt.map(|doubt| doubt.of(self.robot.subject(self.joint)))
     }
 }
@@ -181,7 +180,7 @@ fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
             None => all.push((&run.name, errors.clone())),
         }
     }
-    all.iter().map(|(_, errors)| mean(errors, None)).collect()
+    all.iter().map(|(_, errors)| mean(errors)).collect()
 }
 
 /// The mean c of the offsets of n ≥ 2 recordings, if |c| > √((t s/√n)² + (t' e)²) with their standard deviation s, the standard
@@ -196,12 +195,12 @@ fn repeated(
     freedom: usize,
 ) -> Option<FrictionTerm> {
     let n = offsets.len() as f64;
-    let constant = mean(offsets, None);
+    let constant = mean(offsets);
     let spread =
         (offsets.iter().map(|offset| (offset - constant).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
     let ranges = ranges(errors);
     let mut left = errors.concat();
-    centre(&mut left, &ranges, None);
+    centre(&mut left, &ranges);
     let noise = LongRun::of_sum(&left, &ranges);
     let alone = noise.standard_error() / left.len() as f64;
     let known = joint.offset_errors.iter().copied().fold(0.0, f64::max);

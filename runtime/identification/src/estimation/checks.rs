@@ -82,7 +82,7 @@ impl Checked<'_> {
     /// offset may take.
     fn sizes(&self, joint: usize) -> Sizes {
         let squares = |forces: &Vec<f64>| {
-            let mean = mean(forces, None);
+            let mean = mean(forces);
             forces.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
         };
         let size = |of: &[Vec<Vec<f64>>]| of.iter().map(|run| squares(&run[joint])).sum::<f64>().sqrt();

@@ -5,6 +5,7 @@ use super::super::shafts::RobotRows;
 use super::chart::Chart;
 use super::columns::independent_columns;
 use super::inputs::FrameInputs;
+use super::levels;
 use super::motors::{Motors, no_load_speeds};
 use super::refusals::Refusals;
 use super::settings::PlanSettings;
@@ -28,8 +29,6 @@ pub struct PlannedShaft {
 const ROUNDING: f64 = 1e-9;
 /// Friction columns of a joint: viscous, Coulomb, offset.
 const FRICTION: usize = 3;
-/// Speed within which Coulomb friction changes its sign, as a share of the joint's largest.
-const SIGN_SHARE: f64 = 0.02;
 /// Inputs of the score.
 pub(super) struct Design<'a> {
     robot: &'a dyn Robot,
@@ -102,7 +101,11 @@ impl<'a> Design<'a> {
                 .filter(|(_, turns)| !**turns)
                 .map(|(row, _)| row)
                 .collect(),
-            sign_speeds: rows.speeds(&speeds).into_iter().map(|speed| SIGN_SHARE * speed).collect(),
+            sign_speeds: rows
+                .speeds(&speeds)
+                .into_iter()
+                .map(|speed| levels::SIGN_SHARE.get() * speed)
+                .collect(),
             rows,
         }
     }

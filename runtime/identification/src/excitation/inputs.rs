@@ -1,6 +1,7 @@
 //! Inputs that act at frames, such as cylinders: their forces along a planned motion.
 
 use super::chart::Chart;
+use super::levels;
 use super::motors::Torques;
 use super::smallest_inputs::{SINGULAR, first_outside, smallest_inputs};
 use super::{ExcitationLimits, Instant};
@@ -23,9 +24,6 @@ pub struct PlannedInput {
 
 /// Number of intervals of a joint's range that are searched for dead centres.
 const PLACES: u32 = 200;
-/// Part of the longest lever of a cylinder below which a lever counts as short, near a dead centre.
-const SHORT: f64 = 0.25;
-
 /// The inputs of a robot of which some act at frames.
 pub(super) struct FrameInputs<'a> {
     robot: &'a dyn Robot,
@@ -133,10 +131,10 @@ pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [Excitat
 }
 
 /// First and last index of the longest sequence of levers of one sign above the least length; `None` if all have one sign.
-fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
+pub(super) fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
     let longest = levers.iter().fold(0.0_f64, |most, lever| most.max(lever.abs()));
     let has_both = levers.iter().any(|lever| *lever > 0.0) && levers.iter().any(|lever| *lever < 0.0);
-    let side = |lever: f64| if lever.abs() < SHORT * longest { 0.0 } else { lever.signum() };
+    let side = |lever: f64| if lever.abs() < levels::SHORT.get() * longest { 0.0 } else { lever.signum() };
     let mut runs: Vec<[usize; 2]> = Vec::new();
     for (place, lever) in levers.iter().enumerate().filter(|(_, lever)| side(**lever) != 0.0) {
         match runs.last_mut() {

@@ -13,6 +13,7 @@ mod chart;
 mod columns;
 mod design;
 mod inputs;
+mod levels;
 mod motion;
 mod motors;
 mod plan;
@@ -20,6 +21,8 @@ mod refusals;
 mod search;
 mod settings;
 mod smallest_inputs;
+#[cfg(test)]
+mod tests;
 mod usable;
 
 pub use super::robot::Instant;

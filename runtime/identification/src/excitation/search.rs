@@ -3,7 +3,7 @@
 use super::super::error::{Result, require_setting};
 use super::super::numeric::random::SplitMix64;
 use super::super::numeric::spectrum::symmetric_eigenvalues;
-use super::{FourierMotion, Instant};
+use super::{FourierMotion, Instant, levels};
 use nalgebra::DMatrix;
 
 /// Limits of one joint.
@@ -49,12 +49,6 @@ pub(super) struct Best {
     /// Its size, as a part of the limits.
     pub size: f64,
 }
-
-/// A start that is not possible is tried at sizes that differ by this factor, down to the smallest one.
-const SMALLER: f64 = 0.7;
-const SMALLEST: f64 = 0.1;
-/// A motion that is smaller than the limits allow grows by this factor while that lowers its score.
-const LARGER: f64 = 1.0 / 0.9;
 
 impl Excitation {
     /// Searches the motion with the smallest score; `None` if every score was infinite.
@@ -173,8 +167,9 @@ type Scored = (FourierMotion, f64);
 /// The largest size at which a motion is possible, and the motion there; as large as the limits allow where it is not at any size.
 fn possible(motion: &FourierMotion, fitted: &mut impl FnMut(FourierMotion, f64) -> Scored) -> (f64, Scored) {
     let first = fitted(motion.clone(), 1.0);
-    let sizes = std::iter::successors(Some(SMALLER), |size| Some(size * SMALLER));
-    let smaller = sizes.take_while(|size| first.1 == f64::INFINITY && *size >= SMALLEST);
+    let factor = 1.0 - levels::SMALLER.get();
+    let sizes = std::iter::successors(Some(factor), |size| Some(size * factor));
+    let smaller = sizes.take_while(|size| first.1 == f64::INFINITY && *size >= levels::SMALLEST.get());
     let mut tried = smaller.map(|size| (size, fitted(motion.clone(), size)));
     tried.find(|(_, (_, score))| *score < f64::INFINITY).unwrap_or((1.0, first))
 }
@@ -186,7 +181,7 @@ fn grown(
     fitted: &mut impl FnMut(FourierMotion, f64) -> Scored,
 ) -> (f64, Scored) {
     while size < 1.0 {
-        let larger = (LARGER * size).min(1.0);
+        let larger = (size / (1.0 - levels::LARGER.get())).min(1.0);
         let next = fitted(found.0.clone(), larger);
         if next.1 >= found.1 {
             break;

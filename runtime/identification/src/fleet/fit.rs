@@ -15,6 +15,7 @@ use super::super::robot::Robot;
 use super::super::shafts::RobotRows;
 use super::exact::Exact;
 use super::file::hash_of;
+use super::levels;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share};
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
@@ -36,13 +37,6 @@ const OTHER_DELAYS: Rule = Rule::warning("different-delays");
 /// Example: 3 logs, 4200 samples.
 /// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const OF_MOMENTS: Rule = Rule::note("moments");
-
-/// Fewest shares with samples: folds of the held-out error.
-const FEWEST_SHARES: usize = 4;
-/// Ratio between bandwidths of logs beyond which it is said.
-const OTHER_FILTER: f64 = 1.5;
-/// Difference between delays of logs beyond which it is said [s].
-const OTHER_DELAY: f64 = 2e-3;
 
 /// Identifies a robot from moments of its logs, as [`super::super::identify::identify`] does from the logs. What
 /// needs samples is empty: runs, efforts, predictions, offsets.
@@ -137,13 +131,14 @@ impl LogMoments {
     /// # Errors
     /// Too few of them.
     fn share_sums(&self, columns: &Columns) -> Result<Vec<ShareSums>> {
+        let fewest = levels::FEWEST_SHARES.get();
         let filled = self.shares.iter().filter(|share| share.samples > 0);
         let shares: Vec<ShareSums> = filled.map(|share| share.sums(columns)).collect();
-        if shares.len() >= FEWEST_SHARES {
+        if shares.len() >= fewest {
             return Ok(shares);
         }
         Err(fault(&format!(
-            "they lie in {} of 16 shares, and at least {FEWEST_SHARES} are needed, so that a part can be held out: add \
+            "they lie in {} of 16 shares, and at least {fewest} are needed, so that a part can be held out: add \
              more logs, or longer ones",
             shares.len()
         )))
@@ -204,11 +199,11 @@ impl LogMoments {
     fn differences(&self) -> Vec<Finding> {
         let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
         let [early, late] = self.range(&|log| log.delays);
-        let filters = (wide > OTHER_FILTER * narrow).then(|| {
+        let filters = (wide > levels::OTHER_FILTER.get() * narrow).then(|| {
             let message = format!("the logs passed different filters ({narrow:.3} to {wide:.3} Hz)");
             OTHER_FILTERS.found(message).help("take one --bandwidth for each --reduce")
         });
-        let delays = (late - early > OTHER_DELAY).then(|| {
+        let delays = (late - early > levels::OTHER_DELAY.get()).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
             let message = format!("delays of {early:.1} to {late:.1} ms were removed from the efforts");
             OTHER_DELAYS.found(message).help("take one --delay for each --reduce")

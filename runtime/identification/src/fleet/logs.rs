@@ -4,6 +4,7 @@ use super::super::error::{IdentificationError, Result};
 use super::super::log::hexadecimal;
 use super::super::run::Effort;
 use super::exact::Exact;
+use super::levels;
 use gelenk_findings::{Finding, Rule};
 use std::collections::BTreeMap;
 
@@ -13,11 +14,8 @@ use std::collections::BTreeMap;
 /// Fixture: `a_wrong_sign_is_refused_and_named` in `fleet/tests.rs`.
 const OF_LOGS: Rule = Rule::warning("doubts-of-logs");
 
-/// Shares that pieces of logs belong to: folds of the held-out error, and blocks of intervals and bootstrap.
+/// Shares that pieces of logs belong to: folds of the held-out error, and blocks of intervals.
 pub(super) const SHARES: usize = 16;
-/// Share of the logs below which a doubt about single ones is only counted.
-const RARE: f64 = 0.1;
-
 /// A SHA-256.
 pub(super) type Hash = [u8; 32];
 
@@ -134,7 +132,7 @@ impl LogMoments {
     /// Doubts of the fits to single logs: those of at least a tenth of them, and how many others there are.
     pub fn doubts(&self) -> Vec<Finding> {
         let logs = self.logs.len();
-        let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < RARE * logs as f64;
+        let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < levels::RARE.get() * logs as f64;
         let finding = |doubt: &Doubt| {
             let (_, name, text) = &doubt.first;
             OF_LOGS.found(match logs {

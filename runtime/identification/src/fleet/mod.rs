@@ -7,6 +7,7 @@
 mod exact;
 mod file;
 mod fit;
+mod levels;
 mod logs;
 mod reduce;
 #[cfg(test)]

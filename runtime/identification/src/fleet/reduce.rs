@@ -15,13 +15,11 @@ use super::super::run::{Effort, PreparedRun};
 use super::super::shafts::RobotRows;
 use super::exact::Exact;
 use super::file::hash_of;
+use super::levels;
 use super::logs::{About, Doubt, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
 use gelenk_findings::{Finding, Severity};
 use std::ops::Range;
 use std::path::Path;
-
-/// Length of a piece, in correlation times of the residuals: pieces are nearly independent then.
-const PIECE: f64 = 10.0;
 
 /// A log of an arm without the efforts of a joint is one with the wrong columns. The rows of a base are fitted alone, too.
 fn require_all_efforts(robot: &dyn Robot, preparation: &PreparationReport) -> Result<()> {
@@ -261,7 +259,7 @@ fn deviation(residuals: &[Vec<Vec<f64>>], runs: &[PreparedRun], estimate: &Estim
 /// Contiguous pieces of the runs: as many as there are shares, or fewer that are long enough, but one for each run.
 fn pieces(runs: &[PreparedRun], correlation: f64) -> Vec<RunPiece> {
     let total: usize = runs.iter().map(|run| run.times.len()).sum();
-    let length = (PIECE * correlation).max(total as f64 / SHARES as f64).max(1.0);
+    let length = (levels::PIECE.get() * correlation).max(total as f64 / SHARES as f64).max(1.0);
     let of_run = |(run, samples): (usize, &PreparedRun)| {
         let count = ((samples.times.len() as f64 / length).round() as usize).clamp(1, SHARES);
         let blocks = contiguous_blocks(samples.times.len(), count);

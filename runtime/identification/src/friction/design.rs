@@ -28,7 +28,6 @@ pub(super) struct Design<'a> {
     columns: Vec<Vec<f64>>,
     torque: Vec<f64>,
     pub(super) runs: Vec<Range<usize>>,
-    offset_ranges: Vec<Range<usize>>,
     pub(super) separate: bool,
     /// Terms left out of the library, with reasons.
     pub(super) notes: Vec<String>,
@@ -43,15 +42,15 @@ impl<'a> Design<'a> {
         let (library, hidden) = if separate { without_offsets(library, data)? } else { (library, None) };
         let mut columns = data.columns(&library)?;
         let mut torque = data.torques.to_vec();
-        let (runs, offset_ranges) = (runs(data), offset_ranges(data));
+        let runs = runs(data);
         require_independent(&library, &columns, data, separate)?;
         if separate {
             for (term, column) in library.terms().iter().zip(&mut columns) {
-                centre_term(term, column, &offset_ranges, data.weights)?;
+                centre_term(term, column, &runs)?;
             }
-            centre(&mut torque, &offset_ranges, data.weights);
+            centre(&mut torque, &runs);
         }
-        Ok(Self { data, library, columns, torque, runs, offset_ranges, separate, notes, hidden })
+        Ok(Self { data, library, columns, torque, runs, separate, notes, hidden })
     }
 
     /// Samples for least squares.
@@ -63,11 +62,7 @@ impl<'a> Design<'a> {
     pub(super) fn samples_of(&self, terms: &[usize]) -> Result<Samples<'_>> {
         let names: Vec<String> = terms.iter().map(|&i| self.library.terms()[i].clone()).collect();
         let columns = terms.iter().map(|&i| self.columns[i].as_slice()).collect();
-        let samples = Samples::from_columns(&names, columns, vec![&self.torque])?;
-        match self.data.weights {
-            Some(weights) => samples.with_weights(weights),
-            None => Ok(samples),
-        }
+        Samples::from_columns(&names, columns, vec![&self.torque])
     }
 
     /// One term's column.
@@ -75,15 +70,14 @@ impl<'a> Design<'a> {
         &self.columns[term]
     }
 
-    /// `ΘᵀW F`: products of some of the terms with those of another library, offsets taken out.
+    /// `Θᵀ F`: products of some of the terms with those of another library, offsets taken out.
     pub(super) fn products(&self, terms: &[usize], other: &Library) -> Result<DMatrix<f64>> {
         let mut others = self.data.columns(other)?;
         if self.separate {
-            others.iter_mut().for_each(|column| centre(column, &self.offset_ranges, self.data.weights));
+            others.iter_mut().for_each(|column| centre(column, &self.runs));
         }
-        let weight = |i: usize| self.data.weights.map_or(1.0, |w| w[i]);
         let product = |term: usize, other: &[f64]| -> f64 {
-            self.columns[term].iter().zip(other).enumerate().map(|(i, (x, f))| weight(i) * x * f).sum()
+            self.columns[term].iter().zip(other).map(|(x, f)| x * f).sum()
         };
         Ok(DMatrix::from_fn(terms.len(), others.len(), |i, k| product(terms[i], &others[k])))
     }
@@ -109,7 +103,7 @@ impl<'a> Design<'a> {
         if !self.separate {
             return Vec::new();
         }
-        offsets(self.data, &self.offset_ranges, law, residuals)
+        offsets(self.data, &self.runs, law, residuals)
     }
 }
 
@@ -126,12 +120,6 @@ pub(super) fn runs(data: &FrictionData) -> Vec<Range<usize>> {
     data.runs.map_or_else(|| vec![whole], <[_]>::to_vec)
 }
 
-/// Samples that share an offset: those of each run, or all of them.
-pub(super) fn offset_ranges(data: &FrictionData) -> Vec<Range<usize>> {
-    let whole = 0..data.velocities.len();
-    if data.one_offset { vec![whole] } else { runs(data) }
-}
-
 /// The mean of torque minus law in each run, with the standard error of the residuals' mean.
 pub(super) fn offsets(
     data: &FrictionData,
@@ -141,22 +129,21 @@ pub(super) fn offsets(
 ) -> Vec<Offset> {
     let offset = |rows: &Range<usize>| {
         let left: Vec<f64> = rows.clone().map(|i| data.torques[i] - law[i]).collect();
-        let weights = data.weights.map(|w| &w[rows.clone()]);
         let whole = 0..rows.len();
         let spread = LongRun::of_sum(&residuals[rows.clone()], &[whole]);
         Offset {
             samples: rows.clone(),
-            value: mean(&left, weights),
+            value: mean(&left),
             standard_error: (rows.len() >= 24).then(|| spread.standard_error() / rows.len() as f64),
         }
     };
     runs.iter().map(offset).collect()
 }
 
-fn centre_term(term: &str, column: &mut [f64], runs: &[Range<usize>], weights: Option<&[f64]>) -> Result<()> {
+fn centre_term(term: &str, column: &mut [f64], runs: &[Range<usize>]) -> Result<()> {
     let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     let before = norm(column);
-    centre(column, runs, weights);
+    centre(column, runs);
     let remains = norm(column) / before;
     if remains > LEAST_REMAINDER {
         return Ok(());
@@ -182,11 +169,7 @@ fn require_independent(
         names.insert(0, "1".into());
         all.insert(0, &one);
     }
-    let mut samples = Samples::from_columns(&names, all, vec![data.torques])?;
-    if let Some(weights) = data.weights {
-        samples = samples.with_weights(weights)?;
-    }
-    Reduced::new(&samples).map(|_| ())
+    Reduced::new(&Samples::from_columns(&names, all, vec![data.torques])?).map(|_| ())
 }
 
 /// The terms of a library that may enter a law of these velocities, and the terms that were left out.
@@ -218,11 +201,11 @@ fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
 /// The library without terms that are offsets in these data, as `sign(v)` where each run moves in one direction, and
 /// what was left out. A library of nothing else stays as it is, and is refused where it is used.
 fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<String>)> {
-    let (matrix, runs) = (library.matrix(&[data.velocities])?, offset_ranges(data));
+    let (matrix, runs) = (library.matrix(&[data.velocities])?, runs(data));
     let varies = |term: &usize| {
         let mut column: Vec<f64> = matrix.column(*term).iter().copied().collect();
         let all: f64 = column.iter().map(|x| x * x).sum();
-        centre(&mut column, &runs, data.weights);
+        centre(&mut column, &runs);
         column.iter().map(|x| x * x).sum::<f64>()
             > levels::LEAST_CHANGE.get() * levels::LEAST_CHANGE.get() * all
     };

@@ -3,7 +3,7 @@
 use super::super::methods::confidence::{LongRun, quantile};
 use super::super::methods::offset::{centre, mean};
 use super::super::result::{Drift, Trend};
-use super::design::{offset_ranges, runs};
+use super::design::runs;
 use super::levels;
 use super::task::FrictionData;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -23,12 +23,12 @@ pub(super) fn drift(
         return None;
     }
     let left: Vec<f64> = data.torques.iter().zip(law).map(|(t, l)| t - l).collect();
-    let level = mean(&left, data.weights);
+    let level = mean(&left);
     let from_mean: Vec<f64> = left.iter().map(|x| x - level).collect();
     let time: Vec<f64> = (0..m).map(|i| (i as f64 + 0.5) / m as f64 - 0.5).collect();
     let mut moving: Vec<f64> = time.iter().zip(law).map(|(t, l)| t * l).collect();
-    centre(&mut moving, &offset_ranges(data), data.weights);
-    let projection = Projection::new(gradients, &offset_ranges(data), data.weights)?;
+    centre(&mut moving, &runs(data));
+    let projection = Projection::new(gradients, &runs(data))?;
     let (time, moving) = (projection.residual(time), projection.residual(moving));
     let whole = 0..m;
     Some(Drift {
@@ -44,10 +44,10 @@ struct Projection {
 }
 
 impl Projection {
-    fn new(mut columns: DMatrix<f64>, runs: &[Range<usize>], weights: Option<&[f64]>) -> Option<Self> {
+    fn new(mut columns: DMatrix<f64>, runs: &[Range<usize>]) -> Option<Self> {
         let m = columns.nrows();
         for column in columns.as_mut_slice().chunks_exact_mut(m) {
-            centre(column, runs, weights);
+            centre(column, runs);
         }
         let mut gram = columns.tr_mul(&columns);
         for i in 0..gram.nrows() {

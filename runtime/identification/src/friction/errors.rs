@@ -115,11 +115,7 @@ impl Errors {
 
 /// Contributions of the samples to the normal equations of one term.
 fn score(design: &Design, term: usize, residuals: &[f64]) -> Vec<f64> {
-    let products = design.column(term).iter().zip(residuals).map(|(x, r)| x * r);
-    match design.data.weights {
-        Some(weights) => products.zip(weights).map(|(s, w)| s * w).collect(),
-        None => products.collect(),
-    }
+    design.column(term).iter().zip(residuals).map(|(x, r)| x * r).collect()
 }
 
 /// Changes of the coefficients without the samples near rests and reversals, on the face where constraints bind.
@@ -141,12 +137,11 @@ fn changes(design: &Design, active: &[usize], binding: &DMatrix<f64>, scores: &[
 
 /// Standard error of a coefficient if all others were known.
 fn alone(design: &Design, term: usize, score: &[f64]) -> f64 {
-    let weight = |i: usize| design.data.weights.map_or(1.0, |w| w[i]);
-    let energy: f64 = design.column(term).iter().enumerate().map(|(i, x)| weight(i) * x * x).sum();
+    let energy: f64 = design.column(term).iter().map(|x| x * x).sum();
     LongRun::of_sum(score, &design.runs).standard_error() / energy
 }
 
-/// `(ΘᵀWΘ)⁻¹` on the active terms, or on the face where constraints bind, by orthogonal factorization.
+/// `(ΘᵀΘ)⁻¹` on the active terms, or on the face where constraints bind, by orthogonal factorization.
 fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Result<DMatrix<f64>> {
     let (p, samples) = (active.len(), design.samples_of(active)?);
     let r = triangular_factor(&samples).view((0, 0), (p, p)).into_owned();

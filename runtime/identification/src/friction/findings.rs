@@ -45,11 +45,7 @@ impl<'a> Findings<'a> {
 
     /// Names the terms that the law may be made of.
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
-        let offsets = match (separate, self.data.one_offset) {
-            (false, _) => "",
-            (true, false) => " in addition to the offset of each run",
-            (true, true) => " in addition to one offset of all runs",
-        };
+        let offsets = if separate { " in addition to the offset of each run" } else { "" };
         self.note(format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", ")));
     }
 

@@ -6,7 +6,7 @@ use super::super::methods::least_squares::Reduced;
 use super::super::methods::moments::{Moments, splits};
 use super::super::methods::offset::{centre, mean};
 use super::super::numeric::statistics::mean_with_error;
-use super::design::offset_ranges;
+use super::design::runs;
 use super::findings::Findings;
 use super::selection::Selection;
 use super::task::FrictionData;
@@ -23,14 +23,14 @@ const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 /// Errors on folds that were left out.
 #[derive(Debug, Clone)]
 pub(super) struct Unseen {
-    /// `Σ w r²` of each fold and its number of samples.
+    /// `Σ r²` of each fold and its number of samples.
     pub(super) folds: Vec<[f64; 2]>,
-    /// `Σ w (τ − τ̄)²` over the folds.
+    /// `Σ (τ − τ̄)²` over the folds.
     pub(super) total: f64,
 }
 
 impl Unseen {
-    /// `1 − RSS / Σ w (τ − τ̄)²` with more of both sums; `None` if the torque never changes.
+    /// `1 − RSS / Σ (τ − τ̄)²` with more of both sums; `None` if the torque never changes.
     pub(super) fn r_squared(&self, more: f64) -> Option<f64> {
         let residual: f64 = self.folds.iter().map(|[residual, _]| residual).sum();
         let total = self.total + more;
@@ -49,7 +49,7 @@ impl Unseen {
 /// Each run keeps the offset that it has on all of its samples, also where a part of it is left out: an offset
 /// belongs to a run, and no law can foretell it.
 ///
-/// - `total`: `Σ w (τ − τ̄)²` over the folds; `selection`, `rows`: how a law is chosen and constrained
+/// - `total`: `Σ (τ − τ̄)²` over the folds; `selection`, `rows`: how a law is chosen and constrained
 pub(super) fn held_out(
     folds: Result<Vec<Moments>>,
     total: f64,
@@ -83,16 +83,15 @@ fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -
     }
 }
 
-/// `Σ w (τ − τ̄)²` over the rows of `ranges`, τ̄ by run where offsets are separate.
+/// `Σ (τ − τ̄)²` over the rows of `ranges`, τ̄ by run where offsets are separate.
 pub(super) fn variation(data: &FrictionData, separate: bool, ranges: &[Range<usize>]) -> f64 {
     let mut torque = data.torques.to_vec();
     if separate {
-        centre(&mut torque, &offset_ranges(data), data.weights);
+        centre(&mut torque, &runs(data));
     } else {
-        let mean = mean(&torque, data.weights);
+        let mean = mean(&torque);
         torque.iter_mut().for_each(|t| *t -= mean);
     }
-    let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
     // A row that stands in two folds is judged twice.
-    ranges.iter().cloned().flatten().map(|i| weight(i) * torque[i] * torque[i]).sum()
+    ranges.iter().cloned().flatten().map(|i| torque[i] * torque[i]).sum()
 }

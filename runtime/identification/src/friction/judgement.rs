@@ -32,8 +32,7 @@ impl Findings<'_> {
         let data = self.data;
         let separate = !judged.offsets.is_empty();
         let whole = 0..judged.residuals.len();
-        let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
-        let rss: f64 = judged.residuals.iter().enumerate().map(|(i, r)| weight(i) * r * r).sum();
+        let rss: f64 = judged.residuals.iter().map(|r| r * r).sum();
         let total = variation(data, separate, &[whole]);
         let held_out = judged.unseen.as_ref().and_then(|unseen| unseen.r_squared(0.0));
         self.judge(held_out, settings.least_r_squared);

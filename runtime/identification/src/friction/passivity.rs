@@ -122,7 +122,6 @@ mod tests {
         let torque: Vec<f64> = v.iter().map(|v| 4.0 * v + 0.1 * random.normal()).collect();
         let settings = FrictionIdentification {
             method: FrictionMethod::LeastSquares,
-            draws: 0,
             passive,
             ..FrictionIdentification::new().unwrap()
         };

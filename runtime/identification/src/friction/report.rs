@@ -22,8 +22,6 @@ pub struct FrictionReport {
     pub validation: Option<CrossValidation>,
     /// Pareto table of the choice; none for least squares on all terms and the Stribeck law.
     pub subsets: Option<SubsetValidation>,
-    /// Bootstrap; none without draws.
-    pub(crate) inclusion: Option<Vec<f64>>,
     /// Probabilities of the candidate terms; none for the Stribeck law and for libraries of more than twelve terms.
     pub(crate) probabilities: Option<Vec<f64>>,
     /// Mean squared error over folds that were left out, and its standard error.
@@ -41,8 +39,6 @@ pub struct Candidate<'a> {
     pub chosen: Option<&'a FrictionTerm>,
     /// Ends of its interval at 95 %, if its error is known.
     pub interval: Option<[f64; 2]>,
-    /// Share of the bootstrap draws in which it was chosen.
-    pub inclusion: Option<f64>,
     /// Its probability: the weight of all subsets of the candidates that have it.
     pub probability: Option<f64>,
 }
@@ -56,7 +52,6 @@ impl FrictionReport {
             basis: &term.basis,
             chosen: Some(term),
             interval: term.ends(t),
-            inclusion: term.inclusion,
             probability: term.probability,
         });
         let others = self.terms.iter().enumerate();
@@ -65,7 +60,6 @@ impl FrictionReport {
             basis,
             chosen: None,
             interval: None,
-            inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
             probability: self.probabilities.as_ref().map(|shares| shares[i]),
         });
         chosen.chain(others).collect()
@@ -81,7 +75,6 @@ impl FrictionReport {
             covariance: DMatrix::zeros(0, 0),
             validation: None,
             subsets: None,
-            inclusion: None,
             probabilities: None,
             unseen_error: None,
             residuals,

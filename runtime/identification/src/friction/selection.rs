@@ -1,4 +1,4 @@
-//! The choice of terms, repeatable on other moments: on those of folds and of bootstrap draws.
+//! The choice of terms, repeatable on other moments: on those of folds.
 
 use super::super::error::Result;
 use super::super::methods::cross_validation::{CrossValidation, refit};

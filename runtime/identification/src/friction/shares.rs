@@ -45,8 +45,6 @@ impl FrictionIdentification {
             library: &library,
             reduced: &reduced,
             folds: &shares,
-            blocks: &shares,
-            block: "shares",
             velocity_range: data.velocity_range,
         };
         if matches!(self.method, FrictionMethod::Ladder(_)) {

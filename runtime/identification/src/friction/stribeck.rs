@@ -8,7 +8,7 @@ use super::super::methods::stribeck::{
 };
 use super::super::numeric::statistics::simplest;
 use super::super::result::FrictionLaw;
-use super::design::{folds, offset_ranges, offsets};
+use super::design::{folds, offsets, runs};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::{Unseen, variation};
@@ -46,7 +46,7 @@ pub(super) fn identify(
     data: &FrictionData,
     regression: &StribeckRegression,
 ) -> Result<FrictionReport> {
-    let runs = offset_ranges(data);
+    let runs = runs(data);
     let mut attempt = Attempt::new(settings, data, regression, &runs)?;
     let doubts = attempt.fit.warnings.iter().map(|warning| PARAMETERS.found(warning.clone()));
     attempt.findings.all.splice(0..0, doubts.chain(attempt.other_law.clone()));
@@ -64,7 +64,7 @@ pub(super) fn or_simpler(
     regression: &StribeckRegression,
     terms: FrictionReport,
 ) -> Result<FrictionReport> {
-    let runs = offset_ranges(data);
+    let runs = runs(data);
     let Ok(attempt) = Attempt::new(settings, data, regression, &runs) else { return Ok(terms) };
     if !attempt.findings.all.is_empty() || !falls(&attempt.fit, data) {
         return Ok(terms);
@@ -98,7 +98,7 @@ impl<'a> Attempt<'a> {
         let samples = Observed {
             v: data.velocities,
             torque: data.torques,
-            weights: data.weights,
+            weights: None,
             runs,
             filtered: data.filtered,
         };
@@ -160,7 +160,7 @@ impl<'a> Attempt<'a> {
         let map = |common: &CommonTerms| {
             let mut columns = data.columns(&Library::new(&common.bases, &["v"])?)?;
             if self.regression.offset {
-                columns.iter_mut().for_each(|column| centre(column, samples.runs, data.weights));
+                columns.iter_mut().for_each(|column| centre(column, samples.runs));
             }
             Ok(fit.map(&at, &columns))
         };
@@ -175,10 +175,9 @@ impl<'a> Attempt<'a> {
         let data = findings.data;
         let folds = folds(data, settings.folds);
         let total = variation(data, regression.offset, &folds.concat());
-        let weight = |i: usize| data.weights.map_or(1.0, |w| w[i]);
         let error = |fold: &Vec<Range<usize>>| {
             let is_left_out = |i: usize| fold.iter().any(|range| range.contains(&i));
-            let others = |i: usize| if is_left_out(i) { 0.0 } else { weight(i) };
+            let others = |i: usize| if is_left_out(i) { 0.0 } else { 1.0 };
             let weights: Vec<f64> = (0..samples.v.len()).map(others).collect();
             let law = regression.refit(fit, &Observed { weights: Some(&weights), ..*samples });
             let mut residuals = data.torques.to_vec();
@@ -186,9 +185,9 @@ impl<'a> Attempt<'a> {
             residuals.iter_mut().zip(torques).for_each(|(left, law)| *left -= law);
             if regression.offset {
                 // As for terms, a run keeps its offset if a part of it is left out.
-                centre(&mut residuals, samples.runs, data.weights);
+                centre(&mut residuals, samples.runs);
             }
-            let squares = fold.iter().cloned().flatten().map(|i| weight(i) * residuals[i] * residuals[i]);
+            let squares = fold.iter().cloned().flatten().map(|i| residuals[i] * residuals[i]);
             Ok([squares.clone().sum(), squares.count() as f64])
         };
         Ok(Unseen { folds: folds.iter().map(error).collect::<Result<_>>()?, total })
@@ -275,7 +274,7 @@ mod tests {
         let torques: Vec<f64> = velocities.iter().map(|v| law(*v) + 0.05 * random.normal()).collect();
         let data = FrictionData { velocities: &velocities, torques: &torques, ..FrictionData::default() };
         let method = FrictionMethod::Ladder(StribeckRegression::default());
-        let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
+        let settings = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() };
         matches!(settings.identify(&data).unwrap().result.law, FrictionLaw::Stribeck(_))
     }
 
@@ -303,7 +302,6 @@ mod tests {
             method: FrictionMethod::Ladder(StribeckRegression::default()),
             offsets: Offsets::Known,
             folds: 2,
-            draws: 0,
             ..FrictionIdentification::new().unwrap().of_terms("viscous").unwrap()
         };
         let law = settings.identify(&data).unwrap().result.law;

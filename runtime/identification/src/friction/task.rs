@@ -23,16 +23,12 @@ pub struct FrictionData<'a> {
     pub velocities: &'a [f64],
     /// τ_f (N·m or N), the effort minus the rigid-body part at the joint.
     pub torques: &'a [f64],
-    /// Weights of the samples, 1 if absent.
-    pub weights: Option<&'a [f64]>,
     /// Folds of the cross-validation, each of several ranges of samples, e.g. the runs that repeat one motion; contiguous
     /// blocks of equal size where absent.
     pub folds: Option<&'a [Vec<Range<usize>>]>,
     /// Ranges of samples that were recorded without interruption. They follow each other and hold all samples;
     /// each has an offset of its own, and no error is taken to be correlated between them. One run where absent.
     pub runs: Option<&'a [Range<usize>]>,
-    /// Whether all runs share one offset.
-    pub one_offset: bool,
     /// The filter that the torques passed: laws pass it too.
     pub(crate) filtered: Option<&'a Filtered<'a>>,
     /// Friction terms of the common estimate: the intervals are at least as wide as its own.
@@ -90,12 +86,6 @@ pub struct FrictionIdentification {
     pub offsets: Offsets,
     /// Contiguous blocks of the cross-validation, if the data name no folds.
     pub folds: usize,
-    /// Bootstrap draws; 0 for none.
-    pub draws: usize,
-    /// Number of contiguous blocks from which the bootstrap draws. A block should be longer than the correlation time of the errors.
-    pub blocks: usize,
-    /// Seed of the bootstrap.
-    pub seed: u64,
     /// Forces `τ v ≥ 0` at all speeds up to ten times the largest one in the data, viscous friction ≥ 0, and a torque that
     /// grows beyond the data at most half as fast again as the speed, where least squares would break them. Terms are chosen
     /// among laws that meet this. Offsets are separated before. A Stribeck law that drives the joint is refused.
@@ -105,8 +95,8 @@ pub struct FrictionIdentification {
 }
 
 impl FrictionIdentification {
-    /// The usual terms of a joint, thresholding at 0.1, offsets separated, ten folds, 200 draws from 60 blocks; the law is
-    /// passive, and refused below a held-out R² of 0.05.
+    /// The usual terms of a joint, thresholding at 0.1, offsets separated, ten folds; the law is passive, and refused below a
+    /// held-out R² of 0.05.
     ///
     /// # Errors
     /// None in practice; the signature is that of [`Library::new`].
@@ -116,9 +106,6 @@ impl FrictionIdentification {
             method: FrictionMethod::Thresholding(Thresholding::default()),
             offsets: Offsets::default(),
             folds: 10,
-            draws: 200,
-            blocks: 60,
-            seed: 1,
             passive: true,
             least_r_squared: levels::LEAST_R_SQUARED.get(),
         })

@@ -1,7 +1,6 @@
 //! Laws that are sums of terms: choice, least squares, passivity, standard errors.
 
 use super::super::error::Result;
-use super::super::methods::ensemble::{bootstrap, inclusion};
 use super::super::methods::least_squares::{Reduced, Solution, Solver};
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
@@ -17,19 +16,13 @@ use super::report::FrictionReport;
 use super::selection::{Chosen, Selection, choose};
 use super::task::{FrictionData, FrictionIdentification};
 use gelenk_findings::Rule;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// Sees: terms that friction may have and that an offset hides.
 /// Matters: they are left out of the law.
 /// Example: Coulomb friction of a joint that moves in one direction.
 /// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
 const HIDDEN: Rule = Rule::warning("terms-hidden");
-
-/// Sees: draws of the bootstrap that gave no model.
-/// Matters: shares of the terms are of fewer draws.
-/// Example: blocks without a reversal.
-/// Fixture: `friction/tests.rs`.
-const BOOTSTRAP: Rule = Rule::warning("bootstrap-failed");
 
 /// The law of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
@@ -42,8 +35,6 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
         library: &design.library,
         reduced: &reduced,
         folds: &|| design.folds(&samples, settings.folds),
-        blocks: &|| Moments::blocks(&samples, settings.blocks.min(samples.len())),
-        block: "contiguous blocks",
         velocity_range: velocity_range(data.velocities),
     };
     let fitted = candidates.fitted(settings, &mut findings)?;
@@ -73,16 +64,12 @@ pub(super) struct Candidates<'a> {
     pub(super) library: &'a Library,
     pub(super) reduced: &'a Reduced,
     pub(super) folds: &'a dyn Fn() -> Result<Vec<Moments>>,
-    /// Parts of the data among which the bootstrap draws, and their name.
-    pub(super) blocks: &'a dyn Fn() -> Result<Vec<Moments>>,
-    pub(super) block: &'a str,
     pub(super) velocity_range: [f64; 2],
 }
 
 /// Terms that were chosen, fitted under the constraints.
 pub(super) struct Fitted {
     chosen: Chosen,
-    inclusion: Option<Vec<f64>>,
     /// Rows of `A ξ ≥ 0`, if the law has to dissipate.
     rows: Option<DMatrix<f64>>,
     pub(super) solution: Solution,
@@ -104,12 +91,11 @@ impl Candidates<'_> {
         };
         let chosen = choose(&settings.method, self.reduced, self.folds, conditions)?;
         findings.note(chosen.note.clone());
-        let inclusion = self.draw(settings, &chosen.selection, findings)?;
         let samples = self.reduced.moments().samples();
         let free = chosen.solution.clone();
         let (solution, binding) = restrict(self.reduced, free, rows.as_ref(), samples, findings)?;
         doubt(self.reduced, &solution.active, findings);
-        Ok(Fitted { chosen, inclusion, rows, solution, binding })
+        Ok(Fitted { chosen, rows, solution, binding })
     }
 
     /// Values of the terms at speeds of the data in both directions, from a hundredth of the fastest on; zeros for a constant,
@@ -124,33 +110,6 @@ impl Candidates<'_> {
             }
         }
         Ok(values)
-    }
-
-    /// How often bootstrap draws choose each term.
-    fn draw(
-        &self,
-        settings: &FrictionIdentification,
-        selection: &Selection,
-        findings: &mut Findings,
-    ) -> Result<Option<Vec<f64>>> {
-        let (draws, seed) = (settings.draws, settings.seed);
-        if draws == 0 {
-            return Ok(None);
-        }
-        let blocks = (self.blocks)()?;
-        let fit = |moments: Moments| -> Result<DVector<f64>> {
-            Ok(selection.fit(&Reduced::from_moments(moments)?)?.coefficients)
-        };
-        let models = bootstrap(&blocks, draws, seed, fit);
-        let count = models.as_ref().map_or(0, Vec::len);
-        if count < draws {
-            let reason = models.as_ref().err().map_or(String::new(), |reason| format!(": {reason}"));
-            findings.add(BOOTSTRAP.found(format!("{count} of {draws} bootstrap draws gave a model{reason}")));
-        }
-        let Ok(models) = models else { return Ok(None) };
-        let (count, block) = (blocks.len(), self.block);
-        findings.note(format!("inclusion: {draws} draws of {count} {block}, seed {seed}"));
-        Ok(Some(inclusion(&models)))
     }
 }
 
@@ -171,7 +130,6 @@ impl Fitted {
 
     pub(super) fn law(&self, library: &Library, errors: &Errors, probable: Option<&Vec<f64>>) -> FrictionLaw {
         let term = |(k, &i): (usize, &usize)| FrictionTerm {
-            inclusion: self.inclusion.as_ref().map(|shares| shares[i]),
             probability: probable.map(|shares| shares[i]),
             ..errors.term(k, &library.terms()[i], self.solution.coefficients[i])
         };
@@ -193,7 +151,6 @@ impl Fitted {
             covariance: errors.covariance,
             validation: self.chosen.validation,
             subsets: self.chosen.subsets,
-            inclusion: self.inclusion,
             probabilities,
             ..report
         })

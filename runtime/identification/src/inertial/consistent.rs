@@ -298,4 +298,17 @@ mod tests {
         lost[4] = f64::INFINITY;
         assert!(require_possible(1, &lost, 9).is_err());
     }
+
+    /// The equations of a simulated log: gaps of steps as long as the cones allow rose and fell for ever at 2e-6.
+    #[test]
+    fn steps_that_would_go_around_the_solution_are_shortened() {
+        let mut numbers = include_str!("cycling.txt").split_whitespace().map(|x| x.parse::<f64>().unwrap());
+        let mut take = |count: usize| numbers.by_ref().take(count).collect::<Vec<f64>>();
+        let (n, bodies, scalars) = (51, 4, [46, 49]);
+        let linear = DVector::from_vec(take(n));
+        let lower: Vec<Vec<f64>> = (0..n).map(|row| take(row + 1)).collect();
+        let hessian = DMatrix::from_fn(n, n, |i, k| lower[i.max(k)][i.min(k)]);
+        let point = Cone { hessian: &hessian, linear: &linear, blocks: bodies, scalars: &scalars }.minimize();
+        assert!(point.gap < 1e-12 && point.residual < 1e-12 && point.iterations < 25, "{point:?}");
+    }
 }

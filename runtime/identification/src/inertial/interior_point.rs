@@ -41,7 +41,7 @@ pub(super) struct Cone<'a> {
 }
 
 /// A point inside the cones, and its multipliers.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct Point {
     pub u: DVector<f64>,
     pub z: DVector<f64>,
@@ -56,6 +56,14 @@ impl Point {
     /// The larger of gap and residual: what an iteration makes smaller.
     fn error(&self) -> f64 {
         self.gap.max(self.residual)
+    }
+
+    /// A step that would make the gap larger ends where the gap is least: `Δuᵀ Δz = Δuᵀ H Δu > 0`, so that longer steps go around the
+    /// solution for ever (Curtis and Nocedal 2007).
+    fn shortened(&self, length: f64, Direction { u, z, .. }: &Direction) -> f64 {
+        let (slope, curvature) = (self.u.dot(z) + self.z.dot(u), u.dot(z));
+        let raises = slope < 0.0 && slope + length * curvature > 0.0;
+        if raises { -0.5 * slope / curvature } else { length }
     }
 }
 
@@ -330,7 +338,7 @@ impl Cone<'_> {
         let mu = point.gap / self.degree();
         let centre = mu * (1.0 - length).powi(3);
         let direction = newton.direction(&newton.corrector(&affine, centre, length));
-        let length = newton.step(&direction, TO_BOUNDARY);
+        let length = point.shortened(newton.step(&direction, TO_BOUNDARY), &direction);
         let stuck = length < 1e-12 || !length.is_finite();
         (!stuck).then(|| (&point.u + &direction.u * length, &point.z + &direction.z * length))
     }

@@ -2,11 +2,8 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::numeric::statistics::median;
+use super::levels;
 use gelenk_findings::digits::plain;
-
-/// Share of steps that are pauses between bursts, and how many times longer than the usual step these are.
-const PAUSES: f64 = 0.02;
-const BURST: f64 = 10.0;
 
 /// Refuses times of arrival: rows that a network or a buffer hands on in bursts were recorded at other times. Pauses of a
 /// recording are few, those between bursts come with each of them.
@@ -17,9 +14,9 @@ pub(super) fn require_steady(parts: &[Vec<usize>], times: &[i128], unit: f64, so
     let pairs = parts.iter().flat_map(|part| part.windows(2));
     let steps: Vec<f64> = pairs.map(|pair| (times[pair[1]] - times[pair[0]]) as f64 * unit / 1e12).collect();
     let usual = median(steps.iter().copied()).unwrap_or(0.0);
-    let pauses: Vec<usize> = (0..steps.len()).filter(|i| steps[*i] > BURST * usual).collect();
+    let pauses: Vec<usize> = (0..steps.len()).filter(|i| steps[*i] > levels::BURST.get() * usual).collect();
     let paused: f64 = pauses.iter().map(|i| steps[*i]).sum();
-    let is_rare = (pauses.len() as f64) < PAUSES * steps.len() as f64;
+    let is_rare = (pauses.len() as f64) < levels::PAUSES.get() * steps.len() as f64;
     // Whole bursts lie between the first pause and the last.
     let [first, .., last] = pauses[..] else { return Ok(()) };
     if is_rare || 2.0 * paused < steps.iter().sum::<f64>() {

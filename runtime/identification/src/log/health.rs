@@ -4,6 +4,7 @@ use super::super::numeric::statistics::span;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 use super::finding::{GEAR_DOUBTFUL, TURNS, VELOCITY_DISAGREES};
+use super::levels;
 use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
 use std::f64::consts::{PI, TAU};
@@ -21,7 +22,7 @@ pub(super) fn findings(runs: &[Run], robot: &dyn Robot) -> Vec<Finding> {
 
 /// A joint that moves by less than this stands still [rad or m].
 fn least_travel(unit: &str) -> f64 {
-    if unit == "m" { 2e-4 } else { 2e-3 }
+    if unit == "m" { 0.1 * levels::TRAVEL.get() } else { levels::TRAVEL.get() }
 }
 
 /// Whether a joint stood still in all runs, outliers aside.
@@ -58,14 +59,14 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     }
     let correlation = qv / (qq * vv).sqrt();
     let ratio = qv / vv;
-    if correlation.abs() < 0.8 {
+    if correlation.abs() < levels::RELATED.get() {
         return Some(format!(
             "its column of velocities is hardly related to its positions (correlation {correlation:.2}): is it another \
              joint's, or a commanded one?"
         ));
     }
     let size = ratio.abs();
-    if ratio > 0.0 && (size - 1.0).abs() < 0.15 {
+    if ratio > 0.0 && (size - 1.0).abs() < levels::SAME_VELOCITY.get() {
         return None;
     }
     let sign = if ratio < 0.0 { "the opposite sign of" } else { "another scale than" };
@@ -79,11 +80,11 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
 
 /// Change of the position and integral of the velocity over windows.
 fn travels<'a>(run: &'a Run, joint: usize, v: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
-    const WINDOW: usize = 10;
+    let window = levels::VELOCITY_WINDOW.get();
     let (t, q) = (&run.times, &run.positions[joint]);
-    let ends = (WINDOW..t.len()).step_by(WINDOW);
+    let ends = (window..t.len()).step_by(window);
     ends.map(move |end| {
-        let start = end - WINDOW;
+        let start = end - window;
         let trapezoid = |i: usize| 0.5 * (v[i] + v[i - 1]) * (t[i] - t[i - 1]);
         (q[end] - q[start], (start + 1..=end).map(trapezoid).sum())
     })
@@ -171,7 +172,7 @@ fn take_out_turns(values: &mut [f64]) -> Vec<usize> {
     let (mut offset, mut last, mut turns) = (0.0, f64::NAN, Vec::new());
     for (i, value) in values.iter_mut().enumerate().filter(|(_, value)| value.is_finite()) {
         let jump = *value + offset - last;
-        if (jump.abs() - TAU).abs() < 0.5 {
+        if (jump.abs() - TAU).abs() < levels::TURN.get() {
             offset -= TAU * jump.signum();
             turns.push(i);
         }

@@ -2,13 +2,8 @@
 
 use super::super::run::Run;
 use super::finding::CUT_OFF;
+use super::levels;
 use gelenk_findings::Finding;
-
-/// Share of the samples at an extreme from which on it is said.
-const SEEN: f64 = 0.01;
-/// Least ratio of the samples at a limit to those at the next level: a coarse sensor has many samples at each level, and a wave
-/// has more at its crest than next to it.
-const MORE_THAN_BESIDE: usize = 8;
 
 /// Efforts that were cut off, by their columns.
 ///
@@ -54,8 +49,8 @@ fn crowd(sorted: &[f64]) -> Option<(f64, usize)> {
     let count = sorted.iter().take_while(|x| **x == value).count();
     let next = *sorted.get(count)?;
     let beside = sorted[count..].iter().take_while(|x| **x == next).count();
-    let is_seen = count as f64 >= SEEN * sorted.len() as f64;
-    (is_seen && count >= MORE_THAN_BESIDE * beside).then_some((value, count))
+    let is_seen = count as f64 >= levels::CUT_OFF_SHARE.get() * sorted.len() as f64;
+    (is_seen && count >= levels::MORE_THAN_BESIDE.get() * beside).then_some((value, count))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Seconds of counted times: the unit if none is named, and counts as seconds.
 
 use super::finding::UNIT_ASSUMED;
+use super::levels;
 use gelenk_findings::Finding;
 
 /// Seconds of a unit that nobody names, by the usual step: robots are sampled between 5 Hz and 20 kHz.
@@ -23,16 +24,12 @@ pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
     (factor, Some(message))
 }
 
-/// Fewest samples that distinguish a counter from a clock.
-const COUNTED: usize = 100;
-
 /// A finding if all steps are exactly one second: nobody records a robot so slowly, and a counter of samples looks like that.
 ///
 /// - `times`: in 10⁻¹² of the unit; `unit`: in seconds
 pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<Finding> {
     const ONE: i128 = 1_000_000_000_000;
-    let counts =
-        unit == 1.0 && times.len() >= COUNTED && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
+    let counts = unit == 1.0 && times.len() > 1 && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
     counts.then(|| {
         let message = "its times step by exactly 1 s: if they are a counter of samples, name the period, as in --columns \
                        'time=…[4 ms]'";
@@ -46,9 +43,6 @@ pub(super) struct Clock {
     per_second: f64,
 }
 
-/// Beyond, times are taken as counted from an epoch or from when a machine was started [s].
-const EPOCH: f64 = 1e6;
-
 impl Clock {
     /// The clock of times that count `unit` seconds in 10⁻¹² of it.
     pub(super) fn new(times: &[i128], unit: f64) -> Self {
@@ -56,7 +50,7 @@ impl Clock {
         let exact = [1e12, 1e15, 1e18, 1e21].into_iter().find(|p| (p * unit / 1e12 - 1.0).abs() < 1e-9);
         let per_second = exact.unwrap_or(1e12 / unit);
         let first = times.first().copied().unwrap_or(0);
-        let is_epoch = first as f64 / per_second > EPOCH;
+        let is_epoch = first as f64 / per_second > levels::EPOCH.get();
         Self { zero: if is_epoch { first } else { 0 }, per_second }
     }
 

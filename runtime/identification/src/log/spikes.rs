@@ -2,19 +2,9 @@
 
 use super::super::numeric::statistics::quantile;
 use super::finding::OUTLIER;
+use super::levels;
 use gelenk_findings::Finding;
 use gelenk_findings::digits::plain;
-
-/// Share of the values at each end that the usual range leaves out.
-const OUTER: f64 = 0.01;
-/// Distance from the usual range, in units of it, that no motion explains.
-const FAR: f64 = 5.0;
-/// Most samples in a row. More are an event: a collision, or a motion in a log that rests.
-const LONGEST: usize = 3;
-/// Largest share of the samples.
-const MOST: f64 = 0.005;
-/// Fewest samples that tell a usual range.
-const FEWEST: usize = 100;
 
 /// Takes spikes of a column for no values, and says so.
 ///
@@ -38,19 +28,20 @@ pub(super) fn leave_out_spikes(
 /// Rows of the spikes of a column.
 fn spikes(column: &[f64]) -> Vec<usize> {
     let mut sorted: Vec<f64> = column.iter().copied().filter(|x| x.is_finite()).collect();
-    if sorted.len() < FEWEST {
+    if sorted.is_empty() {
         return Vec::new();
     }
     sorted.sort_unstable_by(f64::total_cmp);
-    let [low, high] = [OUTER, 1.0 - OUTER].map(|share| quantile(&sorted, share));
-    let reach = FAR * (high - low);
+    let outer = 2.0 * levels::MOST_SPIKES.get();
+    let [low, high] = [outer, 1.0 - outer].map(|share| quantile(&sorted, share));
+    let reach = levels::SPIKE.get() * (high - low);
     if reach <= 0.0 {
         return Vec::new();
     }
     let is_far = |row: &usize| column[*row] > high + reach || column[*row] < low - reach;
     let rows: Vec<usize> = (0..column.len()).filter(is_far).collect();
-    let is_short = rows.chunk_by(|a, b| a + 1 == *b).all(|chunk| chunk.len() <= LONGEST);
-    let are_few = rows.len() as f64 <= (MOST * sorted.len() as f64).max(1.0);
+    let is_short = rows.chunk_by(|a, b| a + 1 == *b).all(|chunk| chunk.len() <= levels::LONGEST_SPIKE.get());
+    let are_few = rows.len() as f64 <= (levels::MOST_SPIKES.get() * sorted.len() as f64).max(1.0);
     if is_short && are_few { rows } else { Vec::new() }
 }
 

@@ -1,7 +1,7 @@
 //! Units in headers of logs, and their values in SI.
 
+use super::levels;
 use std::f64::consts::PI;
-use std::ops::RangeInclusive;
 
 /// A unit: its value in the SI unit of the same kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,13 +65,16 @@ pub(crate) fn unit_value(unit: &str) -> Option<f64> {
     named(unit).map(|unit| unit.factor)
 }
 
-/// Share of a limit that values use whose unit is right.
-pub(crate) const SEEN: RangeInclusive<f64> = 0.05..=1.1;
+/// Whether values that are this share of a limit may be in the right unit: they are within it, and use a visible part of it.
+pub(crate) fn is_seen(share: f64) -> bool {
+    let [least, most] = levels::SEEN.get();
+    (least..=most).contains(&share)
+}
 
 /// Whether speeds that are `times` their limit would be within it, and use a visible part of it, if times were
 /// minutes.
 pub(crate) fn are_minutes(times: f64) -> bool {
-    SEEN.contains(&(times / 60.0))
+    is_seen(times / 60.0)
 }
 
 impl Unit {

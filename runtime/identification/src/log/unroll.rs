@@ -5,9 +5,7 @@ use super::super::pose::QuaternionJoint;
 use super::super::robot::Robot;
 use super::super::run::{Effort, Run};
 use super::joint_forces::forces_of_inputs;
-
-/// A quaternion whose length differs from 1 by more than this is none: three digits differ by less.
-const FARTHEST: f64 = 0.02;
+use super::levels;
 
 /// A run of a robot with quaternions: its joints have been read without the velocities of those with a quaternion, and its
 /// poses are all that has been read of these.
@@ -78,7 +76,7 @@ fn normalize(run: &mut Run, joints: &[QuaternionJoint], source: &str) -> Result<
 }
 
 fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, source: &str) -> Result<()> {
-    if (length - 1.0).abs() <= FARTHEST {
+    if (length - 1.0).abs() <= levels::FARTHEST_LENGTH.get() {
         return Ok(());
     }
     let [x, y, z, w] = q;

@@ -4,7 +4,6 @@ pub(crate) mod confidence;
 pub(crate) mod constrained;
 pub mod cross_validation;
 pub mod differentiation;
-pub(crate) mod ensemble;
 pub(crate) mod expression;
 pub(crate) mod filter;
 pub(crate) mod filtered;

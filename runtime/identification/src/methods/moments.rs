@@ -1,6 +1,6 @@
 //! Moments: sums of products of all columns of `[Θ | Y]` in one pass over the data, in total or for contiguous blocks.
 //!
-//! Sparse regression, cross-validation and bootstraps need no more than these sums ("moments"), so the
+//! Sparse regression and cross-validation need no more than these sums ("moments"), so the
 //! samples are read once, however many models are fitted. Forming ΘᵀΘ squares the condition number;
 //! [`super::least_squares`] watches it and goes back to the data with an orthogonal factorization where it
 //! matters.
@@ -26,7 +26,6 @@ pub struct Samples<'a> {
     names: Vec<String>,
     regressors: Regressors<'a>,
     targets: Vec<&'a [f64]>,
-    weights: Option<&'a [f64]>,
     samples: usize,
 }
 
@@ -77,25 +76,7 @@ impl<'a> Samples<'a> {
         for column in columns.iter().chain(&targets) {
             require_length("samples of a column", samples, column.len())?;
         }
-        Ok(Self { names, regressors, targets, weights: None, samples })
-    }
-
-    /// Weights wᵢ ≥ 0 of the samples: the fit minimizes `Σ wᵢ (yᵢ − θᵢ ξ)²`.
-    ///
-    /// # Errors
-    /// Wrong length, NaN, or a negative weight.
-    pub(crate) fn with_weights(mut self, weights: &'a [f64]) -> Result<Self> {
-        require_length("weights", self.samples, weights.len())?;
-        require_finite("the weights", weights)?;
-        if let Some(row) = weights.iter().position(|w| *w < 0.0) {
-            return Err(IdentificationError::Setting {
-                name: format!("weight of row {row}"),
-                value: weights[row],
-                requirement: "weights must not be negative".into(),
-            });
-        }
-        self.weights = Some(weights);
-        Ok(self)
+        Ok(Self { names, regressors, targets, samples })
     }
 
     /// Texts of the terms.
@@ -113,9 +94,8 @@ impl<'a> Samples<'a> {
         self.targets.len()
     }
 
-    /// Visits `rows` in blocks of at most 256; columns are those of Θ, then the targets, times √weight.
+    /// Visits `rows` in blocks of at most 256; columns are those of Θ, then the targets.
     pub(crate) fn visit(&self, rows: Range<usize>, visit: &mut dyn FnMut(&[&[f64]])) {
-        let mut scaled = vec![0.0; (self.names.len() + self.targets.len()) * BLOCK];
         let mut workspace = match &self.regressors {
             Regressors::Library(library, _) => Some(library.workspace()),
             Regressors::Columns(_) => None,
@@ -135,10 +115,7 @@ impl<'a> Samples<'a> {
                 (Regressors::Library(..), None) => {}
             }
             columns.extend(self.targets.iter().map(|t| &t[block.clone()]));
-            match self.weights {
-                None => visit(&columns),
-                Some(weights) => visit(&scale_rows(&columns, &weights[block.clone()], &mut scaled)),
-            }
+            visit(&columns);
             start = block.end;
         }
     }
@@ -168,17 +145,7 @@ impl<'a> Samples<'a> {
     }
 }
 
-fn scale_rows<'s>(columns: &[&[f64]], weights: &[f64], scaled: &'s mut [f64]) -> Vec<&'s [f64]> {
-    let n = weights.len();
-    for (column, out) in columns.iter().zip(scaled.chunks_exact_mut(BLOCK)) {
-        for i in 0..n {
-            out[i] = column[i] * weights[i].sqrt();
-        }
-    }
-    scaled.chunks_exact(BLOCK).take(columns.len()).map(|c| &c[..n]).collect()
-}
-
-/// Sums of products `[Θ | Y]ᵀ W [Θ | Y]` over some samples.
+/// Sums of products `[Θ | Y]ᵀ [Θ | Y]` over some samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moments {
     names: Vec<String>,
@@ -355,20 +322,17 @@ mod tests {
     use crate::numeric::random::SplitMix64;
 
     #[test]
-    fn sums_equal_the_matrix_product_with_and_without_weights() {
+    fn sums_equal_the_matrix_product() {
         let mut random = SplitMix64::new(1);
         let m = 1001;
         let theta = DMatrix::from_fn(m, 5, |_, _| random.normal());
         let y: Vec<f64> = (0..m).map(|_| random.normal()).collect();
-        let w: Vec<f64> = (0..m).map(|_| random.uniform()).collect();
         let names: Vec<String> = (0..5).map(|i| format!("t{i}")).collect();
         let samples = Samples::from_matrix(&names, &theta, vec![&y]).unwrap();
         let plain = Moments::new(&samples).unwrap();
         assert!((plain.gram() - theta.transpose() * &theta).amax() < 1e-11);
-        let weighted = Moments::new(&samples.clone().with_weights(&w).unwrap()).unwrap();
-        let diagonal = DMatrix::from_diagonal(&DVector::from_column_slice(&w));
-        let b = theta.transpose() * diagonal * DVector::from_column_slice(&y);
-        assert!((weighted.projection(0) - b).amax() < 1e-11);
+        let b = theta.transpose() * DVector::from_column_slice(&y);
+        assert!((plain.projection(0) - b).amax() < 1e-11);
         let blocks = Moments::blocks(&samples, 7).unwrap();
         assert_eq!(blocks.iter().map(Moments::samples).collect::<Vec<_>>(), [143; 7]);
         assert!((Moments::sum(&blocks).unwrap().gram() - plain.gram()).amax() < 1e-11);

@@ -13,20 +13,14 @@ pub struct Offset {
     pub standard_error: Option<f64>,
 }
 
-/// Takes its (weighted) mean off each run of a column.
-pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>], weights: Option<&[f64]>) {
+/// Takes its mean off each run of a column.
+pub(crate) fn centre(column: &mut [f64], runs: &[Range<usize>]) {
     for rows in runs {
-        let mean = mean(&column[rows.clone()], weights.map(|w| &w[rows.clone()]));
+        let mean = mean(&column[rows.clone()]);
         column[rows.clone()].iter_mut().for_each(|x| *x -= mean);
     }
 }
 
-/// The (weighted) mean; zero if all weights are.
-pub(crate) fn mean(x: &[f64], weights: Option<&[f64]>) -> f64 {
-    let Some(weights) = weights else {
-        return x.iter().sum::<f64>() / x.len() as f64;
-    };
-    let total: f64 = weights.iter().sum();
-    let sum: f64 = x.iter().zip(weights).map(|(x, w)| x * w).sum();
-    if total > 0.0 { sum / total } else { 0.0 }
+pub(crate) fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len() as f64
 }

@@ -261,7 +261,7 @@ fn fit(moments: &Moments, target: usize, active: &[usize]) -> Option<DVector<f64
     coefficients.iter().all(|x| x.is_finite()).then_some(coefficients)
 }
 
-/// The subset of `size` terms with the least residual, for bootstraps of the choice.
+/// The subset of `size` terms with the least residual, for folds of the choice.
 ///
 /// # Errors
 /// A size that no solvable subset has.

@@ -37,6 +37,7 @@ impl SplitMix64 {
     }
 
     /// Uniform in 0..`bound` (`bound` > 0); the bias of the product method is below 2⁻⁵³·bound.
+    #[cfg(test)]
     pub(crate) fn below(&mut self, bound: usize) -> usize {
         ((self.uniform() * bound as f64) as usize).min(bound.saturating_sub(1))
     }

@@ -32,8 +32,6 @@ pub struct FrictionTerm {
     /// Standard error if all other coefficients were known, where known: terms that resemble each other have
     /// vague coefficients and a sharp sum, so the coefficient is written with the digits of this one.
     pub resolution: Option<f64>,
-    /// Share of bootstrap draws with this term, where known.
-    pub inclusion: Option<f64>,
     /// Probability of the term over all subsets of the library, where known.
     pub probability: Option<f64>,
 }
@@ -346,7 +344,6 @@ pub(super) mod tests {
             standard_error: Some(0.0312),
             reach: None,
             resolution: Some(0.0041),
-            inclusion: Some(0.985),
             probability: Some(0.75),
         };
         FrictionResult {

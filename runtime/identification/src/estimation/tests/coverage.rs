@@ -198,7 +198,6 @@ pub(super) fn law(
         library: Library::new(terms, &["v"]).unwrap(),
         method: FrictionMethod::LeastSquares,
         passive: false,
-        draws: 0,
         ..FrictionIdentification::new().unwrap()
     };
     settings.identify(&data).unwrap()

@@ -180,7 +180,7 @@ fn law(name: &'static str, torque: fn(f64) -> f64, [fastest, offset]: [f64; 2]) 
     let limits = JointLimits { position: [-1e9, 1e9], velocity: 2.0, effort: 20.0 };
     let data = FrictionData { limits: Some(limits), ..FrictionData::of(name, &velocities, &torques) };
     let method = FrictionMethod::Ladder(StribeckRegression { starts: 4, ..StribeckRegression::default() });
-    let settings = FrictionIdentification { method, draws: 0, ..FrictionIdentification::new().unwrap() };
+    let settings = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() };
     let found = settings.identify(&data).unwrap().result;
     let speeds: Vec<f64> = (-20..=20).filter(|i| *i != 0).map(|i| 0.05 * f64::from(i) * fastest).collect();
     let laws = found.law.torques(&speeds).unwrap();

@@ -90,7 +90,6 @@ fn the_command_predicts_the_second_half_of_a_ur10_log() {
         });
     let mut settings = IdentificationSettings::new().unwrap();
     settings.columns.columns = Some("time=1,position=2..7,torque=14..19".into());
-    settings.friction.draws = 0;
     let found = identify(&ur10(), &fit, &settings, &mut |_| ()).unwrap();
     let judged = validate(&ur10(), &found, &unseen, &settings, &mut |_| ()).unwrap();
     let r_squared: Vec<f64> = judged.iter().map(|joint| joint.r_squared_with_offset).collect();
@@ -114,7 +113,6 @@ fn a_wrist_that_rests_has_the_friction_of_its_motion() {
     let mut settings = IdentificationSettings::new().unwrap();
     settings.columns.columns = Some("time=1,position=2..7,torque=14..19".into());
     settings.preparation.bandwidth = Some(8.0);
-    settings.friction.draws = 0;
     let found = identify(&ur10(), &[path], &settings, &mut |_| ()).unwrap();
     let joint = &found.estimate.joints[5];
     let law = &found.friction[5].report.as_ref().unwrap().result;

@@ -103,22 +103,19 @@ impl StribeckFit {
 
     /// Contributions of each sample to the normal equations.
     fn scores(&self, samples: &Observed) -> Vec<Vec<f64>> {
-        let Sensitivities { derivatives, residual, weights } = self.sensitivities(samples);
-        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
-        let score = |column: &Vec<f64>| {
-            column.iter().zip(&residual).enumerate().map(|(i, (x, r))| x * (weight(i) * r)).collect()
-        };
+        let Sensitivities { derivatives, residual } = self.sensitivities(samples);
+        let score = |column: &Vec<f64>| column.iter().zip(&residual).map(|(x, r)| x * r).collect();
         derivatives.iter().map(score).collect()
     }
 
     /// Derivatives and residual at the samples.
-    pub(crate) fn sensitivities<'a>(&self, samples: &Observed<'a>) -> Sensitivities<'a> {
+    pub(crate) fn sensitivities(&self, samples: &Observed) -> Sensitivities {
         let mut derivatives = samples.columns(&self.parameters).to_vec();
         if !self.offsets.is_empty() {
-            derivatives.iter_mut().for_each(|column| centre(column, samples.runs, samples.weights));
+            derivatives.iter_mut().for_each(|column| centre(column, samples.runs));
         }
         let residual = derivatives.pop().unwrap_or_default();
-        Sensitivities { derivatives, residual, weights: samples.weights }
+        Sensitivities { derivatives, residual }
     }
 
     /// Changes of the parameters without some of the samples, to first order.
@@ -132,7 +129,7 @@ impl StribeckFit {
         change(&all, &left, &score)
     }
 
-    /// `(JᵀWJ)⁻¹ JᵀW F` with other columns F; zeros for parameters that are not identifiable.
+    /// `(JᵀJ)⁻¹ Jᵀ F` with other columns F; zeros for parameters that are not identifiable.
     pub(crate) fn map(&self, at: &Sensitivities, others: &[Vec<f64>]) -> DMatrix<f64> {
         let (inverse, ..) = inverse(&self.information);
         DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * at.products(others, |_| true)
@@ -140,19 +137,17 @@ impl StribeckFit {
 }
 
 /// A law and its residual to first order in the parameters, offsets eliminated.
-pub(crate) struct Sensitivities<'a> {
+pub(crate) struct Sensitivities {
     derivatives: Vec<Vec<f64>>,
     residual: Vec<f64>,
-    weights: Option<&'a [f64]>,
 }
 
-impl Sensitivities<'_> {
-    /// `JᵀW F` over some of the samples.
+impl Sensitivities {
+    /// `Jᵀ F` over some of the samples.
     fn products(&self, others: &[Vec<f64>], kept: impl Fn(usize) -> bool) -> DMatrix<f64> {
-        let weight = |i: usize| self.weights.map_or(1.0, |w| w[i]);
         let product = |one: &[f64], other: &[f64]| -> f64 {
             let samples = (0..one.len()).filter(|i| kept(*i));
-            samples.map(|i| weight(i) * one[i] * other[i]).sum()
+            samples.map(|i| one[i] * other[i]).sum()
         };
         DMatrix::from_fn(self.derivatives.len(), others.len(), |i, k| {
             product(&self.derivatives[i], &others[k])

@@ -18,9 +18,7 @@ pub(crate) use law::{NAMES, slower, stribeck_gradient};
 pub use law::{StribeckFit, StribeckRegression, stribeck_torque};
 pub(crate) use words::StribeckWords;
 
-use super::super::error::{
-    IdentificationError, Result, require_finite, require_length, require_samples, require_setting,
-};
+use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use errors::summarize;
 pub(crate) use refine::Observed;
 use refine::{Data, NEAR};
@@ -29,13 +27,19 @@ use starts::search;
 impl StribeckRegression {
     /// Fits the law to a single run.
     ///
-    /// - `velocities`, `torques`: m samples [rad/s, N·m]; `weights`: m or none
+    /// - `velocities`, `torques`: m samples [rad/s, N·m]
     ///
     /// # Errors
     /// Fewer than six samples, values that are not finite, or constant velocity.
-    pub fn fit(&self, velocities: &[f64], torques: &[f64], weights: Option<&[f64]>) -> Result<StribeckFit> {
+    pub fn fit(&self, velocities: &[f64], torques: &[f64]) -> Result<StribeckFit> {
         let whole = 0..velocities.len();
-        self.fit_runs(&Observed { v: velocities, torque: torques, weights, runs: &[whole], filtered: None })
+        self.fit_runs(&Observed {
+            v: velocities,
+            torque: torques,
+            weights: None,
+            runs: &[whole],
+            filtered: None,
+        })
     }
 
     /// Fits one law to several runs, each with an offset of its own.
@@ -44,7 +48,7 @@ impl StribeckRegression {
     /// Fewer than six samples, values that are not finite, or constant velocity. Parameters that run away end
     /// with a warning.
     pub(crate) fn fit_runs(&self, samples: &Observed) -> Result<StribeckFit> {
-        self.check(samples.v, samples.torque, samples.weights)?;
+        Self::check(samples.v, samples.torque)?;
         let covered = samples.runs.iter().try_fold(0, |end, run| (run.start == end).then_some(run.end));
         require_length("samples in the runs", samples.v.len(), covered.unwrap_or(0))?;
         let data = Data { samples: *samples, offset: self.offset };
@@ -58,17 +62,11 @@ impl StribeckRegression {
         data.refine(known.parameters, offsets, self, NEAR).a
     }
 
-    fn check(&self, v: &[f64], torque: &[f64], weights: Option<&[f64]>) -> Result<()> {
+    fn check(v: &[f64], torque: &[f64]) -> Result<()> {
         require_samples("the Stribeck law with five parameters", 6, v.len())?;
         require_length("torques", v.len(), torque.len())?;
         require_finite("the velocity", v)?;
         require_finite("the torque", torque)?;
-        if let Some(weights) = weights {
-            require_length("weights", v.len(), weights.len())?;
-            require_finite("the weights", weights)?;
-            let least = weights.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-            require_setting("least weight", least, least >= 0.0, "weights must not be negative")?;
-        }
         if v.iter().all(|x| *x == v[0]) {
             return Err(IdentificationError::Constant {
                 what: "the velocity".into(),

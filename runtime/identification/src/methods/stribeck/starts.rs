@@ -27,7 +27,6 @@ const FAR: f64 = 1e-3;
 struct Thinned<'a> {
     v: Vec<f64>,
     torque: Vec<f64>,
-    weights: Option<Vec<f64>>,
     runs: Vec<Range<usize>>,
     filtered: Option<Filtered<'a>>,
 }
@@ -40,7 +39,6 @@ impl<'a> Thinned<'a> {
         Self {
             v: part(samples.v),
             torque: part(samples.torque),
-            weights: samples.weights.map(part),
             runs: runs.collect(),
             filtered: samples.filtered.map(|filtered| every(filtered, stride)),
         }
@@ -50,7 +48,7 @@ impl<'a> Thinned<'a> {
         Observed {
             v: &self.v,
             torque: &self.torque,
-            weights: self.weights.as_deref(),
+            weights: None,
             runs: &self.runs,
             filtered: self.filtered.as_ref(),
         }

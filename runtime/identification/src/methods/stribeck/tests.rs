@@ -27,7 +27,7 @@ fn finds_the_parameters_without_noise() {
     for a in [TRUE, [76.0, 4.0, 5.0, 2.0, 30.0], [0.1, 10.0, 80.0, -3.0, 2.0]] {
         let (v, _) = data(5000, 0.0, 1);
         let torque: Vec<f64> = v.iter().map(|v| stribeck_torque(*v, &a)).collect();
-        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
         for i in 0..5 {
             assert!((fit.parameters[i] / a[i] - 1.0).abs() < 1e-5, "{:?} instead of {a:?}", fit.parameters);
         }
@@ -39,7 +39,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     let mut covered = [0; 5];
     for seed in 0..200 {
         let (v, torque) = data(2000, 0.05, seed);
-        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
         let t = quantile(0.9, fit.freedom as f64).unwrap();
         for i in 0..5 {
             let error = (fit.parameters[i] - TRUE[i]).abs();
@@ -55,12 +55,12 @@ fn parameters_without_influence_are_named() {
     let (v, _) = data(3000, 0.0, 1);
     let mut random = SplitMix64::new(5);
     let viscous: Vec<f64> = v.iter().map(|v| 3.6 * v + 0.05 * random.normal()).collect();
-    let fit = StribeckRegression::default().fit(&v, &viscous, None).unwrap();
+    let fit = StribeckRegression::default().fit(&v, &viscous).unwrap();
     assert!(!fit.warnings.is_empty());
     assert!((fit.torque(1.0) - 3.6).abs() < 0.1);
     let fast: Vec<f64> = v.iter().map(|v| 2.0 + v.abs()).collect();
     let torque: Vec<f64> = fast.iter().map(|v| stribeck_torque(*v, &TRUE) + 0.05 * random.normal()).collect();
-    let fit = StribeckRegression::default().fit(&fast, &torque, None).unwrap();
+    let fit = StribeckRegression::default().fit(&fast, &torque).unwrap();
     assert!(
         fit.warnings.iter().any(|w| w.contains("slower than 1/a3") || w.contains("not identifiable")),
         "{:?}",
@@ -74,12 +74,12 @@ fn parameters_without_influence_are_named() {
 #[test]
 fn bad_input_has_messages() {
     let regression = StribeckRegression::default();
-    let message = |v: &[f64], t: &[f64]| regression.fit(v, t, None).unwrap_err().to_string();
+    let message = |v: &[f64], t: &[f64]| regression.fit(v, t).unwrap_err().to_string();
     assert!(message(&[], &[]).contains("empty"));
     assert!(message(&[1.0; 5], &[1.0; 5]).contains("at least 6 samples, there are 5"));
     assert!(message(&[0.3; 9], &[1.0; 9]).contains("the velocity is constant (0.3) in all 9 samples"));
     assert!(message(&[f64::NAN; 9], &[1.0; 9]).contains("9 such values of 9"));
-    let zero = regression.fit(&data(100, 0.0, 1).0, &[0.0; 100], None).unwrap();
+    let zero = regression.fit(&data(100, 0.0, 1).0, &[0.0; 100]).unwrap();
     assert!(zero.parameters.iter().all(|a| a.is_finite()) && zero.torque(0.7).abs() < 1e-9);
 }
 
@@ -98,16 +98,16 @@ fn an_offset_is_found_beside_the_law_and_leaves_it_alone() {
     }
     assert!((fit.offsets[0] - 3.0).abs() < 0.01 && (fit.offsets[1] + 1.0).abs() < 0.01, "{:?}", fit.offsets);
     // One offset cannot be both, and none is what the odd law ignores.
-    let one = StribeckRegression::default().fit(&v, &moved, None).unwrap();
+    let one = StribeckRegression::default().fit(&v, &moved).unwrap();
     assert!(one.variance > 1.0 && (fit.variance / 0.0025 - 1.0).abs() < 0.1);
     let none = StribeckRegression { offset: false, ..Default::default() };
-    assert!(none.fit(&v, &torque, None).unwrap().offsets.is_empty());
+    assert!(none.fit(&v, &torque).unwrap().offsets.is_empty());
 }
 
 #[test]
 fn physical_words_are_what_the_law_does() {
     let (v, torque) = data(6000, 0.05, 2);
-    let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+    let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
     let words = fit.words();
     // Viscous friction and Coulomb's level from the curve itself, at speeds where the excess is gone.
     let slope = (fit.torque(30.0) - fit.torque(20.0)) / 10.0;
@@ -130,7 +130,7 @@ fn the_best_of_several_starts_is_found_at_any_scale() {
         let mut random = SplitMix64::new(4);
         let torque: Vec<f64> =
             v.iter().map(|v| 0.7 + stribeck_torque(*v, &a) + 0.02 * random.normal()).collect();
-        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
         assert!(fit.converged && (fit.variance.sqrt() - 0.02).abs() < 0.001, "{fit:?}");
     }
 }
@@ -147,7 +147,7 @@ fn of_laws_that_fit_alike_one_that_dissipates_is_taken() {
             |v: f64| 76.6 * v + 3.9 * (5.0 * v).tanh() + 10.8 * (10.0 * v).tanh() + 2.2 * (20.0 * v).tanh();
         let torque: Vec<f64> = v.iter().map(|v| truth(*v) + 0.2 * random.normal()).collect();
         for offset in [false, true] {
-            let fit = StribeckRegression { offset, ..Default::default() }.fit(&v, &torque, None).unwrap();
+            let fit = StribeckRegression { offset, ..Default::default() }.fit(&v, &torque).unwrap();
             for i in 1..100 {
                 assert!(fit.torque(0.005 * f64::from(i)) >= 0.0, "seed {seed}: {:?}", fit.parameters);
             }
@@ -164,7 +164,7 @@ fn correlated_errors_widen_the_intervals() {
         slow = 0.9 * slow + 0.05 * random.normal();
         *t += slow;
     }
-    let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+    let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
     let whole = 0..v.len();
     let honest = fit.clone().with_correlated_errors(&observed(&v, &torque, &[whole]));
     for i in 0..5 {
@@ -200,7 +200,7 @@ fn no_worse_minimum_is_taken_than_the_one_near_the_truth() {
         }
         let (v, _) = data([1000, 6000][case % 2], 0.0, 1);
         let torque: Vec<f64> = v.iter().map(|v| stribeck_torque(*v, &a) + 0.1 * random.normal()).collect();
-        let fit = StribeckRegression::default().fit(&v, &torque, None).unwrap();
+        let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
         let whole = 0..v.len();
         let runs = [whole];
         let data = Data { samples: observed(&v, &torque, &runs), offset: true };

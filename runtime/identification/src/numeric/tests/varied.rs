@@ -2,6 +2,7 @@
 
 use super::Level;
 use std::cell::Cell;
+use std::fmt::Write;
 
 thread_local! {
     /// The level that is varied, and the factor.
@@ -44,4 +45,29 @@ pub(crate) fn with<R>(name: &'static str, factor: f64, of: impl FnOnce() -> R) -
     let result = of();
     CHANGE.set(("", 1.0));
     result
+}
+
+/// What is found in named cases.
+pub(crate) type Outcomes = Vec<(String, String)>;
+
+/// A page of the cases, and of those that half and twice each number changes.
+pub(crate) fn page<'n>(
+    names: impl Iterator<Item = &'n &'static str>,
+    outcomes: &dyn Fn() -> Outcomes,
+) -> String {
+    let usual = outcomes();
+    let changed = |name: &'static str, factor: f64| {
+        let other = with(name, factor, outcomes);
+        let changed = usual.iter().zip(&other).filter(|(before, after)| before != after);
+        let names: Vec<&str> = changed.map(|((name, _), _)| name.as_str()).collect();
+        if names.is_empty() { "no change".to_owned() } else { names.join(", ") }
+    };
+    let mut page = String::new();
+    usual.iter().for_each(|(name, found)| writeln!(page, "{name}: {found}").unwrap());
+    for name in names {
+        let [half, double] = [0.5, 2.0].map(|factor| changed(name, factor));
+        let short = name.split("::").skip(1).collect::<Vec<_>>().join("::");
+        writeln!(page, "{short} | {half} | {double}").unwrap();
+    }
+    page
 }

@@ -31,8 +31,10 @@ def remedies(job):
         simulate(Simulator(work), work, kind, seed)
     command = [gelenk, "identify", "arm4.urdf", log.name, "-o", f"{name}.toml", "--format", "json"]
     run = subprocess.run(command, cwd=work, capture_output=True, text=True)
-    found = json.loads(run.stdout)["findings"] if run.returncode == 0 else [dict(code="refused", text=run.stderr)]
-    offered = [x for x in found if x["code"] == "refused" or any(v["name"] == FALL for v in x["values"])]
+    found = json.loads(run.stdout) if run.stdout.strip() else {}
+    offered = [x for x in found.get("findings", found.get("diagnostics", [])) if any(v["name"] == FALL for v in x.get("values") or [])]
+    if run.returncode and not offered:
+        offered = [dict(code="refused", text=run.stderr)]
     return kind, name, offered
 
 
