@@ -48,7 +48,8 @@ pub(crate) fn estimate_load(
     robot: &dyn Robot,
     [without, with]: [&[PreparedRun]; 2],
     (body, settings): (usize, &EstimationSettings),
-    (first, second): (Load, &dyn Fn(&LoadFit) -> Result<Option<Load>>),
+    first: Load,
+    second: &dyn Fn(&LoadFit) -> Result<Option<Load>>,
 ) -> Result<LoadFit> {
     for (what, runs) in [("runs without the load", without), ("runs with the load", with)] {
         require_samples(what, 1, runs.len())?;

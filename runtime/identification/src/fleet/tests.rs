@@ -524,7 +524,7 @@ fn each_number_of_moments_is_halved_and_doubled() {
         (settings.preparation.bandwidth, settings.preparation.delay) = (Some(bandwidth), Some(delay));
         settings
     };
-    let outcome = |parts: &[(u64, [f64; 2])]| -> String {
+    let outcome = |parts: &Vec<(u64, [f64; 2])>| -> String {
         let one = |(seed, [bandwidth, delay]): &(u64, [f64; 2])| {
             let text = log(*seed, *seed == 1);
             let mut moments = reduced(folder.path(), "log.csv", &text, &other(*bandwidth, *delay))?;
@@ -545,7 +545,7 @@ fn each_number_of_moments_is_halved_and_doubled() {
         )
     };
     let outcomes = || {
-        let cases: [(&str, Vec<(u64, [f64; 2])>); 4] = [
+        let cases = [
             ("alone", vec![(2, [8.0, 0.0])]),
             ("other filter", vec![(2, [8.0, 0.0]), (3, [5.0, 0.0])]),
             ("other delay", vec![(2, [8.0, 0.0]), (3, [8.0, 3e-3])]),

@@ -6,6 +6,8 @@
 //! quantity, in which unit), `runs` (samples, cut into runs), `bursts` (times of arrival), `unroll` (poses with quaternions), `joint_forces`
 //! (inputs at frames), `health` (checks of the runs).
 
+mod levels;
+
 mod finding;
 mod number;
 mod packed;
@@ -15,7 +17,6 @@ mod bag;
 mod bursts;
 mod health;
 mod joint_forces;
-mod levels;
 mod saturation;
 mod seconds;
 mod sheet;

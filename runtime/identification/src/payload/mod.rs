@@ -50,7 +50,7 @@ pub(crate) fn estimate(
     };
     let estimation =
         EstimationSettings { offsets: Some(Offsets::Common), delays: None, ..estimation.clone() };
-    let found = estimate_load(robot, runs, (body, &estimation), (near(anything(robot)), &second))?;
+    let found = estimate_load(robot, runs, (body, &estimation), near(anything(robot)), &second)?;
     report::payload(robot.joint_names(), body, found, settings.confidence)
 }
 

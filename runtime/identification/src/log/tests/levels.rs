@@ -35,8 +35,11 @@ const LOGS: [(&str, Row); 15] = [
     ("position far beyond", |_, t| [60.0 * wave(t)[0], 60.0 * wave(t)[1], wave(t)[2]]),
 ];
 
-/// Times of a log: the index, and the motion's time.
-const TIMES: [(&str, fn(usize) -> f64); 5] = [
+/// The time of a row.
+type Time = fn(usize) -> f64;
+
+/// Times of logs.
+const TIMES: [(&str, Time); 5] = [
     ("short pauses", |i| 0.032 * (i / 5) as f64 + 2e-3 * (i % 5) as f64),
     ("bursts", |i| 0.01 * ((i / 20) * 20) as f64 + 1e-4 * (i % 20) as f64),
     ("few bursts", |i| 0.01 * ((i / 35) * 35) as f64 + 2e-3 * (i % 35) as f64),
@@ -45,7 +48,7 @@ const TIMES: [(&str, fn(usize) -> f64); 5] = [
 ];
 
 /// Codes and times of what is found in a log, or why it is refused.
-fn outcome(rows: usize, time: fn(usize) -> f64, row: Row) -> BTreeSet<String> {
+fn outcome(rows: usize, time: Time, row: Row) -> BTreeSet<String> {
     let mut text = "t,q1,dq1,tau1\n".to_owned();
     for i in 0..rows {
         let [q, v, tau] = row(i, 0.01 * i as f64);
@@ -66,7 +69,7 @@ fn outcome(rows: usize, time: fn(usize) -> f64, row: Row) -> BTreeSet<String> {
     codes.chain(remedies).chain([begin]).collect()
 }
 
-/// What is said of a flight whose quaternions have this length.
+/// Findings of a flight whose quaternions have this length.
 fn flight(length: f64) -> BTreeSet<String> {
     let mut text = "t,x,y,z,qx,qy,qz,qw,u_front_right,u_rear_left,u_front_left,u_rear_right\n".to_owned();
     for i in 0..100 {

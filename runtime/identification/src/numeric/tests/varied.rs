@@ -47,7 +47,7 @@ pub(crate) fn with<R>(name: &'static str, factor: f64, of: impl FnOnce() -> R) -
     result
 }
 
-/// What is found in named cases.
+/// Findings of named cases.
 pub(crate) type Outcomes = Vec<(String, String)>;
 
 /// A page of the cases, and of those that half and twice each number changes.
