@@ -129,11 +129,12 @@ impl Chosen<'_> {
     /// exporters write dummies, and tools are forgotten.
     pub(super) fn choose_trust(&mut self, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
-        for &start in &prior.bodies {
+        for body in &prior.bodies {
             for _ in 0..LESS_TRUST_STEPS {
                 let mut weighting = self.weighting.clone();
-                let trust = &mut weighting.trust[start..start + PER_BODY];
-                trust.iter_mut().for_each(|t| *t *= levels::LESS_TRUST.get());
+                weighting.trust[body * PER_BODY..(body + 1) * PER_BODY]
+                    .iter_mut()
+                    .for_each(|t| *t *= levels::LESS_TRUST.get());
                 let error = held_out(&self.centred, &self.model, prior, &weighting, &self.values)?;
                 let (excess, deviation) = error.excess_of_choice(&best);
                 if excess >= -deviation {

@@ -17,41 +17,29 @@ pub(super) fn bounded(
     linear: &DVector<f64>,
     free: &DVector<f64>,
 ) -> Result<DVector<f64>> {
-    let order = bodies_first(prior, active);
-    let globals: Vec<usize> = order.iter().map(|place| active[*place]).collect();
-    let described = |global: &usize| prior.described.get(*global).copied().unwrap_or(0.0);
-    let described = DVector::from_iterator(order.len(), globals.iter().map(described));
-    let nonnegative = nonnegative(layout, prior, &globals);
-    let absolute = &described + free.select_rows(&order);
+    let described =
+        DVector::from_fn(active.len(), |i, _| prior.described.get(active[i]).copied().unwrap_or(0.0));
+    let nonnegative = nonnegative(layout, prior, active);
+    let absolute = &described + free;
     if can_exist(&absolute, prior.bodies.len(), &nonnegative) {
         return Ok(free.clone());
     }
-    let hessian = regularized.select_rows(&order).select_columns(&order);
-    let linear = linear.select_rows(&order) + &hessian * &described;
-    let problem = ConsistentProblem { hessian, linear, bodies: prior.bodies.len(), nonnegative };
-    let found = solve(&problem)?.parameters - described;
-    let mut bounded = free.clone();
-    order.iter().zip(found.iter()).for_each(|(place, x)| bounded[*place] = *x);
-    Ok(bounded)
+    let problem = ConsistentProblem {
+        hessian: regularized.clone(),
+        linear: linear + regularized * &described,
+        bodies: prior.bodies.len(),
+        nonnegative,
+    };
+    Ok(solve(&problem)?.parameters - described)
 }
 
-/// Places of the active unknowns, those of bodies first.
-fn bodies_first(prior: &Prior, active: &[usize]) -> Vec<usize> {
-    let of_body =
-        |global: usize| prior.bodies.iter().any(|start| (*start..start + PER_BODY).contains(&global));
-    let (mut order, others): (Vec<usize>, Vec<usize>) =
-        (0..active.len()).partition(|place| of_body(active[*place]));
-    order.extend(others);
-    order
-}
-
-/// Places of rotor inertias, reflected inertias and shares of the load among unknowns.
-fn nonnegative(layout: &Layout, prior: &Prior, globals: &[usize]) -> Vec<usize> {
+/// Places of rotor inertias, reflected inertias and shares of the load among the active unknowns.
+fn nonnegative(layout: &Layout, prior: &Prior, active: &[usize]) -> Vec<usize> {
     let bodies = PER_BODY * prior.bodies.len();
     let of_joint = |j: usize| (ARMATURE..layout.terms).map(move |term| layout.term(j, term));
     let terms: Vec<usize> = (0..layout.joints).flat_map(of_joint).collect();
-    let bounded = |i: &usize| globals[*i] < layout.own_parameters || terms.contains(&globals[*i]);
-    (bodies..globals.len()).filter(bounded).collect()
+    let bounded = |i: &usize| active[*i] < layout.parameters || terms.contains(&active[*i]);
+    (bodies..active.len()).filter(bounded).collect()
 }
 
 fn can_exist(parameters: &DVector<f64>, bodies: usize, nonnegative: &[usize]) -> bool {

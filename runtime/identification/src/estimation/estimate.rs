@@ -7,21 +7,22 @@ use super::checks::{Checked, is_of_acceleration};
 use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_unexplained, require_explained, unexplained};
-use super::fit::HeldOut;
+use super::fit::{HeldOut, fit};
 use super::hypotheses::{
     Doubts, is_driving, other_delays, other_explanations, other_factors, other_order, other_spring,
 };
+use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
-use super::margin::runs_away_from_stops;
+use super::margin::{change_at_margin, runs_away_from_stops};
 use super::normal::{Centred, Values, residual_vector};
 use super::prior::Prior;
 use super::report::Report;
 use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
 use super::result::{Estimate, Gravity, Offsets};
 use super::settings::EstimationSettings;
-use super::sums::{Sums, Weights, moving, resting, sum};
+use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
 use super::tilt::tilt;
 use super::unit::CommonRatio;
@@ -126,7 +127,7 @@ fn estimate_of(
 }
 
 /// - `steepness`: factors of the Coulomb terms of each joint; and whether there is a term under load
-pub(super) fn layout_of(
+fn layout_of(
     robot: &dyn Robot,
     runs: &[PreparedRun],
     settings: &EstimationSettings,
@@ -177,7 +178,10 @@ fn pass(
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Estimate, Vec<f64>)> {
     let prior = Prior::new(&robot.parameters(), robot.bodies(), JointPrior::all(robot, layout, runs));
-    let task = Task { loads, ..Task::new(robot, runs, settings, (layout, &prior)) };
+    let pieces = cut(runs, settings.folds);
+    let gravity = Gravity::of(settings.gravity_compensated);
+    let (first_fit, more) = (None, None);
+    let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, first_fit, more };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
     progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
     let (task, first) = task.with_its_compensation(progress)?;
@@ -327,14 +331,34 @@ impl Task<'_> {
         outlier: &[f64],
         progress: &mut dyn FnMut(&str),
     ) -> Result<Estimate> {
+        let Chosen { centred, model, weighting, values, .. } = last;
+        let solved = fit(centred, &centred.all, model, self.prior, weighting, values)?;
+        let offsets = offsets_of(centred, &solved.values);
         progress("Intervals are computed under correlated residuals.");
-        let inferred = self.inferred(last, outlier)?;
+        let forces = self.forces(&solved.values, &offsets);
+        let times = self.correlation_times(&forces);
+        let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);
+        let time = measured.map(|(time, _)| *time).fold(1.0, f64::max);
+        let fitted = Fitted {
+            centred,
+            solved: &solved,
+            weighting,
+            values: &solved.values,
+            offsets: &offsets,
+            outlier,
+            log_gains: &last.log_gains,
+        };
+        let margin = change_at_margin(self, last, &fitted);
+        let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
+        let covariance = covariance(&fitted, self.prior, &scores)?;
+        let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);
+        let offset_errors: RunOffsets = (0..self.layout.joints).map(errors).collect();
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
         let with_rest = self.with_rest(&judged, &errors);
         progress("Other explanations are tried.");
-        let doubts = self.doubts((&judged, &errors), &held_out, (&inferred.forces, inferred.time))?;
+        let doubts = self.doubts((&judged, &errors), &held_out, (&forces, time))?;
         let report = Report {
             fitted: Estimated {
                 robot: self.robot,
@@ -343,15 +367,15 @@ impl Task<'_> {
                 prior: self.prior,
                 gravity: self.gravity,
                 chosen: last,
-                solved: &inferred.solved,
-                covariance: &inferred.covariance,
-                margin: &inferred.margin,
+                solved: &solved,
+                covariance: &covariance,
+                margin: &margin,
                 delays: self.first_fit.map_or(&[], |fit| &fit.delays),
             },
             runs: self.runs,
-            forces: &inferred.forces,
-            offsets: &inferred.offsets,
-            offset_errors: &inferred.offset_errors,
+            forces: &forces,
+            offsets: &offsets,
+            offset_errors: &offset_errors,
             held_out: &held_out,
             with_rest: with_rest.as_deref().unwrap_or(&held_out),
             has_loads: self.loads.is_some(),
@@ -383,7 +407,7 @@ impl Task<'_> {
         let accept_poor = self.settings.accept_poor;
         let ratio = checked.common_ratio();
         let mut doubts = other_explanations(self, judged, ratio.as_ref().map(CommonRatio::factor))?;
-        doubts.of_all.extend(tilt(self, judged).ok().flatten());
+        doubts.of_all.extend(tilt(self, judged, correlation_time).ok().flatten());
         other_factors(self, judged.0, &mut doubts)?;
         let has_other_unit = ratio.as_ref().is_some_and(CommonRatio::is_other) || checked.has_other_unit();
         other_order(self, judged.0, &mut doubts, has_other_unit)?;
@@ -413,11 +437,29 @@ impl Task<'_> {
         };
         require_explained(self.robot, self.layout, self.settings, (held_out, &doubts.of_joints), reasons)
     }
+
+    /// Samples after which the residual of each joint forgets.
+    fn correlation_times(&self, forces: &Forces) -> Vec<f64> {
+        let time = |j: usize| {
+            let of_run = |(run, forces): (&PreparedRun, &Vec<Vec<f64>>)| {
+                let stretches = self.layout.stretches(run, j).into_iter();
+                stretches.map(|rows| forces[j][rows].to_vec()).collect::<Vec<_>>()
+            };
+            let series: Vec<Vec<f64>> = self.runs.iter().zip(&forces.residual).flat_map(of_run).collect();
+            correlation_time(&series.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        };
+        (0..self.layout.joints).map(time).collect()
+    }
+}
+
+/// Offsets of each joint and run for given values.
+fn offsets_of(centred: &Centred, values: &Values) -> RunOffsets {
+    (0..centred.layout.joints).map(|j| centred.offsets(values, j)).collect()
 }
 
 impl Chosen<'_> {
     pub(super) fn offsets(&self) -> RunOffsets {
-        (0..self.centred.layout.joints).map(|joint| self.centred.offsets(&self.values, joint)).collect()
+        offsets_of(&self.centred, &self.values)
     }
 
     /// R² of each joint for given residual sums, centred over the runs that share an offset.

@@ -2,6 +2,7 @@
 //! intervals, and the choices in words.
 
 use super::super::error::{IdentificationError, Result};
+use super::super::inertial::PER_BODY;
 use super::super::methods::confidence::quantile;
 use super::super::methods::library::smooth_sign;
 use super::super::robot::Robot;
@@ -218,9 +219,9 @@ impl Estimated<'_> {
             self.covariance.decided
         );
         let trust = &self.chosen.weighting.trust;
-        let doubted = self.prior.bodies.iter().filter(move |start| trust[**start] < 1.0);
-        let doubted = doubted.map(move |start| {
-            let body = names[*start].trim_start_matches("m_");
+        let doubted = self.prior.bodies.iter().filter(move |body| trust[*body * PER_BODY] < 1.0);
+        let doubted = doubted.map(move |body| {
+            let body = names[body * PER_BODY].trim_start_matches("m_");
             CONTRADICTED.found(format!("the data contradict the described body of {body}"))
         });
         std::iter::once(WEIGHT.found(weight)).chain(doubted).chain(self.delays_found())

@@ -84,9 +84,9 @@ pub(super) struct Solved {
 }
 
 impl Solved {
-    /// How many of the active unknowns are inertial parameters of the robot.
+    /// How many of the active unknowns are inertial parameters.
     pub(super) fn bodies(&self, layout: &Layout) -> usize {
-        self.active.iter().take_while(|&&global| global < layout.own_parameters).count()
+        self.active.iter().take_while(|&&global| global < layout.parameters).count()
     }
 
     /// Weighted squared distance of the friction terms from their described values.
@@ -122,12 +122,11 @@ pub(super) fn fit(
     let active = model.active(layout, prior);
     let weights = force_weights(weighting, &start.gains);
     let normal = assemble(layout, products, &active, &weights, &start.gains);
-    let known = prior.known(layout, model, &active);
-    let mut stiffness = known.precision;
-    stiffness.row_iter_mut().zip(known.time.iter()).for_each(|(mut row, time)| row *= *time);
-    let metric = weighting.metric(prior, &active) + &stiffness;
+    let known = prior.friction(layout, model, &active);
+    let stiffness = known.precision.component_mul(&known.time);
+    let metric = weighting.metric(prior, &active) + DMatrix::from_diagonal(&stiffness);
     let regularized = regularized(&normal, &metric);
-    let linear = normal.linear + stiffness * &known.mean;
+    let linear = normal.linear + stiffness.component_mul(&known.mean);
     let right = DMatrix::from_column_slice(active.len(), 1, linear.as_slice());
     let mut x = solve(&regularized, &right)?.column(0).into_owned();
     if model.consistent {

@@ -32,8 +32,6 @@ const PROBES: usize = 4;
 pub(super) struct Layout {
     pub(super) joints: usize,
     pub(super) parameters: usize,
-    /// The robot's own of these; behind them are those of a hypothesis or of a load.
-    pub(super) own_parameters: usize,
     /// Candidate terms of each joint: [`TERMS`], or one more with [`LOAD`].
     pub(super) terms: usize,
     /// Global columns with entries in the joint's equation, ascending; behind them stand the described rigid force and
@@ -114,7 +112,6 @@ impl Layout {
         Ok(Self {
             joints,
             parameters,
-            own_parameters: parameters,
             terms,
             local: local(robot, joints, parameters, terms),
             delays: Vec::new(),

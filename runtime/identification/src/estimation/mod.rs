@@ -12,12 +12,10 @@ mod factors;
 mod fit;
 mod gains;
 mod hypotheses;
-mod inference;
 mod intervals;
 mod joint_prior;
 mod layout;
 pub(crate) mod levels;
-mod load;
 mod loads;
 mod margin;
 mod normal;
@@ -44,8 +42,7 @@ pub use settings::EstimationSettings;
 pub(crate) use {
     described::described_ratio,
     intervals::correlation_time,
-    load::{LoadFit, estimate_load},
-    prior::{Load, distance},
+    prior::distance,
     residuals::{huber, robust_deviation},
     shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
     sums::{FEWEST_MOTIONS, repeated_motions},

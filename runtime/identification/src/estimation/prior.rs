@@ -19,29 +19,19 @@ pub(super) struct Prior {
     pub(super) described: Vec<f64>,
     /// Parameters that stay as described: those of bodies without mass.
     pub(super) held: Vec<bool>,
-    /// First parameters of the bodies with mass.
+    /// The bodies with mass.
     pub(super) bodies: Vec<usize>,
-    /// A load among the further parameters.
-    load: Option<Load>,
     /// Mean squared radius of gyration of the bodies [m²].
     size: f64,
     /// Prior of each joint; empty if nothing is known.
     pub(super) joints: Vec<JointPrior>,
 }
 
-/// A Gaussian about the parameters of a load.
-#[derive(Debug, Clone)]
-pub(crate) struct Load {
-    pub(crate) mean: [f64; PER_BODY],
-    /// Inverse of the covariance.
-    pub(crate) precision: DMatrix<f64>,
-}
-
 /// A Gaussian about described values, by active unknown.
 pub(super) struct Gaussian {
     pub(super) mean: DVector<f64>,
-    /// Inverse of the covariance; zero if nothing is known.
-    pub(super) precision: DMatrix<f64>,
+    /// Inverses of the variances; zero if nothing is known.
+    pub(super) precision: DVector<f64>,
     /// Samples of the data that count as one.
     pub(super) time: DVector<f64>,
 }
@@ -50,27 +40,9 @@ impl Prior {
     pub(super) fn new(described: &[f64], bodies: usize, joints: Vec<JointPrior>) -> Self {
         let (metric, held) = distance(described, bodies);
         let size = mean_radius(described, bodies);
-        let starts = (0..bodies).map(|body| body * PER_BODY);
-        let bodies = starts.filter(|start| !held[*start]).collect();
-        Self { metric, described: described.to_vec(), held, bodies, load: None, size, joints }
-    }
-
-    /// The same with further parameters behind the robot's own, at distance one from zero if they are one.
-    pub(super) fn with_more(&self, count: usize) -> Self {
-        let mut more = self.clone();
-        let (own, all) = (self.held.len(), self.held.len() + count);
-        more.metric.resize_mut(all, all, 0.0);
-        (own..all).for_each(|i| more.metric[(i, i)] = 1.0);
-        more.described.resize(all, 0.0);
-        more.held.resize(all, false);
-        more
-    }
-
-    /// The same where the last parameters are those of a load.
-    pub(super) fn with_load(mut self, load: Load) -> Self {
-        self.bodies.push(self.held.len() - PER_BODY);
-        self.load = Some(load);
-        self
+        let (bodies, described) =
+            ((0..bodies).filter(|body| !held[body * PER_BODY]).collect(), described.to_vec());
+        Self { metric, described, held, bodies, size, joints }
     }
 
     /// The same with the correlation time of each joint's residuals.
@@ -80,22 +52,16 @@ impl Prior {
         self
     }
 
-    /// Prior of the friction terms and of a load among the active unknowns.
-    pub(super) fn known(&self, layout: &Layout, model: &Model, active: &[usize]) -> Gaussian {
-        let count = active.len();
-        let (mean, precision) = (DVector::zeros(count), DMatrix::zeros(count, count));
-        let mut found = Gaussian { mean, precision, time: DVector::repeat(count, 1.0) };
-        if let Some(load) = &self.load {
-            let start = active.partition_point(|global| *global < self.held.len() - PER_BODY);
-            found.mean.rows_mut(start, PER_BODY).copy_from_slice(&load.mean);
-            found.precision.view_mut((start, start), (PER_BODY, PER_BODY)).copy_from(&load.precision);
-        }
+    /// Prior of the friction terms among the active unknowns.
+    pub(super) fn friction(&self, layout: &Layout, model: &Model, active: &[usize]) -> Gaussian {
+        let zero = DVector::zeros(active.len());
+        let mut found = Gaussian { mean: zero.clone(), precision: zero.clone(), time: zero.add_scalar(1.0) };
         for (place, &global) in active.iter().enumerate() {
             let Some((joint, term)) = layout.joint_and_term(global) else { continue };
             let Some(prior) = self.joints.get(joint) else { continue };
             let [mean, precision] = prior.term(term, model.coulomb[joint]);
             found.mean[place] = mean;
-            found.precision[(place, place)] = precision;
+            found.precision[place] = precision;
             found.time[place] = prior.time();
         }
         found
@@ -106,7 +72,8 @@ impl Prior {
     pub(super) fn round_metric(&self) -> DMatrix<f64> {
         let mut metric = self.metric.clone();
         (0..self.held.len()).filter(|i| self.held[*i]).for_each(|i| metric[(i, i)] = 1.0);
-        for &start in &self.bodies {
+        for &body in &self.bodies {
+            let start = body * PER_BODY;
             let mut p = pseudo_inertia(&std::array::from_fn(|k| self.described[start + k]));
             let (mass, first) = (p[(3, 3)], p.fixed_view::<3, 1>(0, 3).into_owned());
             let about = first * first.transpose() / mass;
@@ -124,7 +91,7 @@ impl Prior {
     /// Whether all bodies with mass can exist when the parameters differ by `changes` from the described ones.
     pub(super) fn can_exist(&self, changes: &DVector<f64>) -> bool {
         let value = |i: usize| self.described[i] + changes[i];
-        self.bodies.iter().all(|start| margin(&std::array::from_fn(|k| value(start + k))) > 0.0)
+        self.bodies.iter().all(|body| margin(&std::array::from_fn(|k| value(body * PER_BODY + k))) > 0.0)
     }
 }
 
@@ -216,7 +183,7 @@ mod tests {
         let mut described = vec![0.0; 10];
         described.extend([1.0, 0.0, 0.0, 0.5, 1e-9, 0.0, 1e-9, 0.0, 0.0, 1e-9, 0.0]);
         let prior = Prior::new(&described, 2, Vec::new());
-        assert!(prior.held[..10].iter().all(|h| *h) && prior.held[20] && prior.bodies == [10]);
+        assert!(prior.held[..10].iter().all(|h| *h) && prior.held[20] && prior.bodies == [1]);
         let block = prior.metric.view((10, 10), (10, 10)).into_owned();
         assert!(block.symmetric_eigenvalues().min() > 0.0);
     }

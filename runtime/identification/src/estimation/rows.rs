@@ -9,19 +9,9 @@ use super::loads::Loads;
 use super::result::Gravity;
 use std::ops::Range;
 
-/// A sample, for columns that are computed from it.
-pub(super) struct At<'a> {
-    /// Number of the run.
-    pub(super) run: usize,
-    /// Positions y.
-    pub(super) y: &'a [f64],
-    /// W with its weights, whether gravity is compensated or not.
-    pub(super) regressor: &'a [f64],
-}
-
-/// A function of a sample that changes the regressor there: the columns of the robot's parameters, and further columns behind
+/// A function of positions y that changes the regressor there: the columns of the robot's parameters, and further columns behind
 /// them.
-pub(super) type More<'a> = &'a dyn Fn(&At, &mut [f64]);
+pub(super) type More<'a> = &'a dyn Fn(&[f64], &mut [f64]);
 
 /// Evaluates the columns of up to [`BLOCK`] samples. Nothing is stored beyond the block. Columns of joints whose force
 /// was not measured are zero.
@@ -117,7 +107,7 @@ impl<'a> Rows<'a> {
                 v[j] = run.velocities[j][sample];
                 a[j] = run.accelerations[j][sample];
             }
-            self.rigid_body(number, [&y, &v, &a], &mut rigid);
+            self.rigid_body(&y, &v, &a, &mut rigid);
             for j in (0..n).filter(|&j| self.layout.measured[j]) {
                 self.write(
                     j,
@@ -132,16 +122,15 @@ impl<'a> Rows<'a> {
 
     /// W and the described rigid force. Where the robot compensates gravity the force is without it, and so is W unless
     /// the compensation is that of the described bodies: their differences then weigh something.
-    fn rigid_body(&mut self, run: usize, [y, v, a]: [&[f64]; 3], rigid: &mut [f64]) {
+    fn rigid_body(&mut self, y: &[f64], v: &[f64], a: &[f64], rigid: &mut [f64]) {
         self.regressor.fill(0.0);
         self.robot.inertial_regressor(y, v, a, &mut self.regressor);
         self.robot.rigid_forces(y, v, a, rigid);
         self.load(a, rigid);
-        self.added.fill(0.0);
-        if let Some(more) = self.more {
-            more(&At { run, y, regressor: &self.regressor }, &mut self.added);
-        }
         self.compensate(y, v, rigid);
+        let Some(more) = self.more else { return };
+        self.added.fill(0.0);
+        more(y, &mut self.added);
         let rows = self.added.chunks_exact(self.layout.parameters.max(1));
         for (force, row) in rigid.iter_mut().zip(rows) {
             *force += row.iter().zip(&self.described).map(|(w, pi)| w * pi).sum::<f64>();

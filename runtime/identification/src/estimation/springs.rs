@@ -4,7 +4,6 @@ use super::super::error::Result;
 use super::choice::Chosen;
 use super::fit::fit;
 use super::offer::{HELD, gain, offered};
-use super::rows::At;
 use super::task::Task;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
@@ -24,8 +23,8 @@ pub(super) fn spring(task: &Task, chosen: &Chosen) -> Result<Option<Finding>> {
     if layout.exact.contains(&true) || layout.known_gains.contains(&false) {
         return Ok(None);
     }
-    let columns = |at: &At, regressor: &mut [f64]| {
-        let rows = regressor.chunks_exact_mut(count + layout.joints).zip(at.y).enumerate();
+    let columns = |y: &[f64], regressor: &mut [f64]| {
+        let rows = regressor.chunks_exact_mut(count + layout.joints).zip(y).enumerate();
         rows.for_each(|(joint, (row, y))| row[count + joint] = *y);
     };
     task.with_more((layout.joints, &columns), |task, sums| {

@@ -12,7 +12,7 @@ use super::residuals::{Forces, RunOffsets, forces};
 use super::result::Gravity;
 use super::rows::{More, Rows};
 use super::settings::EstimationSettings;
-use super::sums::{Piece, Sums, cut, moving};
+use super::sums::{Piece, Sums, moving};
 
 /// The robot, the data and the settings, as the stages need them.
 #[derive(Clone)]
@@ -31,29 +31,7 @@ pub(super) struct Task<'a> {
     pub(super) more: Option<More<'a>>,
 }
 
-impl<'a> Task<'a> {
-    pub(super) fn new(
-        robot: &'a dyn Robot,
-        runs: &'a [PreparedRun],
-        settings: &'a EstimationSettings,
-        (layout, prior): (&'a Layout, &'a Prior),
-    ) -> Self {
-        let gravity = Gravity::of(settings.gravity_compensated);
-        let pieces = cut(runs, settings.folds);
-        Self {
-            robot,
-            runs,
-            settings,
-            layout,
-            prior,
-            gravity,
-            pieces,
-            loads: None,
-            first_fit: None,
-            more: None,
-        }
-    }
-
+impl Task<'_> {
     pub(super) fn rows(&self) -> Rows<'_> {
         self.rows_where(self.gravity)
     }
@@ -77,7 +55,8 @@ impl<'a> Task<'a> {
         of: impl FnOnce(&Task, &Sums) -> Result<T>,
     ) -> Result<T> {
         let layout = self.layout.with_more_parameters(count);
-        let prior = self.prior.with_more(count);
+        let described = [&self.prior.described[..], &vec![1.0; count]].concat();
+        let prior = Prior::new(&described, self.robot.bodies(), self.prior.joints.clone());
         let task = Task { layout: &layout, prior: &prior, more: Some(more), ..self.clone() };
         of(&task, &task.sums_of(&moving))
     }

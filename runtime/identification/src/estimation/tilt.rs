@@ -5,29 +5,31 @@
 //! another body explains as well does not count as tilt. Passes start from the gravity just found until it stays (Gauss–Newton).
 
 use super::super::error::Result;
+use super::super::methods::confidence::quantile;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
 use super::fit::{HeldOut, fit};
 use super::hypotheses::as_described;
+use super::intervals::{Fitted, covariance, scores};
 use super::levels;
 use super::normal::Factor;
 use super::offer::{HELD, gain, harms, offered};
 use super::result::Gravity;
-use super::rows::At;
 use super::task::Task;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Change of the direction by which it stays [rad].
 const STAYS: f64 = 1e-3;
 const PASSES: usize = 10;
 /// A doubt about the direction of gravity; `None` if there is none, or where the data do not tell.
 ///
-/// - the fit with the described gravity and its errors
-pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut)) -> Result<Option<Finding>> {
+/// - the fit with the described gravity and its errors; `time`: the residuals' correlation time
+pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut), time: f64) -> Result<Option<Finding>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
     let described = task.robot.gravity().filter(|_| is_usual && !task.layout.exact.contains(&true));
     let Some(described) = described.map(Vector3::from).filter(|g| g.norm() > 0.0) else { return Ok(None) };
@@ -35,7 +37,8 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut)) -> Result<Opti
     for pass in 0..PASSES {
         let pi = task.prior.described.iter().zip(&changes).map(|(pi, change)| pi + change).collect();
         let turning = Turning { robot: task.robot, described, gravity, across: across(gravity), pi };
-        let found = turning.angles(task, last)?;
+        // Angles that do not matter need no interval.
+        let found = turning.angles((task, last), (pass > 0).then_some(time))?;
         let angles = found.observable();
         gravity = turning.turned(&angles);
         changes.clone_from(&found.changes);
@@ -44,15 +47,12 @@ pub(super) fn tilt(task: &Task, (last, own): (&Chosen, &HeldOut)) -> Result<Opti
         } else if pass == 0 && angles.norm() < 0.5 * levels::LEAST_TILT.get() {
             break;
         } else if pass > 0 && angles.norm() < STAYS {
-            let angle = gravity.angle(&described);
-            if angle <= levels::LEAST_TILT.get() {
-                break;
-            }
+            let Some(finding) = found.judged(&turning, gravity) else { return Ok(None) };
             // Free bodies imitate much that the described ones exclude.
             let of_described = as_described(last.over(last.centred.sums), task.prior)?;
             let [turned, turned_described] = Turning { gravity, ..turning }.errors(task, last)?;
             let share = gain(own, &turned).filter(|_| !harms(&of_described, &turned_described));
-            return Ok(share.map(|share| offered(finding([described, gravity]), share)));
+            return Ok(share.map(|share| offered(finding, share)));
         }
     }
     Ok(None)
@@ -132,7 +132,7 @@ impl Turning<'_> {
 
     /// Errors of the same choice under this gravity, which turns no further, and those of the described bodies.
     fn errors(&self, task: &Task, last: &Chosen) -> Result<[HeldOut; 2]> {
-        let more = |at: &At, regressor: &mut [f64]| self.add(at.y, task.layout.joints, regressor);
+        let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
             let chosen = last.with_more(task.layout, sums, HELD);
             Ok([chosen.held_out(task.prior)?, as_described(chosen, task.prior)?])
@@ -140,14 +140,16 @@ impl Turning<'_> {
     }
 
     /// The angles, fitted together with all other unknowns.
-    fn angles(&self, task: &Task, last: &Chosen) -> Result<Angles> {
-        let more = |at: &At, regressor: &mut [f64]| self.add(at.y, task.layout.joints, regressor);
+    ///
+    /// - `time`: the residuals' correlation time, if a covariance is wanted
+    fn angles(&self, (task, last): (&Task, &Chosen), time: Option<f64>) -> Result<Angles> {
+        let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
         task.with_more((2, &more), |task, sums| {
             let mut chosen = last.with_more(task.layout, sums, 1.0 / levels::FREE_BODIES.get());
             chosen.weighting.description = levels::FREE_BODIES.get();
             chosen.model.consistent = false;
             chosen.reweight(task.prior)?;
-            Angles::new(task, &chosen)
+            Angles::new(task, &chosen, time)
         })
     }
 }
@@ -159,10 +161,12 @@ struct Angles {
     changes: DVector<f64>,
     /// Directions that the data see, by the covariance under independent residuals.
     seen: DMatrix<f64>,
+    covariance: DMatrix<f64>,
+    freedom: f64,
 }
 
 impl Angles {
-    fn new(task: &Task, chosen: &Chosen) -> Result<Self> {
+    fn new(task: &Task, chosen: &Chosen, time: Option<f64>) -> Result<Self> {
         let Chosen { centred, weighting, values, model, .. } = chosen;
         let solved = fit(centred, &centred.all, model, task.prior, weighting, values)?;
         let first = task.layout.parameters - 2;
@@ -171,16 +175,51 @@ impl Angles {
         let block = |of: &DMatrix<f64>| of.select_rows(&places).select_columns(&places);
         let count = solved.active.len();
         let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
-        Ok(Self {
+        let mut found = Self {
             values: solved.values.unknowns.rows(first, 2).into_owned(),
             changes: solved.values.unknowns.clone(),
             seen: seen(block(&inverse)),
-        })
+            covariance: DMatrix::zeros(2, 2),
+            freedom: 1.0,
+        };
+        if let Some(time) = time {
+            let (offsets, outlier) = (chosen.offsets(), vec![f64::INFINITY; task.layout.joints]);
+            let values = &solved.values;
+            let log_gains = &chosen.log_gains;
+            let (offsets, outlier) = (&offsets, &outlier);
+            let fitted = Fitted { centred, solved: &solved, weighting, values, offsets, outlier, log_gains };
+            let scores = scores(&mut task.rows(), task.layout, task.runs, &fitted, time);
+            let all = covariance(&fitted, task.prior, &scores)?;
+            (found.covariance, found.freedom) = (block(&all.matrix), all.freedom as f64);
+        }
+        Ok(found)
     }
 
     /// The angles in the directions that the data see.
     fn observable(&self) -> DVector<f64> {
         &self.seen * self.seen.tr_mul(&self.values)
+    }
+
+    /// Finding about a gravity direction that is significant and far enough from the described one to matter.
+    fn judged(&self, turning: &Turning, found: Vector3<f64>) -> Option<Finding> {
+        let (described, angle) = (turning.described, found.angle(&turning.described));
+        let [first, second] = turning.across;
+        let across = [first.dot(&described), second.dot(&described)];
+        // Upside down every direction leads to the described one.
+        let way = DVector::from_column_slice(&across).try_normalize(1e-9 * described.norm());
+        let beside = way.unwrap_or(DVector::from_column_slice(&[1.0, 0.0])) * angle;
+        let (beside, covariance) =
+            (self.seen.tr_mul(&beside), self.seen.tr_mul(&self.covariance) * &self.seen);
+        let wald = beside.dot(&covariance.clone().cholesky()?.solve(&beside));
+        let (q, rest) = (beside.len() as f64, self.freedom + 1.0 - beside.len() as f64);
+        let fisher = FisherSnedecor::new(q, rest).ok()?;
+        let by_chance = 1.0 - fisher.cdf(wald * rest / (q * self.freedom));
+        let direction = beside.normalize();
+        let error = direction.dot(&(&covariance * &direction)).sqrt();
+        let half = quantile(levels::TILT_CONFIDENCE.get(), self.freedom).ok()? * error;
+        let is_tilted =
+            by_chance < levels::TILT_LEVEL.get() && angle > levels::LEAST_TILT.get() && angle > half;
+        is_tilted.then(|| finding([described, found], [angle, half]))
     }
 }
 
@@ -200,8 +239,8 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
 /// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
 const TILT: Rule = Rule::warning("tilted-gravity");
 
-fn finding([described, found]: [Vector3<f64>; 2]) -> Finding {
-    let angle = found.angle(&described).to_degrees();
+fn finding([described, found]: [Vector3<f64>; 2], angles: [f64; 2]) -> Finding {
+    let [angle, half] = angles.map(f64::to_degrees);
     let axis = described.cross(&found).try_normalize(1e-9 * found.norm_squared());
     let axis = axis.unwrap_or(across(described)[0]);
     let [axis, found] = [(axis, 2), (found, 3)].map(|(vector, digits)| {
@@ -210,7 +249,7 @@ fn finding([described, found]: [Vector3<f64>; 2]) -> Finding {
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts show a gravity {angle:.1}° off the described one, turned about [{axis}] of the base: the base is \
+        "the efforts show a gravity {angle:.1}° ± {half:.1}° off the described one, turned about [{axis}] of the base: the base is \
          mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described one"
     );
     let remedy = format!("set gravity = [{found}], and identify again");

@@ -3,7 +3,7 @@
 use super::{Payload, PayloadSettings, estimate};
 use crate::error::Result;
 use crate::estimation::described_ratio;
-use crate::identify::{IdentificationSettings, beyond_limits, of_signals, read_and_prepare};
+use crate::identify::{IdentificationSettings, beyond_limits, read_and_prepare};
 use crate::log::Recording;
 use crate::robot::Robot;
 use crate::run::PreparedRun;
@@ -61,8 +61,7 @@ fn compared(
     noted.extend(beyond_limits(robot, &loaded, &runs_with, settings.accept_poor)?);
     noted.extend(unit_doubts(robot, [&runs_without, &runs_with], settings.accept_poor)?);
     progress("comparing the logs without and with the load");
-    let estimation = of_signals(&alike, &report, false);
-    let payload = estimate(robot, [&runs_without, &runs_with], load, &estimation)?;
+    let payload = estimate(robot, &runs_without, &runs_with, load)?;
     noted.extend(payload.findings.iter().cloned());
     Ok((payload, [empty, loaded]))
 }

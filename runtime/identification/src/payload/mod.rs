@@ -1,16 +1,19 @@
 //! The load at a robot's hand, from a log without and a log with it.
 //!
-//! Both logs obey `W(y, ẏ, ÿ) (π + δ) + F φ = B u`: δ is the difference of the description, F φ the friction and
+//! Both logs obey `W(y, ẏ, ÿ) (π + δ) + F φ = B u`: δ is what the description has wrong, F φ the friction and
 //! an offset of each joint. The log with the load has `W_b π_L` more, the columns of the body that carries it.
-//! The load is ten more unknowns of the common estimate: for equal motions π_L explains the difference of the efforts, `W_b π_L = Δτ`.
-//! It is a body that can exist (pseudo-inertia ⪰ 0).
+//! All are fitted together, each joint weighted by its own noise; δ is held at the description where the logs
+//! do not show it, so that for equal motions π_L explains the difference of the efforts, `W_b π_L = Δτ`.
+//! The load is a body that can exist (pseudo-inertia ⪰ 0).
 //!
-//! Samples at which a joint rests say nothing about the load, since dry friction holds a part of it.
+//! The rows of joints with a quaternion have neither friction nor an offset: all of their samples count.
+//!
+//! Samples at which another joint stands still say nothing about the load, since its dry friction holds a part of it.
 //! Friction and offset are the same in both logs: gears whose friction grows with their load make the load
 //! heavier by their weight.
 
+mod equations;
 mod identify;
-mod levels;
 mod report;
 mod result;
 mod settings;
@@ -20,38 +23,63 @@ pub use result::Payload;
 pub use settings::PayloadSettings;
 
 use crate::error::{Result, require_setting};
-use crate::estimation::{EstimationSettings, Load, LoadFit, Offsets, distance, estimate_load};
+use crate::estimation::distance;
+use crate::inertial::consistent::{ConsistentProblem, ConsistentSolution, solve};
 use crate::inertial::{PER_BODY, from_pseudo_inertia};
 use crate::methods::confidence::quantile;
 use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
-use nalgebra::Matrix4;
+use equations::{Equations, Reduced, singular};
+use nalgebra::{DMatrix, DVector, Matrix4};
+
+/// Density of the ball that stands for what the motion does not show of a load [kg/m³]: plastics, or
+/// half as much metal as air.
+const DENSITY: f64 = 1500.0;
+
+/// How far from the frame's origin a load's mass is, before anything is known of it [m].
+const REACH: f64 = 0.3;
+
+/// Weight of the ball as a share of [`PayloadSettings::weight`]: the spread of a load's mass is known to a factor
+/// of about three.
+const BALL: f64 = 0.1;
 
 /// Estimates a load from runs without and with it.
 ///
 /// - `without`, `with`: prepared alike; the same motion is best, any that moves the last joints helps
-/// - `estimation`: settings of the common estimate. Offsets are common to all runs, because one of each run would take up the weight
 ///
 /// # Errors
 /// No runs of one kind, shapes that disagree with the robot, joints that something else moves, efforts of different kinds, currents
 /// whose motor constants are not described, settings out of range, too few samples, or no minimum.
 pub(crate) fn estimate(
     robot: &dyn Robot,
-    runs: [&[PreparedRun]; 2],
+    without: &[PreparedRun],
+    with: &[PreparedRun],
     settings: &PayloadSettings,
-    estimation: &EstimationSettings,
 ) -> Result<Payload> {
     let body = check(robot, settings)?;
+    let equations = Equations::new(robot, without, with, body, settings)?;
+    let weights = equations.weights()?;
+    let reduced = equations.reduced(&weights)?;
+    let degrees = equations.blocks() - 1;
     // First any load of about the robot's size. A mass that is seen then says where a ball is, which decides
     // what the motion does not show; around a mass that is not seen there is no such place.
-    let second = |found: &LoadFit| {
-        let half = quantile(settings.confidence, found.freedom as f64)? * found.covariance[(0, 0)].sqrt();
-        Ok((found.values[0] > half).then(|| near(ball(&found.values))))
-    };
-    let estimation =
-        EstimationSettings { offsets: Some(Offsets::Common), delays: None, ..estimation.clone() };
-    let found = estimate_load(robot, runs, (body, &estimation), near(anything(robot)), &second)?;
-    report::payload(robot.joint_names(), body, found, settings.confidence)
+    let mut found = Found::near(anything(robot), &equations, &weights, &reduced, settings)?;
+    let half = quantile(settings.confidence, degrees.max(1) as f64)? * found.covariance[(0, 0)].sqrt();
+    if found.load.parameters[0] > half {
+        let ball = ball(found.load.parameters.as_slice());
+        found = Found::near(ball, &equations, &weights, &reduced, settings)?;
+    }
+    report::payload(report::Parts {
+        names: robot.joint_names(),
+        body,
+        load: &found.load,
+        covariance: &found.covariance,
+        sizes: &found.sizes,
+        degrees,
+        confidence: settings.confidence,
+        explained: equations.explained(&reduced, &found.load.parameters),
+        residuals: weights.iter().map(|&w| (w > 0.0).then(|| 1.0 / w.sqrt())).collect(),
+    })
 }
 
 fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
@@ -65,14 +93,41 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
         body < bodies,
         "it must be one of the robot's bodies, from 0",
     )?;
+    let positive = "it must be positive";
+    require_setting("weight of the description", settings.weight, settings.weight > 0.0, positive)?;
     let inside = settings.confidence > 0.0 && settings.confidence < 1.0;
     require_setting("confidence", settings.confidence, inside, "it must lie between 0 and 1")?;
     Ok(body)
 }
 
 /// A load near a reference.
-fn near(reference: [f64; PER_BODY]) -> Load {
-    Load { mean: reference, precision: distance(&reference, 1).0 * (2.0 * levels::BALL.get()) }
+struct Found {
+    load: ConsistentSolution,
+    covariance: DMatrix<f64>,
+    /// Difference of each parameter between the reference and bodies at distance one from it.
+    sizes: Vec<f64>,
+}
+
+impl Found {
+    fn near(
+        reference: [f64; PER_BODY],
+        equations: &Equations,
+        weights: &[f64],
+        reduced: &Reduced,
+        settings: &PayloadSettings,
+    ) -> Result<Self> {
+        let weight = BALL * settings.weight;
+        // The program's objective has a half in front of the distance.
+        let held = distance(&reference, 1).0 * (2.0 * weight);
+        let load = solve(&ConsistentProblem {
+            hessian: &reduced.hessian + &held,
+            linear: &reduced.linear + &held * DVector::from_row_slice(&reference),
+            bodies: 1,
+            nonnegative: Vec::new(),
+        })?;
+        let covariance = equations.covariance(weights, reduced, &held, &load.parameters)?;
+        Ok(Self { covariance, sizes: prior_sizes(&held, weight)?, load })
+    }
 }
 
 /// A load of the robot's own size: the median mass of its bodies, spread around the frame's origin.
@@ -82,14 +137,14 @@ fn anything(robot: &dyn Robot) -> [f64; PER_BODY] {
     let mut masses: Vec<f64> = bodies.map(|pi| pi[0]).filter(|&m| m > 0.0).collect();
     masses.sort_by(f64::total_cmp);
     let mass = masses.get(masses.len() / 2).copied().unwrap_or(1.0);
-    let spread = mass * levels::REACH.get().powi(2);
+    let spread = mass * REACH * REACH;
     from_pseudo_inertia(&Matrix4::from_diagonal(&[spread, spread, spread, mass].into()))
 }
 
 /// A ball with mass and centre of a body.
 fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     let mass = pi[0];
-    let radius = (mass * 3.0 / (4.0 * std::f64::consts::PI * levels::DENSITY.get())).cbrt();
+    let radius = (mass * 3.0 / (4.0 * std::f64::consts::PI * DENSITY)).cbrt();
     let mut j = Matrix4::from_diagonal_element(mass * radius * radius / 5.0);
     for r in 0..3 {
         for c in 0..3 {
@@ -100,6 +155,14 @@ fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     }
     j[(3, 3)] = mass;
     from_pseudo_inertia(&j)
+}
+
+/// Difference of each parameter between the ball and bodies at distance one from it.
+fn prior_sizes(hessian: &DMatrix<f64>, weight: f64) -> Result<Vec<f64>> {
+    let sizes = hessian.diagonal().map(f64::sqrt);
+    let unit = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| hessian[(r, c)] / (sizes[r] * sizes[c]));
+    let inverse = unit.cholesky().ok_or_else(|| singular("the load's reference"))?.inverse();
+    Ok((0..PER_BODY).map(|k| (weight * inverse[(k, k)]).sqrt() / sizes[k]).collect())
 }
 
 #[cfg(test)]

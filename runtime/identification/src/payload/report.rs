@@ -1,14 +1,14 @@
 //! The load's numbers as a reader wants them: centre of mass, moments about it, intervals, warnings.
 
-use super::levels;
 use super::result::{NAMES, Payload};
 use crate::error::Result;
-use crate::estimation::{LoadFit, Uncertain};
+use crate::estimation::Uncertain;
 use crate::inertial::PER_BODY;
+use crate::inertial::consistent::ConsistentSolution;
 use crate::methods::confidence::quantile;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
-use nalgebra::RowDVector;
+use nalgebra::{DMatrix, RowDVector};
 
 /// Sees: a mass of the load whose interval contains zero.
 /// Matters: there may be no load.
@@ -40,34 +40,48 @@ const NOT_USED: Rule = Rule::warning("load-efforts-not-used");
 /// Fixture: `payload/tests.rs`.
 const WORSE: Rule = Rule::warning("load-residuals");
 
-/// - `confidence`: share of intervals that hold the truth
-pub(super) fn payload(names: Vec<String>, body: usize, found: LoadFit, confidence: f64) -> Result<Payload> {
-    let quantile = quantile(confidence, found.freedom as f64)?;
+/// Inputs of the report on a payload.
+pub(super) struct Parts<'a> {
+    pub names: Vec<String>,
+    pub body: usize,
+    pub load: &'a ConsistentSolution,
+    pub covariance: &'a DMatrix<f64>,
+    /// Difference of each parameter among bodies of this mass.
+    pub sizes: &'a [f64],
+    pub degrees: usize,
+    pub confidence: f64,
+    pub explained: Vec<Option<f64>>,
+    pub residuals: Vec<Option<f64>>,
+}
+
+pub(super) fn payload(parts: Parts) -> Result<Payload> {
+    let quantile = quantile(parts.confidence, parts.degrees.max(1) as f64)?;
+    let pi: [f64; PER_BODY] = std::array::from_fn(|k| parts.load.parameters[k]);
+    let half = |gradient: &[f64; PER_BODY]| {
+        let g = RowDVector::from_row_slice(gradient);
+        quantile * (&g * parts.covariance * g.transpose())[0].max(0.0).sqrt()
+    };
     let of = |function: &dyn Fn(&[f64; PER_BODY]) -> f64| {
-        let value = function(&found.values);
-        let slopes = RowDVector::from_row_slice(&gradient(function, &found.values));
-        let error = (&slopes * &found.covariance * slopes.transpose())[0].max(0.0).sqrt();
-        let change = (&slopes * &found.margin)[0].abs();
-        let half = quantile * error + change;
-        Uncertain { value, standard_error: error.hypot(change), interval: [value - half, value + half] }
+        let (value, half) = (function(&pi), half(&gradient(function, &pi)));
+        Uncertain { value, standard_error: half / quantile, interval: [value - half, value + half] }
     };
     let parameters: [Uncertain; PER_BODY] = std::array::from_fn(|k| of(&move |pi| pi[k]));
     let shown = std::array::from_fn(|k| {
         let [low, high] = parameters[k].interval;
-        0.5 * (high - low) < levels::BALL.get().sqrt() * found.before[k]
+        0.5 * (high - low) < parts.sizes[k]
     });
     let mut payload = Payload {
-        body,
+        body: parts.body,
         mass: parameters[0],
         centre_of_mass: std::array::from_fn(|k| of(&move |pi| pi[1 + k] / pi[0])),
         moments: std::array::from_fn(|k| of(&move |pi| central_moments(pi)[k])),
         parameters,
         shown,
-        explained: found.explained,
-        residuals: found.residuals,
+        explained: parts.explained,
+        residuals: parts.residuals,
         findings: Vec::new(),
     };
-    payload.findings = findings(&payload, found.on_boundary, &names);
+    payload.findings = findings(&payload, parts.load, &parts.names);
     Ok(payload)
 }
 
@@ -99,7 +113,7 @@ fn central_moments(pi: &[f64; PER_BODY]) -> [f64; 6] {
     ]
 }
 
-fn findings(payload: &Payload, on_boundary: bool, names: &[String]) -> Vec<Finding> {
+fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> Vec<Finding> {
     let [low, high] = payload.mass.interval;
     let none = (low <= 0.0).then(|| {
         NO_LOAD.found(format!(
@@ -114,7 +128,7 @@ fn findings(payload: &Payload, on_boundary: bool, names: &[String]) -> Vec<Findi
         let instead = if low > 0.0 { ": the values are those of a ball of 1500 kg/m³" } else { "" };
         HIDDEN.found(format!("the motion does not show {} of the load{instead}", hidden.join(", ")))
     });
-    let bound = on_boundary.then(|| {
+    let bound = (!load.on_boundary.is_empty()).then(|| {
         IMPOSSIBLE.found(
             "the efforts ask for a load that cannot exist; the nearest possible one is stated, and the intervals do not know about \
              the bound",
@@ -134,8 +148,7 @@ fn findings(payload: &Payload, on_boundary: bool, names: &[String]) -> Vec<Findi
             "dry friction holds a part of the load if a joint does not move, so these efforts were not used";
         NOT_USED.found(format!("{}: {message}", still.join(", ")))
     });
-    let worse =
-        of(&|joint| payload.explained[joint].is_some_and(|share| share < -levels::WORSE_RESIDUAL.get()));
+    let worse = of(&|joint| payload.explained[joint].is_some_and(|share| share < -0.05));
     let worse = (!worse.is_empty()).then(|| {
         let message = "the load makes their residuals larger: friction or offset differ between the logs";
         WORSE.found(format!("{}: {message}", worse.join(", ")))

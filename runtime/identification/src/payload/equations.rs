@@ -1,0 +1,424 @@
+//! Equations of both logs, reduced to sums of products for each joint and each block of time.
+
+use super::settings::PayloadSettings;
+use crate::error::{IdentificationError, Result, require_finite, require_length, require_samples};
+use crate::estimation::distance;
+use crate::inertial::PER_BODY;
+use crate::pose::rows_of;
+use crate::robot::Robot;
+use crate::run::{Effort, PreparedRun};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Widths of smoothed Coulomb friction, as shares of the joint's largest speed: together they follow any
+/// friction curve with a steep start.
+const WIDTHS: [f64; 3] = [0.005, 0.03, 0.15];
+
+/// Friction columns of a joint: constant, viscous, and the smoothed signs.
+const TERMS: usize = 2 + WIDTHS.len();
+
+/// Blocks of time over all logs, for errors that are correlated within a block.
+const BLOCKS: usize = 24;
+
+/// A joint slower than this share of its largest speed sticks or reverses: its dry friction takes any value up to
+/// the static one, so its effort says nothing about the load.
+const STICKING: f64 = 0.01;
+
+/// A joint whose largest speed is below this share of the fastest joint's stands still.
+const STILL: f64 = 1e-3;
+
+/// Least standard deviation of a residual, as a share of the effort's: logs without noise are simulated.
+const QUIETEST: f64 = 1e-9;
+
+/// Change of a parameter that is held which counts as one [kg, kg m, kg m²].
+const HELD: f64 = 1e-9;
+
+/// Reweightings of the joints by their residuals; three change nothing that matters any more.
+const REWEIGHTINGS: usize = 5;
+
+/// Sums of products of `[δ | friction | load | target]`.
+pub(super) struct Equations {
+    /// Columns of δ and of friction.
+    nuisance: usize,
+    joints: usize,
+    /// Blocks of time, each with the sums of each joint; those with the load come last.
+    blocks: Vec<Vec<Sums>>,
+    loaded_from: usize,
+    /// Prior that pulls δ to zero and keeps friction finite.
+    prior: DMatrix<f64>,
+    weight: f64,
+}
+
+/// Sums of products of a joint's rows.
+struct Sums {
+    gram: DMatrix<f64>,
+    rows: usize,
+}
+
+impl Sums {
+    fn add(&mut self, other: &Self) {
+        self.gram += &other.gram;
+        self.rows += other.rows;
+    }
+}
+
+/// The load's equations once δ and friction are eliminated.
+pub(super) struct Reduced {
+    pub hessian: DMatrix<f64>,
+    pub linear: DVector<f64>,
+    factor: Cholesky<f64, Dyn>,
+    /// Couples δ and friction to the load, and to the target.
+    coupling: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl Equations {
+    pub(super) fn new(
+        robot: &dyn Robot,
+        without: &[PreparedRun],
+        with: &[PreparedRun],
+        body: usize,
+        settings: &PayloadSettings,
+    ) -> Result<Self> {
+        for (what, runs) in [("runs without the load", without), ("runs with the load", with)] {
+            require_samples(what, 1, runs.len())?;
+        }
+        let columns = Columns::new(robot, without.iter().chain(with), body)?;
+        let count = |runs: &[PreparedRun]| runs.iter().map(|run| run.times.len()).sum::<usize>();
+        let samples = count(without) + count(with);
+        require_samples("a payload, samples of both logs", BLOCKS * PER_BODY, samples)?;
+        let length = samples.div_ceil(BLOCKS);
+        let mut blocks = Vec::new();
+        columns.add_blocks(without, false, length, &mut blocks);
+        let loaded_from = blocks.len();
+        columns.add_blocks(with, true, length, &mut blocks);
+        let mut prior = DMatrix::zeros(columns.nuisance, columns.nuisance);
+        columns.hold(settings.weight, &mut prior)?;
+        Ok(Self {
+            nuisance: columns.nuisance,
+            joints: columns.joints,
+            blocks,
+            loaded_from,
+            prior,
+            weight: settings.weight,
+        })
+    }
+
+    /// Number of blocks of time.
+    pub(super) fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Sum over all blocks of one joint.
+    fn joint(&self, joint: usize) -> Sums {
+        let size = self.nuisance + PER_BODY + 1;
+        let mut total = Sums { gram: DMatrix::zeros(size, size), rows: 0 };
+        self.blocks.iter().for_each(|block| total.add(&block[joint]));
+        total
+    }
+
+    /// 1/σ² of each joint, from the residuals of the fit that it weights; zero if a joint stood still.
+    pub(super) fn weights(&self) -> Result<Vec<f64>> {
+        let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
+        require_samples("a payload, samples of moving joints", 1, all.iter().map(|s| s.rows).sum())?;
+        let last = self.nuisance + PER_BODY;
+        let weight = |square: f64, sums: &Sums| {
+            let floor = QUIETEST * QUIETEST * sums.gram[(last, last)];
+            match square.max(floor) {
+                _ if sums.rows == 0 => 0.0,
+                square if square > 0.0 => sums.rows as f64 / square,
+                _ => 1.0,
+            }
+        };
+        let mut weights: Vec<f64> = all.iter().map(|s| weight(s.gram[(last, last)], s)).collect();
+        for _ in 0..REWEIGHTINGS {
+            let reduced = self.reduced(&weights)?;
+            let mut definite = reduced.hessian.clone();
+            stiffen(&mut definite, 0..PER_BODY);
+            let load = definite.cholesky().ok_or_else(|| singular("the load"))?.solve(&reduced.linear);
+            let x = self.homogeneous(&reduced, &load);
+            weights = all.iter().map(|s| weight(x.dot(&(&s.gram * &x)), s)).collect();
+        }
+        Ok(weights)
+    }
+
+    /// `(δ, friction, load, −1)`: a Gram matrix times it is the product of its columns with the residual.
+    fn homogeneous(&self, reduced: &Reduced, load: &DVector<f64>) -> DVector<f64> {
+        let nuisance = reduced.factor.solve(&(&reduced.right - &reduced.coupling * load));
+        let mut x = DVector::zeros(self.nuisance + PER_BODY + 1);
+        x.rows_mut(0, self.nuisance).copy_from(&nuisance);
+        x.rows_mut(self.nuisance, PER_BODY).copy_from(load);
+        x[self.nuisance + PER_BODY] = -1.0;
+        x
+    }
+
+    /// Eliminates δ and friction.
+    pub(super) fn reduced(&self, weights: &[f64]) -> Result<Reduced> {
+        let size = self.nuisance + PER_BODY + 1;
+        let mut total = DMatrix::zeros(size, size);
+        for (joint, weight) in weights.iter().enumerate() {
+            total += self.joint(joint).gram * *weight;
+        }
+        let n = self.nuisance;
+        let mut own = total.view((0, 0), (n, n)) + &self.prior;
+        stiffen(&mut own, 0..n);
+        let coupling = total.view((0, n), (n, PER_BODY)).into_owned();
+        let right = total.view((0, n + PER_BODY), (n, 1)).column(0).into_owned();
+        let factor = own.cholesky().ok_or_else(|| singular("the robot without load"))?;
+        let hessian = total.view((n, n), (PER_BODY, PER_BODY)) - coupling.tr_mul(&factor.solve(&coupling));
+        let linear =
+            total.view((n, n + PER_BODY), (PER_BODY, 1)).column(0) - coupling.tr_mul(&factor.solve(&right));
+        Ok(Reduced { hessian: (&hessian + hessian.transpose()) * 0.5, linear, factor, coupling, right })
+    }
+
+    /// Covariance of the load that holds under errors correlated within blocks of time: the sandwich of the
+    /// blocks' scores, and of what the description and the ball have wrong, a distance of one each.
+    pub(super) fn covariance(
+        &self,
+        weights: &[f64],
+        reduced: &Reduced,
+        held: &DMatrix<f64>,
+        load: &DVector<f64>,
+    ) -> Result<DMatrix<f64>> {
+        let hessian = &reduced.hessian + held;
+        let x = self.homogeneous(reduced, load);
+        let projection = reduced.factor.solve(&reduced.coupling);
+        let mut meat = DMatrix::zeros(PER_BODY, PER_BODY);
+        for block in &self.blocks {
+            let mut products = DVector::zeros(x.len());
+            for (sums, weight) in block.iter().zip(weights) {
+                products += &sums.gram * &x * *weight;
+            }
+            let own = products.rows(0, self.nuisance);
+            let score = products.rows(self.nuisance, PER_BODY) - projection.tr_mul(&own);
+            meat += &score * score.transpose();
+        }
+        let blocks = self.blocks.len() as f64;
+        meat *= blocks / (blocks - 1.0);
+        meat += (projection.tr_mul(&(&self.prior * &projection)) + held) * self.weight;
+        let sizes = hessian.diagonal().map(f64::sqrt);
+        let unit = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| hessian[(r, c)] / (sizes[r] * sizes[c]));
+        let inverse = unit.cholesky().ok_or_else(|| singular("the load"))?.inverse();
+        let bread = DMatrix::from_fn(PER_BODY, PER_BODY, |r, c| inverse[(r, c)] / (sizes[r] * sizes[c]));
+        Ok(&bread * meat * &bread)
+    }
+
+    /// Share of each joint's residual in the log with the load that the load removes, friction unchanged.
+    pub(super) fn explained(&self, reduced: &Reduced, load: &DVector<f64>) -> Vec<Option<f64>> {
+        let with = self.homogeneous(reduced, load);
+        let mut without = with.clone();
+        without.rows_mut(self.nuisance, PER_BODY).fill(0.0);
+        let square = |x: &DVector<f64>, joint: usize| -> f64 {
+            self.blocks[self.loaded_from..].iter().map(|block| x.dot(&(&block[joint].gram * x))).sum()
+        };
+        let share = |j: usize| match square(&without, j) {
+            before if before > 0.0 => Some(1.0 - square(&with, j) / before),
+            _ => None,
+        };
+        (0..self.joints).map(share).collect()
+    }
+}
+
+/// Makes a semidefinite matrix definite where columns are zero or dependent.
+fn stiffen(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>) {
+    let least = 1e-14 * matrix.diagonal().amax().max(f64::MIN_POSITIVE);
+    for i in range {
+        matrix[(i, i)] = matrix[(i, i)] * (1.0 + 1e-10) + least;
+    }
+}
+
+/// Inputs from which the columns of all rows are computed.
+struct Columns<'a> {
+    robot: &'a dyn Robot,
+    joints: usize,
+    parameters: usize,
+    nuisance: usize,
+    body: usize,
+    /// Joint forces of the logged efforts, `joints × channels`.
+    to_joints: DMatrix<f64>,
+    /// Largest speed of each joint; a joint at rest has no rows.
+    speeds: Vec<f64>,
+    /// Rows of joints with a quaternion.
+    exact: Vec<bool>,
+    /// Whether the force of each row is known in all runs.
+    known: Vec<bool>,
+}
+
+impl<'a> Columns<'a> {
+    fn new<'b>(
+        robot: &'a dyn Robot,
+        runs: impl Iterator<Item = &'b PreparedRun>,
+        body: usize,
+    ) -> Result<Self> {
+        let runs: Vec<&PreparedRun> = runs.collect();
+        let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
+        let effort = runs[0].effort;
+        let to_joints = to_joints(robot, effort)?;
+        let quaternions = robot.quaternion_joints();
+        for run in &runs {
+            check_run(run, [joints, quaternions.len(), to_joints.ncols()], effort)?;
+        }
+        let largest =
+            |j: usize| runs.iter().flat_map(|run| &run.velocities[j]).fold(0.0, |s: f64, v| s.max(v.abs()));
+        let speeds = (0..joints).map(largest).collect();
+        let nuisance = parameters + TERMS * joints;
+        let exact = rows_of(&quaternions, joints);
+        // Beside the rows of a base there may be joints without a sensor, whose efforts are NaN throughout.
+        let is_known = |j: usize| {
+            effort != Effort::Joint
+                || runs.iter().all(|run| run.efforts[j].first().is_none_or(|u| !u.is_nan()))
+        };
+        let known = (0..joints).map(is_known).collect();
+        Ok(Self { robot, joints, parameters, nuisance, body, to_joints, speeds, exact, known })
+    }
+
+    /// Products of blocks of at least `length` samples, so far as there are; short runs share a block.
+    fn add_blocks(&self, runs: &[PreparedRun], loaded: bool, length: usize, blocks: &mut Vec<Vec<Sums>>) {
+        let mut filled = length;
+        for run in runs {
+            for start in (0..run.times.len()).step_by(length) {
+                let range = start..run.times.len().min(start + length);
+                let products = self.products(run, range.clone(), loaded);
+                match blocks.last_mut() {
+                    Some(last) if filled < length => {
+                        last.iter_mut().zip(&products).for_each(|(a, b)| a.add(b))
+                    }
+                    _ => {
+                        blocks.push(products);
+                        filled = 0;
+                    }
+                }
+                filled += range.len();
+            }
+        }
+    }
+
+    /// Sums of products of the rows of each joint.
+    fn products(&self, run: &PreparedRun, range: std::ops::Range<usize>, loaded: bool) -> Vec<Sums> {
+        let width = self.nuisance + PER_BODY + 1;
+        let mut rows = vec![DMatrix::zeros(range.len(), width); self.joints];
+        let mut counts = vec![0; self.joints];
+        let mut regressor = vec![0.0; self.joints * self.parameters];
+        let mut forces = vec![0.0; self.joints];
+        for (row, i) in range.enumerate() {
+            let [y, v, a] = [run.coordinates(), &run.velocities, &run.accelerations]
+                .map(|columns| columns.iter().map(|c| c[i]).collect::<Vec<f64>>());
+            regressor.fill(0.0);
+            self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
+            self.robot.rigid_forces(&y, &v, &a, &mut forces);
+            for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.tells(*j, v[*j])) {
+                counts[j] += 1;
+                let w = &regressor[j * self.parameters..(j + 1) * self.parameters];
+                let channels = run.efforts.iter().enumerate();
+                let acting = channels.filter(|(k, _)| self.to_joints[(j, *k)] != 0.0);
+                let measured: f64 = acting.map(|(k, e)| self.to_joints[(j, k)] * e[i]).sum();
+                self.write(&mut matrix.row_mut(row), j, w, v[j], loaded);
+                matrix[(row, width - 1)] = measured - forces[j];
+            }
+        }
+        rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
+    }
+
+    /// Whether a sample tells something of a joint: where it slides, and where no friction holds it.
+    fn tells(&self, joint: usize, velocity: f64) -> bool {
+        let slides = !self.stands_still(joint) && velocity.abs() > STICKING * self.speeds[joint];
+        self.known[joint] && (self.exact[joint] || slides)
+    }
+
+    fn stands_still(&self, joint: usize) -> bool {
+        let fastest = self.speeds.iter().copied().fold(0.0, f64::max);
+        self.speeds[joint] <= STILL * fastest
+    }
+
+    /// One row without its target.
+    fn write(
+        &self,
+        row: &mut nalgebra::MatrixViewMut<f64, nalgebra::U1, Dyn, nalgebra::U1, Dyn>,
+        joint: usize,
+        w: &[f64],
+        velocity: f64,
+        loaded: bool,
+    ) {
+        for (k, x) in w.iter().enumerate() {
+            row[k] = *x;
+        }
+        if loaded {
+            for k in 0..PER_BODY {
+                row[self.nuisance + k] = w[PER_BODY * self.body + k];
+            }
+        }
+        if self.exact[joint] {
+            return;
+        }
+        let at = self.parameters + TERMS * joint;
+        let share = velocity / self.speeds[joint];
+        row[at] = 1.0;
+        row[at + 1] = share;
+        for (k, width) in WIDTHS.iter().enumerate() {
+            row[at + 2 + k] = (share / width).tanh();
+        }
+    }
+
+    /// Holds δ at zero: bodies by their metric, rotors by their size.
+    fn hold(&self, weight: f64, prior: &mut DMatrix<f64>) -> Result<()> {
+        let described = self.robot.parameters();
+        let bodies = PER_BODY * self.robot.bodies();
+        require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
+        let (metric, held) = distance(&described, self.robot.bodies());
+        // The sums of squares have a half in front of the distance.
+        let mut own = metric * (2.0 * weight);
+        // Bodies without mass and rotors without inertia stay so.
+        (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));
+        prior.view_mut((0, 0), own.shape()).copy_from(&own);
+        Ok(())
+    }
+}
+
+/// Joint forces of unit efforts.
+fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
+    let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
+    if effort == Effort::Joint {
+        return Ok(DMatrix::identity(joints, joints));
+    }
+    if effort == Effort::Current {
+        let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
+        let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
+        require_length(what, inputs, given)?;
+    }
+    Ok(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()))
+}
+
+fn check_run(run: &PreparedRun, [joints, quaternions, channels]: [usize; 3], effort: Effort) -> Result<()> {
+    let name = &run.name;
+    if run.effort != effort {
+        return Err(IdentificationError::File {
+            place: name.clone(),
+            message: format!("its efforts are {:?}, those of the first run are {effort:?}", run.effort),
+        });
+    }
+    let kinds = [
+        ("positions", &run.positions, joints),
+        ("velocities", &run.velocities, joints),
+        ("accelerations", &run.accelerations, joints),
+        ("poses", &run.poses, if quaternions > 0 { joints + quaternions } else { 0 }),
+        ("efforts", &run.efforts, channels),
+    ];
+    for (what, columns, expected) in kinds {
+        require_length(&format!("{what} of {name}"), expected, columns.len())?;
+        for column in columns {
+            require_length(&format!("samples of {what} of {name}"), run.times.len(), column.len())?;
+            let is_missing = what == "efforts" && quaternions > 0 && column.iter().all(|u| u.is_nan());
+            if !is_missing {
+                require_finite(&format!("{what} of {name}"), column)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn singular(what: &str) -> IdentificationError {
+    IdentificationError::NotConverged {
+        what: what.into(),
+        iterations: 1,
+        detail: "its equations are singular up to rounding".into(),
+    }
+}
