@@ -15,9 +15,9 @@
 //! desired trajectory or the previous plan, or there a step of the implicit midpoint rule ([`PredictionRule`]); or the exact sensitivities of the integrated nonlinear robot
 //! around the plan, one Gauss–Newton step a period.
 //!
-//! The exact holds of a horizon are computed four stages at a time ([`ZeroOrderHolds`](crate::lanes::ZeroOrderHolds)), and so is the
+//! The exact holds of a horizon around the plan are computed four stages at a time ([`ZeroOrderHolds`](crate::lanes::ZeroOrderHolds)), and so is the
 //! linearization of a module with `linearize` over lanes (`lanes = ["linearize"]` in its description). The last digits of a
-//! prediction then depend on the neighbouring stages, and on whether the processor has AVX2 with fused multiply-add.
+//! prediction then depend on the neighbouring stages around the plan, and on whether the processor has AVX2 with fused multiply-add.
 //!
 //! Sums of positions, velocities and inputs have limits too, hard or soft ([`MpcRow`]): a motor's torque–speed
 //! line `|u + c ẏ| ≤ U`, a joint that follows others. [`MpcOptions::with_rows`] adds them; without rows nothing
