@@ -174,7 +174,7 @@ inertia = 1
 "#;
     let (_, notes) = load(text);
     let notes = notes.to_string();
-    let expected = "the friction of joint `axis` drives it at velocities from -4 to -1.86 rad/s and from 1.86 to 4 rad/s";
+    let expected = "the friction of joint `axis` accelerates the joint at velocities from -4 to -1.86 rad/s and from 1.86 to 4 rad/s";
     assert!(notes.contains(expected), "{notes}");
     let (_, notes) = load(&text.replace("-3", "3"));
     assert!(notes.is_empty(), "{notes}");
@@ -259,8 +259,7 @@ fn a_rotor_that_is_nowhere_needs_no_carrier() {
     let mounting = "rotor_inertia = 1e-6\ncarrier = \"base\"\naxis = [0, 1, 0]\n";
     let unused = load(&left(&format!("{mounting}coupling = \"diagonal\""))).1.to_string();
     for key in ["carrier", "axis"] {
-        let words =
-            format!("warning[unused-key]: `{key}` changes nothing together with `coupling = \"diagonal\"`");
+        let words = format!("warning[unused-key]: `{key}` has no effect with `coupling = \"diagonal\"`");
         assert!(unused.contains(&words), "{unused}");
     }
     assert!(load(&left(mounting)).1.is_empty());

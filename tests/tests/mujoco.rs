@@ -159,11 +159,7 @@ const CASES: [Case; 8] = [
         file: "inner_floating_joint.toml",
         mass: &[],
         findings: &[
-            (
-                NOT_HELD,
-                Severity::Warning,
-                "has floating joints on the base alone; MuJoCo refuses others: `hull`",
-            ),
+            (NOT_HELD, Severity::Warning, "has floating joints only at the base; MuJoCo rejects: `hull`"),
             (DIFFERS, Severity::Warning, "only joint of a body in <worldbody>): other programs refuse it"),
         ],
         answer: Answer::Refuses,

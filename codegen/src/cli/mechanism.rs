@@ -1,4 +1,4 @@
-//! `gelenk inspect mechanism`: the frames and the masses that the derivation starts from.
+//! `gelenk inspect mechanism`: frames and masses from which the equations are derived.
 
 use serde_json::{Value, json};
 

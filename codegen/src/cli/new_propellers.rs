@@ -1,14 +1,14 @@
-//! How links that turn on a body that floats become propellers, and those that are fixed to it: lines of `robot.toml` as
-//! comments.
+//! Proposes propellers for links that turn on a floating body or are fixed to it, as commented lines of
+//! `robot.toml`.
 
 use super::new_feet;
 use crate::model::{Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::atan2;
 use crate::wording::{as_written, toml_text};
 
-/// One block for each joint that may carry a propeller; empty if none does.
+/// Proposes an input for each joint that may carry a propeller; empty if there is none.
 ///
-/// - `joints`: those that may carry a propeller, with their links
+/// - `joints`: joints that may carry a propeller, with their links
 pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     let carries = |link: usize| joints.iter().any(|(joint, _)| joint.parent == link);
     let ends = joints.iter().filter(|(_, link)| !carries(*link));
@@ -34,8 +34,8 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     text
 }
 
-/// One block for each link with a mass that is fixed to a body that floats and carries nothing, or for the body itself: a
-/// robot without joints that move has no other inputs.
+/// Proposes an input for each link with mass that is fixed to a floating body and carries nothing, or for the
+/// body itself. Robots without moving joints have no other inputs.
 pub(super) fn of_fixed_links(model: &Model) -> String {
     let carries =
         |link: usize| model.links.iter().filter_map(|of| of.joint.as_ref()).any(|joint| joint.parent == link);

@@ -95,13 +95,13 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     fs::write(folder.path().join("motors.xml"), MOTORS).unwrap();
     fs::write(folder.path().join("robots/build.rs"), MOTORS).unwrap();
     for (text, message) in [
-        (still, "has no motor at `shoulder`, `el\"bow`; the program of a new crate moves one joint at least"),
+        (still, "has no motor at `shoulder`, `el\"bow`; the program of a new crate moves at least one joint"),
         (
             free,
-            "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot whose base floats",
+            "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot with a floating base",
         ),
         (outside, "which cannot be at the same place in the new crate"),
-        (taken, "the MJCF includes build.rs, and the project has a file of that name"),
+        (taken, "the MJCF includes build.rs, but a file of the project has the same name"),
     ] {
         fs::write(folder.path().join("robots/arm.xml"), text).unwrap();
         let refused = gelenk(folder.path(), &["new", "arm", "--mjcf", "robots/arm.xml"]);

@@ -1,10 +1,10 @@
-//! The header of a module, the part for its users.
+//! The header of a module.
 
 use super::context::Context;
 use super::{comment, constants, discrete_time, lanes, parameters, positions, public, stack};
 use crate::emit::header;
 
-/// The text of `<name>.h`.
+/// Text of `<name>.h`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut items = constants::sizes(context);

@@ -15,7 +15,7 @@ use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
-/// Names that the module takes for array forms.
+/// Names reserved for array forms.
 pub(super) const RESERVED: [&str; 15] = [
     "arrays",
     "sum_ancestors",
@@ -34,7 +34,7 @@ pub(super) const RESERVED: [&str; 15] = [
     "is_before",
 ];
 
-/// The public functions, and the setup.
+/// The public functions and the setup.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,

@@ -1,4 +1,4 @@
-//! The bodies of a function, and the scalar function that calls them.
+//! Bodies of a function, and the scalar function that calls them.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -19,7 +19,7 @@ pub(super) fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
     }
 }
 
-/// The statements of the scalar function: its angles, then the bodies.
+/// Statements of the scalar function: its angles, then the bodies.
 pub(super) fn statements(body: &Body<'_>, name: &Ident, plan: &Plan) -> TokenStream {
     let end = plan.angles.last().map_or(0, |&last| last + 1);
     let is_angle = |index| plan.angles.binary_search(&index).is_ok();
