@@ -98,7 +98,7 @@ impl Span {
 pub(crate) struct At<T> {
     /// The value.
     pub value: T,
-    /// Its place.
+    /// Place of the value.
     pub span: Span,
 }
 

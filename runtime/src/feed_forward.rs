@@ -43,9 +43,9 @@ pub enum FeedForwardError {
         time: f64,
         /// The coordinate with the largest residual.
         coordinate: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
-        /// It [N m or N].
+        /// Largest residual [N m or N].
         residual: f64,
         /// The residual that is allowed [N m or N].
         tolerance: f64,
@@ -62,7 +62,7 @@ pub enum FeedForwardError {
     /// The trajectory is infinitely long, or too long for its inputs to be stored.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
     Duration {
-        /// Its length (s).
+        /// Duration of the trajectory (s).
         duration: f64,
         /// The sampling period (s).
         period: f64,

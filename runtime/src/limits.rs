@@ -44,9 +44,9 @@ pub struct Violation {
     pub index: usize,
     /// Name of the coordinate, follower or input.
     pub name: &'static str,
-    /// First and last sample beyond the limit (s).
+    /// First sample beyond the limit (s).
     pub from: f64,
-    /// See `from`.
+    /// Last sample beyond the limit (s).
     pub to: f64,
     /// Time of the largest violation (s).
     pub worst_time: f64,
@@ -91,7 +91,7 @@ pub enum CheckError {
     /// The trajectory is infinitely long, or too long to check.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
     Duration {
-        /// Its length (s).
+        /// Duration of the trajectory (s).
         duration: f64,
         /// The period (s).
         period: f64,

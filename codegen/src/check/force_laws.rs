@@ -233,7 +233,7 @@ impl<'a> Law<'a> {
 
 /// Where the laws of a joint or shaft are looked at.
 struct Grid {
-    /// Its kind and name.
+    /// Kind and name of the joint or shaft.
     owner: String,
     unit: &'static str,
     /// Largest position looked at if there are no limits.

@@ -331,8 +331,8 @@ pub(super) struct Identify {
     /// Let friction grow with the load of the gears too, |τ_l| s₁(v), where data that were left out ask for it
     #[arg(long, conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) load_friction: bool,
-    /// Where friction is looked for in robots with drives on several joints (`[[drives]]`): on the shafts of these
-    /// drives, or on joints alone
+    /// Location of friction in robots with drives on several joints (`[[drives]]`): the shafts of these drives, or
+    /// only joints
     #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts)]
     pub(super) friction_on: FrictionPlace,
     /// Terms that friction laws are chosen from: viscous, coulomb, asymmetric, quadratic, and expressions in the speed v

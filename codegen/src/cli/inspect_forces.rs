@@ -91,7 +91,7 @@ pub(super) fn followed(model: &Model, follows: &[FollowedCoordinate], offset: f6
     terms.chain(offset).collect::<Vec<_>>().join(" + ")
 }
 
-/// Those that act on several coordinates, or on one with a weight.
+/// Drives that act on several coordinates, or on one coordinate with a weight.
 fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
     model.moving_drives().filter(|drive| drive.coordinate().is_none())
 }

@@ -171,7 +171,7 @@ impl<'m> Shown<'m> {
         )
     }
 
-    /// Its cells behind the names.
+    /// Cells of the frame of a body, after the names.
     fn frame(&self, body: &Body<Number>) -> [String; 9] {
         let [x, y, z] = body.translation.0.map(shown);
         [

@@ -44,9 +44,10 @@ pub(super) fn of_fixed_links(model: &Model) -> String {
     let ends: Vec<usize> = (0..model.links.len()).filter(|link| *link != base).filter(is_end).collect();
     let ends = if ends.is_empty() { vec![base] } else { ends };
     let mut text = String::from(
-        "\n# No joint of this robot moves, and nothing drives it. A propeller or a thruster is an input at its link: of a unit of the input,\n\
-         # force in N, then moment in N m, whose sign is against a propeller's turn. Remove the signs # in front of those that are some,\n\
-         # and put in the numbers of your robot. A robot whose propellers all turn the same way cannot hover.\n",
+        "\n# No joint of this robot moves, and nothing drives it. A propeller or thruster is an input at its link.\n\
+         # `wrench` is force (N), then moment (N m), per unit of the input. The moment is opposite to the propeller's rotation.\n\
+         # Uncomment the links with propellers and set the numbers of your robot. Propellers that all turn in one direction\n\
+         # cannot hold the robot in hover.\n",
     );
     let places: Vec<[f64; 2]> = ends.iter().map(|link| place(model, *link)).collect();
     for (link, sign) in ends.iter().zip(signs(&places)) {

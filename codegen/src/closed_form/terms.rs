@@ -32,7 +32,7 @@ pub struct ClosedForms {
 /// A rational number, also as a fraction if that is short.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number {
-    /// Its value.
+    /// Value of the number.
     pub value: f64,
     /// Numerator and denominator.
     pub fraction: Option<(i64, i64)>,

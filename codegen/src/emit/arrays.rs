@@ -14,7 +14,7 @@ pub(super) struct Row {
     pub(super) block: usize,
     /// Whether each joint except the first follows the previous one, and none has a quaternion.
     pub(super) is_chain: bool,
-    /// It is true if joints follow the coordinates of others.
+    /// Whether joints follow the coordinates of other joints.
     is_coupled: bool,
 }
 

@@ -26,13 +26,13 @@ pub struct Callable {
     pub arguments: Vec<Argument>,
     /// Results.
     pub results: Vec<Written>,
-    /// Whether it takes the free parameters; functions of positions alone do not.
+    /// Whether the function takes the free parameters; functions of positions alone do not.
     pub takes_parameters: bool,
-    /// Whether it returns its only result, a number.
+    /// Whether the function returns its only result, a number.
     pub returns_number: bool,
     /// Name of its form over eight states, without the prefix; `None` if there is none.
     pub lanes: Option<String>,
-    /// Sentence about its operations.
+    /// Sentence about the operations of the function.
     pub cost: String,
     /// Notes on method, limits and sources.
     pub notes: Vec<String>,
@@ -41,7 +41,7 @@ pub struct Callable {
 /// An argument of a function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Argument {
-    /// Its name.
+    /// Name of the argument.
     pub name: String,
     /// Lengths, outermost first; empty for a number by value.
     pub extents: Vec<Extent>,
@@ -54,9 +54,9 @@ pub struct Argument {
 /// A result of a function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
-    /// Its name.
+    /// Name of the result.
     pub name: String,
-    /// Its symbol in formulas.
+    /// Symbol of the result in formulas.
     pub symbol: String,
     /// Lengths, outermost first; empty for a number.
     pub extents: Vec<Extent>,
@@ -65,7 +65,7 @@ pub struct Written {
 }
 
 impl Argument {
-    /// Whether it is a number by value.
+    /// Whether the argument is a number by value.
     #[must_use]
     pub fn is_number(&self) -> bool {
         self.extents.is_empty()

@@ -82,7 +82,7 @@ pub struct Constant {
     pub summary: String,
     /// List items of the documentation; may be empty.
     pub items: Vec<String>,
-    /// Its value.
+    /// Value of the constant.
     pub value: ConstantValue,
 }
 

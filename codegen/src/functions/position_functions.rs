@@ -113,9 +113,9 @@ impl PositionFunction {
             Self::IntegrateDerivatives => {
                 &["Both depend on d alone (Solà, Deray and Atchuthan 2018, sections III and IV)."]
             }
-            Self::Normalize => &[
-                "Returns `false` if a quaternion is zero or not finite, and replaces it by the identity.",
-            ],
+            Self::Normalize => {
+                &["Returns `false` if a quaternion is zero or not finite, and replaces it by the identity."]
+            }
         }
     }
 }

@@ -148,7 +148,7 @@ fn rows(model: &Model) -> impl Iterator<Item = Row<'_>> {
 }
 
 impl Row<'_> {
-    /// Its name in the table of kinds.
+    /// Name of the row in the table of kinds.
     fn row_name(&self) -> &'static str {
         match self {
             Self::Quantity(quantity) => quantity.name,
@@ -204,7 +204,7 @@ impl<'a> Wanted<'a> {
         is_included || self.names_row(row) || self.called.contains(&&*name)
     }
 
-    /// Whether it is asked for by name, itself or by something that calls it.
+    /// Whether the function, or a function that calls it, is requested by name.
     fn is_asked_for(&self, name: &str) -> bool {
         let is_straight = self.request.straight.iter().any(|other| other == name);
         let is_called = !self.selects_all() && self.called.contains(&name);
@@ -217,7 +217,7 @@ impl<'a> Wanted<'a> {
 struct LeftOut {
     /// Functions that a kind of robots lacks.
     refused: Vec<(Refusal, Vec<String>)>,
-    /// Those of them that are asked for by name.
+    /// Errors of refused functions that are requested by name.
     problems: Vec<Diagnostic>,
     too_large: Vec<TooLarge>,
     /// Functions of frames, if there are very many.

@@ -51,7 +51,7 @@ const FEW_JOINTS: usize = 50;
 pub(super) struct TooLarge {
     pub name: String,
     operations: usize,
-    /// Whether it is an estimate from below.
+    /// Whether the number of operations is a lower estimate.
     is_estimate: bool,
     /// Whether the operations are those of loops.
     are_loops: bool,
@@ -76,7 +76,7 @@ pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: u
     Estimate::ALL.into_iter().flat_map(of).collect()
 }
 
-/// Those of one estimate, each with its name and whether it is loops.
+/// Functions that are too large by one estimate.
 fn too_large(
     mechanism: &Mechanism<Number>,
     estimate: Estimate,

@@ -87,7 +87,7 @@ pub const SHORTEST_LEVER: f64 = 1e-3;
 /// A mass at the origin of a child's joint, which belongs to both bodies.
 struct Shared<'g> {
     child: usize,
-    /// Its moments where it is 1, in the parent's frame.
+    /// Moments of a unit mass, in the parent's frame.
     in_parent: MassMoments<Scalar<'g>>,
     /// The component of the parent's first moment that is to vanish.
     component: usize,

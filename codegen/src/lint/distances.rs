@@ -50,7 +50,7 @@ pub(super) struct Distances<'m> {
 
 /// Least distance of two frames that the descents found.
 pub(super) struct Closest {
-    /// Their distance [m].
+    /// Distance of the frames [m].
     pub(super) distance: f64,
     /// Names and positions of the coordinates that change the distance.
     pub(super) positions: Vec<(String, f64)>,

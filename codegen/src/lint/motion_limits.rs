@@ -98,7 +98,7 @@ fn limits_of(model: &mut Model, link: usize) -> Option<(String, &mut Limits)> {
 /// The coordinate from which the distance of two frames follows.
 struct Path {
     link: usize,
-    /// Its limits [rad or m].
+    /// Limits of the coordinate [rad or m].
     range: [f64; 2],
 }
 

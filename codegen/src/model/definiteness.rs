@@ -26,8 +26,7 @@ impl Model {
         }
     }
 
-    /// Motions that move nothing with inertia and make M singular: joints or sums of joints, at the described
-    /// free parameters.
+    /// Motions without inertia, which make M singular: joints or sums of joints, at the described free parameters.
     #[must_use]
     pub fn motions_without_inertia(&self) -> Vec<String> {
         Pivots::of(self).free_motions(self)

@@ -34,7 +34,7 @@ pub struct Drive {
     /// Friction of the shaft as a function of its angle `y` and speed `v`, for a drive on several
     /// coordinates. For a drive on one coordinate it is part of the joint's friction.
     pub friction: Vec<FrictionTerm>,
-    /// Whether it is described under `[[drives]]` and not at a joint.
+    /// Whether the drive is described under `[[drives]]` and not at a joint.
     pub stands_apart: bool,
 }
 

@@ -25,8 +25,7 @@ const LARGEST: usize = 500;
 /// Pivots of M at seeded states.
 #[derive(Debug, Default)]
 pub(crate) struct Pivots {
-    /// Links of joints whose pivots are zero at every state: these joints move nothing with inertia along
-    /// their axis.
+    /// Links of joints whose pivots are zero at every state: motions of these joints have no inertia.
     pub zero: Vec<usize>,
     /// Links of joints whose pivots are negative at some state.
     pub negative: Vec<usize>,

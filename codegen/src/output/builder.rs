@@ -161,9 +161,8 @@ impl Builder {
         self
     }
 
-    /// Hides the notes about the descriptions. By default each note becomes a warning of Cargo once. Cargo
-    /// repeats the warnings of a build script until it runs again, so the next build runs it again without
-    /// them.
+    /// Hides the notes about the descriptions. By default each note becomes a Cargo warning in one build: the next
+    /// build runs the build script again without the warnings, which Cargo would otherwise repeat.
     #[must_use]
     pub fn hide_notes(mut self) -> Self {
         self.hides_notes = true;

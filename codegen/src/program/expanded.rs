@@ -26,7 +26,7 @@ const DIGITS: i32 = 12;
 pub struct ExpandedEntry {
     /// Symbol with its indices from 1: `M_{1,2}`.
     pub name: String,
-    /// Its sum.
+    /// Sum of the entry in LaTeX.
     pub value: String,
 }
 

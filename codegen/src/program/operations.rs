@@ -37,7 +37,7 @@ impl Program {
         Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
     }
 
-    /// Whether it is faster to write the results in place than to return them.
+    /// Whether results are written in place, which is faster for large results.
     pub(crate) fn has_large_results(&self) -> bool {
         self.entries().count() > LARGEST_RETURNED
     }

@@ -13,7 +13,7 @@ use super::{Operand, Program};
 /// A run of instructions, and the values it exchanges with others.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// Its range in the program.
+    /// Range of the part in the program.
     pub(crate) range: Range<usize>,
     /// Earlier values that it uses.
     pub(crate) takes: Vec<usize>,
@@ -21,7 +21,7 @@ pub(crate) struct Part {
     pub(crate) returns: Vec<usize>,
     /// Input arrays that it uses.
     pub(crate) inputs: Vec<usize>,
-    /// Whether it uses parameters.
+    /// Whether the part uses parameters.
     pub(crate) reads_parameters: bool,
     /// Results that it writes, with the entries; empty if results are written after all parts.
     pub(crate) results: Vec<(usize, Vec<usize>)>,

@@ -281,7 +281,7 @@ const DEEPEST: usize = 8;
 /// Descriptions that extend each other, and how to fetch the next.
 struct Chain<'l> {
     load: &'l mut dyn Fetch,
-    /// Their paths from the folder of the first one.
+    /// Paths of the descriptions from the folder of the first one.
     files: Vec<PathBuf>,
 }
 

@@ -11,7 +11,7 @@ use gelenk_formula::Formula;
 pub(super) struct Following<'a> {
     name: &'a str,
     what: &'static str,
-    /// Its motion z for a unit of motion of each coordinate.
+    /// Motion z per unit of motion of each coordinate.
     follows: Vec<FollowedCoordinate>,
     offset: f64,
     pub(super) friction: &'a [FrictionTerm],

@@ -49,7 +49,7 @@ fn definiteness(robot: &Robot<'_>) -> Option<Claim> {
     let is_singular = robot.model.definiteness() == Definiteness::Semidefinite;
     let (statement, bound) = match is_singular {
         true => (
-            "The mass matrix has no negative eigenvalue, but it is singular, because some motions move nothing with inertia.",
+            "The mass matrix has no negative eigenvalue, but it is singular, because some motions have no inertia.",
             -ROUNDING,
         ),
         false => ("The mass matrix is positive definite.", ROUNDING),

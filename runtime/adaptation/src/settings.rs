@@ -85,9 +85,9 @@ pub enum AdaptationError {
     /// A setting is out of range.
     #[error("setting {name} of the adaptation is {value}; it must be {needed}")]
     Setting {
-        /// Its name.
+        /// Name of the setting.
         name: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
         /// The allowed values.
         needed: &'static str,
@@ -102,7 +102,7 @@ pub enum AdaptationError {
         Named(.name)
     )]
     Scale {
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
     },
     /// The learned friction cannot be compensated.

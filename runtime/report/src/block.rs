@@ -48,7 +48,7 @@ pub enum Block {
     Details {
         /// Text that is shown while closed.
         summary: Vec<Inline>,
-        /// Whether it starts open.
+        /// Whether the blocks are initially open.
         is_open: bool,
         /// The blocks inside.
         blocks: Vec<Block>,

@@ -86,7 +86,7 @@ pub struct Adaptive<C, D, const N: usize, const M: usize> {
 }
 
 impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D, N, M> {
-    /// A learning controller; `make` builds the inner controller from the robot.
+    /// A learning controller. `make` builds the inner controller from the robot; its result is passed on.
     ///
     /// # Errors
     /// [`AdaptationError`]; the inner result is that of `make`.

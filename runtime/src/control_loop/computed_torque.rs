@@ -47,7 +47,7 @@ pub enum ComputedTorqueError {
     Underactuated {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
     },
 }

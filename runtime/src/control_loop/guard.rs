@@ -11,7 +11,7 @@ pub enum EncoderFault {
     NotFinite {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
     },
     /// The quaternion of a joint is not an attitude.
@@ -26,7 +26,7 @@ pub enum EncoderFault {
     Jump {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Distance from the last believed position [rad or m].
         distance: f64,
@@ -43,7 +43,7 @@ pub enum EncoderFault {
     Frozen {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Distance that the desired position moved meanwhile [rad or m].
         desired: f64,
@@ -59,7 +59,7 @@ pub enum EncoderFault {
     Velocity {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// The measured velocity [rad/s or m/s].
         measured: f64,

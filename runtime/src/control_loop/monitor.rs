@@ -12,7 +12,7 @@ pub enum LimitFault {
         /// Index of the coordinate; from N on joints that follow, in the order of
         /// [`LoopSettings::dependent_joints`](super::LoopSettings).
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Position [rad or m].
         position: f64,
@@ -27,7 +27,7 @@ pub enum LimitFault {
     Speed {
         /// As of a position.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Speed [rad/s or m/s].
         speed: f64,
@@ -40,7 +40,7 @@ pub enum LimitFault {
     FollowingError {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Measured minus desired position [rad or m].
         error: f64,

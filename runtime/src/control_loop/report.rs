@@ -97,7 +97,7 @@ pub enum Refusal {
     Start {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Measured position [rad or m].
         position: f64,
@@ -112,7 +112,7 @@ pub enum Refusal {
     Torque {
         /// Index of the input.
         input: usize,
-        /// Its name.
+        /// Name of the input.
         name: &'static str,
         /// The input that would hold the robot, in the input's unit; NaN if the model has no answer.
         needed: f64,

@@ -73,7 +73,7 @@ pub enum KinematicsError {
         "the wrist's centre would be {distance} m from the first axis; the arm requires at least {least} m"
     )]
     TooCloseToFirstAxis {
-        /// Its distance (m).
+        /// Distance of the wrist's centre from the first axis (m).
         distance: f64,
         /// The least distance, which the arm's sideways offset demands (m).
         least: f64,
@@ -83,7 +83,7 @@ pub enum KinematicsError {
         "the wrist's centre would be {distance} m from the second axis; the arm reaches {least} to {most} m"
     )]
     OutOfReach {
-        /// Its distance across that axis (m).
+        /// Distance of the wrist's centre, across the second axis (m).
         distance: f64,
         /// The shortest (m).
         least: f64,

@@ -11,8 +11,8 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     /// Encoder step at the joint [rad or m]; measured positions are rounded to multiples. 0 is exact, and
     /// required for joints with a quaternion.
     pub encoder_resolution: [f64; N],
-    /// Standard deviation of the normal noise on each position, before rounding [rad or m]. For joints with a
-    /// quaternion it is by velocity entry, and the noise acts through ⊕.
+    /// Standard deviation of the normal noise on each position, before rounding [rad or m]. Joints with a quaternion
+    /// have one entry per velocity; their noise is applied by ⊕.
     pub encoder_noise: [f64; N],
     /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]; `None` if velocities
     /// are not measured.
@@ -182,11 +182,11 @@ pub enum PlantError {
     Start {
         /// Index of the coordinate.
         coordinate: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
-        /// Its position [rad or m].
+        /// Start position [rad or m].
         position: f64,
-        /// Its speed [rad/s or m/s].
+        /// Start speed [rad/s or m/s].
         velocity: f64,
     },
     /// A start position of a robot with quaternions is NaN or infinite.
@@ -194,7 +194,7 @@ pub enum PlantError {
     StartEntry {
         /// Name of the position entry.
         name: &'static str,
-        /// Its value.
+        /// Value of the position entry.
         value: f64,
     },
     /// A quaternion of the start position is not an attitude.
@@ -218,9 +218,9 @@ pub enum PlantError {
     Input {
         /// Index of the input.
         input: usize,
-        /// Its name.
+        /// Name of the input.
         name: &'static str,
-        /// Its value.
+        /// Value of the input.
         value: f64,
     },
     /// A period is not positive and finite.

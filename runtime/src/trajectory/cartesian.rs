@@ -62,7 +62,7 @@ pub enum CartesianError {
         time: f64,
         /// Index of the joint; messages count from 1.
         joint: usize,
-        /// Its step (rad).
+        /// Step of the joint (rad).
         step: f64,
     },
 }

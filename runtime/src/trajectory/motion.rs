@@ -171,17 +171,17 @@ pub enum TrajectoryError {
     /// A number is NaN or infinite.
     #[error("{what} is {value}; it must be finite")]
     NotFinite {
-        /// Which number.
+        /// Name of the quantity.
         what: String,
-        /// Its value.
+        /// Value of the number.
         value: f64,
     },
     /// A duration, speed or other quantity is not positive.
     #[error("{what} is {value}; it must be positive")]
     NotPositive {
-        /// Which number.
+        /// Name of the quantity.
         what: String,
-        /// Its value.
+        /// Value of the number.
         value: f64,
     },
     /// Too few points or samples.
@@ -197,9 +197,9 @@ pub enum TrajectoryError {
     /// A number is out of range.
     #[error("{what} is {value}; it must be {range}")]
     OutOfRange {
-        /// Which number.
+        /// Name of the quantity.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
         /// The range that is allowed.
         range: &'static str,
@@ -214,7 +214,7 @@ pub enum TrajectoryError {
         point: usize,
         /// Index of the joint; messages count from 1.
         joint: usize,
-        /// Its position [rad or m].
+        /// Position of the joint [rad or m].
         position: f64,
         /// Limits [rad or m].
         limits: [f64; 2],
@@ -274,7 +274,7 @@ pub enum TrajectoryError {
     Attitude {
         /// Index of the point; messages count from 1.
         point: usize,
-        /// Its joint, and its fault.
+        /// Joint and fault of the quaternion.
         error: AttitudeError,
     },
     /// Between two points a joint turns by half a turn, which has no shortest way.

@@ -254,7 +254,7 @@ struct Basis {
 enum Projection {
     /// A new direction.
     Independent,
-    /// Its coefficients over the independent columns.
+    /// A dependent direction: coefficients over the independent columns.
     Dependent(Vec<f64>),
 }
 

@@ -115,7 +115,7 @@ impl<'g> Rows<'_, 'g> {
         self.builder.set_up(name, rows)
     }
 
-    /// The same by the entries of each coordinate, at the joint that is its own.
+    /// Fills an array by coordinate, at the joint that moves by this coordinate.
     fn fill_own(&mut self, name: &str, count: usize, entries: impl Fn(usize) -> Vec<Scalar<'g>>) -> ArrayId {
         let loops = self.loops;
         self.fill(name, count, |joint| match loops.is_own(joint) {

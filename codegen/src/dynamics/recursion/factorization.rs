@@ -15,7 +15,7 @@ pub struct Factorization<'g> {
     reciprocals: Vec<Scalar<'g>>,
     /// Earlier entries that M couples with each of them, nearest first.
     ancestors: Vec<Vec<usize>>,
-    /// Their coordinates.
+    /// Coordinates of the ancestors.
     coordinates: Vec<usize>,
 }
 

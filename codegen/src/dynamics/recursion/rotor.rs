@@ -19,7 +19,7 @@ use crate::spatial::{Matrix3, Vector3};
 /// Rotor in the working frame of its carrier.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gyrostat<'g> {
-    /// Its axis a.
+    /// Axis a of the rotor.
     axis: Vector3<Scalar<'g>>,
     /// i J
     coupling: Scalar<'g>,

@@ -103,7 +103,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// The same with variables that arrays share.
+    /// Lets arrays share variables.
     fn with_shared_rows(self, taken: &[String]) -> Self {
         let is_local = |array: usize| matches!(self.places[array], Place::Local(_));
         let shared = SharedRows::new(self.form, self.row, is_local);

@@ -22,7 +22,7 @@ pub(super) fn partly_called_loops(scalar: Scalar, documentation: &str, name: &st
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// The same with another attribute.
+/// Module of loops with this attribute.
 fn loops_with(scalar: Scalar, documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
     let module = module(documentation, attribute, name, texts);
     match scalar {

@@ -67,10 +67,7 @@ pub static KINDS: [Kind; 11] = [
                     &["With the mass matrix of all joints, the driven ones included."],
                 ),
             ),
-            (
-                "joint_wrenches",
-                notes(&["The rows of the driven joints follow those of the coordinates."]),
-            ),
+            ("joint_wrenches", notes(&["The rows of the driven joints follow those of the coordinates."])),
             (
                 "center_of_mass_jacobian centroidal_momentum_matrix frame_NAME_jacobian",
                 notes(&["The columns of the driven joints follow those of the coordinates."]),

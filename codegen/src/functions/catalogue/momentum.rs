@@ -10,7 +10,7 @@ const NOTES: &[&str] = &[
      `coupling = \"body\"` spin with their gear ratio.",
 ];
 
-/// The rows; they are derived only if requested by name.
+/// Rows of the catalogue for the momentum; derived only if requested by name.
 pub const QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: function_names::CENTER_OF_MASS,

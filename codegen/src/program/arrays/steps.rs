@@ -38,11 +38,11 @@ pub struct Array {
 /// Relation of a joint to another one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
-    /// It is before the other on the other's path to the base, or is another velocity of the same joint.
+    /// The joint is before the other joint on the path to the base, or is another velocity of the same joint.
     Before,
-    /// It is the same joint.
+    /// Both are the same joint.
     Same,
-    /// It is beyond the other.
+    /// The joint is beyond the other joint.
     Beyond,
     /// The joints are on different paths.
     Apart,
@@ -133,7 +133,7 @@ pub enum Step {
     Invert {
         /// The matrix.
         from: ArrayId,
-        /// Its inverse.
+        /// The inverse.
         to: ArrayId,
     },
     /// `to = −left · right`, matrices over the coordinates.

@@ -99,7 +99,7 @@ pub(super) fn plain_path(path: &str) -> String {
 /// The file that includes another one, and the name of the other one there.
 type Included<'t> = Option<(usize, &'t str)>;
 
-/// Parsed texts.
+/// Parsed texts of the model and its includes.
 pub(super) struct Files<'t> {
     files: Vec<(Included<'t>, usize, Document<'t>)>,
 }

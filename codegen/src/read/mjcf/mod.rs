@@ -46,11 +46,11 @@ const HARMLESS: [&str; 9] =
 /// A joint as other sections speak of it.
 struct KnownJoint {
     name: Name,
-    /// Its position where the description shows it.
+    /// Position of the joint in the described pose.
     reference: f64,
     has_quaternion: bool,
     is_free: bool,
-    /// Its own contribution to M.
+    /// Contribution of the armature to M.
     armature: f64,
 }
 

@@ -26,7 +26,7 @@ pub(crate) struct Reader {
     pub parameter_names: BTreeMap<String, usize>,
     /// Parameters of `[parameters]` not used by any formula so far.
     pub unused: BTreeSet<usize>,
-    /// Their indices by the names of the generated fields.
+    /// Indices of the parameters by the names of the generated fields.
     fields: BTreeMap<String, usize>,
 }
 

@@ -128,5 +128,5 @@ impl Reader<'_> {
     }
 }
 
-/// It was reported.
+/// The attribute is not a number; an error was reported.
 struct NotANumber;

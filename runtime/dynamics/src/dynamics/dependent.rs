@@ -42,7 +42,7 @@ impl<const N: usize> DependentJoint<N> {
         motion
     }
 
-    /// Whether it follows driven joints.
+    /// Whether the joint follows driven joints.
     #[must_use]
     pub const fn follows_driven_joints(&self) -> bool {
         count(self.driven_ratios) > 0
@@ -57,7 +57,7 @@ impl<const N: usize> DependentJoint<N> {
         self.ratios.iter().position(|ratio| *ratio != 0.0)
     }
 
-    /// Whether it follows several coordinates and no driven joint.
+    /// Whether the joint follows several coordinates and no driven joint.
     #[must_use]
     pub const fn is_sum(&self) -> bool {
         !self.follows_driven_joints() && count(&self.ratios) > 1

@@ -165,7 +165,7 @@ pub const fn quaternion_joints<const C: usize>(
 pub struct AttitudeError {
     /// Name of the joint.
     pub joint: &'static str,
-    /// Its quaternion x, y, z, w.
+    /// Quaternion x, y, z, w of the joint.
     pub quaternion: [f64; 4],
 }
 

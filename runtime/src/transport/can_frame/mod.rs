@@ -86,7 +86,7 @@ pub enum CanMessage {
     Input {
         /// Index of the input.
         index: usize,
-        /// Its value, in the model's unit.
+        /// Value of the input, in the model's unit.
         value: f64,
         /// Sequence number, which all frames of one instant share.
         sequence: u8,
@@ -95,7 +95,7 @@ pub enum CanMessage {
     Position {
         /// Index of the coordinate.
         index: usize,
-        /// Its value [rad or m]; NaN if the encoder reports a fault.
+        /// Position [rad or m]; NaN if the encoder reports a fault.
         value: f64,
         /// Number of the set that it belongs to.
         sequence: u8,
@@ -145,7 +145,7 @@ pub enum CanFrameError {
     Range {
         /// The value.
         value: f64,
-        /// Its unit per count.
+        /// Unit per count.
         resolution: f64,
     },
     /// Settings that are not valid.

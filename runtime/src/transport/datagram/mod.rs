@@ -87,7 +87,7 @@ pub enum Push<const N: usize> {
     Frame {
         /// How long it lasts (s).
         duration: f64,
-        /// Its number among them, 0 to 254.
+        /// Number of the frame, 0 to 254.
         frame: u8,
         /// Force (N) and moment (N m) at its origin, in the axes of the world.
         wrench: [f64; 6],
@@ -177,7 +177,7 @@ pub enum DatagramError {
     Byte {
         /// Index of the byte.
         position: usize,
-        /// Its value.
+        /// Value of the byte.
         value: u8,
     },
     /// An input is NaN or infinite.

@@ -79,7 +79,7 @@ const BEGIN: &str = include_str!("begin.c");
 /// Text of the functions that acados calls.
 const STEP: &str = include_str!("step.c");
 
-/// The same about reference positions.
+/// Text of the functions that acados calls, with displacements from reference positions.
 const STEP_ABOUT: &str = include_str!("step_about.c");
 
 const END: &str = include_str!("end.c");

@@ -246,7 +246,7 @@ struct JointEntries {
     entries: usize,
     /// The first of them.
     position: usize,
-    /// Its first velocity.
+    /// First velocity of the joint.
     velocity: usize,
 }
 

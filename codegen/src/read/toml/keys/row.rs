@@ -8,7 +8,7 @@ pub(crate) struct Keys {
     pub(crate) name: &'static str,
     /// Name of the described object, with article: `a joint`.
     pub(crate) what: &'static str,
-    /// The rows; several tables may share a group.
+    /// Rows of the table; several tables may share a group.
     pub(crate) groups: &'static [&'static [Key]],
 }
 
