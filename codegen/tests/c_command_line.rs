@@ -102,7 +102,7 @@ fn tools_get_files_of_their_own() {
     }
     // Nobody calls Rust that way.
     let (code, said) = gelenk(folder, "generate powercube.toml --for python");
-    assert!(code == 1 && said.contains("need modules in C"), "{said}");
+    assert!(code == 1 && said.contains("require a C module"), "{said}");
 }
 
 /// Joints with quaternions of every kind, an ordinary one, and a free parameter.
@@ -306,9 +306,9 @@ fn what_c_does_not_have_is_refused() {
     let folder = folder.path();
     for (line, expected, reason) in [
         ("--self-test", 1, "C modules have no tests at their end"),
-        ("--output -", 2, "a module in C is two files"),
-        ("--output pole.rs", 2, "a module in C goes to a folder, or to a file that ends with .c"),
-        ("--output a\"b.c", 2, "the files of a module in C name each other"),
+        ("--output -", 2, "a C module consists of two files"),
+        ("--output pole.rs", 2, "a C module needs a folder or a file name that ends with .c"),
+        ("--output a\"b.c", 2, "is not usable in C"),
     ] {
         let (code, text) = gelenk(folder, &format!("generate cart_pole.toml --language c {line}"));
         assert_eq!(code, expected, "{text}");
@@ -325,7 +325,7 @@ fn what_c_does_not_have_is_refused() {
     for command in ["generate", "check"] {
         let (code, text) = gelenk(folder, &format!("{command} --language c"));
         assert_eq!(code, 2);
-        assert!(text.contains("goes to the crate generated/, which is Rust"), "{text}");
+        assert!(text.contains("are written to generated/, a Rust crate"), "{text}");
     }
 }
 
@@ -349,7 +349,7 @@ fn lanes_are_written_in_c_too() {
         assert_eq!(header.contains("#define ROBOT_LANES 8"), !functions.is_empty());
     }
     let (_, text) = gelenk(folder, "generate cart_pole.toml --language c --lanes step --output robot.c");
-    assert!(text.contains("`step` is not written over lanes"), "{text}");
+    assert!(text.contains("`step` has no form over lanes"), "{text}");
 }
 
 #[test]

@@ -227,7 +227,10 @@ fn drives_that_act_alike_are_noted() {
     let alike = notes("roll = -2", "roll = 2").to_string();
     assert!(alike.contains("note[drives-alike]: drives `left`, `right` act alike"), "{alike}");
     let three = notes("name = \"roll\"", "name = \"roll\"\ndrive = { gear_ratio = 3 }").to_string();
-    assert!(three.contains("note[drives-alike]: 4 drives move the joints in 3 ways only"), "{three}");
+    assert!(
+        three.contains("note[drives-alike]: 4 drives move the joints in only 3 independent ways"),
+        "{three}"
+    );
 }
 
 /// A limit that reaches no controller is worse than none.
@@ -375,9 +378,7 @@ fn an_mjcf_loses_nothing_in_silence() {
     let (model, notes) = read.unwrap_or_else(|wrong| panic!("{wrong}"));
     assert_eq!(joint(&model, 0).limits.effort, Some(2.0));
     let notes = notes.to_string();
-    for said in
-        ["became their smaller side; one without 0 inside was left out: `lift`", "left out: `frictionloss`"]
-    {
+    for said in ["omitted if they exclude 0: `lift`", "left out: `frictionloss`"] {
         assert!(notes.contains(said), "{notes}");
     }
 }

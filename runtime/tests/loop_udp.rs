@@ -159,7 +159,7 @@ fn a_killed_plant_stops_the_loop_and_comes_back_braked() {
     assert_eq!(report.end, End::Stopped(StopReason::Transport(TransportError::NoAnswer)));
     assert_eq!(report.counts.held, 3, "{report}");
     assert_eq!(report.brakes, Brakes::Unknown, "nobody confirmed them");
-    assert!(report.to_string().contains("nobody answers"), "{report}");
+    assert!(report.to_string().contains("the robot's side does not answer"), "{report}");
     assert!(report.to_string().contains("brakes unknown; check the robot"), "{report}");
 
     let port = address.port().to_string();

@@ -176,8 +176,8 @@ pub enum Motion {
     Held(f64),
     /// A coordinate, by index. Driven coordinates follow the others.
     Coordinate(usize),
-    /// A follower of coordinates. The index is that among the moving joints, so it is at least the number of
-    /// coordinates, driven ones included.
+    /// A follower of coordinates, by its index among the moving joints. Coordinates, driven ones included, have
+    /// smaller indices.
     Follower(usize),
 }
 

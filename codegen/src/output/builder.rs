@@ -13,8 +13,8 @@ use gelenk_files::is_same_file;
 /// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. The name is the robot's: the key `name`
 /// of a TOML file or else its file name; the name of `<robot>` in a URDF.
 ///
-/// If the description has errors, all are printed and the build script ends with exit code 1. Cargo is told
-/// to watch every file that was read. The path is relative to the package.
+/// If the description has errors, the build script prints all of them and ends with exit code 1. Cargo watches every
+/// file that was read. The path is relative to the package.
 pub fn build(description: impl AsRef<Path>) {
     Builder::new().description(description).generate();
 }

@@ -89,7 +89,7 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
     /// A learning controller. `make` builds the inner controller from the robot; its result is passed on.
     ///
     /// # Errors
-    /// [`AdaptationError`]; the inner result is that of `make`.
+    /// [`AdaptationError`] as the outer error; the inner error is the error of `make`.
     pub fn new<E>(
         robot: D,
         settings: AdaptationSettings,

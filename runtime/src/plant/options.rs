@@ -22,8 +22,8 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     pub torque_noise: Option<[f64; N]>,
     /// Step of each input, in its unit; applied inputs are rounded to multiples. 0 is exact.
     pub input_resolution: [f64; M],
-    /// Lowest and highest value of each input, in its unit; inputs are cut off there. 0 must be between them.
-    /// Infinite values are no limits.
+    /// Lowest and highest value of each input, in its unit. Inputs are limited to this range, which must contain 0;
+    /// infinite values mean no limit.
     pub input_limits: [[f64; 2]; M],
     /// Torque–speed lines of motors, `model.limits().torque_speed`. Inputs are cut off at their line for the
     /// speed at the start of the period, within `input_limits`. May be empty.

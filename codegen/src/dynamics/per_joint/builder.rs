@@ -196,8 +196,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Copies to each velocity the value of its joint's last velocity; returns the array itself without
-    /// quaternions.
+    /// Copies the value of each joint's last velocity to all velocities of the joint. Returns the array itself for
+    /// robots without quaternions.
     pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if !self.has_quaternions() {
             return from;

@@ -11,7 +11,7 @@ use crate::program::arrays::ArrayId;
 pub(super) struct Moving {
     pub setup: Setup,
     pub motions: Motions,
-    /// `None` if no moving body carries a rotor.
+    /// Rotors; `None` if no moving body carries a rotor.
     pub rotors: Option<Rotors>,
     /// Composite bodies including rotors.
     pub composites: Composites,

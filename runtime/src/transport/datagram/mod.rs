@@ -99,15 +99,15 @@ pub enum Push<const N: usize> {
 pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
     /// Kind 1, to the plant: asks for a measurement. In lock-step a period passes first.
     Query,
-    /// Kind 2, to the plant: inputs from now on, in the model's units.
+    /// Kind 2, to the plant: sets the inputs, in the model's units.
     Inputs([f64; M]),
-    /// Kind 3, to the plant: release the brakes.
+    /// Kind 3, to the plant: releases the brakes.
     Release,
-    /// Kind 4, to the plant: engage the brakes.
+    /// Kind 4, to the plant: engages the brakes.
     Brake,
     /// Kind 5, to the plant: asks for the true state. No time passes.
     Inspect,
-    /// Kind 6, from the plant, answers a query: the measurement.
+    /// Kind 6, from the plant: the measurement, as the answer to a query.
     Measured {
         /// Positions [rad or m], quaternions.
         positions: [f64; NY],
@@ -116,12 +116,12 @@ pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
         /// Forces of the drives at the joints [N m or N], if they are measured.
         torques: Option<[f64; N]>,
     },
-    /// Kind 7, from the plant in lock-step: answers a query whose answer was intentionally lost; the period
-    /// is over.
+    /// Kind 7, from the plant in lock-step: the answer to a query whose measurement was intentionally lost. The
+    /// period is over.
     Lost,
-    /// Kind 8, from the plant, answers an inspection.
+    /// Kind 8, from the plant: the true state, as the answer to an inspection.
     TrueState(TrueState<N, NY>),
-    /// Kind 9, to the plant: asks for a connection. The answer has the same kind and its number.
+    /// Kind 9, to the plant: requests a connection. The answer has the same kind and the same number.
     Connect,
     /// Kind 10, to the plant: pushes the robot. It is accepted from the controller, or once from anyone with
     /// an offered number. The answer is that to a query.
