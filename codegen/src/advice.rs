@@ -16,11 +16,11 @@ const LONGEST_PERIOD: f64 = 0.02;
 /// Shortest one.
 const SHORTEST_PERIOD: f64 = 0.001;
 
-/// Classical Runge–Kutta steps of order 4 are unstable beyond so much of step length times rate (Hairer and
-/// Wanner 1996, section IV.2).
+/// Stability limit of the classical Runge–Kutta method of order 4 for the product of step length and rate
+/// (Hairer and Wanner 1996, section IV.2).
 const UNSTABLE: f64 = 2.785_3;
 
-/// Notes for a model and the functions that are generated of it.
+/// Notes for a model and its generated functions.
 pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]) -> Vec<Diagnostic> {
     let mut names = functions.iter().map(|function| &function.name);
     let has_derivatives = names.any(|name| catalogue::differentiates_friction(name));
@@ -30,7 +30,7 @@ pub fn notes(model: &Model, functions: &[Function], compositions: &[Composition]
     jumps.into_iter().chain(stiff).collect()
 }
 
-/// Where friction or a spring has an exact sign.
+/// Notes force laws with an exact sign.
 fn jumps(model: &Model) -> Option<Diagnostic> {
     let moving = model.moving_joints();
     let joints = moving.iter().filter(|moving| moving.joint.jumps()).map(|moving| moving.joint.name.as_str());
@@ -41,17 +41,17 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
         return None;
     }
     let message = format!(
-        "the force laws of {} have an exact `sign`, whose derivative is 0: Jacobians and linearizations do not contain it",
+        "the force laws of {} have an exact `sign`; Jacobians and linearizations take its derivative as 0",
         list(names.into_iter())
     );
     let note = Diagnostic::note("sign-derivative", message);
     Some(note.help(
-        "for control with derivatives: `--smooth-sign 100`, or `smooth_sign = 100` in [generate], makes it tanh(100 v)",
+        "for control with derivatives replace sign(v) by tanh(100 v): `--smooth-sign 100`, or `smooth_sign \
+         = 100` in [generate]",
     ))
 }
 
-/// Where friction, dampers and springs make the robot so fast at standstill that Runge–Kutta steps of a usual period are not
-/// stable.
+/// Notes friction, dampers and springs that make Runge–Kutta steps of usual periods unstable at standstill.
 fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
     let joints = model.moving_joints();
     let is_free = joints.iter().all(|moving| {
@@ -73,19 +73,19 @@ fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
     }
     let joint = joints.get(coordinate)?.joint;
     let message = format!(
-        "friction, dampers and springs change the velocity of `{}` at a rate of {} 1/s at standstill{}: with {substeps} \
-         substep{} `step` is unstable for periods beyond {} ms",
+        "friction, dampers and springs change the velocity of `{}` at a rate of {} 1/s at standstill{}; \
+         with {substeps} substep{}, `step` is unstable for periods longer than {} ms",
         joint.name,
         three_digits(rate),
-        if joint.load_friction.is_empty() { "" } else { ", under the load of the effort limits" },
+        if joint.load_friction.is_empty() { "" } else { ", because effort limits bound the load" },
         if substeps == 1 { "" } else { "s" },
         three_digits(1000.0 * longest),
     );
     let needed = |period: f64| (rate * period / UNSTABLE).ceil();
     let note = Diagnostic::note("stiff-friction", message);
     Some(note.help(format!(
-        "`substeps` in [generate] have to be at least {} for {} ms, {} for {} ms; or choose smaller slopes of friction, damping or \
-         stiffness; `discretize` has no such limit",
+        "set `substeps` in [generate] to at least {} for {} ms or {} for {} ms, or reduce the slopes of \
+         friction, damping or stiffness; `discretize` has no such limit",
         needed(SHORTEST_PERIOD),
         1000.0 * SHORTEST_PERIOD,
         needed(LONGEST_PERIOD),

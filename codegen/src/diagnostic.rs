@@ -1,15 +1,14 @@
-//! Diagnostics: a problem of a description, its place and its remedy.
+//! Diagnostics: problems of a description, each with place and remedy.
 //!
-//! Every stage either returns a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`]
-//! carries its own copy of the offending source line, so that it can be shown wherever it ends up: terminal,
-//! build log, JSON.
+//! Each stage returns either a correct value or [`Diagnostics`] with all problems it found. A [`Diagnostic`]
+//! has a copy of the offending source line, so that terminal, build log and JSON can show it.
 
 use crate::remedies::remedy;
 pub use gelenk_findings::{Finding as Diagnostic, Location, Severity};
 pub(crate) use gelenk_formula::nearest;
 use std::fmt;
 
-/// Diagnostics in the order of their places: file, line, column, code.
+/// Diagnostics sorted by place: file, line, column, code.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
@@ -17,7 +16,7 @@ pub struct Diagnostics(Vec<Diagnostic>);
 const SHOWN: usize = 100;
 
 impl Diagnostics {
-    /// Sorted by place; diagnostics without a place come first. Repetitions are dropped.
+    /// Sorts the entries by place, those without a place first, and removes duplicates.
     pub fn new(mut entries: Vec<Diagnostic>) -> Self {
         entries.sort_by(|a, b| key(a).cmp(&key(b)));
         entries.dedup();
@@ -29,12 +28,12 @@ impl Diagnostics {
         &self.0
     }
 
-    /// The entries in order, as a value.
+    /// The entries in order, by value.
     pub fn into_entries(self) -> Vec<Diagnostic> {
         self.0
     }
 
-    /// Whether there are no diagnostics.
+    /// Whether the list is empty.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -44,7 +43,7 @@ impl Diagnostics {
         self.error_count() > 0
     }
 
-    /// How many of them are errors.
+    /// Number of errors.
     pub fn error_count(&self) -> usize {
         self.0.iter().filter(|entry| entry.severity == Severity::Error).count()
     }
@@ -76,7 +75,7 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// A place inside a [`Sources`] collection: bytes `start..end` of one text.
+/// A place in [`Sources`]: bytes `start..end` of one text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Span {
     /// Index of the text.
@@ -94,12 +93,12 @@ impl Span {
     }
 }
 
-/// A value and where it stands.
+/// A value with its place.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct At<T> {
     /// The value.
     pub value: T,
-    /// Its place.
+    /// Place of the value.
     pub span: Span,
 }
 
@@ -118,7 +117,7 @@ struct Source {
     line_starts: Vec<usize>,
 }
 
-/// The texts that were read, and the diagnostics in them so far.
+/// The texts that were read, and their diagnostics so far.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     sources: Vec<Source>,
@@ -130,7 +129,7 @@ pub(crate) struct Report {
 const KEPT: usize = 1000;
 
 impl Report {
-    /// Adds a text under the name that the user knows it by; its index goes into spans.
+    /// Adds a text under its name in messages; returns its index for spans.
     pub fn add_source(&mut self, name: &str, text: &str) -> usize {
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
         let line_starts = std::iter::once(0).chain(breaks).collect();
@@ -179,13 +178,13 @@ impl Report {
         }
     }
 
-    /// How many errors were added.
+    /// Number of errors.
     pub fn error_count(&self) -> usize {
         let errors = self.entries.iter().filter(|entry| entry.severity == Severity::Error);
         errors.count() + self.dropped
     }
 
-    /// Whether further errors are only counted. Advice for them is then in vain.
+    /// Whether the list is full. Further errors are then only counted.
     pub fn is_full(&self) -> bool {
         self.entries.len() >= KEPT
     }
@@ -195,7 +194,7 @@ impl Report {
         self.error_count() > 0
     }
 
-    /// Everything that was added; errors without advice have that of their kind.
+    /// All diagnostics; an error without help gets the help of its code.
     pub fn finish(mut self) -> Diagnostics {
         if self.dropped > 0 {
             let message = format!("{} more problems are not shown", self.dropped);
@@ -207,7 +206,7 @@ impl Report {
         Diagnostics::new(self.entries)
     }
 
-    /// `file:line:column` of a span, for messages that refer to a second place.
+    /// `file:line:column` of a span, for messages with a second place.
     pub fn place(&self, span: Span) -> String {
         self.location(span).map_or_else(String::new, |at| format!("{}:{}:{}", at.file, at.line, at.column))
     }

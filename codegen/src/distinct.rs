@@ -1,9 +1,9 @@
-//! Names that differ from each other.
+//! Distinct names.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names that are taken, and the last number behind each. Thousands of values and bodies may have one name: a search for a free
-/// number that begins at 2 each time takes the square of their count.
+/// Names in use, and the last number appended to each. Searching from 2 each time would take quadratic time
+/// for thousands of equal names.
 #[derive(Debug, Default)]
 pub(crate) struct Distinct {
     taken: BTreeSet<String>,
@@ -11,12 +11,12 @@ pub(crate) struct Distinct {
 }
 
 impl Distinct {
-    /// A free name: the wanted one, with a number behind it if it is taken.
+    /// The wanted name; a number is appended if the name is in use.
     pub(crate) fn take(&mut self, wanted: &str) -> String {
         self.take_by_stem(wanted, wanted)
     }
 
-    /// A free name: the wanted one, or its stem with a number behind it.
+    /// The wanted name, or its stem with a number if the name is in use.
     pub(crate) fn take_by_stem(&mut self, wanted: &str, stem: &str) -> String {
         let mut name = wanted.to_owned();
         while self.taken.contains(&name) {

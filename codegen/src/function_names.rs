@@ -1,11 +1,10 @@
-//! Names of the functions of modules, each spelled once: descriptions and the program ask for them, and the rows of the
-//! catalogue have them.
+//! Names of the functions of modules. Descriptions, the program and the catalogue use these names.
 
 macro_rules! names {
     ($($constant:ident = $name:literal,)*) => {
         $(#[doc = concat!("`", $name, "`")] pub const $constant: &str = $name;)*
 
-        /// The functions of robots, but for those of named frames.
+        /// Functions of a robot, without those of named frames.
         const OF_ROBOTS: &[&str] = &[$($name),*];
     };
 }
@@ -54,16 +53,16 @@ names! {
     CENTROIDAL_MOMENTUM_MATRIX = "centroidal_momentum_matrix",
 }
 
-/// All functions of named frames.
+/// Group of all functions of named frames.
 pub const FRAMES: &str = "frames";
 
-/// All functions but those on request.
+/// Group of all functions except those on request.
 pub const ALL: &str = "all";
 
-/// Names that stand for several functions.
+/// Names of groups of functions.
 pub const GROUPS: [&str; 2] = [FRAMES, ALL];
 
-/// Whether a selection has all functions but those on request: it is empty or contains [`ALL`].
+/// Whether a selection contains all functions except those on request: it is empty or contains [`ALL`].
 #[must_use]
 pub fn select_all(selection: &[String]) -> bool {
     selection.is_empty() || selection.iter().any(|name| name == ALL)
@@ -72,19 +71,19 @@ pub fn select_all(selection: &[String]) -> bool {
 /// Quantity of a named frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
-    /// Its pose.
+    /// Pose.
     Pose,
-    /// Its Jacobian.
+    /// Jacobian.
     Jacobian,
-    /// Its acceleration at ÿ = 0.
+    /// Acceleration at ÿ = 0.
     JacobianRateTimesVelocity,
 }
 
 impl FrameKind {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
 
-    /// The function's name, with `NAME` in place of the frame's.
+    /// Name of the function, with `NAME` instead of the frame's name.
     #[must_use]
     pub const fn pattern(self) -> &'static str {
         match self {
@@ -94,13 +93,13 @@ impl FrameKind {
         }
     }
 
-    /// The function of a frame: `frame_<name>_pose` and the like.
+    /// Name of the function of a frame, for example `frame_<name>_pose`.
     #[must_use]
     pub fn function(self, frame: &str) -> String {
         self.pattern().replace("NAME", frame)
     }
 
-    /// Whether a frame has a function of this name; whether the robot has the frame is not known here.
+    /// Whether the name is that of a frame's function. The frame itself is not checked.
     fn is_of(self, name: &str) -> bool {
         let frame = self.pattern().split_once("NAME").and_then(|(start, end)| {
             let rest = name.strip_prefix(start)?;
@@ -110,12 +109,12 @@ impl FrameKind {
     }
 }
 
-/// The names that descriptions and the program may list: the functions of every robot, and [`GROUPS`].
+/// Names that descriptions and the program accept: the functions of every robot, and [`GROUPS`].
 pub fn listed() -> impl Iterator<Item = &'static str> {
     OF_ROBOTS.iter().copied().chain(GROUPS)
 }
 
-/// Whether some robot has a function of this name, or whether it is one of [`GROUPS`].
+/// Whether the name is a function of some robot or one of [`GROUPS`].
 #[must_use]
 pub fn is_known(name: &str) -> bool {
     listed().any(|known| known == name) || FrameKind::ALL.iter().any(|kind| kind.is_of(name))

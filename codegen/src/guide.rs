@@ -1,5 +1,5 @@
-//! Guides: conventions, uses of generated code, and how to add to the generator. `models/README.md` describes the
-//! format of descriptions, and the runtime's `transport` how to attach hardware.
+//! Guides: conventions, use of generated code, and extension of the generator. `models/README.md` documents
+//! the description format, and `transport` of the runtime the connection to hardware.
 
 #[doc = include_str!("../docs/conventions.md")]
 pub mod conventions {}

@@ -1,4 +1,4 @@
-//! Which functions are written over several states at once: the names asked for, checked and resolved.
+//! Functions over lanes (several states at once): checks and resolves the requested names.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::Math;
@@ -11,16 +11,16 @@ use crate::model::Model;
 use crate::program::cost::count;
 use crate::program::lanes;
 
-/// The functions that are asked for over lanes.
+/// The functions requested over lanes.
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
-    /// Takes the functions that the caller asks for, else those that the description asks for.
+    /// The functions that the caller requests, or else those that the description requests.
     ///
-    /// - `asked`: by the caller, may be empty
+    /// - `asked`: names requested by the caller; may be empty
     ///
     /// # Errors
-    /// `unknown-function` for each name that the model does not have.
+    /// `unknown-function` for each function that the model lacks.
     pub(crate) fn new(model: &Model, asked: &[String]) -> Result<Self, Diagnostics> {
         let asked = match asked.is_empty() {
             true => &model.options.lanes,
@@ -30,12 +30,12 @@ impl Lanes {
         Ok(Self(asked.to_vec()))
     }
 
-    /// The names, as they were asked for.
+    /// The names as requested.
     pub(crate) fn names(&self) -> &[String] {
         &self.0
     }
 
-    /// A function that is asked for over lanes is generated too.
+    /// The selection extended by the functions over lanes.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !function_names::select_all(selection) {
@@ -45,7 +45,7 @@ impl Lanes {
         all
     }
 
-    /// The functions that have a form over lanes, and notes on why others have none.
+    /// Functions with a form over lanes, and a note for each function without one.
     pub(crate) fn possible(&self, functions: &[Function], math: Math) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
@@ -55,7 +55,7 @@ impl Lanes {
                     possible.push(name);
                 }
                 Some((reason, help)) => {
-                    let message = format!("`{name}` is not written over lanes: {reason}");
+                    let message = format!("`{name}` has no form over lanes: {reason}");
                     let note = Diagnostic::note("no-lanes", message);
                     notes.push(help.into_iter().fold(note, Diagnostic::help));
                 }
@@ -79,10 +79,10 @@ impl Lanes {
     }
 }
 
-/// The functions that are straight-line code anyway and have a form over lanes: those that tools over arrays of states
-/// call. What has loops over joints keeps them, and its bits.
+/// Straight-line functions with a form over lanes; tools over arrays of states call them. Functions with
+/// loops over joints keep their loops and bits.
 ///
-/// - `others`: functions that are left out
+/// - `others`: excluded functions
 pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -> Vec<String> {
     let functions = functions.iter().filter(|function| !others.contains(&function.name));
     let functions = functions.filter(|function| function.arrays.is_none());
@@ -97,11 +97,11 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let operations = cost.multiplications + cost.additions;
     (catalogue::may_be_loops(name) && is_large(operations)).then(|| {
         let message = format!(
-            "`{name}` is straight-line code of {operations} operations, for one state too, because it is asked for over lanes"
+            "`{name}` is straight-line code of {operations} operations also for one state, because it is requested over lanes"
         );
         let help = format!(
-            "as loops over joints it may be much shorter and faster: if single states count, generate a second module without \
-             `{name}` over lanes"
+            "loops over joints may be much shorter and faster for single states: generate a second module \
+             for them, without `{name}` over lanes"
         );
         Diagnostic::note("lanes-without-loops", message).help(help)
     })
@@ -120,8 +120,8 @@ fn obstacle(name: &str, functions: &[Function], math: Math) -> Option<(&'static 
     Some(match composition {
         Some(composition) => (
             "it is a fixed text that calls another function",
-            Some(format!("ask for `{}` over lanes", composition.calls())),
+            Some(format!("request `{}` over lanes", composition.calls())),
         ),
-        None => ("it is not generated", Some(format!("ask for `{name}` among the functions too"))),
+        None => ("the function is not generated", Some(format!("add `{name}` to the functions"))),
     })
 }

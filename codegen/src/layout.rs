@@ -1,13 +1,13 @@
-//! Lengths with names: meanings of the entries of an array.
+//! Named array lengths: the meanings of array entries.
 
-/// The meaning of an array's entries, which gives its length a name in every language.
+/// Meaning of the entries of an array; names the array's length in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Coordinates y.
     Coordinates,
-    /// Entries of the positions y of a robot with quaternions, which has more of them than velocities.
+    /// Position entries of a robot with quaternions; they outnumber its velocities.
     Positions,
-    /// Joints of such a robot.
+    /// Joints of a robot with quaternions.
     Joints,
     /// Velocities ẏ, and quantities with one entry per velocity: accelerations, forces, derivatives by small motions.
     Velocities,
@@ -19,13 +19,13 @@ pub enum Dimension {
     Wrenches,
     /// Driven coordinates, three entries each: position, velocity, acceleration.
     Driven,
-    /// A number that does not depend on the robot, e.g. of axes in space.
+    /// A number that is the same for every robot, e.g. the axes of space.
     Fixed,
 }
 
 impl Dimension {
-    /// The constant of a module that has the length, where it follows from the robot. Coordinates and velocities are as
-    /// many without quaternions.
+    /// Name of the module constant with this length; `None` if the length does not depend on the robot.
+    /// Without quaternions coordinates and velocities share a constant.
     #[must_use]
     pub const fn length(self) -> Option<&'static str> {
         match self {
@@ -40,23 +40,23 @@ impl Dimension {
     }
 }
 
-/// A length: number of entries, and their meaning.
+/// Length of an array with the meaning of its entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
-    /// The meaning of the entries.
+    /// Meaning of the entries.
     pub dimension: Dimension,
-    /// How many there are.
+    /// Number of entries.
     pub len: usize,
 }
 
 impl Extent {
-    /// An extent of this number of entries.
+    /// An extent with this number of entries.
     #[must_use]
     pub const fn new(dimension: Dimension, len: usize) -> Self {
         Self { dimension, len }
     }
 
-    /// The length of its rows, where its entries come in rows.
+    /// Length of one row if the entries form rows.
     #[must_use]
     pub const fn row(&self) -> Option<usize> {
         match self.dimension {
@@ -66,7 +66,7 @@ impl Extent {
         }
     }
 
-    /// A length without a name.
+    /// A length that is the same for every robot.
     #[must_use]
     pub const fn fixed(len: usize) -> Self {
         Self::new(Dimension::Fixed, len)

@@ -1,14 +1,14 @@
 //! Code generation for symbolic robot dynamics.
 //!
-//! In a build script, one line for the common case:
+//! A build script usually needs one line:
 //!
 //! ```no_run
 //! // build.rs
 //! gelenk_codegen::build("robot.toml");
 //! ```
 //!
-//! and [`Builder`] for the rest. [`guide`] holds conventions and signs, how to read generated code, a glossary,
-//! and how to add a joint type, a function, a printer or a friction term.
+//! [`Builder`] has all options. [`guide`] documents conventions and signs, generated code and its glossary,
+//! and the extension by joint types, functions, printers and friction terms.
 
 // Constants reach the generated text, so they may not depend on the platform's library. Tests compare with it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

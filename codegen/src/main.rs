@@ -1,4 +1,4 @@
-//! The program `gelenk`: from a kinematic description to plain Rust.
+//! The program `gelenk`: kinematic descriptions to plain Rust.
 
 fn main() -> std::process::ExitCode {
     gelenk_codegen::cli::run()

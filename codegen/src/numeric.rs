@@ -1,15 +1,14 @@
-//! Functions of numbers whose bits are the same on every platform.
+//! Numeric functions with the same bits on every platform.
 //!
-//! Constants that the generator computes reach the text of generated modules. The functions of std promise no
-//! bits: they are those of the platform's C library. Everything here is made of operations that IEEE 754
-//! rounds in one way.
+//! Constants that the generator computes are printed in generated modules. The functions of std depend on the
+//! platform's C library. The functions here use only operations that IEEE 754 rounds uniquely.
 
 use gelenk_kernels::math;
 
 pub(crate) use math::sin_cos;
 
-/// The angle of the point (x, y), between −π and π; 0 for the origin. By the crate libm, whose arithmetic is
-/// the same everywhere.
+/// Angle of the point (x, y), from −π to π; 0 for the origin. Uses the crate libm, which has the same
+/// arithmetic on every platform.
 pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     match x == 0.0 && y == 0.0 {
         true => 0.0,
@@ -17,7 +16,7 @@ pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     }
 }
 
-/// The length `√(Σ x²)` of a vector whose entries are of a description's size, at most 1e30.
+/// Length `√(Σ x²)` of a vector with entries up to 1e30, the limit of descriptions.
 pub(crate) fn length<const N: usize>(x: [f64; N]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
@@ -27,7 +26,7 @@ pub(crate) fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `base` to a whole power, by repeated multiplication.
+/// `base` to an integer power, by repeated multiplication.
 pub(crate) fn power(base: f64, exponent: i32) -> f64 {
     let power = (0..exponent.unsigned_abs()).fold(1.0, |power, _| power * base);
     match exponent < 0 {

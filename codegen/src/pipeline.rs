@@ -22,68 +22,67 @@ use crate::snapping;
 use crate::tools;
 use crate::verify;
 
-/// Choices of the caller, beyond the description.
+/// Options of the caller, in addition to the description.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GenerateOptions {
-    /// Functions to generate; empty: what the description asks for, by default all.
+    /// Functions to generate. If empty, the description chooses them; its default is all functions.
     pub functions: Vec<String>,
-    /// Angles within this many radians of a multiple of 90° are taken for it.
+    /// Angles within this distance (rad) of a multiple of 90° are rounded to it.
     pub snap_angles: Option<f64>,
     /// Leaves out friction.
     pub no_friction: bool,
     /// Makes mimic joints independent coordinates.
     pub ignore_mimic: bool,
-    /// Slope s of `tanh(s v)` that replaces `sign(v)` in friction and springs; by default what the
-    /// description says.
+    /// Slope s of `tanh(s v)`, which replaces `sign(v)` in friction and springs; by default as described.
     pub smooth_sign: Option<f64>,
-    /// Takes robots whose mass matrix is not positive definite.
+    /// Accepts robots whose mass matrix is not positive definite.
     pub accept_unphysical: bool,
-    /// Keeps `sign` if the description has it replaced.
+    /// Keeps `sign` even if the description replaces it.
     pub exact_sign: bool,
-    /// The base moves freely: a floating joint stands between the world and it.
+    /// Makes the base floating: a floating joint connects it to the world.
     pub floating_base: bool,
-    /// Joints that are held.
+    /// Held joints.
     pub hold: Vec<Hold>,
-    /// A body of an MJCF: its tree is the robot.
+    /// Body of an MJCF; its subtree is the robot.
     pub body: Option<String>,
-    /// Contracts products and sums to fused multiply-adds, rounded once: faster if the processor has them,
-    /// and compiled only there.
+    /// Contracts products and sums to fused multiply-adds with one rounding. The code is faster, but compiles
+    /// only for processors with these instructions.
     pub fused_multiply_add: bool,
-    /// Form of functions that are large as straight-line code.
+    /// Form of functions that are too large as straight-line code.
     pub form: Form,
-    /// Writes tests of the functions at the end of the module, against the values of the interpreter.
+    /// Adds tests of the functions to the module; they compare with the values of the interpreter.
     pub self_test: bool,
-    /// Operations of the largest function that is wanted; by default [`MOST_OPERATIONS`].
+    /// Limit for the operations of a function; by default [`MOST_OPERATIONS`].
     pub max_operations: Option<usize>,
-    /// Functions that are also written over eight states at once; empty: what the description asks for.
+    /// Functions also generated for eight states at once. If empty, the description chooses them.
     pub lanes: Vec<String>,
-    /// Lines below the description of the robot, for readers of this module.
+    /// Lines added to the module's documentation of the robot.
     pub remarks: Vec<String>,
-    /// How the module is printed.
+    /// Options of the printer.
     pub emit: EmitOptions,
 }
 
-/// The products of a description.
+/// Results of [`generate`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Generated {
     /// The robot.
     pub model: Model,
-    /// The module: its functions, and all else that is printed.
+    /// The module: functions and other printed items.
     pub module: Module,
-    /// Its text.
+    /// Text of the module.
     pub source: SourceFile,
-    /// It is true if this is the smooth one of a pair.
+    /// Whether this is the smooth module of a pair.
     pub is_control_model: bool,
     /// Notes about the description.
     pub notes: Diagnostics,
-    /// All files that were read, the description first.
+    /// All files that were read; the description is the first.
     pub files: Vec<PathBuf>,
 }
 
-/// From a description to the text of a module. Reads files, writes none.
+/// Generates the text of a module from a description. Reads files, writes none.
 ///
 /// # Errors
-/// All [`Diagnostics`] of the first stage that found the description at fault.
+/// All [`Diagnostics`] of the first stage with errors.
 pub fn generate(description: &Path, options: &GenerateOptions) -> Result<Generated, Diagnostics> {
     generate_from(&mut DescriptionFiles::of(description), options)
 }
@@ -151,15 +150,15 @@ fn generate_from(
     })
 }
 
-/// The end of the name of a pair's smooth module.
+/// Suffix of the name of a pair's smooth module.
 pub const CONTROL: &str = "_control";
 
-/// Two modules of one description: an exact one for plants, whose friction and springs keep their `sign`, and
-/// a smooth one for controllers, `<name>_control`, which has `tanh(slope · v)` in its place and so
-/// derivatives that know of it.
+/// Generates two modules from one description. The exact module, for plants, keeps `sign` in friction and
+/// springs. The smooth module `<name>_control`, for controllers, has `tanh(slope · v)` instead, whose
+/// derivative is not zero.
 ///
 /// # Errors
-/// As [`generate`].
+/// See [`generate`].
 pub fn generate_pair(
     description: &Path,
     options: &GenerateOptions,
@@ -213,27 +212,26 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         return match options.emit.companions.is_empty() {
             true => Ok(()),
             false => {
-                let message = "files for tools that call C need modules in C";
+                let message = "interfaces for tools that call C require a C module";
                 Err(Diagnostic::error("not-in-rust", message).help("generate C, `--language c`").into())
             }
         };
     }
     let refuse = |what: &str, help: &str| {
-        let problem = Diagnostic::error("not-in-c", format!("modules in C have no {what}"));
+        let problem = Diagnostic::error("not-in-c", format!("C modules have no {what}"));
         problem.help(help)
     };
     let refusals = [
         options.self_test.then(|| {
             refuse(
                 "tests at their end",
-                "leave out the self-test, or generate Rust: both compute the same bits",
+                "remove the self-test or generate Rust; C and Rust compute the same bits",
             )
         }),
-        tools::in_single_precision(&options.emit).map(|[what, computes]| {
-            refuse(&what, &format!("{computes} in double precision: leave out `f32`"))
-        }),
+        tools::in_single_precision(&options.emit)
+            .map(|[what, computes]| refuse(&what, &format!("{computes} in double precision: remove `f32`"))),
         (options.emit.math == Math::Std)
-            .then(|| refuse("functions of another library", "take the embedded ones, or generate Rust")),
+            .then(|| refuse("functions of another library", "use the embedded functions, or generate Rust")),
     ];
     match Vec::from_iter(refusals.into_iter().flatten()) {
         refusals if refusals.is_empty() => Ok(()),

@@ -1,6 +1,6 @@
-//! Seeded numbers, the same on every platform.
+//! Seeded random numbers, the same on every platform.
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
+/// Generator SplitMix64 (Steele, Lea and Flood 2014).
 #[derive(Debug, Clone)]
 pub(crate) struct Random(u64);
 
@@ -9,7 +9,7 @@ impl Random {
         Self(seed)
     }
 
-    /// Evenly in `low..high`.
+    /// Uniform in `low..high`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
@@ -22,7 +22,7 @@ impl Random {
         low + (high - low) * fraction
     }
 
-    /// Evenly in `±(low..high)`.
+    /// Uniform in `±(low..high)`.
     pub(crate) fn either_side(&mut self, low: f64, high: f64) -> f64 {
         let size = self.between(low, high);
         if self.between(0.0, 1.0) < 0.5 { -size } else { size }

@@ -1,6 +1,6 @@
-//! How fast a robot at standstill changes its motion: the largest rate of its linearization.
+//! Fastest rate of a robot at standstill, from its linearization.
 //!
-//! The forward dynamics are differentiated by differences, so that all forces count, wherever they are described.
+//! The forward dynamics are differentiated by finite differences, so all forces are included.
 
 use crate::functions::function::Function;
 use crate::model::{Actuator, Input, Model};
@@ -16,15 +16,15 @@ const STEP: f64 = 1e-7;
 /// Squarings after which the norm of a power tells the spectral radius to three digits.
 const SQUARINGS: usize = 12;
 
-/// The fastest way in which the state changes.
+/// Fastest mode of the linearization.
 pub(crate) struct Mode {
     /// Magnitude of its eigenvalue (1/s).
     pub rate: f64,
-    /// The coordinate that takes the largest part in it.
+    /// Coordinate with the largest entry in the mode.
     pub coordinate: usize,
 }
 
-/// The fastest mode at seeded positions, under the inputs of the effort limits; none if nothing is finite.
+/// The fastest mode at seeded positions with inputs at the effort limits; `None` if no result is finite.
 pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     let mut random = Random::new(SEED);
     let modes =

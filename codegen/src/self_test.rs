@@ -1,4 +1,4 @@
-//! Values that a module is compared with where it is used: seeded states, and the interpreter's results.
+//! Reference values for tests of a module: seeded states and the interpreter's results.
 
 use crate::functions::function::Function;
 use crate::layout::Dimension;
@@ -6,22 +6,22 @@ use crate::model::Model;
 use crate::program::interpret::{Functions, interpret};
 use crate::random::Random;
 
-/// States for each function.
+/// Number of states per function.
 pub(crate) const STATES: u64 = 2;
 
-/// One call of a function, and its results by the interpreter.
+/// One call of a function with the interpreter's results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfTest {
     /// The function.
     pub function: String,
-    /// Its arguments, in their order.
+    /// Arguments in order.
     pub arguments: Vec<Vec<f64>>,
-    /// Its results, flat, rows first.
+    /// Results, flat and row-major.
     pub results: Vec<Vec<f64>>,
 }
 
-/// Calls of each function at seeded states, free parameters as described. Those whose results are not all
-/// finite are left out: a mass matrix may be singular.
+/// Calls of each function at seeded states with the described parameters. Calls with a non-finite result are
+/// omitted, for example of a singular mass matrix.
 #[must_use]
 pub fn self_tests(model: &Model, functions: &[Function]) -> Vec<SelfTest> {
     let described = model.parameters.iter().map(|parameter| parameter.default);
@@ -38,7 +38,7 @@ fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) 
     is_finite.then(|| SelfTest { function: function.name.clone(), arguments, results })
 }
 
-/// The arguments of a function at a seeded state.
+/// Arguments of a function at a seeded state.
 pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Vec<f64>> {
     let mut random = Random::new(seed);
     let inputs = function.program.inputs.iter();

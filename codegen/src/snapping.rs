@@ -1,4 +1,4 @@
-//! Operations saved if nearly right angles are snapped to right ones.
+//! Operations that snapping nearly right angles would save.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::functions::function::Function;
@@ -9,8 +9,8 @@ use crate::read::{DescriptionFiles, NEARLY_RIGHT, NEARLY_RIGHT_ANGLE, ReadOption
 /// The functions that are counted for the note, if they are generated at all.
 const COUNTED: [&str; 2] = ["inverse_dynamics", "mass_matrix"];
 
-/// The notes, the one about nearly right angles with the operations that snapping would save; without it
-/// where none would be.
+/// The notes; the note about nearly right angles gets the number of saved operations, and is removed if it is
+/// 0.
 pub fn priced(
     notes: Diagnostics,
     description: &mut DescriptionFiles,

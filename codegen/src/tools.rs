@@ -1,4 +1,4 @@
-//! Requirements of tools that call modules in C: CasADi and acados.
+//! Requirements of CasADi and acados, tools that call C modules.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::emit::{Companion, EmitOptions, Scalar};
@@ -9,14 +9,14 @@ use crate::model::Model;
 use crate::program;
 use crate::wording::listed;
 
-/// Refuses robots that a tool has no functions of.
+/// Rejects robots that a tool does not support.
 pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
     let products = [(Companion::Acados, ACADOS), (Companion::Casadi, CASADI)].into_iter();
     let mut wanted = products.filter(|(tool, _)| tools.contains(tool));
     wanted.try_for_each(|(_, product)| product.check(model))
 }
 
-/// Refuses modules without the functions that acados calls.
+/// Rejects modules without the functions that acados calls.
 pub(crate) fn check_functions(
     functions: &[Function],
     compositions: &[Composition],
@@ -27,8 +27,8 @@ pub(crate) fn check_functions(
     let mut needed = ["step", "step_derivatives", "input_matrix"].into_iter();
     match needed.find(|name| !names.contains(name)) {
         Some(missing) if tools.contains(&Companion::Acados) => {
-            let message = format!("acados needs the function `{missing}`, which is not in the module");
-            let help = "if functions are chosen, name `step`, `step_derivatives` and `input_matrix`";
+            let message = format!("acados needs the function `{missing}`, but the module lacks it");
+            let help = "add `step`, `step_derivatives` and `input_matrix` to the chosen functions";
             Err(Diagnostic::error("missing-function", message).help(help).into())
         }
         _ => Ok(()),
@@ -55,7 +55,7 @@ struct Given {
     derivatives: &'static str,
 }
 
-/// Names functions that CasADi does not get, because the module lacks the functions that compute them.
+/// Notes functions for CasADi that are omitted because the module lacks functions that they call.
 pub(crate) fn notes(
     functions: &[Function],
     compositions: &[Composition],
@@ -73,12 +73,15 @@ pub(crate) fn notes(
     });
     let lacking: Vec<String> = lacking.filter(|_| tools.contains(&Companion::Casadi)).collect();
     let given = listed(lacking.iter().cloned());
-    let message = format!("CasADi is not given {given}: the module lacks the functions in parentheses");
-    let help = "`--functions` and `functions` in [generate] choose them; functions that take wrenches are not for CasADi";
+    let message = format!(
+        "these functions for CasADi are not written: {given}; the module lacks the functions in parentheses"
+    );
+    let help = "choose the missing functions with `--functions` or `functions` in [generate]; functions \
+                that take wrenches have no form for CasADi";
     (!lacking.is_empty()).then(|| Diagnostic::note("not-for-casadi", message).help(help))
 }
 
-/// The files that there are not in single precision, and who computes in double precision.
+/// Files that do not exist in single precision, and the tool that computes in double precision.
 pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     let tools = [(Companion::Acados, "acados"), (Companion::Casadi, "CasADi")];
     let mut wanted = tools.iter().filter(|(tool, _)| emit.companions.contains(tool));

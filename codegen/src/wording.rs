@@ -1,4 +1,4 @@
-//! Numbers and names in messages: as many digits and names as a reader needs.
+//! Formatting of numbers and lists of names in messages.
 
 /// Largest number of listed names.
 const LISTED: usize = 4;
@@ -8,7 +8,7 @@ pub(crate) fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String 
     listed(names.map(|name| format!("`{name}`")))
 }
 
-/// The first entries, and how many more there are.
+/// The first entries, and the number of the others.
 pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     let count = entries.len();
     let shown: Vec<String> = entries.take(LISTED).collect();
@@ -18,7 +18,7 @@ pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     }
 }
 
-/// A word for the shell, in single quotes where it needs them.
+/// A shell word, quoted if necessary.
 pub(crate) fn quoted(word: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "_-./,".contains(letter);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -27,7 +27,7 @@ pub(crate) fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// A text of TOML.
+/// A TOML string.
 #[cfg(feature = "cli")]
 pub(crate) fn toml_text(text: &str) -> String {
     let mut out = String::from("\"");
@@ -44,18 +44,18 @@ pub(crate) fn toml_text(text: &str) -> String {
     out
 }
 
-/// Formats a number to three significant digits: `0.0123`, `63.8`, `2.41e-35`.
+/// Number with three significant digits: `0.0123`, `63.8`, `2.41e-35`.
 pub(crate) fn three_digits(x: f64) -> String {
     digits(x, 3)
 }
 
-/// As it was written, but without strings of zeros: `1e-300`, `1.5707963`.
+/// Number as written, without strings of zeros: `1e-300`, `1.5707963`.
 pub(crate) fn as_written(x: f64) -> String {
     digits(x, MOST_DIGITS)
 }
 
-/// Formats numbers with the fewest digits, at least three, for which the statement about them is true as
-/// printed: `2 > 1.9999` does not become `2 > 2`.
+/// Numbers with the fewest digits, at least three, for which the statement about them stays true: `2 >
+/// 1.9999` does not become `2 > 2`.
 pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; N]) -> bool) -> [String; N] {
     let enough = |count: &usize| is_true(numbers.map(|x| rounded(x, *count)));
     let count = (3..MOST_DIGITS).find(enough).unwrap_or(MOST_DIGITS);

@@ -129,7 +129,7 @@ fn a_module_has_the_ratios_to_driven_joints() {
     assert!(module.contains("DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[1.0]];"), "{module}");
     assert!(module.contains("DEPENDENT_DRIVEN_RATIOS: [[f64; 1]; 1] = [[-2.0]];"), "{module}");
     assert!(
-        flat(&said).contains("predictive controllers do not keep limits that move with a driven joint"),
+        flat(&said).contains("predictive controllers do not keep limits that depend on driven joints"),
         "{said}"
     );
     let (_, module) = generated(&text);
@@ -141,13 +141,16 @@ fn a_module_has_the_ratios_to_driven_joints() {
 fn what_keeps_limits_is_said() {
     let limits = "limits = { position = [-0.2, 0.8] }";
     let (said, _) = generated(&robot(&format!("follows = {{ crank = 1, arm = -1 }}\n{limits}")));
-    assert!(flat(&said).contains("predictive controllers keep them by rows, `MpcRow::of_limits`"), "{said}");
+    assert!(
+        flat(&said).contains("predictive controllers keep them with rows from `MpcRow::of_limits`"),
+        "{said}"
+    );
     let (said, _) = generated(&robot(&format!("follows = {{ crank = 1 }}\n{limits}")));
-    assert!(flat(&said).contains("narrows the limits of the joint that is followed"), "{said}");
+    assert!(flat(&said).contains("narrows the limits of the followed joint"), "{said}");
     let free = format!("follows = {{ crank = {{ free = 0.5, name = \"ratio\" }} }}\n{limits}");
     let (said, module) = generated(&robot(&free));
     assert!(flat(&said).contains("warning[limits-not-kept]: no controller keeps the limits"), "{said}");
-    assert!(flat(&said).contains("while their ratios depend on free parameters: `forearm`"), "{said}");
+    assert!(flat(&said).contains("because their ratios depend on free parameters: `forearm`"), "{said}");
     assert!(!module.contains("DEPENDENT_JOINT_RATIOS"), "{module}");
     let (said, _) =
         generated(&robot("follows = { crank = 1 }\nlimits = { position = [-2, 2], velocity = 3 }"));

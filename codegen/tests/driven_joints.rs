@@ -48,7 +48,8 @@ fn the_page_of_an_arm_on_a_rail_has_a_slider_for_the_rail_and_checks_its_functio
     assert_eq!(checks.len(), 25, "every function is checked: {checks:?}");
     assert!(checks.iter().all(|check| check["verdict"] == "holds"), "{checks:?}");
     let page = fs::read_to_string(folder.path().join("page/index.html")).unwrap();
-    for words in ["y1 shoulder", "y2 elbow", "d1 rail", "d₁, slides as given", "is prescribed: position"] {
+    for words in ["y1 shoulder", "y2 elbow", "d1 rail", "d₁, slides as given", "is prescribed: its position"]
+    {
         assert!(page.contains(words), "{words}");
     }
     let table = fs::read_to_string(folder.path().join("page/coordinates.csv")).unwrap();

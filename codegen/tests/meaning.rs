@@ -174,7 +174,7 @@ inertia = 1
 "#;
     let (_, notes) = load(text);
     let notes = notes.to_string();
-    let expected = "the friction of joint `axis` drives it at velocities from -4 to -1.86 rad/s and from 1.86 to 4 rad/s";
+    let expected = "the friction of joint `axis` accelerates the joint at velocities from -4 to -1.86 rad/s and from 1.86 to 4 rad/s";
     assert!(notes.contains(expected), "{notes}");
     let (_, notes) = load(&text.replace("-3", "3"));
     assert!(notes.is_empty(), "{notes}");
@@ -227,7 +227,10 @@ fn drives_that_act_alike_are_noted() {
     let alike = notes("roll = -2", "roll = 2").to_string();
     assert!(alike.contains("note[drives-alike]: drives `left`, `right` act alike"), "{alike}");
     let three = notes("name = \"roll\"", "name = \"roll\"\ndrive = { gear_ratio = 3 }").to_string();
-    assert!(three.contains("note[drives-alike]: 4 drives move the joints in 3 ways only"), "{three}");
+    assert!(
+        three.contains("note[drives-alike]: 4 drives move the joints in only 3 independent ways"),
+        "{three}"
+    );
 }
 
 /// A limit that reaches no controller is worse than none.
@@ -259,8 +262,7 @@ fn a_rotor_that_is_nowhere_needs_no_carrier() {
     let mounting = "rotor_inertia = 1e-6\ncarrier = \"base\"\naxis = [0, 1, 0]\n";
     let unused = load(&left(&format!("{mounting}coupling = \"diagonal\""))).1.to_string();
     for key in ["carrier", "axis"] {
-        let words =
-            format!("warning[unused-key]: `{key}` changes nothing together with `coupling = \"diagonal\"`");
+        let words = format!("warning[unused-key]: `{key}` has no effect with `coupling = \"diagonal\"`");
         assert!(unused.contains(&words), "{unused}");
     }
     assert!(load(&left(mounting)).1.is_empty());
@@ -376,9 +378,7 @@ fn an_mjcf_loses_nothing_in_silence() {
     let (model, notes) = read.unwrap_or_else(|wrong| panic!("{wrong}"));
     assert_eq!(joint(&model, 0).limits.effort, Some(2.0));
     let notes = notes.to_string();
-    for said in
-        ["became their smaller side; one without 0 inside was left out: `lift`", "left out: `frictionloss`"]
-    {
+    for said in ["omitted if they exclude 0: `lift`", "left out: `frictionloss`"] {
         assert!(notes.contains(said), "{notes}");
     }
 }

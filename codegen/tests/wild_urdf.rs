@@ -406,7 +406,7 @@ fn stiff_and_jumping_friction_is_noted() {
     };
     let stiff = said("<dynamics damping=\"2000\"/>", &[]);
     assert_eq!(codes(&stiff), ["stiff-friction"]);
-    assert!(stiff[0].message.ends_with("unstable for periods beyond 1.39 ms"), "{}", stiff[0].message);
+    assert!(stiff[0].message.ends_with("unstable for periods longer than 1.39 ms"), "{}", stiff[0].message);
     assert!(codes(&said("<dynamics damping=\"2000\"/>", &["discretize"])).is_empty());
     assert!(codes(&said("<dynamics damping=\"130\"/>", &[])).is_empty());
     let jumping = said("<dynamics friction=\"0.3\"/>", &[]);

@@ -1,4 +1,4 @@
-//! Generates the equations of motion of the arm, and of the robot as the controller knows it.
+//! Generates the equations of motion of the arm, and of the robot model for the controller.
 
 fn main() {
     gelenk_codegen::build("arm.toml");

@@ -248,7 +248,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 30 multiplications, 23 additions, 1 division, 3 function calls (2 `sin_cos`, 1 other).
 ///
@@ -776,7 +776,7 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
 ///
 /// Cost: 10 multiplications, 8 additions, 0 divisions, 3 function calls (2 `sin_cos`, 1 other).
 ///
-/// Contained are the laws of `gas_spring`, at standstill. A summand c (l − l₀)ⁿ has no energy at l₀, another
+/// Includes the laws of `gas_spring` at standstill. A summand c (l − l₀)ⁿ has no energy at l₀, any other
 /// polynomial none at l = 0.
 #[inline]
 #[must_use]

@@ -268,7 +268,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 ///
 /// Cost: 7 multiplications, 1 addition, 0 divisions, 1 function call (`sin_cos`).
 ///
-/// What the three have in common is computed once.
+/// Common terms are computed once.
 #[inline]
 #[must_use]
 pub fn equations_of_motion(
@@ -297,7 +297,7 @@ pub fn equations_of_motion(
 /// - `y: [N]`: coordinates: `cart` in m, `pole` in rad
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
 /// - `a: [N]`: accelerations ÿ: `cart` in m/s², `pole` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 12 multiplications, 6 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
@@ -959,8 +959,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 5] = [
 ///
 /// Cost: 9 multiplications, 4 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
-/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank, for almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
+/// almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 4]; N] {
@@ -1013,7 +1013,7 @@ pub fn friction_parameters() -> [f64; 2] {
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N]) -> [[f64; 2]; N] {
@@ -1105,13 +1105,12 @@ pub const SUBSTEPS: usize = 1;
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
 /// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
 ///
-/// The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at
-/// most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot
-/// is faster than ν = (b + √(b² + 4 a))/2. Where 24 halvings do not suffice, for ν · period above 2e7, every
-/// entry of the results is +∞.
+/// The part is the whole period if ν · period is at most 80. It is halved for each factor of two above 80, at
+/// most 18 times. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖
+/// (largest sums of magnitudes in a row). If 24 halvings do not suffice (ν · period above 2e7), all results are +∞.
 ///
-/// Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
-/// entry of each block, the diagonal ones counted as at least 1.
+/// Error: the truncated terms are below 1e-15 relative to their sum. Rounding stays below 1e-12 of the largest
+/// entry of each block; diagonal blocks count as at least 1.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1138,8 +1137,8 @@ pub fn discretize(
 /// Cost: 80 multiplications, 52 additions, 17 divisions, 4 function calls (`sin_cos`), 4 calls of
 /// `forward_dynamics` included.
 ///
-/// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
-/// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
+/// `SUBSTEPS` steps of the classical method of order 4. The error is proportional to the fourth power of the step
+/// length. The steps are stable if period / `SUBSTEPS` times the fastest rate of the robot is below 2.7.
 #[must_use]
 pub fn step(
     y: &[f64; N],
@@ -1170,7 +1169,7 @@ pub fn step(
 /// Cost: 532 multiplications, 476 additions, 17 divisions, 4 function calls (`sin_cos`), 4 calls of `linearize`
 /// included.
 ///
-/// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
+/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,

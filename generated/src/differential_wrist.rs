@@ -384,7 +384,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// - `y: [N]`: coordinates: `shoulder`, `elbow`, `wrist_pitch`, `wrist_roll` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow`, `wrist_pitch`, `wrist_roll` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow`, `wrist_pitch`, `wrist_roll` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 68 multiplications, 57 additions, 0 divisions, 6 function calls (4 `sin_cos`, 2 other).
 ///

@@ -565,7 +565,7 @@ pub fn input_matrix(y: &[f64; N]) -> [[f64; M]; N] {
 /// - `y: [N]`: coordinates: `swing`, `boom`, `stick`, `bucket` in rad
 /// - `v: [N]`: velocities ẏ: `swing`, `boom`, `stick`, `bucket` in rad/s
 /// - `a: [N]`: accelerations ÿ: `swing`, `boom`, `stick`, `bucket` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 121 multiplications, 99 additions, 3 divisions, 8 function calls (5 `sin_cos`, 3 other).
 ///

@@ -115,8 +115,8 @@ pub const MASS_MATRIX_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 ///
 /// Composite rigid bodies (Walker and Orin 1982; Featherstone 2008, ch. 6), rotors included.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 #[inline]
 #[must_use]
 pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
@@ -140,8 +140,8 @@ pub fn mass_matrix(y: &[f64; N]) -> [[f64; N]; N] {
 ///
 /// Recursive Newton–Euler equations without gravity and accelerations.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 #[inline]
 #[must_use]
 pub fn coriolis_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
@@ -208,7 +208,7 @@ pub fn spring_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 5 multiplications, 2 additions, 0 divisions, 2 function calls.
 ///
-/// Friction without what the load adds, `|τ_l| load_friction`: that depends on the accelerations.
+/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
@@ -234,7 +234,7 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 9 multiplications, 8 additions, 0 divisions, 4 function calls (2 `sin_cos`, 2 other).
 ///
-/// Friction without what the load adds, `|τ_l| load_friction`: that depends on the accelerations.
+/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn applied_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
@@ -312,8 +312,8 @@ pub fn bias_forces(y: &[f64; N], v: &[f64; N]) -> [f64; N] {
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 #[inline]
 #[must_use]
 pub fn input_matrix() -> [[f64; M]; N] {
@@ -332,10 +332,10 @@ pub fn input_matrix() -> [[f64; M]; N] {
 ///
 /// Cost: 17 multiplications, 12 additions, 0 divisions, 5 function calls (3 `sin_cos`, 2 other).
 ///
-/// What the three have in common is computed once.
+/// Common terms are computed once.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 #[inline]
 #[must_use]
 pub fn equations_of_motion(
@@ -391,14 +391,14 @@ pub fn equations_of_motion(
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 29 multiplications, 22 additions, 0 divisions, 5 function calls (3 `sin_cos`, 2 other), 2 selections.
 ///
 /// Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 #[must_use]
 pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
     let t0 = y[1] * 2.0;
@@ -478,11 +478,11 @@ pub fn inverse_dynamics(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// M = Lᵀ D L along the branches of the tree (Featherstone 2005) was cheaper than articulated bodies.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 ///
-/// Joint by joint, since `|s₁| < 1`: `w`, what a drive exerts beyond `friction_torques`, has the sign of the
-/// load.
+/// Computed joint by joint: since `|s₁| < 1`, the drive force without `friction_torques`, `w`, has the sign of
+/// the load.
 #[must_use]
 pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
     let t0 = y[1] + y[1];
@@ -570,8 +570,8 @@ pub fn forward_dynamics(y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// What both have in common is computed once.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 #[inline]
 #[must_use]
 pub fn mass_matrix_and_bias_forces(
@@ -613,7 +613,7 @@ pub fn mass_matrix_and_bias_forces(
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints, friction under load included
+/// - returns `B u: [N]`: drive forces at the joints, friction under load included
 /// - returns `∂/∂y: [N × N]`: row i = force i
 /// - returns `∂/∂ẏ: [N × N]`: row i = force i, friction included
 ///
@@ -623,11 +623,11 @@ pub fn mass_matrix_and_bias_forces(
 ///
 /// Forward differentiation of the inverse dynamics was cheapest.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 ///
-/// At a load of exactly 0 the derivatives jump; there they are those without `load_friction`, between those of
-/// either side.
+/// At a load of 0 the derivatives are discontinuous; they have the values without `load_friction`, between both
+/// one-sided limits.
 #[must_use]
 pub fn inverse_dynamics_derivatives(
     y: &[f64; N],
@@ -783,11 +783,11 @@ pub const B_X_NONZERO: [[bool; 2]; 2] = [[true, true], [true, true]];
 ///
 /// Forward differentiation of the inverse dynamics was cheapest.
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 ///
-/// At a load of exactly 0 the derivatives jump; there they are those without `load_friction`, between those of
-/// either side.
+/// At a load of 0 the derivatives are discontinuous; they have the values without `load_friction`, between both
+/// one-sided limits.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1281,8 +1281,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///
 /// Cost: 17 multiplications, 10 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank, for almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
+/// almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 7]; N] {
@@ -1354,7 +1354,7 @@ pub const FRICTION_PARAMETER_NAMES: [&str; 4] = [
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// Friction without what the load adds, `|τ_l| load_friction`: that depends on the accelerations.
+/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn friction_parameters() -> [f64; 4] {
@@ -1370,9 +1370,9 @@ pub fn friction_parameters() -> [f64; 4] {
 ///
 /// Cost: 2 multiplications, 0 additions, 0 divisions, 2 function calls.
 ///
-/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
 ///
-/// Friction without what the load adds, `|τ_l| load_friction`: that depends on the accelerations.
+/// Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N]) -> [[f64; 4]; N] {
@@ -1383,7 +1383,7 @@ pub fn friction_regressor(v: &[f64; N]) -> [[f64; 4]; N] {
     [[v[0], t1, 0.0, 0.0], [0.0, 0.0, v[1], t3]]
 }
 
-/// Friction under load `s₁(y, ẏ)`: what friction gains for each unit of the load.
+/// Friction under load `s₁(y, ẏ)`: additional friction per unit of load.
 ///
 /// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)`
 ///
@@ -1394,8 +1394,8 @@ pub fn friction_regressor(v: &[f64; N]) -> [[f64; 4]; N] {
 ///
 /// Cost: 5 multiplications, 2 additions, 0 divisions, 3 function calls (1 `sin_cos`, 2 other).
 ///
-/// The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`.
-/// Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
+/// The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is
+/// `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).
 ///
 /// `|s₁| < 1` was checked at the described values of free parameters, within the joint's limits.
 #[inline]
@@ -1534,13 +1534,12 @@ pub const SUBSTEPS: usize = 1;
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
 /// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
 ///
-/// The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at
-/// most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot
-/// is faster than ν = (b + √(b² + 4 a))/2. Where 24 halvings do not suffice, for ν · period above 2e7, every
-/// entry of the results is +∞.
+/// The part is the whole period if ν · period is at most 80. It is halved for each factor of two above 80, at
+/// most 18 times. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖
+/// (largest sums of magnitudes in a row). If 24 halvings do not suffice (ν · period above 2e7), all results are +∞.
 ///
-/// Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
-/// entry of each block, the diagonal ones counted as at least 1.
+/// Error: the truncated terms are below 1e-15 relative to their sum. Rounding stays below 1e-12 of the largest
+/// entry of each block; diagonal blocks count as at least 1.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -1567,8 +1566,8 @@ pub fn discretize(
 /// Cost: 156 multiplications, 120 additions, 25 divisions, 20 function calls (12 `sin_cos`, 8 other), 8
 /// selections, 4 calls of `forward_dynamics` included.
 ///
-/// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
-/// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
+/// `SUBSTEPS` steps of the classical method of order 4. The error is proportional to the fourth power of the step
+/// length. The steps are stable if period / `SUBSTEPS` times the fastest rate of the robot is below 2.7.
 #[must_use]
 pub fn step(
     y: &[f64; N],
@@ -1599,7 +1598,7 @@ pub fn step(
 /// Cost: 816 multiplications, 712 additions, 45 divisions, 20 function calls (12 `sin_cos`, 8 other), 8
 /// selections, 4 calls of `linearize` included.
 ///
-/// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
+/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,

@@ -1266,9 +1266,9 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 326] = [
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz`, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`,
@@ -1277,8 +1277,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 326] = [
 ///
 /// Cost: 1396 multiplications, 1091 additions, 0 divisions, 12 function calls (`sin_cos`).
 ///
-/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank, for almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
+/// almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 94]; N] {
@@ -7282,9 +7282,9 @@ fn base_regressor_part_2(
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz`, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`,
@@ -9540,9 +9540,9 @@ pub fn inverse_dynamics_with_wrenches_into(
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - `u: [M]`: inputs: `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`,
 ///   `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in N m
@@ -14710,9 +14710,9 @@ pub fn frame_middle_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
@@ -15245,9 +15245,9 @@ pub fn frame_fl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
@@ -15958,9 +15958,9 @@ pub fn frame_fr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
@@ -16674,9 +16674,9 @@ pub fn frame_rl_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
@@ -17386,9 +17386,9 @@ pub fn frame_rr_foot_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`,
 ///   `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `FL_hip`,
+///   `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`, `RL_thigh`, `RL_calf`, `RR_hip`,
 ///   `RR_thigh`, `RR_calf` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
@@ -17637,7 +17637,7 @@ pub fn frame_rr_foot_jacobian_rate_times_velocity(
     [t228, t229, t230, t217, t222, t227]
 }
 
-/// The positions `y ⊕ d` that the velocities d reach within one second.
+/// Positions `y ⊕ d` after one second with the velocities d.
 ///
 /// `y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
 ///
@@ -17645,13 +17645,13 @@ pub fn frame_rr_foot_jacobian_rate_times_velocity(
 /// - `d: [N]`: velocities times a second, in the bodies' own frames
 /// - returns `y ⊕ d: [NY]`: positions, their quaternions of unit length
 ///
-/// The result stays of unit length however often it is integrated on.
+/// Quaternions keep their unit length, also after many steps.
 #[must_use]
 pub fn integrate(y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
     manifold::integrate(&JOINT_POSITIONS, y, d)
 }
 
-/// The velocities `to ⊖ from` that lead from one position to another within one second.
+/// Velocities `to ⊖ from` that lead from one position to another within one second.
 ///
 /// `from ⊕ (to ⊖ from) = to`
 ///
@@ -17690,7 +17690,7 @@ pub fn integrate_derivatives(
 ///
 /// - `y: [NY]`: positions, changed in place
 ///
-/// Returns `false` where a quaternion was zero or not finite: the identity stands in its place then.
+/// Returns `false` if a quaternion is zero or not finite, and replaces it by the identity.
 pub fn normalize(y: &mut [f64; NY]) -> bool {
     manifold::normalize(&JOINT_POSITIONS, y)
 }

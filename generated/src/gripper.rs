@@ -121,7 +121,7 @@ pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics", "forward_dynamics"];
 /// - `y: [N]`: coordinates: `wrist`, `left_knuckle` in rad
 /// - `v: [N]`: velocities ẏ: `wrist`, `left_knuckle` in rad/s
 /// - `a: [N]`: accelerations ÿ: `wrist`, `left_knuckle` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 86 multiplications, 71 additions, 0 divisions, 2 function calls (1 `sin_cos`, 1 other).
 ///

@@ -544,7 +544,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 /// - `y: [N]`: coordinates: `turret`, `lower_arm`, `crank`, `tool` in rad
 /// - `v: [N]`: velocities ẏ: `turret`, `lower_arm`, `crank`, `tool` in rad/s
 /// - `a: [N]`: accelerations ÿ: `turret`, `lower_arm`, `crank`, `tool` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 142 multiplications, 118 additions, 0 divisions, 6 function calls (3 `sin_cos`, 3 other).
 ///

@@ -1336,7 +1336,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 ///   `panda_joint6`, `panda_joint7` in rad/s
 /// - `a: [N]`: accelerations ÿ: `panda_joint1`, `panda_joint2`, `panda_joint3`, `panda_joint4`, `panda_joint5`,
 ///   `panda_joint6`, `panda_joint7` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 283 multiplications, 263 additions, 0 divisions, 6 function calls (`sin_cos`).
 ///
@@ -6910,7 +6910,7 @@ fn unit_accelerations(
 /// Loops over arrays of joints: R rows of N entries, padded to L.
 #[allow(clippy::needless_range_loop, reason = "index notation reads like the formulas")]
 mod arrays {
-    /// R rows of L entries, aligned like cache lines: vectors that straddle two of these cost a tenth of the time.
+    /// R rows of L entries, aligned to cache lines: vectors across two lines cost a tenth of the time.
     #[repr(align(64))]
     pub struct Rows<const R: usize, const L: usize>(pub [[f64; L]; R]);
 
@@ -6987,8 +6987,8 @@ mod arrays {
     /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots, from the last row to the
     /// first.
     ///
-    /// Whole rows are combined, with what becomes of the pivot's column chosen by bits: single entries stored after the
-    /// rows would make the next step wait for these stores.
+    /// Whole rows are combined, and a bit mask selects the new entries of the pivot column. Single entries stored after the rows
+    /// would delay the next step.
     #[inline]
     pub fn invert<const N: usize, const L: usize>(matrix: &mut [[f64; L]; N]) {
         for k in (0..N).rev() {
@@ -7053,7 +7053,7 @@ mod arrays {
         }
     }
 
-    /// `a b` in four partial sums: one alone would wait for each of its terms.
+    /// `a b` in four partial sums; a single sum would wait for each of its terms.
     #[inline]
     pub fn dot<const R: usize>(a: &[f64; R], b: &[f64; R]) -> f64 {
         let mut sums = [0.0; 4];

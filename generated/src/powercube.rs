@@ -362,7 +362,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 ///
 /// Cost: 25 multiplications, 15 additions, 0 divisions, 9 function calls (3 `sin_cos`, 6 other), 1 selection.
 ///
-/// What the three have in common is computed once.
+/// Common terms are computed once.
 ///
 /// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
@@ -434,7 +434,7 @@ pub fn equations_of_motion(
 /// - `y: [N]`: coordinates: `beta`, `gamma` in rad
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 33 multiplications, 23 additions, 0 divisions, 8 function calls (2 `sin_cos`, 6 other), 1 selection.
 ///
@@ -2043,8 +2043,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///
 /// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank, for almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
+/// almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; N], v: &[f64; N], a: &[f64; N]) -> [[f64; 7]; N] {
@@ -2126,7 +2126,7 @@ pub fn friction_parameters() -> [f64; 9] {
 ///
 /// Cost: 6 multiplications, 0 additions, 0 divisions, 6 function calls, 1 selection.
 ///
-/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
 ///
 /// `sign` is exact: it jumps at zero, and its derivative is taken as zero everywhere. `--smooth-sign SLOPE`, or
 /// `smooth_sign` in the description, makes it `tanh(SLOPE v)`.
@@ -2293,13 +2293,12 @@ pub const SUBSTEPS: usize = 8;
 /// Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor
 /// polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.
 ///
-/// The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at
-/// most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot
-/// is faster than ν = (b + √(b² + 4 a))/2. Where 24 halvings do not suffice, for ν · period above 2e7, every
-/// entry of the results is +∞.
+/// The part is the whole period if ν · period is at most 80. It is halved for each factor of two above 80, at
+/// most 18 times. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖
+/// (largest sums of magnitudes in a row). If 24 halvings do not suffice (ν · period above 2e7), all results are +∞.
 ///
-/// Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
-/// entry of each block, the diagonal ones counted as at least 1.
+/// Error: the truncated terms are below 1e-15 relative to their sum. Rounding stays below 1e-12 of the largest
+/// entry of each block; diagonal blocks count as at least 1.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -2326,8 +2325,8 @@ pub fn discretize(
 /// Cost: 1344 multiplications, 896 additions, 129 divisions, 256 function calls (64 `sin_cos`, 192 other), 32
 /// selections, 32 calls of `forward_dynamics` included.
 ///
-/// `SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their length.
-/// They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.
+/// `SUBSTEPS` steps of the classical method of order 4. The error is proportional to the fourth power of the step
+/// length. The steps are stable if period / `SUBSTEPS` times the fastest rate of the robot is below 2.7.
 #[must_use]
 pub fn step(
     y: &[f64; N],
@@ -2358,7 +2357,7 @@ pub fn step(
 /// Cost: 6496 multiplications, 5728 additions, 129 divisions, 256 function calls (64 `sin_cos`, 192 other), 32
 /// selections, 32 calls of `linearize` included.
 ///
-/// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
+/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,

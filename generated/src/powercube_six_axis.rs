@@ -122,7 +122,7 @@ pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics", "frame_tool_pose"];
 /// - `y: [N]`: coordinates: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad
 /// - `v: [N]`: velocities ẏ: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad/s
 /// - `a: [N]`: accelerations ÿ: `alpha`, `beta`, `gamma`, `delta`, `epsilon`, `zeta` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 180 multiplications, 143 additions, 0 divisions, 15 function calls (5 `sin_cos`, 10 other), 1 selection.
 ///

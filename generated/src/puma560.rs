@@ -842,7 +842,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// - `y: [N]`: coordinates: `joint1`, `joint2`, `joint3`, `joint4`, `joint5`, `joint6` in rad
 /// - `v: [N]`: velocities ẏ: `joint1`, `joint2`, `joint3`, `joint4`, `joint5`, `joint6` in rad/s
 /// - `a: [N]`: accelerations ÿ: `joint1`, `joint2`, `joint3`, `joint4`, `joint5`, `joint6` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 181 multiplications, 155 additions, 0 divisions, 4 function calls (`sin_cos`), 12 selections.
 ///

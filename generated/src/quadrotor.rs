@@ -277,9 +277,8 @@ pub fn mass_matrix_into(y: &[f64; NY], m: &mut [[f64; N]; N]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
 ///
 /// Cost: 22 multiplications, 9 additions, 0 divisions, 0 function calls.
@@ -380,9 +379,8 @@ pub fn gravity_forces(y: &[f64; NY]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
@@ -398,9 +396,8 @@ pub fn spring_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `τ: [N]`: positive for positive velocity, at the joint
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
@@ -417,9 +414,8 @@ pub fn friction_torques(v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `q: [N]`: on the right-hand side, without the inputs
 ///
 /// Cost: 12 multiplications, 4 additions, 0 divisions, 0 function calls.
@@ -463,9 +459,8 @@ pub fn applied_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `b: [N]`: what holds the accelerations at zero, without springs and friction
 ///
 /// Cost: 32 multiplications, 16 additions, 0 divisions, 0 function calls.
@@ -587,16 +582,15 @@ pub fn input_matrix_into(y: &[f64; NY], b: &mut [[f64; M]; N]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `k: [N]`: Coriolis, centrifugal and gyroscopic forces
 /// - returns `q: [N]`: gravity, springs and friction
 ///
 /// Cost: 34 multiplications, 13 additions, 0 divisions, 0 function calls.
 ///
-/// What the three have in common is computed once.
+/// Common terms are computed once.
 #[inline]
 #[must_use]
 pub fn equations_of_motion(
@@ -727,12 +721,11 @@ pub fn equations_of_motion_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 35 multiplications, 28 additions, 0 divisions, 0 function calls.
 ///
@@ -820,9 +813,8 @@ pub fn inverse_dynamics(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `ÿ: [N]`: accelerations
 ///
@@ -934,9 +926,8 @@ pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `M: [N × N]`: symmetric, positive definite, both triangles filled
 /// - returns `b: [N]`: k − gravity\_forces: what holds the accelerations at zero, without springs and friction
 ///
@@ -1062,9 +1053,8 @@ pub fn mass_matrix_and_bias_forces_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
@@ -1306,9 +1296,8 @@ pub fn inverse_dynamics_derivatives_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
@@ -1602,9 +1591,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `ÿ: [N]`: accelerations
 /// - returns `∂ÿ/∂y: [N × N]`: row i = acceleration i
@@ -1964,9 +1952,8 @@ pub const B_X_NONZERO: [[bool; 4]; 6] = [
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `u: [M]`: inputs: `front_right`, `rear_left`, `front_left`, `rear_right` in N
 /// - returns `A_y: [N × N]`: ∂v̇/∂δ, row i = acceleration i
 /// - returns `A_v: [N × N]`: ∂v̇/∂v, row i = acceleration i
@@ -1978,8 +1965,8 @@ pub const B_X_NONZERO: [[bool; 4]; 6] = [
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// δ is a small motion: the positions are `integrate(y, δ)`, and v̄ are the velocities of the linearization, the
-/// argument `v`. Where the positions are one for each velocity, δ is the difference of the positions.
+/// δ is a small motion: the positions are `integrate(y, δ)`. v̄ are the velocities of the linearization, the
+/// argument `v`. For joints without quaternions δ is the difference of the positions.
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
 #[inline]
@@ -2408,9 +2395,8 @@ pub fn linearize_into(
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `T`: energy (J)
 ///
 /// Cost: 17 multiplications, 9 additions, 0 divisions, 0 function calls.
@@ -2517,9 +2503,8 @@ pub fn inertial_parameters() -> [f64; 10] {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `W: [N × 10]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; those of
@@ -2713,17 +2698,16 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz` in rad/s²
 /// - returns `W_b: [N × 10]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
 ///
-/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank, for almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
+/// almost all values of free parameters.
 #[inline]
 #[must_use]
 pub fn base_regressor(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [[f64; 10]; N] {
@@ -2883,14 +2867,13 @@ pub fn friction_parameters() -> [f64; 0] {
 ///
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `R: [N × 0]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
-/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N]) -> [[f64; 0]; N] {
@@ -3211,9 +3194,8 @@ pub fn frame_front_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -3522,9 +3504,8 @@ pub fn frame_rear_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -3823,9 +3804,8 @@ pub fn frame_front_left_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -4138,9 +4118,8 @@ pub fn frame_rear_right_jacobian_into(y: &[f64; NY], j: &mut [[f64; N]; 6]) {
 ///
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`
-///   in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - returns `J̇ẏ: [6]`: acceleration of the origin (m/s²), then angular acceleration (rad/s²), in the axes of
 ///   the base frame
 ///
@@ -4249,12 +4228,13 @@ pub const SUBSTEPS: usize = 1;
 ///
 /// Cost: one call of `linearize`, and its own operations.
 ///
-/// δ is the displacement from y, 0 before the period. Since D v̄ = 0, δ − v̄ t is the deviation from the motion
-/// with the velocities v̄, the argument `v`; it follows δ̇ = D δ + v − v̄. Derivatives of δ⁺ are taken along ⊕
-/// where the robot arrives.
+/// δ is the displacement from y, 0 at the start of the period. v̄ is the argument `v`. Since D v̄ = 0, δ − v̄ t
+/// is the deviation from the motion with the velocities v̄; it satisfies δ̇ = D δ + v − v̄. Derivatives of δ⁺ are
+/// taken along ⊕ at the final positions.
 ///
-/// With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3)
-/// with the limits that the robots without quaternions have: +∞ where the robot is too fast for the period.
+/// With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3).
+/// The limits are those of robots without quaternions: the results are +∞ if the robot is too fast for the
+/// period.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4280,8 +4260,8 @@ pub fn discretize(
 ///
 /// Cost: 4 calls of `forward_dynamics`, and its own operations.
 ///
-/// `SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ,
-/// so that quaternions keep their unit length. The error falls with the fourth power of the steps' length.
+/// `SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ
+/// keeps the unit length of quaternions. The error is proportional to the fourth power of the step length.
 #[must_use]
 pub fn step(
     y: &[f64; NY],
@@ -4312,7 +4292,7 @@ pub fn step(
 ///
 /// Cost: 4 calls of `linearize`, and its own operations.
 ///
-/// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
+/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -4338,7 +4318,7 @@ pub fn step_derivatives(
     )
 }
 
-/// The positions `y ⊕ d` that the velocities d reach within one second.
+/// Positions `y ⊕ d` after one second with the velocities d.
 ///
 /// `y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
 ///
@@ -4346,13 +4326,13 @@ pub fn step_derivatives(
 /// - `d: [N]`: velocities times a second, in the bodies' own frames
 /// - returns `y ⊕ d: [NY]`: positions, their quaternions of unit length
 ///
-/// The result stays of unit length however often it is integrated on.
+/// Quaternions keep their unit length, also after many steps.
 #[must_use]
 pub fn integrate(y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
     manifold::integrate(&JOINT_POSITIONS, y, d)
 }
 
-/// The velocities `to ⊖ from` that lead from one position to another within one second.
+/// Velocities `to ⊖ from` that lead from one position to another within one second.
 ///
 /// `from ⊕ (to ⊖ from) = to`
 ///
@@ -4391,7 +4371,7 @@ pub fn integrate_derivatives(
 ///
 /// - `y: [NY]`: positions, changed in place
 ///
-/// Returns `false` where a quaternion was zero or not finite: the identity stands in its place then.
+/// Returns `false` if a quaternion is zero or not finite, and replaces it by the identity.
 pub fn normalize(y: &mut [f64; NY]) -> bool {
     manifold::normalize(&JOINT_POSITIONS, y)
 }

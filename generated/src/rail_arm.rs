@@ -371,7 +371,7 @@ pub fn input_matrix() -> [[f64; M]; N] {
 ///
 /// Cost: 24 multiplications, 15 additions, 0 divisions, 5 function calls (3 `sin_cos`, 2 other).
 ///
-/// What the three have in common is computed once.
+/// Common terms are computed once.
 ///
 /// It contains M\_d d̈, the inertial forces of the driven joints' accelerations, so that M ÿ + k = q + B u holds
 /// for the other joints.
@@ -452,7 +452,7 @@ pub fn equations_of_motion(
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `d: [DRIVEN × 3]`: driven coordinates, each its position, velocity and acceleration: `rail` in m, m/s, m/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 29 multiplications, 21 additions, 0 divisions, 4 function calls (2 `sin_cos`, 2 other).
 ///
@@ -1654,8 +1654,8 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///
 /// Cost: 20 multiplications, 13 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite the
-/// robot, W\_b has full rank, for almost all values of free parameters.
+/// Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W\_b has full rank for
+/// almost all values of free parameters.
 #[must_use]
 pub fn base_regressor(
     y: &[f64; N],
@@ -1754,7 +1754,7 @@ pub fn friction_parameters() -> [f64; 6] {
 ///
 /// Cost: 2 multiplications, 0 additions, 0 divisions, 2 function calls.
 ///
-/// What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.
+/// Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.
 #[inline]
 #[must_use]
 pub fn friction_regressor(v: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; 6]; N] {
@@ -1816,7 +1816,7 @@ pub fn frame_flange_pose(
 ///
 /// Cost: 4 multiplications, 9 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
-/// The columns of the driven joints stand behind those of the coordinates.
+/// The columns of the driven joints follow those of the coordinates.
 #[inline]
 #[must_use]
 pub fn frame_flange_jacobian(y: &[f64; N], d: &[[f64; 3]; DRIVEN]) -> [[f64; 3]; 6] {

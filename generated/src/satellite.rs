@@ -583,9 +583,9 @@ pub fn mass_matrix_into(y: &[f64; NY], m: &mut [[f64; N]; N]) {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `wheel_x`, `wheel_y`, `wheel_z` in rad, `boom_qx`,
 ///   `boom_qy`, `boom_qz`, `boom_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
+///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
 /// - returns `k: [N]`: on the left-hand side: without gravity, springs and friction
 ///
 /// Cost: 135 multiplications, 108 additions, 0 divisions, 0 function calls.
@@ -879,9 +879,9 @@ pub fn gravity_forces(y: &[f64; NY]) -> [f64; N] {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `wheel_x`, `wheel_y`, `wheel_z` in rad, `boom_qx`,
 ///   `boom_qy`, `boom_qz`, `boom_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
+///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
 /// - returns `q_springs: [N]`: positive where a spring drives the joint forwards
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
@@ -897,9 +897,9 @@ pub fn spring_forces(y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
 ///
 /// `q = gravity_forces + spring_forces − friction_torques`
 ///
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
+///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
 /// - returns `τ: [N]`: positive for positive velocity, at the joint
 ///
 /// Cost: 3 multiplications, 0 additions, 0 divisions, 0 function calls.
@@ -974,12 +974,12 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `wheel_x`, `wheel_y`, `wheel_z` in rad, `boom_qx`,
 ///   `boom_qy`, `boom_qz`, `boom_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
+///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz`, `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 156 multiplications, 150 additions, 0 divisions, 0 function calls.
 ///
@@ -1320,9 +1320,9 @@ pub fn inverse_dynamics(y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `wheel_x`, `wheel_y`, `wheel_z` in rad, `boom_qx`,
 ///   `boom_qy`, `boom_qz`, `boom_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
+///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
 /// - `u: [M]`: inputs: `wheel_x`, `wheel_y`, `wheel_z` in N m
 /// - returns `ÿ: [N]`: accelerations
 ///
@@ -2009,9 +2009,9 @@ pub fn forward_dynamics(y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `wheel_x`, `wheel_y`, `wheel_z` in rad, `boom_qx`,
 ///   `boom_qy`, `boom_qz`, `boom_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
+///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, for which ÿ stands in equations: `base_x`, `base_y`, `base_z` in m/s²,
 ///   `base_rx`, `base_ry`, `base_rz`, `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s²
 /// - returns `B u: [N]`: the forces M ÿ + k − q, on the joint side
@@ -3577,9 +3577,9 @@ pub const B_X_NONZERO: [[bool; 3]; 12] = [
 /// - `y: [NY]`: positions; quaternions are x y z w and of unit length: `base_x`, `base_y`, `base_z` in m,
 ///   `base_qx`, `base_qy`, `base_qz`, `base_qw` without unit, `wheel_x`, `wheel_y`, `wheel_z` in rad, `boom_qx`,
 ///   `boom_qy`, `boom_qz`, `boom_qw` without unit
-/// - `v: [N]`: velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and
-///   angular ones in its body's own frame: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`,
-///   `wheel_x`, `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
+/// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion linear and angular velocity in
+///   the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz`, `wheel_x`,
+///   `wheel_y`, `wheel_z`, `boom_rx`, `boom_ry`, `boom_rz` in rad/s
 /// - `u: [M]`: inputs: `wheel_x`, `wheel_y`, `wheel_z` in N m
 /// - returns `A_y: [N × N]`: ∂v̇/∂δ, row i = acceleration i
 /// - returns `A_v: [N × N]`: ∂v̇/∂v, row i = acceleration i
@@ -3591,8 +3591,8 @@ pub const B_X_NONZERO: [[bool; 3]; 12] = [
 ///
 /// Analytic, with composite bodies (Carpentier and Mansard 2018; Singh, Russell and Wensing 2022).
 ///
-/// δ is a small motion: the positions are `integrate(y, δ)`, and v̄ are the velocities of the linearization, the
-/// argument `v`. Where the positions are one for each velocity, δ is the difference of the positions.
+/// δ is a small motion: the positions are `integrate(y, δ)`. v̄ are the velocities of the linearization, the
+/// argument `v`. For joints without quaternions δ is the difference of the positions.
 ///
 /// Composite bodies with pairs of joints in link frames were cheapest.
 #[inline]
@@ -8891,12 +8891,13 @@ pub const SUBSTEPS: usize = 1;
 ///
 /// Cost: one call of `linearize`, and its own operations.
 ///
-/// δ is the displacement from y, 0 before the period. Since D v̄ = 0, δ − v̄ t is the deviation from the motion
-/// with the velocities v̄, the argument `v`; it follows δ̇ = D δ + v − v̄. Derivatives of δ⁺ are taken along ⊕
-/// where the robot arrives.
+/// δ is the displacement from y, 0 at the start of the period. v̄ is the argument `v`. Since D v̄ = 0, δ − v̄ t
+/// is the deviation from the motion with the velocities v̄; it satisfies δ̇ = D δ + v − v̄. Derivatives of δ⁺ are
+/// taken along ⊕ at the final positions.
 ///
-/// With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3)
-/// with the limits that the robots without quaternions have: +∞ where the robot is too fast for the period.
+/// With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, section 10.3).
+/// The limits are those of robots without quaternions: the results are +∞ if the robot is too fast for the
+/// period.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -8922,8 +8923,8 @@ pub fn discretize(
 ///
 /// Cost: 4 calls of `forward_dynamics`, and its own operations.
 ///
-/// `SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ,
-/// so that quaternions keep their unit length. The error falls with the fourth power of the steps' length.
+/// `SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ
+/// keeps the unit length of quaternions. The error is proportional to the fourth power of the step length.
 #[must_use]
 pub fn step(
     y: &[f64; NY],
@@ -8954,7 +8955,7 @@ pub fn step(
 ///
 /// Cost: 4 calls of `linearize`, and its own operations.
 ///
-/// The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact solution.
+/// Chain rule over the stages of each step: exact derivatives of the result of `step`, not of the exact solution.
 #[must_use]
 #[allow(
     clippy::type_complexity,
@@ -8980,7 +8981,7 @@ pub fn step_derivatives(
     )
 }
 
-/// The positions `y ⊕ d` that the velocities d reach within one second.
+/// Positions `y ⊕ d` after one second with the velocities d.
 ///
 /// `y ⊕ d: y + d, q ⊗ exp(d/2) for a quaternion, X exp(d) on SE(3) for a floating body`
 ///
@@ -8988,13 +8989,13 @@ pub fn step_derivatives(
 /// - `d: [N]`: velocities times a second, in the bodies' own frames
 /// - returns `y ⊕ d: [NY]`: positions, their quaternions of unit length
 ///
-/// The result stays of unit length however often it is integrated on.
+/// Quaternions keep their unit length, also after many steps.
 #[must_use]
 pub fn integrate(y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
     manifold::integrate(&JOINT_POSITIONS, y, d)
 }
 
-/// The velocities `to ⊖ from` that lead from one position to another within one second.
+/// Velocities `to ⊖ from` that lead from one position to another within one second.
 ///
 /// `from ⊕ (to ⊖ from) = to`
 ///
@@ -9033,7 +9034,7 @@ pub fn integrate_derivatives(
 ///
 /// - `y: [NY]`: positions, changed in place
 ///
-/// Returns `false` where a quaternion was zero or not finite: the identity stands in its place then.
+/// Returns `false` if a quaternion is zero or not finite, and replaces it by the identity.
 pub fn normalize(y: &mut [f64; NY]) -> bool {
     manifold::normalize(&JOINT_POSITIONS, y)
 }

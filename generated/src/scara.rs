@@ -372,7 +372,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow`, `quill_turn` in rad/s, `quill_slide` in m/s, `tap` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow`, `quill_turn` in rad/s², `quill_slide` in m/s², `tap` in
 ///   rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 70 multiplications, 58 additions, 0 divisions, 6 function calls (2 `sin_cos`, 4 other).
 ///

@@ -884,7 +884,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
 /// - `a: [N]`: accelerations ÿ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 186 multiplications, 163 additions, 0 divisions, 5 function calls (`sin_cos`), 6 selections.
 ///

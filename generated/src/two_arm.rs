@@ -731,7 +731,7 @@ pub fn input_matrix_into(b: &mut [[f64; M]; N]) {
 ///   `right_elbow`, `right_wrist` in rad/s
 /// - `a: [N]`: accelerations ÿ: `torso`, `left_shoulder`, `left_elbow`, `left_wrist`, `right_shoulder`,
 ///   `right_elbow`, `right_wrist` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 178 multiplications, 158 additions, 0 divisions, 4 function calls (`sin_cos`).
 ///

@@ -101,7 +101,7 @@ pub const FUNCTIONS: [&str; 2] = ["inverse_dynamics", "forward_dynamics"];
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
 /// - `a: [N]`: accelerations ÿ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s²
-/// - returns `B u: [N]`: what the drives exert at the joints; u\_ff = B⁻¹ times it
+/// - returns `B u: [N]`: drive forces at the joints; u\_ff = B⁻¹ times these
 ///
 /// Cost: 219 multiplications, 182 additions, 0 divisions, 11 function calls (5 `sin_cos`, 6 other).
 ///

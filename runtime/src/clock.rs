@@ -1,16 +1,16 @@
-//! Time of the loop: the monotonic clock, and a virtual one for tests.
+//! Clocks of the control loop: the monotonic clock, and a virtual clock for tests.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// A clock that never goes back. Times are spans since a fixed moment in the past.
+/// A clock that never goes back. Times are relative to a fixed moment in the past.
 pub trait Clock {
-    /// Present time.
+    /// Current time.
     fn now(&self) -> Duration;
 
-    /// Returns at `wake`, or at once where that is past. Absolute, so that the time spent since the last call
-    /// does not add up to drift.
+    /// Sleeps until the time `wake`; returns immediately if it is past. The time is absolute, so delays do
+    /// not accumulate.
     fn sleep_until(&self, wake: Duration);
 }
 
@@ -57,8 +57,8 @@ impl Clock for MonotonicClock {
     }
 }
 
-/// Time that passes only by [`sleep_until`](Clock::sleep_until) and [`advance`](VirtualClock::advance): a
-/// loop on it runs as fast as the machine allows and does the same every time. Clones show the same time.
+/// A clock that advances only by [`sleep_until`](Clock::sleep_until) and [`advance`](VirtualClock::advance).
+/// A loop with this clock runs as fast as possible and is deterministic. Clones share the time.
 #[derive(Debug, Clone, Default)]
 pub struct VirtualClock(Arc<AtomicU64>);
 
@@ -69,7 +69,7 @@ impl VirtualClock {
         Self::default()
     }
 
-    /// Lets time pass, as a computation or a stall would.
+    /// Advances the time, like a computation or a stall.
     pub fn advance(&self, span: Duration) {
         let later = |now: u64| Some(now.saturating_add(nanoseconds(span)));
         // Never refused, as `later` always has an answer.

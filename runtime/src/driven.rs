@@ -1,16 +1,17 @@
 //! Robots with driven joints over time: the equations of motion with a prescribed motion.
 //!
-//! A joint with `motion = "driven"` is not a coordinate: its position, velocity and acceleration d(t) are given, as those of a
-//! linear axis under a controller of its own, of a ship's deck or of a turntable:
+//! A joint with `motion = "driven"` is not a coordinate: its position, velocity and acceleration d(t) are
+//! given, for example for a linear axis with its own controller, a ship's deck or a turntable:
 //!
 //! ```text
 //!     M(y, d) ÿ + k(y, ẏ, d) = q(y, ẏ, d) + B u        k contains M_d d̈
 //! ```
 //!
-//! [`dynamics!`](crate::dynamics!) makes the robot at one instant of a generated module (`struct Arm { driven } = module`).
-//! [`DrivenRobot`] combines it with d(t). Plants, feed-forward, laws, predictive controllers and their observer then ask for
-//! d at the time for which they compute ([`Dynamics::at_time`]): the stages of an integration, the middles of the periods
-//! of a horizon. At no time, nothing is known of d, and every result that depends on it is NaN, never that of d = 0.
+//! [`dynamics!`](crate::dynamics!) wraps a generated module as a robot at one instant (`struct Arm { driven }
+//! = module`). [`DrivenRobot`] adds the motion d(t). Plants, feed-forward, control laws, predictive
+//! controllers and observers request d at the time of their computation ([`Dynamics::at_time`]), for example
+//! at the stages of an integration. Without a time d is unknown, and every result that depends on it is NaN,
+//! never that of d = 0.
 //!
 //! ```
 //! use gelenk_runtime::driven::DrivenRobot;
@@ -46,12 +47,12 @@ use crate::trajectory::Trajectory;
 
 /// A robot with the motion of its `K` driven joints; see the [module](self).
 ///
-/// - `R`: the robot at one instant, made by [`dynamics!`](crate::dynamics!)
-/// - `T`: the motion, a [`Trajectory`] of K joints that is [`Copy`]: a short one itself, any other as a reference, so that
-///   a robot at a time costs no allocation
+/// - `R`: robot at one instant, made by [`dynamics!`](crate::dynamics!)
+/// - `T`: motion of the K joints, a [`Trajectory`] that is [`Copy`]; pass a large one by reference, so that
+///   no call allocates
 ///
-/// `T`'s [`begin_period`](Trajectory::begin_period) is not called here: a motion that changes while it runs is begun by its
-/// owner.
+/// `T`'s [`begin_period`](Trajectory::begin_period) is not called: the owner of a motion that changes at run
+/// time calls it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrivenRobot<R, T, const K: usize> {
     /// At `time`.
@@ -64,26 +65,26 @@ pub struct DrivenRobot<R, T, const K: usize> {
 }
 
 impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R, T, K> {
-    /// The robot with this motion of its driven joints, in the order of the module's `DRIVEN_NAMES` [rad or m, s]. What
-    /// the robot holds as `driven` is not read.
+    /// The robot with this motion of its driven joints, in the order of the module's `DRIVEN_NAMES` [rad or
+    /// m, s]. The field `driven` of the robot is ignored.
     pub fn new(robot: R, motion: T) -> Self {
         Self { robot, motion, begins: 0.0, time: f64::NAN }.at(f64::NAN)
     }
 
-    /// The motion begins at `time` (s) rather than at 0, on the clock of whoever asks.
+    /// Starts the motion at `time` (s) of the caller's clock instead of 0.
     #[must_use]
     pub fn beginning_at(self, time: f64) -> Self {
         Self { begins: time, ..self }.at(self.time)
     }
 
-    /// The robot as it is at `time` (s); a time that is not finite is none.
+    /// The robot at `time` (s); for a non-finite time the motion is unknown.
     #[inline]
     #[must_use]
     pub fn at(&self, time: f64) -> Self {
         Self { robot: self.robot.with_driven(&self.driven_at(time)), time, ..*self }
     }
 
-    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN if this is not finite.
+    /// Position, velocity and acceleration of each driven joint at `time` (s); NaN for a non-finite time.
     #[inline]
     #[must_use]
     pub fn driven_at(&self, time: f64) -> [[f64; 3]; K] {
@@ -95,7 +96,7 @@ impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R,
         core::array::from_fn(|i| [sample.positions[i], sample.velocities[i], sample.accelerations[i]])
     }
 
-    /// The robot of one instant: at the time of this one, so that it calls functions beyond the traits.
+    /// The robot at one instant, for functions that the traits lack.
     #[must_use]
     pub fn robot(&self) -> &R {
         &self.robot

@@ -1,13 +1,13 @@
-//! Feed-forward: the inputs that make the model follow a trajectory exactly.
+//! Feed-forward: inputs with which the model follows a trajectory exactly.
 //!
 //! ```text
 //!     u_ff = B⁻¹ (M ÿ + k − q)        along y(t), ẏ(t), ÿ(t)
 //! ```
 //!
-//! Inverse dynamics, also called computed torque (Craig, *Introduction to Robotics*, 2005, section 10.4).
-//! Where B is not square and regular u_ff = B⁺ (M ÿ + k − q), the least-squares solution with the smallest
-//! inputs, and the residual r = (M ÿ + k − q) − B u_ff is what no input can make: a trajectory with r ≠ 0 is
-//! not feasible for the passive coordinates. Of robots with quaternions v and v̇ stand in place of ẏ and ÿ.
+//! Inverse dynamics, also called computed torque (Craig, *Introduction to Robotics*, 2005, section 10.4). If
+//! B is not square or not regular, u_ff = B⁺ (M ÿ + k − q) is the least-squares solution with the smallest
+//! inputs. The residual r = (M ÿ + k − q) − B u_ff is the force that no input can produce; a trajectory with
+//! r ≠ 0 is not feasible. For robots with quaternions v and v̇ replace ẏ and ÿ.
 
 use crate::dynamics::{Dynamics, Named, plain_entries};
 #[cfg(not(feature = "std"))]
@@ -16,7 +16,7 @@ use crate::trajectory::{MAX_SAMPLES, Sample, Trajectory, whole_periods};
 use gelenk_dynamics::pseudo_inverse::{dot, pseudo_inverse};
 use thiserror::Error;
 
-/// Inputs for a state, and the residual that no input can make.
+/// Inputs for a state, and the residual force that no input can produce.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForwardInput<const N: usize, const M: usize> {
     /// u_ff, in the units of the model's inputs.
@@ -25,16 +25,17 @@ pub struct FeedForwardInput<const N: usize, const M: usize> {
     pub residual: [f64; N],
 }
 
-/// Why there is no feed-forward.
+/// Errors of the feed-forward.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FeedForwardError {
     /// A component of B is NaN or infinite, or B is zero.
-    #[error("the input matrix is zero or not finite: no input acts on the robot")]
+    #[error("the input matrix is zero or not finite, so no input acts on the robot")]
     InputMatrix,
     /// The trajectory asks for forces that no input makes.
     #[error(
-        "the trajectory is not feasible: at {time} s joint {} would need {residual} N m (or N) that no input makes, more \
-         than the tolerance of {tolerance}; let this joint move as its equation of motion demands",
+        "the trajectory is not feasible: at {time} s joint {} requires {residual} N m (or N) that no input \
+         produces, above the tolerance of {tolerance}; plan a motion that satisfies the joint's equation of \
+         motion",
         Named(.name)
     )]
     Infeasible {
@@ -42,15 +43,15 @@ pub enum FeedForwardError {
         time: f64,
         /// The coordinate with the largest residual.
         coordinate: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
-        /// It [N m or N].
+        /// Largest residual [N m or N].
         residual: f64,
         /// The residual that is allowed [N m or N].
         tolerance: f64,
     },
     /// Positions, velocities or the equations of motion are not finite.
-    #[error("at {time} s the trajectory or the equations of motion are not finite")]
+    #[error("the trajectory or the equations of motion are not finite at {time} s")]
     NotFinite {
         /// When (s).
         time: f64,
@@ -58,10 +59,10 @@ pub enum FeedForwardError {
     /// The sampling period is not positive and finite.
     #[error("period is {0} s; it must be positive and finite")]
     Period(f64),
-    /// The trajectory is infinitely long, or so long that its inputs would not fit.
+    /// The trajectory is infinitely long, or too long for its inputs to be stored.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
     Duration {
-        /// Its length (s).
+        /// Duration of the trajectory (s).
         duration: f64,
         /// The sampling period (s).
         period: f64,
@@ -100,11 +101,12 @@ struct Inverted<const N: usize, const M: usize> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> FeedForward<D, N, M, NY> {
-    /// Inverts the input matrix of `model`: once where it is constant, else at each call, without allocation.
+    /// Inverts the input matrix of `model`, once if it is constant, otherwise at each call without
+    /// allocation.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]. Where B depends on y, it is judged at the positions within the limits that
-    /// are closest to 0, at time 0.
+    /// [`FeedForwardError::InputMatrix`]. If B depends on y, it is checked at time 0, at the positions within
+    /// the limits that are closest to 0.
     pub fn new(model: D) -> Result<Self, FeedForwardError> {
         let input_matrix = model.at_time(0.0, |model| model.input_matrix(&closest_to_neutral(model)));
         let inverse = pseudo_inverse(&input_matrix).ok_or(FeedForwardError::InputMatrix)?;
@@ -117,11 +119,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         &self.model
     }
 
-    /// Takes another model, e.g. one whose parameters were identified anew. Allocates nothing if its input
-    /// matrix is the same.
+    /// Replaces the model, for example by one with newly identified parameters. Does not allocate if the
+    /// input matrix is the same.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    /// [`FeedForwardError::InputMatrix`]; the model is then unchanged.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         let is_same =
             |known: Inverted<N, M>| model.drives() == M && model.drive_matrix() == known.input_matrix;
@@ -133,13 +135,13 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         Ok(())
     }
 
-    /// Inputs for one sample. Allocates nothing.
+    /// Inputs for one sample. Does not allocate.
     #[must_use]
     pub fn at(&self, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
         self.by(&self.model, sample)
     }
 
-    /// Inputs for the sample of a trajectory at `time` (s), which robots with driven joints ask for
+    /// Inputs for the sample of a trajectory at `time` (s), which robots with driven joints need
     /// ([`Dynamics::at_time`]).
     #[must_use]
     pub fn at_time(&self, time: f64, sample: &Sample<N, NY>) -> FeedForwardInput<N, M> {
@@ -153,26 +155,26 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         FeedForwardInput { inputs, residual: inverted.missed(&forces, &inputs) }
     }
 
-    /// B(y)⁺ f: inputs that make generalized forces f [N m or N] at positions y, or come closest to them; NaN
-    /// where B is not finite, or zero.
+    /// B(y)⁺ f: inputs that produce generalized forces f [N m or N] at positions y, or the closest possible
+    /// ones; NaN if B is zero or not finite.
     #[must_use]
     pub fn inputs_for(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
         self.inverted(&self.model, positions).inputs(forces)
     }
 
-    /// As [`inputs_for`](Self::inputs_for), at `time` (s).
+    /// [`inputs_for`](Self::inputs_for) at `time` (s).
     #[must_use]
     pub fn inputs_for_at_time(&self, time: f64, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
         self.model.at_time(time, |model| self.inverted(model, positions).inputs(forces))
     }
 
-    /// The part of generalized forces f that no inputs can make at positions y: `f − B B⁺ f` [N m or N].
+    /// Part of generalized forces f that no inputs can produce at positions y: `f − B B⁺ f` [N m or N].
     #[must_use]
     pub fn missed(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
         self.missed_by(&self.model, positions, forces)
     }
 
-    /// As [`missed`](Self::missed), at `time` (s).
+    /// [`missed`](Self::missed) at `time` (s).
     #[must_use]
     pub fn missed_at_time(&self, time: f64, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
         self.model.at_time(time, |model| self.missed_by(model, positions, forces))
@@ -190,12 +192,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         })
     }
 
-    /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`, to be held over the period
-    /// that follows.
+    /// Inputs at times 0, `period`, 2 `period`, … up to the end of `trajectory`; each is held for one period.
     ///
     /// # Errors
-    /// [`FeedForwardError::Infeasible`] if a residual exceeds `tolerance` [N m or N], with the largest;
-    /// [`FeedForwardError::NotFinite`]; a period that is not positive, a tolerance that is not a number, a
+    /// [`FeedForwardError::Infeasible`] with the largest residual if one exceeds `tolerance` [N m or N];
+    /// [`FeedForwardError::NotFinite`]; a period that is not positive, a tolerance that is not a number, or a
     /// trajectory of more than [`MAX_SAMPLES`] periods.
     pub fn along(
         &self,

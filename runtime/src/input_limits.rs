@@ -1,9 +1,8 @@
-//! Checks of input limits, and torque–speed lines of motors, for the loop and the plant.
+//! Checks of input limits and torque–speed lines, for the control loop and the plant.
 
 use crate::dynamics::TorqueSpeedLine;
 
-/// A part of the limits that has to lie in a range: its name, its value for each input, the range in words, and
-/// whether a value lies in it.
+/// A requirement on the limits: name, value for each input, allowed range as text, and test of a value.
 pub(crate) type Requirement<const M: usize> = (&'static str, [f64; M], &'static str, fn(f64) -> bool);
 
 /// Lowest and highest inputs enclose 0, and there is something between them.
@@ -20,9 +19,9 @@ pub(crate) fn requirements<const M: usize>(limits: &[[f64; 2]; M]) -> [Requireme
 /// Part of a limit that is rounding: a controller that keeps a line computes it otherwise.
 const ROUNDING: f64 = 1e-9;
 
-/// Cuts inputs off at the torque–speed lines of their motors, within the limits of the inputs; returns how many were. A motor
-/// that turns faster than without load brakes, by no more than its input may. Inputs must be finite; speeds that are not numbers
-/// cut nothing off.
+/// Cuts inputs off at the torque–speed lines of their motors, within the limits of the inputs; returns the
+/// number of changed inputs. Above its no-load speed a motor brakes with at most its input limit. Inputs must
+/// be finite; NaN speeds have no effect.
 pub(crate) fn limit_torques<const N: usize, const M: usize>(
     inputs: &mut [f64; M],
     (lines, limits): (&[TorqueSpeedLine<N>], &[[f64; 2]; M]),

@@ -1,7 +1,7 @@
 //! Control of robots whose equations of motion `gelenk` has generated.
 //!
-//! A generated module is plain functions on arrays: M, k, q, B and their derivatives. One line makes it a
-//! type ([`dynamics!`]), and everything here is generic over that type's traits.
+//! A generated module consists of functions on arrays: M, k, q, B and their derivatives. The macro
+//! [`dynamics!`] makes it a type, and the functions here are generic over the traits of this type.
 //!
 //! # A first example
 //!

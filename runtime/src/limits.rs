@@ -1,4 +1,4 @@
-//! A trajectory against the limits of a model.
+//! Checks of a trajectory against the limits of a model.
 
 use crate::dynamics::{DependentJoint, Dynamics, Named, plain_entries, plain_positions};
 use crate::feed_forward::{FeedForward, FeedForwardError};
@@ -8,51 +8,51 @@ use crate::trajectory::{MAX_SAMPLES, Trajectory, TrajectoryError, require_positi
 use core::fmt;
 use thiserror::Error;
 
-/// Which of the model's torque limits must hold.
+/// Torque limits to check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rating {
-    /// The torques that the drives bear continuously.
+    /// Continuous torques of the drives.
     Nominal,
-    /// The torques that the drives bear for a short time.
+    /// Short-time torques of the drives.
     Peak,
 }
 
-/// The quantity that a limit is on.
+/// Limited quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Position of a coordinate, or of a joint that follows coordinates [rad or m].
+    /// Position of a coordinate or follower [rad or m].
     Position,
-    /// Speed of a coordinate, or of a joint that follows coordinates [rad/s or m/s].
+    /// Speed of a coordinate or follower [rad/s or m/s].
     Velocity,
     /// Force of the drive at its joint, (B u)_i [N m or N].
     Effort,
     /// Input, in its unit.
     Input,
-    /// Sum `u + C ẏ` of an input and the speeds' share of it, the torque–speed line of a motor, in the input's unit.
+    /// Sum `u + C ẏ` of a motor's torque–speed line, in the unit of the input.
     TorqueSpeed,
-    /// Force on a coordinate that no input can make [N m or N]: the trajectory is not feasible there.
+    /// Force on a coordinate that no input can produce [N m or N]; the trajectory is not feasible.
     Unreachable,
 }
 
-/// A time span over which a limit is broken.
+/// A time interval in which a limit is violated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Violation {
-    /// The quantity that is beyond its limit.
+    /// Quantity beyond its limit.
     pub quantity: Quantity,
-    /// The coordinate's or input's index; from N on joints that follow, in the order of
+    /// Index of the coordinate or input; from N on index of a follower, in the order of
     /// [`Limits::dependent`](crate::dynamics::Limits).
     pub index: usize,
-    /// Its name.
+    /// Name of the coordinate, follower or input.
     pub name: &'static str,
-    /// First and last sample beyond the limit (s).
+    /// First sample beyond the limit (s).
     pub from: f64,
-    /// See `from`.
+    /// Last sample beyond the limit (s).
     pub to: f64,
-    /// When it is furthest beyond (s).
+    /// Time of the largest violation (s).
     pub worst_time: f64,
-    /// The value there.
+    /// Value at this time.
     pub value: f64,
-    /// The limit that it breaks.
+    /// Violated limit.
     pub limit: f64,
 }
 
@@ -63,12 +63,12 @@ impl fmt::Display for Violation {
             Quantity::Velocity => "velocity",
             Quantity::Effort => "joint effort",
             Quantity::Input => "input",
-            Quantity::TorqueSpeed => "torque with what its speed takes",
-            Quantity::Unreachable => "force that no input makes",
+            Quantity::TorqueSpeed => "torque–speed sum",
+            Quantity::Unreachable => "force that no input produces",
         };
         write!(
             f,
-            "{what} of {} is beyond {:.6} from {:.3} s to {:.3} s, {:.6} at {:.3} s",
+            "{what} of {} is outside its limit {:.6} from {:.3} s to {:.3} s; the worst value is {:.6} at {:.3} s",
             Named(self.name),
             self.limit,
             self.from,
@@ -79,7 +79,7 @@ impl fmt::Display for Violation {
     }
 }
 
-/// Why a trajectory could not be checked.
+/// Errors of checking a trajectory.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CheckError {
     /// The period is not positive.
@@ -88,10 +88,10 @@ pub enum CheckError {
     /// The model has no feed-forward.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
-    /// The trajectory is infinitely long, or so long that checking it would not end.
+    /// The trajectory is infinitely long, or too long to check.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
     Duration {
-        /// Its length (s).
+        /// Duration of the trajectory (s).
         duration: f64,
         /// The period (s).
         period: f64,
@@ -101,12 +101,12 @@ pub enum CheckError {
 /// Force on a passive coordinate that counts as none [N m or N].
 const FEASIBLE: f64 = 1e-6;
 
-/// Where `trajectory`, seen every `period` (s), breaks position, speed and torque limits of `model`; empty
-/// where it keeps them all. Joints that follow coordinates have theirs too, and motors their torque–speed lines. Torques are those of the feed-forward. Joints
-/// with quaternions have no position limits.
+/// Intervals in which `trajectory`, sampled every `period` (s), violates position, speed or torque limits of
+/// `model`; empty if it keeps them. Limits of followers and torque–speed lines are included. Torques are
+/// those of the feed-forward. Joints with quaternions have no position limits.
 ///
 /// # Errors
-/// [`CheckError`]; numbers that are not finite count as violations instead.
+/// [`CheckError`]; non-finite numbers count as violations instead.
 pub fn violations<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     trajectory: &impl Trajectory<N, NY>,
     model: D,

@@ -4,10 +4,10 @@
 //!     P = Q + AᵀPA − AᵀPB (R + BᵀPB)⁻¹ BᵀPA        K = −(R + BᵀPB)⁻¹ BᵀPA        u = K x
 //! ```
 //!
-//! A regulator knows no limits, of inputs or others: rows and bounds belong to [`crate::mpc`].
+//! A regulator has no limits; for bounds and constraint rows use [`crate::mpc`].
 //!
-//! [`JointLqr`](crate::control_loop::JointLqr) is the regulator of a robot as a law of the loop. If positions have
-//! quaternions, x is the deviation `(y ⊖ y_ref, v − v_ref)`. A quadrotor hovers:
+//! [`JointLqr`](crate::control_loop::JointLqr) is the regulator of a robot as a law of the control loop. With
+//! quaternions, x is the deviation `(y ⊖ y_ref, v − v_ref)`. Example of a hovering quadrotor:
 //!
 //! ```
 //! use gelenk_runtime::control_loop::{JointLaw, JointLqr, LqrWeights};
@@ -29,11 +29,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The structure-preserving doubling algorithm, which converges quadratically, gives a first gain; where
-//! weights far apart have cost it too many digits, the Riccati recursion of the QP ([`crate::qp`]) does.
-//! Policy iteration refines it, quadratically too: the cost of the gain as a sum of semidefinite terms,
-//! without cancellation, then the gain of this cost. The residual of the equation is what its last step
-//! changes.
+//! The structure-preserving doubling algorithm, which converges quadratically, gives the first gain. If it
+//! loses too many digits, because weights differ by many orders of magnitude, the Riccati recursion of the QP
+//! ([`crate::qp`]) gives it. Policy iteration refines the gain, also quadratically: it computes the cost of
+//! the gain as a sum of semidefinite terms without cancellation, then the gain of this cost. The residual of
+//! the equation is the change in the last step.
 //!
 //! Sources: Anderson, Moore, *Optimal Control: Linear Quadratic Methods*, 1990, chapters 2 and 4; Chu, Fan,
 //! Lin, Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations*, Int.
@@ -65,14 +65,14 @@ const RESIDUAL: f64 = 1e-9;
 /// Residual that no rounding excuses.
 const WORST_RESIDUAL: f64 = 1e-6;
 
-/// Why there is no regulator.
+/// Errors of a regulator.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LqrError {
     /// Sizes not 1..=32, or a horizon not 1..=100.
-    #[error("sizes must be 1 to {MAX_SIZE}, horizons 1 to {MAX_HORIZON}")]
+    #[error("sizes must be 1 to {MAX_SIZE}, and horizons 1 to {MAX_HORIZON}")]
     Size,
     /// A number is NaN or infinite.
-    #[error("a number of the system or its weights is not finite")]
+    #[error("the system or its weights contain a number that is not finite")]
     NotFinite,
     /// `R + BᵀPB` is not positive definite.
     #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
@@ -80,14 +80,14 @@ pub enum LqrError {
     /// No stabilizing solution: (A, B) is not stabilizable, or a mode of A on or outside the unit circle does
     /// not appear in the cost. The number is the relative residual where the method ended.
     #[error(
-        "no stabilizing solution of the Riccati equation (residual {0:.1e}): check that every unstable mode can be \
-         reached by an input and appears in the state weight"
+        "the Riccati equation has no stabilizing solution (residual {0:.1e}): check that every unstable \
+         mode is controllable and appears in the state weight"
     )]
     NotStabilizable(f64),
     /// There is a stabilizing gain, but the residual of the equation, this number, is larger than rounding
     /// explains, or above 1e-6: weights or units are too far apart.
     #[error(
-        "the Riccati equation was solved to a residual of {0:.1e} only: weights or units are too far apart"
+        "the Riccati equation was solved only to a residual of {0:.1e}: the weights or units differ too much in size"
     )]
     Inaccurate(f64),
 }
@@ -95,20 +95,20 @@ pub enum LqrError {
 /// Infinite-horizon regulator `u = K x` of `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lqr<const NX: usize, const NU: usize> {
-    /// K, rows first, sign included.
+    /// Gain K, row-major, including its sign.
     pub gain: [[f64; NX]; NU],
-    /// P, the stabilizing solution of the Riccati equation: `xᵀPx` is the cost from x on.
+    /// P, the stabilizing solution of the Riccati equation; `xᵀPx` is the cost from x.
     pub cost_to_go: [[f64; NX]; NX],
     /// Largest residual of the equation, relative to the largest entry of P.
     pub residual: f64,
-    /// Bound of the rounding in this residual, likewise relative: `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with
+    /// Bound of the rounding error of this residual, also relative: `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with
     /// `W = |A| + |B||K|`.
     pub rounding: f64,
     /// α = 1/√λ_max(I + R⁻¹BᵀPB), see [`margins`](Self::margins).
     pub return_difference: f64,
 }
 
-/// Changes of all inputs under which a closed loop is still stable.
+/// Changes of all inputs for which a closed loop stays stable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margins {
     /// Smallest and largest factor of the inputs.
@@ -123,15 +123,15 @@ impl fmt::Display for Margins {
         let phase = self.phase.to_degrees();
         write!(
             f,
-            "the loop is stable for gains from {low:.2} to {high:.2} times, and for phase shifts to ±{phase:.1}°"
+            "the loop is stable for gain factors from {low:.2} to {high:.2} and for phase shifts up to ±{phase:.1}°"
         )
     }
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
-    /// Solves the discrete algebraic Riccati equation. All matrices rows first; Q positive semidefinite, R
-    /// positive definite. The solution is taken where its residual is below 1e-9, or what rounding explains
-    /// up to 1e-6.
+    /// Solves the discrete algebraic Riccati equation. Matrices are row-major; Q is positive semidefinite, R
+    /// positive definite. The solution is accepted if its residual is below 1e-9, or below 1e-6 if rounding
+    /// explains it.
     ///
     /// # Errors
     /// [`LqrError`].
@@ -145,8 +145,8 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         if lqr.is_accurate() { Ok(lqr) } else { Err(LqrError::Inaccurate(lqr.residual)) }
     }
 
-    /// As [`new`](Self::new), but whatever the residual: P is the cost of a stabilizing gain, and K the gain
-    /// of this P.
+    /// [`new`](Self::new) without a limit for the residual: P is the cost of a stabilizing gain, and K the
+    /// gain of this P.
     pub(crate) fn stabilizing(
         state_matrix: &[[f64; NX]; NX],
         input_matrix: &[[f64; NU]; NX],
@@ -190,12 +190,13 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
     ///     gains from 1/(1 + α) to 1/(1 − α)        phases to ±2 arcsin(α/2)
     /// ```
     ///
-    /// Here α bounds the return difference I + L, with the loop gain `L(z) = −K (z I − A)⁻¹ B`, from below: the equation
-    /// `(I + L)* (R + BᵀPB) (I + L) = R + G* Q G` with `G = (z I − A)⁻¹ B` gives
-    /// `σ_min(R^½ (I + L) R^−½) ≥ 1/√λ_max(I + R⁻¹BᵀPB) = α` on the unit circle (Shaked 1986). The margins follow from α
-    /// (Lehtomaki, Sandell, Athans, *Robustness results in linear-quadratic Gaussian based multivariable control designs*, IEEE
-    /// Trans. Automatic Control 26, 1981, theorem 1). They hold for gain or phase alone, for a common change of all inputs, and if R is diagonal
-    /// also for different changes of each input. The actual margins are at least as large.
+    /// Here α bounds the return difference I + L from below, with the loop gain `L(z) = −K (z I − A)⁻¹ B`:
+    /// the equation `(I + L)* (R + BᵀPB) (I + L) = R + G* Q G` with `G = (z I − A)⁻¹ B` gives `σ_min(R^½ (I +
+    /// L) R^−½) ≥ 1/√λ_max(I + R⁻¹BᵀPB) = α` on the unit circle (Shaked 1986). The margins follow from α
+    /// (Lehtomaki, Sandell, Athans, *Robustness results in linear-quadratic Gaussian based multivariable
+    /// control designs*, IEEE Trans. Automatic Control 26, 1981, theorem 1). They hold for gain or phase
+    /// separately, for a common change of all inputs, and if R is diagonal also for a different change of
+    /// each input. The actual margins are at least as large.
     pub fn margins(&self) -> Margins {
         let alpha = self.return_difference;
         Margins { gain: [1.0 / (1.0 + alpha), 1.0 / (1.0 - alpha)], phase: 2.0 * (0.5 * alpha).asin() }
@@ -207,8 +208,8 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
     }
 }
 
-/// Regulator over a finite horizon of time-varying dynamics, `u_k = K_k x_k`, by the recursion of the QP.
-/// Memory is allocated at construction only.
+/// Regulator of time-varying dynamics over a finite horizon, `u_k = K_k x_k`, from the recursion of the QP.
+/// Allocates only at construction.
 #[derive(Debug, Clone)]
 pub struct TimeVaryingLqr<const NX: usize, const NU: usize> {
     horizon: usize,
@@ -228,17 +229,17 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         Ok(Self { horizon, riccati: Riccati::new(horizon) })
     }
 
-    /// `A_k` and `B_k`, rows first; stages beyond the horizon are ignored.
+    /// Sets `A_k` and `B_k`, row-major; stages beyond the horizon are ignored.
     pub fn set_stage(&mut self, k: usize, state_matrix: &[[f64; NX]; NX], input_matrix: &[[f64; NU]; NX]) {
         if k < self.horizon {
             self.riccati.set_stage(k, state_matrix, input_matrix);
         }
     }
 
-    /// Runs the recursion from `P_N = terminal_weight` down to P_0.
+    /// Runs the recursion from `P_N = terminal_weight` to P_0.
     ///
     /// # Errors
-    /// [`LqrError::NotPositive`]; the gains are then not defined.
+    /// [`LqrError::NotPositive`]; the gains are then undefined.
     pub fn solve(
         &mut self,
         state_weight: &[[f64; NX]; NX],

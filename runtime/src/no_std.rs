@@ -1,4 +1,4 @@
-//! Items of the standard library's prelude: allocated types, and functions of numbers by `libm`.
+//! Items of the standard library's prelude: allocated types, and numeric functions from `libm`.
 
 pub(crate) use alloc::borrow::ToOwned;
 pub(crate) use alloc::boxed::Box;

@@ -106,7 +106,7 @@ fn bad_input_is_an_error() {
     );
     assert_eq!(
         error(f64::NAN, PERIOD, good),
-        "no linearization at the given positions: state or equations of motion are not finite"
+        "the robot cannot be linearized at the given positions: the state or the equations of motion are not finite"
     );
     // A pole at 1 without a cost.
     let free = LqrWeights { position: [0.0], velocity: [0.0], ..good };
@@ -114,5 +114,10 @@ fn bad_input_is_an_error() {
     assert!(matches!(error, JointLqrError::Regulator(LqrError::NotStabilizable(_))), "{error}");
     let upright = LqrWeights::from_deviations([1.0; 6], [1.0; 6], [1.0; 4]);
     let error = JointLqr::new(Quadrotor, &[0.0; 7], PERIOD, upright).unwrap_err();
-    assert!(error.to_string().starts_with("positions to linearize at: the quaternion of joint"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with("the positions for the linearization are not valid: the quaternion of joint"),
+        "{error}"
+    );
 }

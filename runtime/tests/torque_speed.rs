@@ -155,7 +155,7 @@ fn checks_of_trajectories_tell_of_them() {
     let excess = beyond(&sample.velocities, &inputs);
     assert!((left.value - STALL - excess).abs() < 1e-12 && excess > 0.0, "{left}");
     assert!(
-        left.to_string().starts_with("torque with what its speed takes of left_motor is beyond 0.24"),
+        left.to_string().starts_with("torque–speed sum of left_motor is outside its limit 0.24"),
         "{left}"
     );
     let slow = RestToRest::new(START, GOAL, 2.0).unwrap();

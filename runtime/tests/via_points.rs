@@ -199,7 +199,7 @@ fn what_cannot_be_is_named() {
     assert_eq!(message(&[[0.0; 2]], &limits), "1 points given; at least 2 are needed");
     assert_eq!(
         message(&[[0.0; 2], [0.1, 0.2], [0.1, 0.2]], &limits),
-        "points 2 and 3 are the same: leave one out, or stop there with a sequence of points"
+        "points 2 and 3 are equal: remove one, or stop there with a sequence of points"
     );
     assert_eq!(
         message(&[[0.0; 2], [1.2, 0.2]], &limits),
@@ -209,7 +209,7 @@ fn what_cannot_be_is_named() {
     let unlimited = MotionLimits::default();
     assert_eq!(
         message(&[[0.0; 2], [0.0, 0.2]], &unlimited),
-        "joint 2 moves, but neither its speed nor its acceleration has a limit"
+        "joint 2 moves, but neither its speed nor its acceleration is limited"
     );
     for bad in [0.0, -1.0, f64::NAN] {
         let limits = MotionLimits { speeds: [1.0, bad], ..limits };

@@ -135,7 +135,7 @@ fn feet_are_named_or_refused() {
     for (feet, more, said) in [
         ("fl_foot,fr_foot,rl_foot", &[][..], "--base floating"),
         ("fl_fot,fr_foot,rl_foot", &["--base", "floating"], "did you mean `fl_foot`"),
-        ("fl_foot,fl_heel,rl_foot", &["--base", "floating"], "are on one leg"),
+        ("fl_foot,fl_heel,rl_foot", &["--base", "floating"], "are on the same leg"),
         ("fl_foot,fr_foot", &["--base", "floating"], "3 feet or more"),
         ("head,fr_foot,rl_foot", &["--base", "floating"], "the leg of `head` has 1 of the 3 joints"),
     ] {
@@ -178,7 +178,7 @@ fn a_quadrotor_flies_once_its_propellers_are_inputs() {
     assert!(distances[0] > 0.4 && distances[20] < 0.02, "{printed}");
     // Propellers that all turn the same way, or are too weak.
     for (from, to, why) in [
-        ("-0.016", "0.016", "At rest they miss a force of"),
+        ("-0.016", "0.016", "At rest the inputs lack a force of"),
         ("[0, 8]", "[0, 4]", "At rest the input rotor_0 is 4.169"),
     ] {
         fs::write(made.join("robot.toml"), format!("{head}\n{}\n", propellers.replace(from, to)))

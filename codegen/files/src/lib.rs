@@ -1,4 +1,4 @@
-//! Files reach the disk whole or not at all: full disks and killed programs leave the old file as it was.
+//! Atomic writes: if the disk is full or the program is killed, the old file stays unchanged.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// Writes a file whole or not at all: first under a temporary name in the same folder. Missing folders are made; through a link, the
-/// file that it points to is replaced.
+/// Writes a file atomically, through a temporary file in the same folder. Missing folders are created. If the
+/// path is a link, its target is replaced.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -18,14 +18,12 @@ use tempfile::NamedTempFile;
 /// ```
 ///
 /// # Errors
-/// Those of the system, and what cannot be replaced: folders, devices, links to nothing, files that are
-/// read-only.
+/// Errors of the system. Folders, devices, dangling links and read-only files cannot be replaced.
 pub fn write_whole(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
     Prepared::new(path, content.as_ref())?.put()
 }
 
-/// A file that is written next to its target and renamed: full disks and killed programs leave the old one as
-/// it was.
+/// A file written next to its target, ready to be renamed. Until the renaming the old file stays unchanged.
 #[derive(Debug)]
 pub struct Prepared {
     file: NamedTempFile,
@@ -33,11 +31,11 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Writes the content next to `path`, whose folder is created if it is missing. Through a link, the file
-    /// that it points to is replaced and the link stays.
+    /// Writes the content next to `path`; creates its folder if it is missing. If the path is a link, the
+    /// link stays and its target is replaced.
     ///
     /// # Errors
-    /// Folders of the system, and paths that [`target`] refuses.
+    /// Errors of the system, and paths that [`target`] rejects.
     pub fn new(path: &Path, content: &[u8]) -> io::Result<Self> {
         let target = target(path)?;
         let folder = match target.parent() {
@@ -55,20 +53,20 @@ impl Prepared {
         Ok(Self { file, target })
     }
 
-    /// Takes the place.
+    /// Renames the file to its target.
     ///
     /// # Errors
-    /// Those of the system; the old file is then as it was.
+    /// Errors of the system; the old file then stays unchanged.
     pub fn put(self) -> io::Result<()> {
         self.file.persist(self.target).map_err(|error| error.error)?;
         Ok(())
     }
 }
 
-/// The file behind the links of a path, which need not exist.
+/// Target of a path after following its links. The target need not exist.
 ///
 /// # Errors
-/// What may not be replaced: folders, devices and pipes, links to nothing, and files that may not be written.
+/// Folders, devices, pipes, dangling links and read-only files cannot be replaced.
 pub fn target(path: &Path) -> io::Result<PathBuf> {
     let refused = |kind, why: &str| Err(io::Error::new(kind, why));
     match fs::metadata(path) {
@@ -86,13 +84,13 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
             fs::canonicalize(path)
         }
         Err(_) if fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink()) => {
-            refused(io::ErrorKind::NotFound, "it is a link to a file that does not exist")
+            refused(io::ErrorKind::NotFound, "the link points to a file that does not exist")
         }
         Err(_) => Ok(path.to_owned()),
     }
 }
 
-/// Whether both paths lead to one file, through whatever links.
+/// Whether both paths lead to the same file, links included.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     match (identity(one), identity(other)) {
         (Ok(one), Ok(other)) => one == other,

@@ -9,7 +9,7 @@ impl Formula {
     /// The number 1.
     pub const ONE: Self = Self::Number(1.0);
 
-    /// The number, if the formula is one.
+    /// The number if the formula is a number.
     pub fn as_number(&self) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),
@@ -25,7 +25,7 @@ impl Formula {
     /// Value of the formula.
     ///
     /// - `parameters`: values in the order of `Model::parameters`; an index beyond them gives NaN
-    /// - `position`, `velocity`: those of the joint that carries the force law
+    /// - `position`, `velocity`: position and velocity of the joint with the force law
     pub fn evaluate(&self, parameters: &[f64], position: f64, velocity: f64) -> f64 {
         let value = |part: &Self| part.evaluate(parameters, position, velocity);
         match self {
@@ -43,7 +43,8 @@ impl Formula {
         }
     }
 
-    /// The value for these parameters; `None` if it depends on others, on position or velocity.
+    /// Value for these parameters; `None` if the formula depends on other parameters, on position or on
+    /// velocity.
     pub fn value(&self, parameters: &[f64]) -> Option<f64> {
         let is_open = |part: &Self| match part {
             Self::Position | Self::Velocity => true,
@@ -53,7 +54,7 @@ impl Formula {
         (!self.any(&is_open)).then(|| self.evaluate(parameters, f64::NAN, f64::NAN))
     }
 
-    /// Whether the formula holds a node for which `test` is true.
+    /// Whether `test` is true for a node of the formula.
     pub fn any(&self, test: &dyn Fn(&Self) -> bool) -> bool {
         test(self)
             || match self {
@@ -110,7 +111,7 @@ impl Formula {
         }
     }
 
-    /// `a * b` with numbers multiplied, zeros and ones dropped.
+    /// `a * b`. Numbers are multiplied; factors 0 and 1 are simplified.
     pub fn product(a: Self, b: Self) -> Self {
         match (&a, &b) {
             (Self::Number(x), Self::Number(y)) => Self::Number(x * y),
@@ -151,7 +152,7 @@ impl Formula {
         }
     }
 
-    /// The formula with each part replaced that has a replacement; constants in the rest are folded again.
+    /// The formula with some parts replaced; constants in the rest are folded again.
     pub fn substituted(&self, other: &dyn Fn(&Self) -> Option<Self>) -> Self {
         if let Some(other) = other(self) {
             return other;
@@ -169,7 +170,8 @@ impl Formula {
         }
     }
 
-    /// The formula with `tanh(slope · x)` for `sign x`, and its square for `|sign x|`, which so stays smooth.
+    /// The formula with `tanh(slope · x)` instead of `sign x`, and its square instead of `|sign x|`, so that
+    /// both are smooth.
     pub fn with_smooth_sign(&self, slope: f64) -> Self {
         let smooth = |x: &Self| {
             let x = x.with_smooth_sign(slope);
@@ -185,7 +187,7 @@ impl Formula {
         })
     }
 
-    /// The formula with `ratio` times position and velocity in their place.
+    /// The formula with position and velocity multiplied by `ratio`.
     pub fn geared(&self, ratio: &Self) -> Self {
         self.substituted(&|part| {
             let is_motion = matches!(part, Self::Position | Self::Velocity);

@@ -1,4 +1,4 @@
-//! Formulas as text, in the syntax in which descriptions write them.
+//! Formulas as text in the syntax of descriptions.
 
 use super::formula::Formula;
 
@@ -12,12 +12,12 @@ enum Binding {
 }
 
 impl Formula {
-    /// The formula as a description would write it; `parameters` are the names of all free parameters in it.
+    /// The formula in the syntax of descriptions; `parameters` are the names of all its free parameters.
     pub fn text(&self, parameters: &[&str]) -> String {
         self.bound(parameters, ["y", "v"]).0
     }
 
-    /// The text of a force between two frames, whose position is their distance `l`.
+    /// Text of a force between two frames; its position is the distance `l`.
     pub fn distance_text(&self, parameters: &[&str]) -> String {
         self.bound(parameters, ["l", "dl"]).0
     }

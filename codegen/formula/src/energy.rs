@@ -6,11 +6,12 @@ use super::formula::Formula;
 const HIGHEST_DEGREE: usize = 32;
 
 impl Formula {
-    /// An antiderivative, by the position, of the law at standstill: `∫ f(y, v = 0) dy`. `None` if the law is
-    /// not a polynomial of the position there.
+    /// Antiderivative by the position of the law at standstill, `∫ f(y, v = 0) dy`. `None` if the law at
+    /// standstill is not a polynomial of the position.
     ///
-    /// A summand `c (s y + d)ⁿ` has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`, which is 0 if its force is 0.
-    /// Summands of another form, and those with parameters in s, are expanded: their energy is 0 at y = 0.
+    /// A summand `c (s y + d)ⁿ` has the energy `c (s y + d)ⁿ⁺¹ / (s (n + 1))`, so the energy is 0 if the
+    /// force is 0. Other summands, and summands with parameters in s, are expanded: their energy is 0 at y =
+    /// 0.
     pub fn energy(&self) -> Option<Self> {
         let terms = self.at_standstill().linear_terms();
         terms.into_iter().try_fold(Self::ZERO, |sum, (coefficient, basis)| {

@@ -1,18 +1,18 @@
-//! The error of a text that is not a formula.
+//! Error type for texts that are not formulas.
 
 use std::fmt;
 use std::ops::Range;
 
-/// The reason why a text is not a formula.
+/// A text is not a formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormulaError {
-    /// The kind of the fault, for programs.
+    /// Code of the fault, for programs.
     pub code: &'static str,
-    /// The fault.
+    /// Message.
     pub message: String,
     /// Suggested text.
     pub help: Option<String>,
-    /// Its place, in bytes of the text.
+    /// Position of the fault, in bytes of the text.
     pub range: Range<usize>,
 }
 

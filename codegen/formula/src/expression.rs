@@ -1,16 +1,16 @@
-//! Expressions: the syntax of a text, before names have a meaning.
+//! Expressions: parsed texts before names are resolved.
 
 use super::function::Function;
 use std::ops::Range;
 
-/// A text that was read, with names that are not resolved and constants that are not folded.
+/// A parsed text. Names are not resolved, constants not folded.
 ///
-/// Truth values and numbers are never mixed: the operands of every node are of the kind that it takes.
+/// Truth values and numbers are never mixed: each operand has the kind that its operation requires.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expression {
     /// The outermost operation.
     pub node: Node,
-    /// Its place, in bytes of the text.
+    /// Position in the text, in bytes.
     pub range: Range<usize>,
 }
 
@@ -80,14 +80,14 @@ pub enum Operator {
 /// Whether an expression yields a number or a truth value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A number.
+    /// Number.
     Number,
     /// True (1) or false (0).
     Truth,
 }
 
 impl Expression {
-    /// The kind of the expression's value.
+    /// Kind of the expression's value.
     pub fn kind(&self) -> Kind {
         match &self.node {
             Node::Truth(_) => Kind::Truth,
@@ -99,14 +99,14 @@ impl Expression {
 }
 
 impl Unary {
-    /// The kind of its operand, and of its value.
+    /// Kind of the operand, which is also the kind of the value.
     pub fn kind(self) -> Kind {
         if self == Self::Not { Kind::Truth } else { Kind::Number }
     }
 }
 
 impl Operator {
-    /// The kind of its value.
+    /// Kind of the value.
     pub fn kind(self) -> Kind {
         match self {
             Self::Add | Self::Subtract | Self::Multiply | Self::Divide | Self::Min | Self::Max => {
@@ -116,7 +116,7 @@ impl Operator {
         }
     }
 
-    /// The kind of its operands.
+    /// Kind of the operands.
     pub fn operands(self) -> Kind {
         if matches!(self, Self::And | Self::Or) { Kind::Truth } else { Kind::Number }
     }

@@ -1,20 +1,21 @@
-//! Formulas as values, and the largest numbers in them.
+//! Formulas as values, and the limit for their numbers.
 
 use super::function::Function;
 
-/// Largest number of a description: far beyond any robot, and products of ten of them are finite.
+/// Largest number of a description. It is far beyond any robot, and products of ten such numbers are finite.
 pub const LARGEST_NUMBER: f64 = 1e30;
 
-/// The message about a number beyond [`LARGEST_NUMBER`].
+/// Message for a number beyond [`LARGEST_NUMBER`].
 pub fn too_large(what: &str) -> String {
     format!("{what} is beyond {LARGEST_NUMBER:e}, where the equations overflow")
 }
 
 /// A scalar expression over parameters and, in force laws, the joint's position `y` and velocity `v`.
 ///
-/// A formula is plain data without sharing. It is what a model carries wherever a number may also be a free
-/// parameter (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`) and what force laws are (`a1*v + a2*tanh(a3*v)`). The dynamics
-/// turn it into nodes of the expression graph, which folds, shares and differentiates it.
+/// A formula is plain data without sharing. A model has formulas instead of numbers that may be free
+/// parameters (`mass = "m1"`, `xyz = ["l1/2", 0, 0]`), and force laws are formulas (`a1*v + a2*tanh(a3*v)`).
+/// The dynamics convert formulas to nodes of the expression graph, which folds, shares and differentiates
+/// them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
     /// A finite number.

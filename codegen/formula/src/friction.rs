@@ -1,4 +1,4 @@
-//! Friction laws of the key `friction` of a joint, which the generator reads and identification writes.
+//! Friction laws: the key `friction` of a joint, read by the generator and written by identification.
 
 use super::formula::Formula;
 use super::function::Function;
@@ -7,27 +7,27 @@ use std::fmt::Display;
 /// One term of a friction law, linear in its coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionTerm<C = Formula> {
-    /// Factor; as a formula, it depends on parameters only.
+    /// Coefficient; a formula depends only on parameters.
     pub coefficient: C,
-    /// Function of the joint's velocity `v` (and position `y` where described so).
+    /// Basis: function of the joint's velocity `v`, and of its position `y` if described.
     pub basis: Formula,
 }
 
 /// Constructor of a term from its coefficient: [`FrictionTerm::viscous`] or [`FrictionTerm::coulomb`].
 pub type TermOf = fn(Formula) -> FrictionTerm;
 
-/// Friction of a joint: laws that add up, and the part of the load that becomes friction.
+/// Friction of a joint: a sum of laws, and friction proportional to the load.
 ///
-/// Coefficients are formulas where a description is read, and numbers or texts where it is written.
+/// Coefficients are formulas after reading a description, and numbers or texts before writing one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionLaw<C = Formula> {
-    /// Laws that add up.
+    /// Laws; their torques are added.
     pub parts: Vec<FrictionPart<C>>,
-    /// Friction for each unit of the load; empty if it does not grow with the load.
+    /// Friction per unit of load; empty if friction does not depend on the load.
     pub load: Vec<FrictionTerm<C>>,
 }
 
-/// A law with a key of its own.
+/// A friction law; each variant is one key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionPart<C = Formula> {
     /// `viscous`: viscous friction `F_v v`.
@@ -39,7 +39,7 @@ pub enum FrictionPart<C = Formula> {
         /// The slope, positive.
         slope: Option<f64>,
     },
-    /// `coulomb`: Coulomb friction that depends on the direction.
+    /// `coulomb`: Coulomb friction with different values for the two directions.
     Asymmetric {
         /// Friction T₊ at positive velocity.
         positive: C,
@@ -48,8 +48,8 @@ pub enum FrictionPart<C = Formula> {
         /// The slope, positive.
         slope: Option<f64>,
     },
-    /// `stribeck`: the law [`FrictionPart::STRIBECK`] of a1 … a5. Coulomb friction is a2, static friction a2 + a4, the
-    /// Stribeck speed 1/a5 and viscous friction a1.
+    /// `stribeck`: the law [`FrictionPart::STRIBECK`] with coefficients a1 … a5. Coulomb friction is a2,
+    /// static friction a2 + a4, the Stribeck speed 1/a5, viscous friction a1.
     Stribeck([C; 5]),
     /// `terms`: a sum of terms.
     Terms(Vec<FrictionTerm<C>>),
@@ -68,7 +68,7 @@ impl FrictionTerm {
 }
 
 impl<C> FrictionTerm<C> {
-    /// Whether the basis jumps where the velocity changes its sign, by its limits on both sides.
+    /// Whether the basis has different limits at zero velocity from both sides.
     pub fn basis_jumps(&self) -> bool {
         beside_rest(&self.basis, -1.0) != beside_rest(&self.basis, 1.0)
     }
@@ -107,7 +107,7 @@ impl FrictionPart {
 }
 
 impl<C: Display> FrictionLaw<C> {
-    /// The value of a joint's key `friction` in TOML; bases are written over `v` and `y`.
+    /// Value of a joint's key `friction` in TOML; bases are functions of `v` and `y`.
     pub fn toml(&self) -> String {
         let mut keys: Vec<String> = self.parts.iter().map(FrictionPart::toml).collect();
         if !self.load.is_empty() {

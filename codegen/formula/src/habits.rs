@@ -1,5 +1,4 @@
-//! Texts that are numbers to their author: with a unit, with a decimal comma, with a factor that stands
-//! without `*`.
+//! Texts that look like numbers but are not: with a unit, a decimal comma, or a factor without `*`.
 
 use super::error::FormulaError;
 
@@ -7,7 +6,7 @@ const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";
 
 impl FormulaError {
-    /// Whether the text would be a number in another language.
+    /// Whether the text is a number in another notation.
     pub fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }
@@ -79,17 +78,17 @@ pub(super) fn check(text: &str) -> Result<(), FormulaError> {
     let is_name = |c: char| c.is_alphabetic() || c == '_' || c == '°';
     if let Some((_, factor, si)) = UNITS.iter().find(|(unit, ..)| *unit == spelled(rest)) {
         let help = match *factor {
-            "1" => format!("write {number}: numbers are in {si} here"),
+            "1" => format!("write {number}: this value is in {si}"),
             factor => format!("write \"{number}*{factor}\", in {si}"),
         };
-        let message = format!("`{rest}` is a unit, which no formula has");
+        let message = format!("`{rest}` is a unit; formulas have no units");
         return Err(error(UNIT, message, help, range));
     }
     if !rest.starts_with(is_name) {
         return Ok(());
     }
-    let message = format!("no operator between `{number}` and `{rest}`");
-    let help = format!("write `{number}*{rest}` for a product; units are never written");
+    let message = format!("an operator is missing between `{number}` and `{rest}`");
+    let help = format!("write `{number}*{rest}` for a product; values have no units");
     Err(error("formula-syntax", message, help, range))
 }
 
@@ -105,12 +104,12 @@ fn with_comma(text: &str, number: &str, decimals: &str) -> Result<(), FormulaErr
 
 /// `1:80`, as gear ratios are printed.
 fn ratio(text: &str, one: &str, other: &str) -> FormulaError {
-    let message = format!("`{}` is not a number: a ratio is one number or a quotient", text.trim());
+    let message = format!("`{}` is not a number; a ratio is one number or a quotient of two", text.trim());
     let quotients = match one {
         "1" => format!("{other}, or \"1/{other}\""),
         _ => format!("\"{one}/{other}\", or \"{other}/{one}\""),
     };
-    let help = format!("write {quotients}: a gear ratio is motor angle over joint angle");
+    let help = format!("write {quotients}: the gear ratio is motor angle divided by joint angle");
     error("formula-syntax", message, help, 0..text.len())
 }
 
@@ -163,16 +162,16 @@ mod tests {
     #[test]
     fn units_are_converted() {
         for (text, advice) in [
-            ("1 kg", "write 1: numbers are in kg here"),
-            ("1.5e-3kg", "write 1.5e-3: numbers are in kg here"),
+            ("1 kg", "write 1: this value is in kg"),
+            ("1.5e-3kg", "write 1.5e-3: this value is in kg"),
             ("300 mm", "write \"300*0.001\", in m"),
             ("-90deg", "write \"-90*pi/180\", in rad"),
             ("90°", "write \"90*pi/180\", in rad"),
             ("25 rpm", "write \"25*pi/30\", in rad/s"),
-            ("3 N·m", "write 3: numbers are in N m here"),
-            ("2 kg m²", "write 2: numbers are in kg m² here"),
+            ("3 N·m", "write 3: this value is in N m"),
+            ("2 kg m²", "write 2: this value is in kg m²"),
             ("1,5", "write 1.5"),
-            ("2 v", "write `2*v` for a product; units are never written"),
+            ("2 v", "write `2*v` for a product; values have no units"),
         ] {
             assert_eq!(help(text), advice, "{text}");
         }

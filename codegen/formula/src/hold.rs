@@ -1,9 +1,9 @@
-//! Joints that are held, by a pattern of their names.
+//! Held joints, given by name patterns.
 
-/// Joints at rest.
+/// A name pattern of held joints with their position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hold {
-    /// A name, in which `*` stands for any text.
+    /// Name pattern; `*` matches any text.
     pub pattern: String,
     /// Position (rad or m).
     pub position: f64,
@@ -13,7 +13,7 @@ impl Hold {
     /// Reads `PATTERN[=VALUE]`; without a value the position is 0.
     ///
     /// # Errors
-    /// A sentence about a value that is not a finite number.
+    /// A message if the value is not a finite number.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (pattern, value) = text.rsplit_once('=').unwrap_or((text, "0"));
         let value = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
@@ -31,7 +31,7 @@ impl Hold {
         parts.all(|part| rest.split_once(part).map(|(_, after)| rest = after).is_some())
     }
 
-    /// The text that [`Self::parse`] reads.
+    /// Text in the form that [`Self::parse`] reads.
     #[must_use]
     pub fn text(&self) -> String {
         match self.position {

@@ -1,11 +1,11 @@
-//! Advice about unknown names.
+//! Suggestions for unknown names.
 
 /// Fewest letters of a name that is looked for within others, and most names that hold it.
 const PART: usize = 3;
 const MOST: usize = 4;
 
-/// `did you mean …?` with the nearest of the known names, or else with those that hold the name, as `left_knee` holds
-/// `knee`; the list of them if there is neither.
+/// `did you mean …?` with the nearest known name, or with known names that contain the given one (`left_knee`
+/// contains `knee`). Without either it lists known names.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let known: Vec<&str> = known.into_iter().collect();
     let lower = name.chars().take(64).collect::<String>().to_lowercase();
@@ -22,7 +22,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     match (holding.len(), known.len()) {
         (1..=MOST, _) => Some(format!("did you mean {}?", list(&holding))),
         (_, 0..=20) => Some(format!("known are {}", list(&known))),
-        (_, more) => Some(format!("known are {} and {} more", list(&known[..12]), more - 12)),
+        (_, more) => Some(format!("known names are {} and {} more", list(&known[..12]), more - 12)),
     }
 }
 

@@ -1,4 +1,4 @@
-//! From expressions to formulas: meanings of names, and functions that generated code lacks.
+//! Conversion of expressions to formulas: resolves names, and rejects functions that generated code lacks.
 
 use super::error::FormulaError;
 use super::expression::{Expression, Kind, Node, Operator, Unary};
@@ -8,18 +8,18 @@ use super::syntax::known_functions;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// The names that a formula may refer to.
+/// Names that a formula may contain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
     /// Numbers and `pi`.
     Constants,
-    /// Parameters too.
+    /// Constants and parameters.
     Parameters,
-    /// Also `v` of the joint.
+    /// Parameters and the joint's velocity `v`.
     Velocity,
-    /// Also `y` and `v` of the joint.
+    /// Parameters, and the joint's position `y` and velocity `v`.
     Motion,
-    /// Also the distance `l` of two frames and its rate `dl`: position and velocity.
+    /// Parameters, and the distance `l` of two frames and its rate `dl`.
     Distance,
 }
 
@@ -48,14 +48,15 @@ type Parsed = Result<Formula, FormulaError>;
 /// Reads a formula; `parameters` gives the index of each described name.
 ///
 /// # Errors
-/// A text that is not an [`Expression`], has names that are not allowed, is true or false, uses a function that generated
-/// code does not have, divides by zero or overflows.
+/// The text is not an [`Expression`], contains a forbidden name, is a truth value, calls a function that
+/// generated code lacks, divides by zero or overflows.
 pub fn parse(text: &str, allowed: Allowed, parameters: &BTreeMap<String, usize>) -> Parsed {
     let expression = Expression::parse(text)?;
     let whole = 0..text.len();
     if expression.kind() == Kind::Truth {
-        let message = format!("`{text}` is true or false, and no number");
-        let help = "comparisons select rows of a log; a description has numbers and laws".to_owned();
+        let message = format!("`{text}` is a truth value, not a number");
+        let help =
+            "comparisons select rows of a log; descriptions have only numbers and force laws".to_owned();
         return Err(FormulaError::new("formula-kind", message, whole).with_help(help));
     }
     let formula = Scope { allowed, parameters }.formula(&expression)?;
@@ -115,7 +116,8 @@ impl Scope<'_> {
             Some(index) if self.allowed != Allowed::Constants => Ok(Formula::Parameter(*index)),
             Some(_) => {
                 let message = format!("`{name}` is a free parameter");
-                let help = "angles, axes, limits and held positions are fixed when code is generated";
+                let help = "angles, axes, limits and held positions are fixed at code generation and cannot \
+                            depend on free parameters";
                 Err(FormulaError::new("parameter-not-allowed", message, place).with_help(help.to_owned()))
             }
             None => Err(self.unknown(name, place)),
@@ -145,8 +147,8 @@ impl Scope<'_> {
 }
 
 fn has_two_meanings(name: &str, place: Range<usize>) -> FormulaError {
-    let help = "give the parameter another name: here `l` is the distance and `dl` its rate".to_owned();
-    let message = format!("`{name}` is a parameter, and has a meaning of its own in this law");
+    let help = "rename the parameter: in this law `l` is the distance and `dl` its rate".to_owned();
+    let message = format!("the parameter `{name}` has the name of a variable of this law");
     FormulaError::new("ambiguous-name", message, place).with_help(help)
 }
 
@@ -154,14 +156,14 @@ fn has_two_meanings(name: &str, place: Range<usize>) -> FormulaError {
 fn timeless(own: impl Iterator<Item = &'static str>) -> String {
     let own: Vec<String> = own.map(|name| format!("`{name}`")).collect();
     format!(
-        "a law knows {} and parameters, and no time: a force that changes with time is an input, or has a factor under \
-         `[parameters]` which your program changes",
+        "a law depends on {} and parameters, not on time; for a force that changes with time use an input, \
+         or a factor under `[parameters]` that your program changes",
         own.join(", ")
     )
 }
 
 fn not_generated(function: &str, place: Range<usize>) -> FormulaError {
-    let message = format!("`{function}` is a function of libraries and selections, not of descriptions");
+    let message = format!("the function `{function}` is not available in descriptions");
     let help = format!("generated code has {}", known_functions());
     FormulaError::new("unknown-function", message, place).with_help(help)
 }
@@ -199,7 +201,7 @@ mod tests {
         assert_eq!(value("pow(v, 3) + v.powi(0)"), v.powi(3) + 1.0);
     }
 
-    /// Where a law knows a motion, the time is what is missing; elsewhere it is any name.
+    /// A law with a position lacks the time; elsewhere `t` is an unknown name.
     #[test]
     fn laws_over_time_are_refused_with_the_reason() {
         let message = |text: &str, allowed| parse(text, allowed, &names()).unwrap_err().to_string();
@@ -237,7 +239,7 @@ mod tests {
     #[test]
     fn the_language_of_selections_is_refused() {
         let message = |text: &str| parse(text, Allowed::Motion, &names()).unwrap_err().to_string();
-        assert!(message("v < 1 && true").starts_with("`v < 1 && true` is true or false, and no number"));
+        assert!(message("v < 1 && true").starts_with("`v < 1 && true` is a truth value, not a number"));
         assert!(message("v + max(v, 1)").starts_with("`max` is a function of libraries and selections"));
         assert!(message("v + (v < 1)").contains("a number is needed here, not a truth value"));
         assert!(message("|v|").contains("write `abs(v)`"));

@@ -1,6 +1,7 @@
-//! Reading an expression from text, with syn: precedence is Rust's.
+//! Parser of expressions, based on syn; operator precedence is that of Rust.
 //!
-//! syn descends recursively, so length, nesting and runs of operators are bounded before it sees the text.
+//! syn is a recursive-descent parser, so length, nesting and runs of operators are limited before it is
+//! called.
 
 use super::error::FormulaError;
 use super::expression::{Expression, Kind, Node, Operator, Unary};
@@ -30,8 +31,8 @@ impl Expression {
     /// Reads an expression.
     ///
     /// # Errors
-    /// A text that is not an expression, is too long or too deep, calls an unknown function, or has a truth value where
-    /// a number is needed or a number if a truth value is needed.
+    /// The text is not an expression, is too long or too deeply nested, calls an unknown function, or has a
+    /// truth value instead of a number or a number instead of a truth value.
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         habits::check(text)?;
         check_text(text)?;
@@ -55,11 +56,11 @@ fn whole_if_empty(range: Range<usize>, text: &str) -> Range<usize> {
 fn check_text(text: &str) -> Parsed<()> {
     let too_long = |what: String| Err(FormulaError::new("formula-too-long", what, 0..text.len()));
     if text.len() > LONGEST {
-        return too_long(format!("a formula of {} bytes; {LONGEST} are the limit", text.len()));
+        return too_long(format!("the formula has {} bytes; the limit is {LONGEST}", text.len()));
     }
     let operators = text.matches(SIGNS).count();
     if operators > MOST_OPERATORS {
-        return too_long(format!("a formula of {operators} operators; {MOST_OPERATORS} are the limit"));
+        return too_long(format!("the formula has {operators} operators; the limit is {MOST_OPERATORS}"));
     }
     let (mut depth, mut run) = (0_usize, 0_usize);
     for (at, c) in text.char_indices() {
@@ -90,9 +91,9 @@ fn check_sign(text: &str, range: Range<usize>) -> Parsed<()> {
     let sign = &text[range.clone()];
     let is_pair = text[range.end..].starts_with(sign) || text[..range.start].ends_with(sign);
     let (code, help) = match sign {
-        "^" => ("formula-power", "write `v.powi(2)` or `pow(v, 2)`"),
+        "^" => ("formula-power", "write a power as `v.powi(2)` or `pow(v, 2)`"),
         _ if is_pair => return Ok(()),
-        "|" => ("formula-syntax", "write `abs(v)` for |v|; selections have `||`"),
+        "|" => ("formula-syntax", "write |v| as `abs(v)`; `||` is an operator of selections"),
         _ => ("formula-syntax", "selections have `&&`"),
     };
     let message = format!("`{sign}` is not an operator here");
@@ -147,7 +148,8 @@ impl Reader<'_> {
     fn refuse(&self, node: &impl Spanned) -> FormulaError {
         let range = self.range(node);
         let message = format!("`{}` is not allowed in a formula", &self.text[range.clone()]);
-        let help = format!("a formula has numbers, names, + - * /, brackets, {}", known_functions());
+        let help =
+            format!("a formula consists of numbers, names, + - * /, brackets and {}", known_functions());
         FormulaError::new("formula-syntax", message, range).with_help(help)
     }
 
@@ -210,7 +212,7 @@ impl Reader<'_> {
             }
             _ => {
                 let message = format!("an exponent is a whole number from 0 to {LARGEST_EXPONENT}");
-                let help = "write a reciprocal as 1/pow(x, n)".to_owned();
+                let help = "write a negative power as 1/pow(x, n)".to_owned();
                 Err(FormulaError::new("formula-exponent", message, exponent.range).with_help(help))
             }
         }
@@ -245,11 +247,16 @@ fn function(name: &str) -> Option<Unary> {
 
 fn unknown_function(name: &str, given: usize, range: Range<usize>) -> FormulaError {
     let (message, help) = match name {
-        "pow" | "powi" | "min" | "max" => (format!("`{name}` takes two arguments, {given} given"), None),
-        _ if function(name).is_some() => (format!("`{name}` takes one argument, {given} given"), None),
-        "signum" => {
-            ("`signum` is not used here".to_owned(), Some("write `sign(v)`; it is 0 at 0".to_owned()))
+        "pow" | "powi" | "min" | "max" => {
+            (format!("`{name}` takes two arguments, but {given} are given"), None)
         }
+        _ if function(name).is_some() => {
+            (format!("`{name}` takes one argument, but {given} are given"), None)
+        }
+        "signum" => (
+            "`signum` is not a function of formulas".to_owned(),
+            Some("write `sign(v)`; it is 0 at 0".to_owned()),
+        ),
         _ => {
             let known = Function::ALL.map(Function::name).into_iter().chain(["pow"]);
             (format!("unknown function `{name}`"), nearest(name, known))

@@ -63,13 +63,13 @@ def test_a_wrong_description_tells_all_its_faults(tmp_path: Path) -> None:
 
 
 def test_options_are_checked_by_the_program(arm_file: Path) -> None:
-    with pytest.raises(ValueError, match="there is no such function; did you mean `mass_matrix`"):
+    with pytest.raises(ValueError, match="this function does not exist; did you mean `mass_matrix`"):
         gelenk.load(arm_file, functions=["mass_matrx"])
     with pytest.raises(ValueError, match="invalid value 'f16' for '--scalar"):
         gelenk.load(arm_file, scalar="f16")
     with pytest.raises(TypeError, match="unexpected keyword argument 'no_gravity'"):
         gelenk.load(arm_file, no_gravity=True)
-    with pytest.raises(gelenk.DescriptionError, match="files for tools that call C need modules in C"):
+    with pytest.raises(gelenk.DescriptionError, match="interfaces for tools that call C require a C module"):
         gelenk.generate(arm_file, arm_file.parent / "arm.rs", tools=["python"])
 
 

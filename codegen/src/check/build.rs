@@ -1,4 +1,4 @@
-//! From a description whose parts are checked to the model.
+//! Builds the model from a checked description.
 
 use super::couplings::Couplings;
 use super::dependent_limits::Limited;
@@ -24,7 +24,7 @@ pub(super) struct Builder<'d, 'r> {
     pub(super) identifiers: Identifiers,
     pub(super) defaults: Vec<f64>,
     pub(super) tree: Tree,
-    /// For each link its described frame in the frame of the model's link.
+    /// Described frame of each link in the frame of the model's link.
     pub(super) offsets: Vec<Pose>,
 }
 
@@ -86,9 +86,11 @@ impl Builder<'_, '_> {
         }
         if moving.is_empty() {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
-            self.report
-                .help("a model needs a joint that moves, for example a revolute, prismatic, spherical or floating one, and that is not held, not \
-                    driven and follows no other; or a floating base: `base = { link = \"…\", type = \"floating\" }`, for a URDF `--base floating`");
+            self.report.help(
+                "a model needs at least one moving joint (for example revolute, prismatic, spherical \
+                       or floating) that is not held, not driven and follows no other joint; or a floating \
+                       base: `base = { link = \"…\", type = \"floating\" }`, for a URDF `--base floating`",
+            );
             return None;
         }
         if !self.robot.sort_joints {
@@ -116,9 +118,11 @@ impl Builder<'_, '_> {
                     let is_driven =
                         joints.iter().any(|joint| joint.name.value == name.value && joint.is_driven());
                     let message = match (follows, is_driven) {
-                        (true, _) => format!("`{}` follows other joints and is not a coordinate", name.value),
+                        (true, _) => {
+                            format!("`{}` follows other joints, so it is not a coordinate", name.value)
+                        }
                         (_, true) => {
-                            format!("`{}` is driven: its motion is an argument of its own", name.value)
+                            format!("the motion of `{}` is prescribed, so it is not a coordinate", name.value)
                         }
                         (false, false) => format!("`{}` is not a moving joint", name.value),
                     };
@@ -136,7 +140,7 @@ impl Builder<'_, '_> {
                 "missing-coordinate",
                 format!("`coordinates` lacks the moving joint `{name}`"),
             );
-            self.report.help("list every moving joint, or hold it");
+            self.report.help("add the joint to `coordinates`, or hold it");
         }
         (self.report.error_count() == before).then_some(result)
     }
@@ -204,22 +208,17 @@ impl Builder<'_, '_> {
             self.robot.joints.iter().any(JointDescription::is_follower) || !self.robot.drives.is_empty();
         if is_coupled {
             let message = format!(
-                "joint `{}` has friction that grows with its load, in a robot whose joints or drives are coupled",
+                "joint `{}` has load-dependent friction, but joints or drives of the robot are coupled",
                 joint.name.value
             );
             self.report.error(load.span, "load-in-couplings", message);
-            self.report.help(
-                "a joint's load is known only if every joint has an input of its own: leave `load` out",
-            );
+            self.report.help("load-dependent friction requires one input per joint: remove `load`");
         } else if matches!(motion, Motion::Coordinate(_))
             && matches!(self.robot.drive_of(joint), DriveChoice::Passive)
         {
-            let message =
-                format!("joint `{}` has friction that grows with its load, and no drive", joint.name.value);
+            let message = format!("joint `{}` has load-dependent friction but no drive", joint.name.value);
             self.report.error(load.span, "load-without-input", message);
-            self.report.help(
-                "`load` is for joints with an input of their own: describe a drive, or leave `load` out",
-            );
+            self.report.help("describe a drive of the joint, or remove `load`");
         }
         load.value.clone()
     }

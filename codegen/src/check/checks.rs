@@ -11,35 +11,34 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     if let Some(position) = &joint.limits.position {
         let [low, high] = position.value;
         if joint.kind == Some(JointKind::Continuous) && joint.part_of.is_none() {
-            let message = format!("joint `{}` is continuous and has position limits", name.value);
+            let message = format!("joint `{}` is continuous but has position limits", name.value);
             report.error(position.span, "conflicting-keys", message);
-            report.help("a joint with position limits is \"revolute\"");
+            report.help("a joint with position limits has type \"revolute\"");
         }
         if low == high && joint.part_of.is_none() {
             let only = as_written(low);
-            let message = format!("position limits of joint `{}` leave it one position, {only}", name.value);
+            let message =
+                format!("the position limits of joint `{}` allow only the position {only}", name.value);
             report.warning(position.span, "limits-equal", message);
-            report.help(format!(
-                "`held = {only}` keeps the joint there; for a joint that moves, correct a limit"
-            ));
+            report.help(format!("use `held = {only}` to hold the joint there, or correct a limit"));
         }
         if low > high {
             let message = format!(
-                "position limits of joint `{}` are reversed: {} > {}",
+                "the position limits of joint `{}` are reversed: {} > {}",
                 name.value,
                 as_written(low),
                 as_written(high)
             );
             report.error(position.span, "limits-reversed", message);
             report.help(format!(
-                "write {} as the lower and {} as the upper limit",
+                "use {} as the lower and {} as the upper limit",
                 as_written(high),
                 as_written(low)
             ));
         }
         if let Some(held) = joint.held.filter(|held| low <= high && !(low..=high).contains(held)) {
             let message = format!(
-                "joint `{}` is held at {}, outside of its limits {} … {}",
+                "joint `{}` is held at {}, outside its limits {} … {}",
                 name.value,
                 as_written(held),
                 as_written(low),
@@ -55,9 +54,10 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
     } else if joint.follows.is_none()
         && let Some(offset) = &joint.offset
     {
-        let message = format!("joint `{}` has an `offset` and follows no joint", name.value);
+        let message = format!("joint `{}` has an `offset` but follows no joint", name.value);
         report.error(offset.span, "conflicting-keys", message);
-        report.help("an offset is the position when all followed joints are at 0: add `follows`");
+        report
+            .help("an offset is the position of a follower when its followed joints are at 0: add `follows`");
     }
 }
 
@@ -65,7 +65,7 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
     for (what, limit) in limits.amounts() {
         if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
             let message = format!(
-                "the {what} limit of joint `{}` is {}, not positive",
+                "the {what} limit of joint `{}` is {}; it must be positive",
                 name.value,
                 as_written(limit.value)
             );
@@ -76,13 +76,13 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
         && nominal.value > peak.value
     {
         let message = format!(
-            "nominal effort {} of joint `{}` exceeds its peak {}",
+            "the nominal effort {} of joint `{}` exceeds its peak effort {}",
             as_written(nominal.value),
             name.value,
             as_written(peak.value)
         );
         report.error(peak.span, "limits-reversed", message);
-        report.help("`effort` is the continuous limit of the joint, `peak_effort` the one for a short time: exchange them, or correct one");
+        report.help("`effort` is the continuous limit and `peak_effort` the short-time limit: exchange them, or correct one");
     }
 }
 
@@ -102,9 +102,9 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
     } else {
         return;
     };
-    let message = format!("joint `{}` is fixed; {what} has no meaning there", joint.name.value);
+    let message = format!("joint `{}` is fixed, so {what} has no effect", joint.name.value);
     report.error(joint.name.span, "fixed-joint", message);
-    report.help("remove it, or give the joint a type that moves");
+    report.help("remove this entry, or give the joint a type that moves");
 }
 
 /// A joint may have been fixed on top of a description that limits it.
@@ -113,7 +113,7 @@ fn note_limits_of_fixed(joint: &JointDescription, report: &mut Report) {
     let amounts = limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());
     let mut spans = limits.position.iter().map(|limit| limit.span).chain(amounts.map(|limit| limit.span));
     if let Some(span) = spans.next() {
-        let message = format!("joint `{}` is fixed: its limits have no effect", joint.name.value);
+        let message = format!("joint `{}` is fixed, so its limits have no effect", joint.name.value);
         report.note(Some(span), "fixed-joint", message);
         report.help("remove `limits`, or give the joint a type that moves");
     }
@@ -123,13 +123,13 @@ pub(super) fn body(body: &BodyDescription, defaults: &[f64], report: &mut Report
     let value = |formula: &Formula| formula.evaluate(defaults, 0.0, 0.0);
     let Some(mass) = &body.mass else {
         report.error(body.name.span, "missing-key", format!("body `{}` has no `mass`", body.name.value));
-        report.help("write `mass = 0` for a body that only has inertia");
+        report.help("write `mass = 0` for a body that has only inertia");
         return;
     };
     let kilograms = value(&mass.value);
     if !kilograms.is_finite() || kilograms < 0.0 {
         let message = format!("body `{}` has mass {}", body.name.value, as_written(kilograms));
-        report.error(mass.span, "mass-not-positive", message).help("a mass is finite and at least 0");
+        report.error(mass.span, "mass-not-positive", message).help("a mass must be finite and at least 0");
     }
     if body.center_in_link().iter().any(|entry| !value(entry).is_finite()) {
         let message = format!("the centre of mass of body `{}` is not finite", body.name.value);

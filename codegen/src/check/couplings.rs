@@ -1,4 +1,4 @@
-//! Joints that follow others, and drives that act on several: the rows of `y_joint = G y + g₀`.
+//! Joints that follow others, and drives that act on several joints: the rows of `y_joint = G y + g₀`.
 
 use super::tree::Tree;
 use crate::description::{FollowsDescription, Name, RobotDescription};
@@ -8,7 +8,7 @@ use crate::wording::{as_written, list};
 use gelenk_formula::{Formula, Function};
 use std::collections::BTreeMap;
 
-/// A row of G, and its offset.
+/// A row of G with its offset.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Row {
     pub(super) terms: Vec<FollowedCoordinate>,
@@ -17,7 +17,7 @@ pub(super) struct Row {
 
 /// Ways to one coordinate that leave less than this part of them cancel.
 const CANCELLED: f64 = 1e-12;
-const ADDED_UP: &str = "the ways to a joint, along joints that follow others too, are added up";
+const ADDED_UP: &str = "ratios are multiplied along each path of followed joints, and the paths are added";
 
 /// The row of what follows several joints, and the coordinates to which their ways cancel.
 struct Combined {
@@ -25,17 +25,17 @@ struct Combined {
     cancelled: Vec<usize>,
 }
 
-/// The rows of all joints and drives, by their order in the description.
+/// Rows of all joints and drives, in the order of the description.
 pub(super) struct Couplings {
     /// `None` for joints that are fixed, and if the description has an error.
     joints: Vec<Option<Row>>,
-    /// Rows of the drives that are not on a joint; `None` if the description has an error.
+    /// Rows of the drives under `[[drives]]`; `None` if the description has an error.
     pub(super) drives: Vec<Option<Row>>,
     followers: Vec<usize>,
 }
 
 impl Couplings {
-    /// Writes the motions of joints and drives in terms of coordinates, along chains of followers.
+    /// Expresses the motions of joints and drives in coordinates, along chains of followers.
     pub(super) fn resolve(
         robot: &RobotDescription,
         tree: &Tree,
@@ -83,7 +83,7 @@ impl Couplings {
         Self { joints, drives, followers }
     }
 
-    /// The joints that follow coordinates, as they are described.
+    /// The described joints that follow coordinates.
     pub(super) fn followers(&self, tree: &Tree) -> Vec<Follower> {
         let follower = |&joint: &usize| {
             let row = self.joints[joint].clone()?;
@@ -97,7 +97,7 @@ impl Couplings {
 #[derive(Debug, Clone)]
 enum Progress {
     Open,
-    /// The joints that it follows are being resolved: a second visit closes a circle.
+    /// The joints that this joint follows are being resolved. A second visit means a cycle.
     Begun,
     Done(Option<Row>),
 }
@@ -122,7 +122,8 @@ struct Resolver<'d, 'r> {
 }
 
 impl Resolver<'_, '_> {
-    /// The row of a joint; its chain is as long as the description, so that it is followed by a stack.
+    /// Resolves the ratios of a joint. A chain of followers may be as long as the description, so it is processed by
+    /// a stack, not by recursion.
     fn joint(&mut self, start: usize) {
         let mut stack = vec![start];
         while let Some(&joint) = stack.last() {
@@ -177,9 +178,9 @@ impl Resolver<'_, '_> {
         let from = stack.iter().position(|&joint| joint == closing).unwrap_or(0);
         let names = stack[from..].iter().chain([&closing]);
         let names: Vec<String> = names.map(|&joint| self.robot.joints[joint].name.quoted()).collect();
-        let message = format!("the joints {} follow each other in a circle", names.join(" → "));
+        let message = format!("the joints {} follow each other in a cycle", names.join(" → "));
         self.report.error(self.robot.joints[closing].name.span, "follows-circle", message);
-        self.report.help("one of them has to be a coordinate: remove its `follows` or `<mimic>`");
+        self.report.help("remove `follows` or `<mimic>` of one joint, so that it is a coordinate");
     }
 
     /// A row that has a coordinate, or is that of a drive whose joints are held; says where ways to coordinates cancel.
@@ -191,7 +192,8 @@ impl Resolver<'_, '_> {
     ) -> Option<Row> {
         let [what, verb, key] = words;
         let names: Vec<&str> = cancelled.iter().map(|&coordinate| self.names[coordinate]).collect();
-        let ways = format!("the ways from `{key}` to {} cancel", list(names.iter().copied()));
+        let ways =
+            format!("the ratios of all paths from `{key}` to {} add up to 0", list(names.iter().copied()));
         if names.is_empty() {
             return Some(row);
         }
@@ -199,14 +201,14 @@ impl Resolver<'_, '_> {
             let message = format!("{what} `{}` {verb} nothing that moves: {ways}", name.value);
             self.report.error(name.span, "follows-nothing", message);
             self.report.help(match key {
-                "on" => format!("{ADDED_UP}: correct a weight, or leave the drive out"),
+                "on" => format!("{ADDED_UP}: correct a weight, or remove the drive"),
                 _ => format!("{ADDED_UP}: correct a ratio, or hold the joint (`held = …`)"),
             });
         } else {
             let message =
                 format!("{what} `{}` does not move with {}: {ways}", name.value, list(names.into_iter()));
             self.report.note(Some(name.span), "follows-cancel", message);
-            self.report.help(format!("{ADDED_UP}; if that is not intended, correct a sign"));
+            self.report.help(format!("{ADDED_UP}; correct a sign if this is not intended"));
         }
         (!row.terms.is_empty()).then_some(row)
     }
@@ -245,12 +247,14 @@ impl Resolver<'_, '_> {
         if value == 0.0 || !value.is_finite() {
             let message = format!("the ratio to joint `{}` is {}", term.joint.value, as_written(value));
             self.report.error(term.ratio.span, "follows-ratio", message);
-            self.report.help("motion for a unit of that joint's motion: finite and not 0");
+            self.report.help("the ratio is joint motion per unit motion of the followed joint; it must be finite and non-zero");
             return None;
         }
         if row.offset != 0.0 && ratio.as_number().is_none() {
-            let message =
-                format!("a free ratio to joint `{}`, which has an offset or is held", term.joint.value);
+            let message = format!(
+                "the ratio to joint `{}`, which has an offset or is held, is a free parameter",
+                term.joint.value
+            );
             self.report.error(term.ratio.span, "free-offset", message);
             self.report.help("offsets are constants of the generated code: give the ratio as a number");
             return None;
@@ -277,10 +281,9 @@ impl Resolver<'_, '_> {
             (Progress::Done(row), _) => row.clone(),
             (_, Some(position)) => Some(Row { terms: Vec::new(), offset: position }),
             _ => {
-                let message = format!("joint `{}` is fixed: nothing can follow it", name.value);
+                let message = format!("joint `{}` is fixed, so no joint can follow it", name.value);
                 self.report.error(name.span, "follows-fixed", message);
-                self.report
-                    .help("follow a joint that moves, or give this joint `held` in place of `follows`");
+                self.report.help("follow a joint that moves, or replace `follows` by `held`");
                 None
             }
         }
@@ -314,7 +317,8 @@ fn note_dry_friction(
         let message = format!("{what} `{}` {verb} several coordinates and has dry friction", name.value);
         report.note(Some(friction.span), "dry-follower", message);
         report.help(
-            "the plant of the runtime lets single coordinates stick, not their sum, and refuses it: give the friction a `slope`, or use `--smooth-sign`",
+            "the runtime's plant cannot simulate sticking of a sum of coordinates and rejects this robot: \
+             give the friction a `slope`, or use `--smooth-sign`",
         );
     }
 }

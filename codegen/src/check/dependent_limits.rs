@@ -1,4 +1,4 @@
-//! Limits of joints that follow others, and the ranges that those of the coordinates leave to them.
+//! Limits of followers, and the ranges that the limits of the coordinates allow them.
 
 use super::tree::Tree;
 use crate::description::{JointDescription, LimitsDescription, RobotDescription};
@@ -9,20 +9,21 @@ use crate::wording::{as_written, list, three_digits};
 /// Quotients of written numbers are rounded.
 const ROUNDING: f64 = 1e-12;
 
-/// A robot whose coordinates have limits.
+/// A robot with limits of its coordinates.
 pub(super) struct Limited<'d> {
     pub(super) robot: &'d RobotDescription,
     pub(super) tree: &'d Tree,
-    /// The links of the coordinates, then those of the driven joints.
+    /// Links of the coordinates, then links of the driven joints.
     pub(super) coordinates: &'d [usize],
-    /// How many of them are driven.
+    /// Number of driven joints.
     pub(super) driven: usize,
     /// Described values of the free parameters.
     pub(super) defaults: &'d [f64],
 }
 
 impl<'d> Limited<'d> {
-    /// Reports an error if joints that follow others cannot keep their limits, and says where nothing makes them.
+    /// Reports an error if followers cannot satisfy their limits, and notes limits that no part of the
+    /// runtime keeps.
     pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
         for follower in followers {
             let joint = self.joint(follower.link);
@@ -65,7 +66,7 @@ impl<'d> Limited<'d> {
         let [low, high] = limits.value;
         if low <= high && (reach[1] < low || reach[0] > high) {
             let message = format!(
-                "joint `{}` moves from {} to {} with the joints that it follows, outside of its limits {} … {}",
+                "joint `{}` moves from {} to {} with the joints that it follows, outside its limits {} … {}",
                 joint.name.value,
                 three_digits(reach[0]),
                 three_digits(reach[1]),
@@ -73,10 +74,10 @@ impl<'d> Limited<'d> {
                 as_written(high)
             );
             report.error(limits.span, "limits-exclude", message);
-            report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
+            report.help("no position satisfies all limits: correct the limits, the ratios or the `offset`");
         } else if (reach[0] < low || reach[1] > high) && !is_free(follower) {
             let message = format!(
-                "joint `{}` can leave its limits while the joints that it follows keep theirs",
+                "joint `{}` can exceed its limits while the joints that it follows stay within theirs",
                 joint.name.value
             );
             report.note(Some(limits.span), "dependent-limits", message);
@@ -89,12 +90,16 @@ impl<'d> Limited<'d> {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {
             terms if terms.iter().any(|term| term.coordinate >= driven) => {
-                "the loop brakes there, and checks of trajectories report it; predictive controllers do not keep limits that move with a driven joint, and report this"
+                "the control loop brakes at these limits, and trajectory checks report violations; \
+                 predictive controllers do not keep limits that depend on driven joints, and report this"
             }
-            [_] => "the runtime narrows the limits of the joint that is followed: the loop, predictive controllers and planned motions keep them",
+            [_] => {
+                "the runtime narrows the limits of the followed joint: control loop, predictive \
+                    controllers and planned motions keep both"
+            }
             _ => {
-                "the loop brakes there, and checks of trajectories report it; predictive controllers keep them by rows, \
-                 `MpcRow::of_limits`"
+                "the control loop brakes at these limits, and trajectory checks report violations; \
+                 predictive controllers keep them with rows from `MpcRow::of_limits`"
             }
         });
     }
@@ -115,10 +120,10 @@ impl<'d> Limited<'d> {
         let Some(span) = spans.into_iter().flatten().next() else { return };
         let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
         let message = format!(
-            "no controller keeps the limits of joints that follow others while their ratios depend on free parameters: {names}"
+            "no controller keeps the limits of these followers, because their ratios depend on free parameters: {names}"
         );
         report.warning(span, "limits-not-kept", message);
-        report.help("give the ratios numbers, or keep these limits yourself, by `MpcRow::dependent_joint` and `violations`");
+        report.help("give the ratios as numbers, or enforce these limits with `MpcRow::dependent_joint` and `violations`");
     }
 
     /// Reports an error if joints that follow the same coordinate alone leave it no position.
@@ -144,15 +149,15 @@ impl<'d> Limited<'d> {
         }
         let followed = &self.joint(self.coordinates[coordinate]).name.value;
         let message = format!(
-            "joints `{}` and `{}` follow `{followed}`, which would have to be at least {} for the limits of one and at most {} for \
-             those of the other",
+            "joints `{}` and `{}` follow `{followed}`; the first requires at least {} of it, the second at \
+             most {}",
             a.name.value,
             b.name.value,
             as_written(low),
             as_written(high)
         );
         report.error(limits.span, "limits-exclude", message);
-        report.help("correct the limits, the ratios or the `offset`: no position satisfies them all");
+        report.help("no position satisfies all limits: correct the limits, the ratios or the `offset`");
     }
 
     /// Positions of a coordinate that put a joint within its limits which follows nothing else.
@@ -176,7 +181,7 @@ impl<'d> Limited<'d> {
         // A product of two written numbers is rounded.
         if fastest.sum::<f64>() > limit.value * (1.0 + 1e-12) && !is_free(follower) {
             let message = format!(
-                "joint `{}` can be faster than its limit while the joints that it follows keep theirs",
+                "joint `{}` can exceed its speed limit while the joints that it follows stay within theirs",
                 joint.name.value
             );
             report.note(Some(limit.span), "dependent-limits", message);
@@ -195,8 +200,7 @@ fn note_efforts(followers: &[&JointDescription], report: &mut Report) {
     let limited: Vec<_> = followers.iter().filter(|joint| joint.limits.effort.is_some()).collect();
     let Some(first) = limited.first().and_then(|joint| joint.limits.effort.as_ref()) else { return };
     let names = list(limited.iter().map(|joint| joint.name.value.as_str()));
-    let message = format!("the efforts of joints that follow others limit nothing: {names}");
+    let message = format!("the effort limits of these followers have no effect: {names}");
     report.note(Some(first.span), "dependent-limits", message);
-    report
-        .help("the force of such a joint is not an input: limit the drives, or the joints that are followed");
+    report.help("the force of a follower is not an input: limit the drives or the followed joints");
 }

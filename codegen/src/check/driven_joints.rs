@@ -1,4 +1,4 @@
-//! Keys of joints whose motion is prescribed.
+//! Checks of driven joints.
 
 use super::couplings::Row;
 use super::tree::Tree;
@@ -8,7 +8,7 @@ use crate::model::{Joint, Link, Motion};
 
 const CODE: &str = "driven-joint";
 
-/// Reports keys without meaning at a joint whose motion is prescribed, and in robots that have one.
+/// Reports keys without effect for driven joints, and for robots with driven joints.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         // The velocities of one joint are told once.
@@ -24,7 +24,10 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
             let message =
                 format!("`{}` is {}, and joint `{first}` is driven", part.joint.value, part.kind.name());
             report.error(joint.name.span, CODE, message);
-            report.help("driven joints and quaternions in one robot are not supported: describe the motion by joints of one coordinate");
+            report.help(
+                "a robot cannot have both driven joints and quaternions: describe the motion with \
+                         joints of one coordinate",
+            );
             break;
         }
     }
@@ -32,13 +35,11 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
         let load = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref());
         if let Some(load) = load {
             let message = format!(
-                "joint `{}` has friction that grows with its load, and joint `{first}` is driven",
+                "joint `{}` has load-dependent friction, and joint `{first}` is driven",
                 joint.name.value
             );
             report.error(load.span, CODE, message);
-            report.help(
-                "a joint's load is known only if every joint has an input of its own: leave `load` out",
-            );
+            report.help("load-dependent friction requires one input per joint: remove `load`");
         }
     }
 }
@@ -48,14 +49,14 @@ fn check_joint(joint: &JointDescription, span: Span, report: &mut Report) {
     let (what, help) = if joint.part_of.is_some() {
         (
             "has a quaternion",
-            "only joints with one position are driven: describe the motion by several of them",
+            "only a joint with one position can be driven: describe the motion with several such joints",
         )
     } else if joint.held.is_some() {
-        ("is held", "keep one of `held` and `motion = \"driven\"`")
+        ("is held", "remove `held` or `motion = \"driven\"`")
     } else if joint.follows.is_some() {
-        ("follows others", "drive the joints that it follows, or remove `follows`")
+        ("follows others", "drive the followed joints, or remove `follows`")
     } else if !joint.moves() {
-        ("is fixed", "give it a type that moves, or remove `motion`")
+        ("is fixed", "give the joint a type that moves, or remove `motion`")
     } else {
         return check_drive(joint, report);
     };
@@ -65,10 +66,11 @@ fn check_joint(joint: &JointDescription, span: Span, report: &mut Report) {
 fn check_drive(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name.value;
     if let Some(drive) = joint.drive.as_ref().filter(|drive| !matches!(drive.value, DriveChoice::Passive)) {
-        report.error(drive.span, CODE, format!("joint `{name}` is driven and has a drive"));
+        report.error(drive.span, CODE, format!("joint `{name}` is driven, so it cannot have a drive"));
         report.help(
-            "its motion is an argument, no input changes it: leave `drive` out. The force that the motion needs is \
-             `driving_forces`, and a rotor is a body that follows the joint",
+            "the motion of a driven joint is an argument that no input changes: remove `drive`. \
+             `driving_forces` computes the required force; describe a rotor as a body that follows the \
+             joint",
         );
     }
     let mut limits = joint.limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());
@@ -76,22 +78,22 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
         report.note(
             Some(limit.span),
             CODE,
-            format!("nothing limits the motion and effort of joint `{name}`, which is driven"),
+            format!("the motion and effort limits of driven joint `{name}` have no effect"),
         );
         report.help(
-            "only its position limits have an effect: the seeded states of checks and self-tests keep them",
+            "only position limits have an effect: seeded states of checks and self-tests stay within them",
         );
     }
 }
 
-/// Link indices of the joints whose motion is prescribed, in the order of the tree.
+/// Link indices of the driven joints, in the order of the tree.
 pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     let joints = tree.joints.iter().enumerate();
     let driven = joints.filter(|(_, joint)| joint.is_some_and(|joint| robot.joints[joint].is_driven()));
     driven.map(|(link, _)| link).collect()
 }
 
-/// Reports a drive on driven joints alone, which would be an input without effect.
+/// Reports a drive that acts only on driven joints, which would be an input without effect.
 pub(super) fn check_shared_drive(
     robot: &RobotDescription,
     tree: &Tree,
@@ -106,9 +108,10 @@ pub(super) fn check_shared_drive(
         driven.iter().any(|&link| links[link].joint.as_ref().is_some_and(moves))
     };
     if row.terms.iter().all(|term| is_driven(term.coordinate)) {
-        report.error(name.span, CODE, format!("drive `{}` acts on driven joints alone", name.value));
+        report.error(name.span, CODE, format!("drive `{}` acts only on driven joints", name.value));
         report.help(
-            "their motion is an argument, no input changes it: leave the drive out, or name a joint that is free",
+            "the motion of a driven joint is an argument that no input changes: remove the drive, or name a \
+             joint that is not driven",
         );
     }
 }

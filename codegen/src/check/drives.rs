@@ -1,4 +1,4 @@
-//! Drives of a model, and friction of their shafts.
+//! Drives of a model, and the friction of their shafts.
 
 use super::build::Builder;
 use super::couplings::Couplings;
@@ -13,8 +13,8 @@ use crate::wording::as_written;
 use gelenk_formula::Formula;
 
 impl Builder<'_, '_> {
-    /// Friction of the shaft of a drive on one coordinate is friction of its joint: with the gear ratio i,
-    /// `i τ(i y, i ẏ)`.
+    /// Adds the shaft friction of a drive on one coordinate to its joint: `i τ(i y, i ẏ)` with the gear ratio
+    /// i.
     pub(super) fn add_shaft_friction(&mut self, links: &mut [Link], couplings: &Couplings) {
         let robot = self.robot;
         for (index, drive) in robot.drives.iter().enumerate() {
@@ -37,8 +37,9 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// The drives of joints in the order of their coordinates, then those that stand apart as they are
-    /// described, then the motors of held joints; those of the second kind that act on held joints alone begin the third.
+    /// Drives of joints in the order of their coordinates, then drives under `[[drives]]` in the described
+    /// order, then motors of held joints. Drives under `[[drives]]` that act only on held joints come first
+    /// among the last group.
     pub(super) fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
         let mut drives: Vec<Drive> =
             (0..links.len()).filter_map(|link| self.drive(link, &links[link])).collect();
@@ -131,8 +132,9 @@ impl Builder<'_, '_> {
                 let message = format!("the rotor of drive `{}` needs {missing}", described.name.value);
                 self.report.error(described.name.span, "missing-key", message);
                 self.report.help(
-                    "`carrier` is the link that carries the rotor, `axis` its axis there; `coupling = \"diagonal\"` \
-                     takes only the rotor's inertia along the motion that the drive acts on",
+                    "`carrier` is the link that carries the rotor, and `axis` the rotor's axis in the frame \
+                     of that link; `coupling = \"diagonal\"` uses only the rotor's inertia along the motion \
+                     of the drive",
                 );
                 None
             }
@@ -148,11 +150,11 @@ impl Builder<'_, '_> {
         if let (Motion::Follower(_), Some(drive)) = (joint.motion, &self.robot.joints[index].drive)
             && !matches!(drive.value, DriveChoice::Passive)
         {
-            let message = format!("joint `{}` follows other joints and has a drive", joint.name);
+            let message = format!("joint `{}` follows other joints, so it cannot have a drive", joint.name);
             self.report.error(drive.span, "driven-follower", message);
             self.report.help(
-                "a drive acts on coordinates: describe it at the joint that is followed, or by itself with \
-                 `[[drives]]` and `on = { … }`",
+                "a drive acts on coordinates: describe it at the followed joint, or with `[[drives]]` and \
+                 `on = { … }`",
             );
             return None;
         }
@@ -193,9 +195,9 @@ impl Builder<'_, '_> {
                 self.report.error(
                     span,
                     "missing-key",
-                    "a rotor on another link than the joint's parent needs `axis`",
+                    "a rotor that is not on the joint's parent link needs `axis`",
                 );
-                self.report.help("`axis` is the rotor's axis in the frame of the link that carries it");
+                self.report.help("`axis` is the rotor's axis in the frame of its carrier link");
                 return None;
             }
         };
@@ -226,7 +228,8 @@ impl Builder<'_, '_> {
                 "gear-ratio",
                 format!("the gear ratio is {}", as_written(ratio)),
             );
-            self.report.help("motor angle over joint angle: finite and not 0");
+            self.report
+                .help("the gear ratio is motor angle divided by joint angle; it must be finite and non-zero");
         }
         if let Some(friction) = &motor.friction {
             let speed =
@@ -237,19 +240,22 @@ impl Builder<'_, '_> {
         if !rotor.is_finite() || rotor < 0.0 {
             let message = format!("the rotor inertia is {}", as_written(rotor));
             self.report.error(motor.rotor_inertia.span, "rotor-inertia", message);
-            self.report.help("kg m², finite and at least 0");
+            self.report.help("the rotor inertia must be finite and at least 0, in kg m²");
         }
         let Input::Current(constant) = &motor.input else { return };
         let constant = value(constant);
         let message = format!("the motor constant is {}", as_written(constant));
         if !constant.is_finite() || constant == 0.0 {
             self.report.error(motor.input_span, "motor-constant", message);
-            self.report.help("newton metres at the motor for each ampere: finite and not 0");
+            self.report.help(
+                "the motor constant is motor torque per current; it must be finite and non-zero, in N m/A",
+            );
         } else if constant < 0.0 {
             let message = format!("{message}: a positive current turns the motor backwards");
             self.report.warning(motor.input_span, "motor-constant", message);
-            self.report
-                .help("write it positive; a negative `gear_ratio` is a joint that turns against its motor");
+            self.report.help(
+                "give a positive constant; if the joint turns against its motor, use a negative `gear_ratio`",
+            );
         }
     }
 

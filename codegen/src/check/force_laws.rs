@@ -1,8 +1,8 @@
-//! Do the force laws of a joint have finite values, does its friction brake, and does what the load adds to it
-//! stay below the load?
+//! Checks of force laws: values are finite, friction brakes, and load-dependent friction is smaller than the
+//! load.
 //!
-//! All are looked at on a grid: positions within the joint's limits, speeds up to its limit, at the
-//! described values of free parameters.
+//! The laws are evaluated on a grid of positions and speeds within the limits, at the described values of
+//! free parameters.
 
 use super::range::Range;
 use crate::description::JointDescription;
@@ -25,7 +25,7 @@ const POSITIONS: i32 = 21;
 /// Friction below this part of the largest does not count: it is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Reports laws without a finite value, and friction that drives.
+/// Reports laws without a finite value, and friction that accelerates.
 pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Report) {
     let grid = Grid::of_joint(joint);
     if let Some(springs) = &joint.springs {
@@ -49,9 +49,9 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
     }
 }
 
-/// The same for friction of a drive's shaft.
+/// Reports the same for the friction of a drive's shaft.
 ///
-/// - `speed`: of the motor at the limit of the joint that it moves, if there is one [rad/s]
+/// - `speed`: motor speed at the speed limit of its joint, if any [rad/s]
 pub(super) fn check_shaft(
     drive: &str,
     friction: &At<Vec<FrictionTerm>>,
@@ -84,23 +84,26 @@ fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> 
     let (name, unit) = (&grid.owner, grid.unit);
     if let Some([y, v]) = states.find(|[y, v]| law.value(*y, *v).abs() >= 1.0) {
         let message = format!(
-            "the load of {name} makes {} times its own size in friction at v = {} {unit}/s",
+            "the load-dependent friction of {name} is {} times the load at v = {} {unit}/s",
             three_digits(law.value(y, v).abs()),
             three_digits(v)
         );
         report.error(span, "load-friction-too-large", message);
-        report.help("`load` is friction over load, a number without unit: below 1, otherwise no torque moves the joint");
+        report.help(
+            "`load` is friction divided by load, without unit; it must be below 1, otherwise no \
+                     torque moves the joint",
+        );
         return false;
     }
     if grid.holds_all(law) || law.largest() < 1.0 {
         return true;
     }
     let message = format!(
-        "the friction under load of {name} is not known to stay below the load at every speed and position: no limits \
-         bound them"
+        "the load-dependent friction of {name} has no proven bound below 1, because no limits bound speed \
+         and position"
     );
     report.error(span, "load-friction-too-large", message);
-    report.help("give the joint limits, up to which it is checked, or a law that saturates: 0.1*tanh(50*v)");
+    report.help("give the joint limits for this check, or a law that saturates: 0.1*tanh(50*v)");
     false
 }
 
@@ -123,7 +126,7 @@ fn is_finite(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> boo
     }
     report.error(span, "force-not-finite", message);
     report.help(
-        "a force law needs a finite value at every position and speed within the limits, standstill included",
+        "a force law must be finite at every position and speed within the limits, including standstill",
     );
     false
 }
@@ -137,15 +140,21 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         let [driving, braking] = [driving(law, grid).unwrap_or(y), y].map(three_digits);
         let unit = grid.unit;
         let message = format!(
-            "the {what} of {name} drives it at every speed at y = {driving} {unit}, and not at y = {braking} {unit}"
+            "the {what} of {name} accelerates the joint at every speed at y = {driving} {unit}, but not at \
+             y = {braking} {unit}"
         );
         report.error(span, "friction-drives", message);
         report.help(
-            "the law must have the sign of the velocity at every position within the limits: squares, `abs` or a summand keep its factor positive",
+            "the law must have the sign of the velocity at every position within the limits: make its \
+             factor positive with squares, `abs` or a summand",
         );
     } else if driven.iter().all(|(_, is_driven)| *is_driven) {
-        report.error(span, "friction-drives", format!("the {what} of {name} drives it at every speed"));
-        report.help("friction is positive for positive velocity: change the sign");
+        report.error(
+            span,
+            "friction-drives",
+            format!("the {what} of {name} accelerates the joint at every speed"),
+        );
+        report.help("friction must be positive for positive velocity: change the sign");
     } else if driven.iter().any(|(_, is_driven)| *is_driven) {
         let ranges = driven.chunk_by(|(_, first), (_, second)| first == second);
         let ranges = ranges.filter(|range| range[0].1);
@@ -154,11 +163,10 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
             format!("from {low} to {high} {}/s", grid.unit)
         };
         let ranges: Vec<String> = ranges.map(text).collect();
-        let message = format!("the {what} of {name} drives it at velocities {}", ranges.join(" and "));
+        let message =
+            format!("the {what} of {name} accelerates the joint at velocities {}", ranges.join(" and "));
         report.note(Some(span), "friction-drives", message);
-        report.help(
-            "friction with the sign of the velocity brakes; with the other sign it gives the joint energy",
-        );
+        report.help("friction with the sign of the velocity brakes; with the opposite sign it adds energy");
     }
 }
 
@@ -225,7 +233,7 @@ impl<'a> Law<'a> {
 
 /// Where the laws of a joint or shaft are looked at.
 struct Grid {
-    /// Its kind and name.
+    /// Kind and name of the joint or shaft.
     owner: String,
     unit: &'static str,
     /// Largest position looked at if there are no limits.

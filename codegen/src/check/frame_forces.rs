@@ -1,4 +1,4 @@
-//! Forces between frames, wrenches, and inputs that are either.
+//! Forces between frames, wrenches, and inputs of both kinds.
 
 use super::frame_names;
 use super::tree::Tree;
@@ -8,7 +8,7 @@ use crate::model::{Attachment, ForceEffect, ForceInput, PointForce, Pose, Wrench
 use crate::wording::as_written;
 use gelenk_formula::Formula;
 
-/// Forces at frames, in the model's terms.
+/// Forces at frames in the form of the model.
 #[derive(Debug, Default)]
 pub(super) struct FrameForces {
     pub(super) point_forces: Vec<PointForce>,
@@ -20,13 +20,13 @@ pub(super) struct FrameForces {
 pub(super) struct Resolver<'a> {
     pub(super) robot: &'a RobotDescription,
     pub(super) tree: &'a Tree,
-    /// For each link its described frame in the frame of the model's link.
+    /// Described frame of each link in the frame of the model's link.
     pub(super) offsets: &'a [Pose],
     pub(super) report: &'a mut Report,
 }
 
 impl Resolver<'_> {
-    /// All forces at frames; those with an error are left out.
+    /// All forces at frames without errors.
     pub(super) fn resolve(mut self) -> FrameForces {
         let robot = self.robot;
         let mut found = FrameForces::default();
@@ -52,7 +52,7 @@ impl Resolver<'_> {
                 let message = format!("the wrench of input `{}` is zero", input.name.value);
                 self.report.error(input.wrench.span, "wrench-zero", message);
                 self.report
-                    .help("force (N), then moment (N m), for a unit of the input: [0, 0, 1, 0, 0, 0.016]");
+                    .help("give force (N), then moment (N m), per unit of the input: [0, 0, 1, 0, 0, 0.016]");
             }
             let Some(at) = self.moving(&input.frame) else { continue };
             let effect = ForceEffect::Wrench { at, wrench: input.wrench.value.clone() };
@@ -94,7 +94,7 @@ impl Resolver<'_> {
     fn moving(&mut self, name: &Name) -> Option<Attachment> {
         let at = self.attachment(name)?;
         if self.tree.carriers(self.robot)[at.link] == 0 {
-            let message = format!("`{}` is fixed to the base: a force there moves nothing", name.value);
+            let message = format!("`{}` is fixed to the base, so a force there has no effect", name.value);
             self.report.error(name.span, "force-on-base", message);
             self.report.help("name a frame or link that a joint moves");
             return None;
@@ -107,10 +107,12 @@ impl Resolver<'_> {
         let mut sites =
             self.robot.frames.iter().filter(|frame| frame.is_site && frame.name.value == name.value);
         let Some(site) = sites.find(|site| frame_names::is_ambiguous(site, self.tree)) else { return true };
-        let message =
-            format!("`{}` is a site on body `{}` and a body, elsewhere", name.value, site.link.value);
+        let message = format!(
+            "`{}` is the name of a site on body `{}` and of a body at another place",
+            name.value, site.link.value
+        );
         self.report.error(name.span, "ambiguous-name", message);
-        self.report.help("a force acts between frames or links: give the site another name in the MJCF, or describe a frame at its place");
+        self.report.help("a force acts between frames or links: rename the site in the MJCF, or describe a frame at its place");
         false
     }
 
@@ -126,7 +128,8 @@ impl Resolver<'_> {
         if carriers[first.link] == carriers[second.link] {
             let message = format!("`{}` and `{}` do not move relative to each other", a.value, b.value);
             self.report.error(b.span, "force-within-body", message);
-            self.report.help("a force acts between two bodies: name frames or links that a joint separates");
+            self.report
+                .help("a force acts between two bodies: name frames or links with a joint between them");
             return None;
         }
         Some([first, second])
@@ -137,17 +140,17 @@ impl Resolver<'_> {
         let At { value: [low, high], span } = limits?;
         if low >= high {
             let message = format!(
-                "the limits of input `{}` are [{}, {}]: no range",
+                "the limits of input `{}` are [{}, {}], an empty range",
                 name.value,
                 as_written(*low),
                 as_written(*high)
             );
             self.report.error(*span, "limits-reversed", message);
-            self.report.help("lowest, then highest value: limits = [0, 8]");
+            self.report.help("give the lowest, then the highest value: limits = [0, 8]");
         } else if *low > 0.0 || *high < 0.0 {
             let message = format!("the limits of input `{}` exclude 0", name.value);
             self.report.error(*span, "limits-exclude", message);
-            self.report.help("guards command 0 when they stop a robot: give limits that contain it");
+            self.report.help("guards command 0 to stop the robot: give limits that contain 0");
         }
         Some([*low, *high])
     }

@@ -1,7 +1,7 @@
-//! Descriptions that probably mean something else: degrees, millimetres, legs without a floating base, meshes
-//! without mass, limits of drives that are missing.
+//! Probable mistakes in a description: degrees, millimetres, legs with a fixed base, meshes without mass,
+//! missing drives.
 //!
-//! Each kind is noted once. A description that means it so loses nothing.
+//! Each kind of mistake gives one note. The note has no effect on the model.
 
 use super::tree::Tree;
 use crate::description::angles::{is_beyond_turns, looks_like_degrees};
@@ -18,7 +18,7 @@ const FAR: f64 = 50.0;
 /// Parts of the names of legs.
 const LEG_WORDS: [&str; 9] = ["leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank"];
 
-/// Notes on probable mistakes in a robot whose links form a tree.
+/// Notes probable mistakes of a robot whose links form a tree.
 pub(super) fn note(robot: &RobotDescription, tree: &Tree, defaults: &[f64], report: &mut Report) {
     let moving = tree.moving(robot);
     note_degrees(robot, report);
@@ -44,8 +44,8 @@ fn note_degrees(robot: &RobotDescription, report: &mut Report) {
             found.push((joint.name.span, format!("{name} held at {}", as_written(held))));
         }
     }
-    let message = |entries| format!("positions look like degrees: {entries}; they are taken as radians");
-    let help = "90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML";
+    let message = |entries| format!("these positions look like degrees, but are read as radians: {entries}");
+    let help = "90° is 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML";
     note_found(found, "looks-like-degrees", message, help, report);
 }
 
@@ -84,7 +84,7 @@ fn note_lengths(
         let moves = tree.index.get(&body.link.value).is_some_and(|&link| moving[link]);
         let distance = length(&body.center_in_link());
         if moves && distance.is_finite() && distance > FAR {
-            let entry = format!("the centre of mass of {} {} m", body.name.quoted(), three_digits(distance));
+            let entry = format!("centre of mass of {} ({} m)", body.name.quoted(), three_digits(distance));
             found.push((body.name.span, entry));
         }
     }
@@ -95,12 +95,17 @@ fn note_lengths(
         };
         let distance = joint.origin.as_ref().map_or(0.0, |origin| length(&origin.translation));
         if distance > FAR {
-            let entry = format!("joint {} {} m", joint.name.quoted(), three_digits(distance));
+            let entry = format!("joint {} ({} m)", joint.name.quoted(), three_digits(distance));
             found.push((joint.name.span, entry));
         }
     }
-    let message = |entries| format!("far from the frame of its link: {entries}; are lengths in millimetres?");
-    note_found(found, "far-away", message, "lengths are in metres, inertias in kg m²", report);
+    let message = |entries| {
+        format!(
+            "positions far from the frame of their link; check whether lengths are \
+                                     in millimetres: {entries}"
+        )
+    };
+    note_found(found, "far-away", message, "lengths are in m, inertias in kg m²", report);
 }
 
 /// Inertias as if the whole mass were that far away.
@@ -128,7 +133,12 @@ fn note_inertias(
             found.push((inertia.span, entry));
         }
     }
-    let message = |entries| format!("inertias too large for their masses: {entries}; are they in kg mm²?");
+    let message = |entries| {
+        format!(
+            "these inertias are too large for their masses; check whether they are \
+                                     in kg mm²: {entries}"
+        )
+    };
     note_found(found, "large-inertia", message, "inertias are in kg m²: 1 kg m² is 1e6 kg mm²", report);
 }
 
@@ -153,13 +163,16 @@ fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     let joints = legs.iter().filter_map(|&link| robot.joints.get(tree.joints[link]?));
     let joints: Vec<&str> = joints.map(|joint| joint.name.value.as_str()).collect();
     let message = format!(
-        "the robot seems to have {} legs ({}), and its base {} is fixed to the world: there is no floating base in the model",
+        "the robot seems to have {} legs ({}), but its base {} is fixed to the world",
         legs.len(),
         list(joints.into_iter()),
         base.quoted(),
     );
     report.note(Some(tree.links[first].span), "legs-on-fixed-base", message);
-    report.help("`--base floating` on the command line, or `base = { type = \"floating\" }` in a description, frees it");
+    report.help(
+        "make the base floating with `--base floating` on the command line, or `base = { type = \
+                 \"floating\" }` in a description",
+    );
 }
 
 fn names_a_leg(name: &str) -> bool {
@@ -190,7 +203,7 @@ fn note_shapes(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
         .collect();
     let Some(first) = found.first() else { return };
     let message = format!(
-        "links with a shape and without <inertial> weigh nothing: {}",
+        "these links have a shape but no <inertial>, so their mass is 0: {}",
         list(found.iter().map(|name| name.value.as_str()))
     );
     report.note(Some(first.span), "shape-without-mass", message);
@@ -210,7 +223,7 @@ fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
     }
     let Some(&(first, _)) = found.first() else { return };
     let entries = listed(found.into_iter().map(|(_, entry)| entry));
-    let message = format!("the effort of joints without a drive has no effect: {entries}");
+    let message = format!("the effort limits of these joints without a drive have no effect: {entries}");
     report.warning(first, "effort-without-drive", message);
-    report.help("`drive = \"ideal\"` makes the joint's force or torque an input, `drive = \"none\"` gives it no input");
+    report.help("`drive = \"ideal\"` makes the joint's force or torque an input; `drive = \"none\"` gives it no input");
 }

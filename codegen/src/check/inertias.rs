@@ -1,8 +1,8 @@
-//! Are the moving bodies such as there can be?
+//! Checks that the moving bodies are physically possible.
 //!
-//! Bodies that are fixed to the base never enter the dynamics and are not checked. Inertias of a TOML file
-//! are its author's and have to be right. Those of a URDF are often somebody else's: they are taken as
-//! published, with one warning, as long as the mass matrix is positive definite.
+//! Bodies fixed to the base do not enter the dynamics and are not checked. Inertias of a TOML file must be
+//! correct, because its author can change them. Inertias of a URDF are often published by others: they are
+//! accepted with one warning while the mass matrix is positive definite.
 
 use super::tree::Tree;
 use crate::description::{BodyDescription, RobotDescription};
@@ -24,9 +24,9 @@ pub(super) struct Published<'d> {
     moving: usize,
 }
 
-/// Reports bodies of TOML files that cannot be; returns those of URDFs.
+/// Reports impossible bodies of TOML files; returns those of URDFs.
 ///
-/// - `tree`: the links, where they form one: else all bodies are checked
+/// - `tree`: the links, if they form a tree; otherwise all bodies are checked
 pub(super) fn check<'d>(
     robot: &'d RobotDescription,
     tree: Option<&Tree>,
@@ -70,10 +70,12 @@ fn flaw(body: &BodyDescription, defaults: &[f64]) -> Option<Flaw> {
 fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
     let name = &body.name.value;
     let (code, message) = match flaw {
-        Flaw::Massless => ("inertia-without-mass", format!("body `{name}` has {flaw}, as no real body has")),
+        Flaw::Massless => {
+            ("inertia-without-mass", format!("body `{name}` has {flaw}, which no real body has"))
+        }
         Flaw::Triangle(_) => (
             "inertia-triangle-inequality",
-            format!("inertia of body `{name}` belongs to no real body: {flaw}"),
+            format!("the inertia of body `{name}` is that of no real body: {flaw}"),
         ),
         Flaw::NotPositive(_) => (
             "inertia-not-positive-definite",
@@ -89,16 +91,16 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
     report.push(Some(span), Diagnostic { severity, ..Diagnostic::note(code, message) });
     if severity != Severity::Note {
         report.help(
-            "inertia counts about the centre of mass of a body with a mass; `accept_unphysical = true` in a TOML body \
-             takes it as published",
+            "inertia is about the centre of mass of a body with mass; `accept_unphysical = true` in a TOML \
+             body accepts the published value",
         );
     }
 }
 
 impl Published<'_> {
-    /// One warning about all of them.
+    /// Gives one warning about all published bodies.
     ///
-    /// - `pivots`: those of the mass matrix, if there is a model
+    /// - `pivots`: pivots of the mass matrix, if there is a model
     pub(super) fn report(&self, pivots: Option<&Pivots>, report: &mut Report) {
         let Some(first) = self.findings.first() else {
             return;
@@ -110,15 +112,15 @@ impl Published<'_> {
             false => String::new(),
         };
         let message = format!(
-            "{} of {} moving bodies cannot be real ones: {}; the model takes them as published{definite}",
+            "{} of {} moving bodies are not physical: {}; the model uses the published values{definite}",
             self.findings.len(),
             self.moving,
             listed(entries),
         );
         report.warning(span_of(first.body), "unphysical-bodies", message);
         report.help(
-            "a real body has a mass; of its principal moments about the centre of mass none is negative, and none exceeds the \
-             sum of the other two",
+            "a real body has positive mass; no principal moment about its centre of mass is negative, and \
+             none exceeds the sum of the other two",
         );
     }
 }

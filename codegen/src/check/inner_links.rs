@@ -1,15 +1,16 @@
-//! Links between the velocities of one joint with a quaternion: they only order these, and nothing is fixed to them.
+//! Links between the velocities of a joint with a quaternion. They only define the order of these velocities;
+//! nothing can be fixed to them.
 
 use crate::description::{DriveChoice, JointDescription, Name, RobotDescription};
 use crate::diagnostic::Report;
 use std::collections::BTreeMap;
 
-/// Reports everything that is fixed to such a link.
+/// Reports objects fixed to a link between two velocities of a joint.
 pub(super) fn refuse(robot: &RobotDescription, report: &mut Report) {
     let inner: BTreeMap<&str, &str> = robot.joints.iter().filter_map(inner_link).collect();
     for name in named_links(robot) {
         if let Some(joint) = inner.get(name.value.as_str()) {
-            let message = format!("`{}` is not a link: it is a velocity of joint `{joint}`", name.value);
+            let message = format!("`{}` is a velocity of joint `{joint}`, not a link", name.value);
             report.error(name.span, "quaternion-joint", message).help("name the link that the joint carries");
         }
     }

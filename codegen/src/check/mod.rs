@@ -1,4 +1,4 @@
-//! A [`RobotDescription`] becomes a [`Model`], or everything that is wrong with it.
+//! Converts a [`RobotDescription`] to a [`Model`], or reports all its errors.
 
 mod build;
 mod checks;
@@ -24,7 +24,7 @@ use crate::model::Model;
 use build::Builder;
 use names::Identifiers;
 
-/// Checks everything and builds the model; with errors in the report there is none.
+/// Checks the description and builds the model; `None` if there are errors.
 pub(super) fn model(robot: &RobotDescription, report: &mut Report) -> Option<Model> {
     let identifiers = Identifiers::new(robot, report);
     let defaults: Vec<f64> = robot.parameters.iter().map(|parameter| parameter.value.default).collect();

@@ -1,4 +1,4 @@
-//! Distinct names, and the identifiers that stand for them in generated code.
+//! Names and their identifiers in generated code.
 
 use crate::description::{DriveChoice, JointDescription, Name, PointForceDescription, RobotDescription};
 use crate::diagnostic::Report;
@@ -8,22 +8,22 @@ use crate::model::name::identifier;
 use crate::wording::listed;
 use std::collections::BTreeMap;
 
-/// Identifiers of the module, its joints, frames and drives, in the order of their description.
+/// Identifiers of the module and its joints, frames and drives, in the order of the description.
 #[derive(Debug)]
 pub(super) struct Identifiers {
     pub(super) module: String,
-    /// They label values inside of functions.
+    /// Identifiers of joints: names of values within functions.
     pub(super) joints: Vec<String>,
-    /// They are part of the names of functions.
+    /// Identifiers of frames: parts of function names.
     pub(super) frames: Vec<String>,
     /// Drives by joint; `None` if the joint has none.
     pub(super) drives: Vec<Option<String>>,
-    /// Names of the drives that are not on a joint.
+    /// Names of the drives under `[[drives]]`.
     pub(super) shared_drives: Vec<String>,
 }
 
 impl Identifiers {
-    /// Reports names that are given twice. Different names whose identifiers would be the same are numbered.
+    /// Reports duplicate names. Identifiers of different names that would be equal get numbers.
     pub(super) fn new(robot: &RobotDescription, report: &mut Report) -> Self {
         let joints: Vec<&Name> = robot.joints.iter().map(|joint| &joint.name).collect();
         let frames: Vec<&Name> = robot.frames.iter().map(|frame| &frame.name).collect();
@@ -68,7 +68,7 @@ impl Identifiers {
         }
     }
 
-    /// Reports names of the module and of the functions of frames that differ from the description.
+    /// Notes identifiers of the module and of frames that differ from the described names.
     pub(super) fn note(&self, robot: &RobotDescription, report: &mut Report) {
         let module = (&robot.name, self.module.clone());
         let module = Some(module).filter(|(name, identifier)| name.value != *identifier);
@@ -116,7 +116,7 @@ pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what:
             continue;
         };
         let place = report.place(first.span);
-        let message = format!("two {what} are named `{}`; the other one is at {place}", name.value);
+        let message = format!("two {what} are named `{}`; the other is at {place}", name.value);
         report.error(name.span, "duplicate-name", message).help("give each its own name");
     }
 }

@@ -1,4 +1,5 @@
-//! Spherical and floating joints: keys of their velocities, and their order among the coordinates.
+//! Checks of spherical and floating joints: keys of their velocities, and the order of these among the
+//! coordinates.
 
 use super::inner_links;
 use super::tree::Tree;
@@ -8,7 +9,7 @@ use crate::model::quaternion_joint::{NO_LAW_OF_POSITION, NO_ROTOR};
 use crate::model::{QuaternionJoint, QuaternionKind};
 use gelenk_formula::Formula;
 
-/// Reports keys that no velocity of a joint with a quaternion can have.
+/// Reports keys that are not valid for a velocity of a joint with a quaternion.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         if let Some(part) = &joint.part_of {
@@ -50,7 +51,8 @@ impl Velocity<'_> {
             );
         }
         if let Some(follows) = follows {
-            let help = "a quaternion follows no coordinate: describe the joint by revolute ones, type \"universal\" for example";
+            let help = "a joint with a quaternion cannot follow a coordinate: describe it with revolute \
+                        joints, for example type \"universal\"";
             self.refuse(follows.span, "`follows`", help, report);
         }
         if let Some(springs) = springs
@@ -68,8 +70,8 @@ impl Velocity<'_> {
                 );
             }
             if let Some(load) = &friction.value.load {
-                let help = "a load is that of a gear on a joint with one velocity";
-                self.refuse(load.span, "friction that grows with the load", help, report);
+                let help = "load-dependent friction requires a joint with one velocity";
+                self.refuse(load.span, "load-dependent friction", help, report);
             }
         }
         if let Some(drive) = drive
@@ -93,7 +95,10 @@ fn refuse_following(robot: &RobotDescription, followed: &Name, by: &Name, report
         let (kind, joint) = (part.kind.name(), &part.joint.value);
         let message = format!("`{}` acts through `{}` of {kind} joint `{joint}`", by.value, followed.value);
         report.error(followed.span, "quaternion-joint", message);
-        report.help("only joints with one position can be followed: a torque on this one is `drive = \"ideal\"` at the joint");
+        report.help(
+            "only a joint with one position can be followed; for a torque on this joint use `drive \
+                     = \"ideal\"` at the joint",
+        );
     }
 }
 
@@ -105,12 +110,12 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
         let message =
             format!("`{}` is a second floating joint, next to `{}`", second.joint.value, first.joint.value);
         report.error(second.joint.span, "second-floating-joint", message);
-        report.help("two bodies that both move freely are two robots: generate a module for each");
+        report.help("a model has at most one free body: generate one module per robot");
     }
 }
 
-/// The joints with quaternions in the order of the coordinates; reports an error if the velocities of one do not
-/// stand together.
+/// Joints with quaternions in the order of the coordinates. Reports an error if the velocities of a joint are
+/// not adjacent.
 pub(super) fn find(
     robot: &RobotDescription,
     tree: &Tree,
@@ -139,9 +144,9 @@ pub(super) fn find(
             }
             let span = robot.coordinates.as_ref().and_then(|listed| listed.get(next));
             let span = span.map_or(first.joint.span, |name| name.span);
-            let message = format!("the velocities of `{}` are not adjacent", first.joint.value);
+            let message = format!("the velocities of joint `{}` are not adjacent", first.joint.value);
             report.error(span, "quaternion-joint", message);
-            report.help("in `coordinates` those of one joint follow each other in their order");
+            report.help("list the velocities of each joint together and in their order in `coordinates`");
             return joints;
         }
         joints.push(QuaternionJoint { name: first.joint.value.clone(), kind: first.kind, first: next });

@@ -2,7 +2,7 @@
 
 use gelenk_formula::{Formula, Function};
 
-/// The values of a formula lie between these, which may be infinite.
+/// Bounds of the values of a formula; may be infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     low: f64,
@@ -12,7 +12,7 @@ pub(super) struct Range {
 impl Range {
     const ALL: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
-    /// Bounds of a formula whatever the position and the velocity, at these values of free parameters.
+    /// Bounds of a formula over all positions and velocities, at these values of free parameters.
     pub(super) fn of(formula: &Formula, parameters: &[f64]) -> Self {
         let go = |part: &Formula| Self::of(part, parameters);
         match formula {
@@ -142,7 +142,7 @@ mod tests {
             for k in 0..400 {
                 let (y, v) = (f64::from(k % 20) - 9.7, f64::from(k / 20) - 9.9);
                 let value = formula.evaluate(&[], y, v);
-                assert!(value.abs() <= bound, "{text} is {value} at {y}, {v}: beyond {bound}");
+                assert!(value.abs() <= bound, "{text} is {value} at {y}, {v}, beyond {bound}");
             }
         }
     }

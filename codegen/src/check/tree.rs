@@ -1,4 +1,4 @@
-//! The links of a description as one tree, parents before children.
+//! The links of a description as one tree; parents precede children.
 
 use crate::description::{JointDescription, Name, RobotDescription};
 use crate::diagnostic::{Report, Span, nearest};
@@ -7,31 +7,31 @@ use std::collections::BTreeMap;
 /// Links and joints in their final order.
 #[derive(Debug, Default)]
 pub(super) struct Tree {
-    /// Link names; the base is the first.
+    /// Link names; the first is the base.
     pub links: Vec<Name>,
-    /// For each link the index of its joint in the description; `None` for the base alone.
+    /// Index of each link's joint in the description; `None` only for the base.
     pub joints: Vec<Option<usize>>,
-    /// For each link the index of its parent link; that of the base is itself.
+    /// Index of each link's parent link; the base is its own parent.
     pub parents: Vec<usize>,
     /// Index of a link by its name.
     pub index: BTreeMap<String, usize>,
 }
 
 impl Tree {
-    /// Links whose own joint moves, parents first.
+    /// Links with a moving joint, parents first.
     pub fn moved_links(&self, robot: &RobotDescription) -> impl Iterator<Item = usize> {
         let joint = |link: usize| self.joints[link].and_then(|joint| robot.joints.get(joint));
         (0..self.links.len()).filter(move |&link| joint(link).is_some_and(JointDescription::moves))
     }
 
-    /// For each link, whether it moves.
+    /// Whether each link moves.
     pub fn moving(&self, robot: &RobotDescription) -> Vec<bool> {
         let carriers = self.carriers(robot).into_iter();
         carriers.map(|carrier| carrier > 0).collect()
     }
 
-    /// For each link the first one on its way to the base whose own joint moves: itself, or what it is fixed
-    /// to; the base for what never moves.
+    /// Carrier of each link: the nearest link on the path to the base, itself included, whose joint moves;
+    /// the base for links that never move.
     pub fn carriers(&self, robot: &RobotDescription) -> Vec<usize> {
         let mut carriers = vec![0; self.links.len()];
         for link in self.moved_links(robot) {
@@ -45,7 +45,7 @@ impl Tree {
         carriers
     }
 
-    /// The links before one on its way to the base.
+    /// The links from a link's parent to the base.
     pub fn ancestors(&self, link: usize) -> impl Iterator<Item = usize> {
         let parent = |&link: &usize| (link > 0).then(|| self.parents[link]);
         std::iter::successors(parent(&link), parent)
@@ -62,7 +62,7 @@ struct Graph<'d> {
     carries: Vec<Vec<usize>>,
 }
 
-/// Orders the links; reports two roots, cycles and links with two joints, in which case there is no tree.
+/// Orders the links. Returns `None` and reports an error for two roots, cycles, or a link with two joints.
 pub(super) fn build(robot: &RobotDescription, report: &mut Report) -> Option<Tree> {
     let before = report.error_count();
     let graph = Graph::new(robot, report);
@@ -101,7 +101,7 @@ impl<'d> Graph<'d> {
         for link in &robot.links {
             if let Some(first) = self.numbers.get(link.value.as_str()) {
                 let place = report.place(self.names[*first].span);
-                let message = format!("two links are named `{}`; the other one is at {place}", link.value);
+                let message = format!("two links are named `{}`; the other is at {place}", link.value);
                 report.error(link.span, "duplicate-name", message);
             }
             self.number(link);
@@ -138,7 +138,7 @@ impl<'d> Graph<'d> {
         match roots.as_slice() {
             [root] => match &robot.base {
                 Some(base) if base.value != self.names[*root].value => {
-                    let message = format!("`{}` is carried by a joint, it cannot be the base", base.value);
+                    let message = format!("`{}` is carried by a joint, so it cannot be the base", base.value);
                     report.error(base.span, "base-moves", message);
                     None
                 }
@@ -167,7 +167,7 @@ impl<'d> Graph<'d> {
         for other in others {
             let (base, name) = (self.names[first], self.names[*other]);
             let message =
-                format!("two roots: neither `{}` nor `{}` is carried by a joint", base.value, name.value);
+                format!("the robot has two roots: no joint carries `{}` or `{}`", base.value, name.value);
             report.error(name.span, "two-roots", message);
             let carried = (0..self.names.len()).filter(|link| self.carried_by[*link].is_some());
             let hint = nearest(&name.value, carried.map(|link| self.names[link].value.as_str()));
@@ -238,22 +238,21 @@ impl<'d> Graph<'d> {
             return;
         }
         report.error(span, "cycle", format!("the links {}{dots} form a cycle", names.join(" → ")));
-        report.help("each link is carried by one joint, and following the parents must lead to the base");
+        report.help("each link is carried by one joint, and the chain of parents must end at the base");
     }
 }
 
 /// A joint whose keys say so, or the first of a chain that is called as the fixed base is by default.
 fn report_carried_by_itself(link: &str, is_default: bool, span: Span, report: &mut Report) {
-    let message =
-        format!("link `{link}` would be carried by itself: this joint has it as parent and as child");
+    let message = format!("link `{link}` would carry itself: this joint names it as parent and child");
     report.error(span, "cycle", message);
     let other = if link == "world" { "ground" } else { "world" };
     report.help(match is_default {
         true => format!(
-            "without `child` a joint moves a link of its own name, and without `parent` the base carries the first joint: \
-             rename the joint, or the base, e.g. `base = \"{other}\"`"
+            "without `child` a joint moves the link of its own name, and without `parent` the base carries \
+             the first joint: rename the joint, or the base, for example `base = \"{other}\"`"
         ),
-        false => "name two links: the one that carries the joint and the one that it moves".to_owned(),
+        false => "name two different links: `parent` carries the joint, `child` moves with it".to_owned(),
     });
 }
 
@@ -264,5 +263,5 @@ fn report_two_joints(second: &JointDescription, first: &JointDescription, report
         child.value, first.name.value, second.name.value
     );
     report.error(child.span, "two-parents", message);
-    report.help("closed loops are not supported; a link has one joint to its parent");
+    report.help("each link has one joint to its parent; closed loops are not supported");
 }

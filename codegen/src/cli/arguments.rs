@@ -10,12 +10,11 @@ use gelenk_formula::Hold;
 
 use super::choices::{BaseName, Choices, Modules, Reading, positive, share};
 
-/// Robot dynamics as plain Rust or C: reads a kinematic description, derives the equations of motion, writes
-/// one module.
+/// Generates robot dynamics as plain Rust or C from a kinematic description.
 #[derive(Debug, Parser)]
 #[command(name = "gelenk", version, max_term_width = 100, after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// How results are printed
+    /// Format of the printed results
     #[arg(long, value_enum, default_value_t = Format::Text, global = true)]
     pub(super) format: Format,
     #[command(subcommand)]
@@ -23,7 +22,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// The arguments of the process. Joints that are held become a part of `--columns`.
+    /// Parses the arguments of the process. Held joints become a part of `--columns`.
     pub(super) fn read() -> Self {
         let mut arguments = Self::parse();
         if let Command::Identify(what) = &mut arguments.command
@@ -41,35 +40,35 @@ const EXAMPLES: &str = "\
 Examples:
   gelenk generate models/powercube.toml        writes generated/src/powercube.rs
   gelenk generate arm.urdf --output src/arm.rs
-  gelenk generate                              everything in models/; removes other modules of generated/src/
-  gelenk check                                 is generated/ fresh?
+  gelenk generate                              all descriptions in models/; removes other modules of generated/src/
+  gelenk check                                 compares generated/ with models/
   gelenk inspect counts models/ur5.toml        operation counts of all functions
   gelenk report models/ur5.toml                a page about the robot
   gelenk export arm.toml --mjcf                the robot for MuJoCo
   gelenk identify arm.toml log.csv             friction and inertias from a recorded motion
-  gelenk new my_arm                            a crate to begin with
+  gelenk new my_arm                            a small crate with a simulation
   gelenk schema                                the keys of a description, for editors
 
-Exit codes: 0 success, 1 the description is at fault or the output is stale, 2 wrong command line, 3 internal error.";
+Exit codes: 0 success, 1 the description has errors or the output is out of date, 2 wrong command line, 3 internal error.";
 
 const GENERATE_EXAMPLES: &str = "\
 Examples:
   gelenk generate models/powercube.toml
   gelenk generate arm.urdf --output - --functions mass_matrix,bias_forces
   gelenk generate arm.urdf --snap-angles 1e-4 --scalar f32 --output firmware/src/arm.rs
-  gelenk generate arm.urdf --hold 'finger_*=0.02'        without the joints of its gripper
-  gelenk generate arm.toml --control-model 50    for the plant and for the controller
+  gelenk generate arm.urdf --hold 'finger_*=0.02'        holds the joints of the gripper
+  gelenk generate arm.toml --control-model 50    writes a plant and a controller module
   gelenk generate arm.toml --language c --output firmware/    writes firmware/arm.h and firmware/arm.c
-  gelenk generate arm.toml --language c --format json         also says how the functions are called";
+  gelenk generate arm.toml --language c --format json         also prints the signatures of the functions";
 
 const EXPORT_EXAMPLES: &str = "\
 Examples:
   gelenk export arm.toml --mjcf                  writes arm.xml, for MuJoCo
   gelenk export arm.toml --urdf --output robots/arm.urdf
 
-Notes name what the format does not hold. A file that gelenk has not written is not written over.
+Notes list the quantities that the format cannot hold. A file that gelenk did not write is not overwritten.
 
-Exit codes: 0 success, 1 the description is at fault or the file cannot be written, 2 wrong command line, 3 internal error.";
+Exit codes: 0 success, 1 the description has errors or the file cannot be written, 2 wrong command line, 3 internal error.";
 
 const INSPECT_EXAMPLES: &str = "\
 Examples:
@@ -81,21 +80,21 @@ Examples:
 
 const NEW_EXAMPLES: &str = "\
 Examples:
-  gelenk new my_arm                              on this program's own checkout
+  gelenk new my_arm                              uses the source of this program
   gelenk new my_arm --urdf arm.urdf              the robot of a URDF, which is copied
-  gelenk new my_arm --mjcf arm.xml               the robot of an MJCF, and what it includes
+  gelenk new my_arm --mjcf arm.xml               the robot of an MJCF, with its included files
   gelenk new my_arm --git https://example.org/gelenk.git
   gelenk new my_arm --c                          a project in C; --python: in Python
   gelenk new my_arm --ros2 --urdf arm.urdf       a ROS 2 package with controllers
 
-Exit codes: 0 success, 1 the folder exists or cannot be made, or the file is at fault, 2 wrong command line, 3 internal error.";
+Exit codes: 0 success, 1 the folder exists, cannot be created, or the file has errors, 2 wrong command line, 3 internal error.";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
   gelenk report models/powercube.toml            writes report/powercube/index.html
   gelenk report arm.urdf --output /tmp/arm
 
-Exit codes: 0 success, 1 the description is at fault or the self-check fails, 2 wrong command line, 3 internal error.";
+Exit codes: 0 success, 1 the description has errors or the self-check fails, 2 wrong command line, 3 internal error.";
 
 const SCHEMA_EXAMPLES: &str = "\
 Examples:
@@ -125,28 +124,28 @@ Exit codes: 0 success, 1 a file is at fault or the data explain nothing, 2 wrong
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Write the module of a description, in Rust or C, or of everything in models/
+    /// Generate the Rust or C module of a description, or the modules of all descriptions in models/
     #[command(after_help = GENERATE_EXAMPLES)]
     Generate(Generate),
-    /// Is the committed output fresh? Compares without writing
+    /// Check that the committed modules are up to date, without writing
     Check(Check),
-    /// Write the robot of a description as MJCF (MuJoCo) or as URDF
+    /// Export a description as MJCF (MuJoCo) or URDF
     #[command(after_help = EXPORT_EXAMPLES)]
     Export(Export),
-    /// Show the model, the operation counts, the program or the Rust text
+    /// Print the model, the operation counts, the program or the Rust text
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(Inspect),
-    /// Make a small crate with a robot, its build script and a simulation
+    /// Create a small crate with a robot, its build script and a simulation
     #[command(after_help = NEW_EXAMPLES)]
     New(New),
-    /// Find friction, inertias and drive gains in logs of a robot, and write them as a description; or plan a
-    /// motion that shows them
+    /// Estimate friction, inertias and drive gains from logs and write them as a description; or plan the motion
+    /// to record
     #[command(after_help = IDENTIFY_EXAMPLES)]
     Identify(Box<Identify>),
-    /// Write a page about a robot: drawing, parameters, equations, costs, a self-check
+    /// Write a page about a robot: drawing, parameters, equations, operation counts, self-check
     #[command(after_help = REPORT_EXAMPLES)]
     Report(Report),
-    /// Print the JSON Schema of robot descriptions, by which editors complete and check keys
+    /// Print the JSON Schema of robot descriptions; editors complete and check keys with it
     #[command(after_help = SCHEMA_EXAMPLES)]
     Schema,
 }
@@ -155,10 +154,10 @@ pub(super) enum Command {
 pub(super) struct Generate {
     /// TOML, URDF or MJCF; without it everything in models/ goes to generated/src/
     pub(super) description: Option<PathBuf>,
-    /// Where the module goes: a file, or a folder for <NAME>.rs; `-` is standard output. Default:
-    /// generated/src/<NAME>.rs for a description in the workspace's models/, else <NAME>.rs in this folder. In
-    /// C a folder, or a file FILE.c beside which FILE.h goes and whose name the functions begin with; default:
-    /// <NAME>.h and <NAME>.c in this folder
+    /// Output file, or folder for <NAME>.rs; `-` is standard output. Default: generated/src/<NAME>.rs for a
+    /// description in the workspace's models/, else <NAME>.rs in this folder. In C: a folder, or a file FILE.c;
+    /// FILE.h is written beside it, and the names of the functions begin with FILE. Default in C: <NAME>.h and
+    /// <NAME>.c in this folder
     #[arg(long, short, value_name = "PATH", requires = "description")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -187,7 +186,7 @@ pub(super) struct Export {
     /// Write a URDF: links, joints, limits, friction, mimic joints
     #[arg(long, group = "to")]
     pub(super) urdf: bool,
-    /// Where the file goes; `-` is standard output [default: <NAME>.xml or <NAME>.urdf in this folder]
+    /// Output file; `-` is standard output [default: <NAME>.xml or <NAME>.urdf in this folder]
     #[arg(long, short, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
@@ -197,19 +196,19 @@ pub(super) struct Export {
 #[derive(Debug, Args)]
 #[command(allow_missing_positional = true)]
 pub(super) struct Inspect {
-    /// What to show [default: model]; not with --closed-form
+    /// Stage to print [default: model]; not with --closed-form
     #[arg(value_enum)]
     pub(super) what: Option<Stage>,
     /// TOML, URDF or MJCF
     pub(super) description: PathBuf,
-    /// Beside the counts, the bytes of machine code that rustc makes at opt-level 3 (counts only)
+    /// Also print the size of the machine code at opt-level 3 in bytes (counts only)
     #[arg(long)]
     pub(super) bytes: bool,
-    /// As LaTeX (program and closed forms only)
+    /// Print LaTeX (program and closed forms only)
     #[arg(long)]
     pub(super) latex: bool,
-    /// Closed forms of M, k, q and B with symbolic parameters, for up to three joints; needs a build with the
-    /// feature `symbolica`, and for commercial use a licence of Symbolica
+    /// Print closed forms of M, k, q and B with symbolic parameters, for up to three joints. This needs a build
+    /// with the feature `symbolica`, and a licence of Symbolica for commercial use
     #[arg(long, conflicts_with_all = ["what", "functions", "scalar"])]
     pub(super) closed_form: bool,
     /// Write the closed forms to this file instead of standard output
@@ -221,41 +220,41 @@ pub(super) struct Inspect {
 
 #[derive(Debug, Args)]
 pub(super) struct New {
-    /// Folder to make; its last part names the crate
+    /// Folder to create; its last part names the crate
     #[arg(value_name = "NAME")]
     pub(super) folder: PathBuf,
-    /// Make a project in C instead: a Makefile and a simulation
+    /// Create a project in C: a Makefile and a simulation
     #[arg(long, conflicts_with_all = ["python", "ros2", "checkout", "git", "version"])]
     pub(super) c: bool,
-    /// Make a package for ROS 2 instead: controllers for ros2_control, gravity compensation and computed torque
+    /// Create a ROS 2 package with two controllers for ros2_control: gravity compensation and computed torque
     #[arg(long, conflicts_with_all = ["python", "base", "checkout", "git", "version"])]
     pub(super) ros2: bool,
-    /// Make a project in Python instead: a simulation over NumPy arrays
+    /// Create a project in Python: a simulation over NumPy arrays
     #[arg(long)]
     pub(super) python: bool,
-    /// Let the program learn the friction of the robot while it moves
+    /// Estimate the friction of the robot online while it moves
     #[arg(long, conflicts_with_all = ["c", "python", "ros2", "base", "feet"])]
     pub(super) online_friction: bool,
-    /// Describe the robot of this URDF or MJCF [default: an arm of two joints]
+    /// Use the robot of this URDF or MJCF [default: an arm of two joints]
     #[arg(long, visible_alias = "mjcf", value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,
-    /// Let the base move freely: a floating joint carries it [default: as described; without --urdf a
-    /// quadrotor rather than an arm]
+    /// Kind of base; a floating joint carries a floating base [default: as described]. Without --urdf,
+    /// `floating` gives a quadrotor
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
-    /// Hold joints, a name or a pattern with `*`, at VALUE [rad or m, default: 0]; joints that follow them rest too; may be
-    /// given several times
+    /// Hold joints at VALUE [rad or m, default: 0], by a name or a pattern with `*`. Joints that mimic them are held
+    /// too. May be given several times
     #[arg(long, value_name = "PATTERN[=VALUE]", value_parser = Hold::parse, requires = "urdf")]
     pub(super) hold: Vec<Hold>,
-    /// Take the tree of this body as the robot, out of the scene of an MJCF
+    /// Read only the subtree of this body of an MJCF scene
     #[arg(long, value_name = "NAME", requires = "urdf")]
     pub(super) body: Option<String>,
-    /// The links that are the robot's feet, one for each leg: it stands on them [default: the ends of three or
-    /// more branches of the base with equally many joints, three or more; without such it falls]
+    /// Links that are the feet of the robot, one per leg; the robot stands on them [default: the ends of the
+    /// base's branches, if three or more branches have equally many joints, at least three]. A robot without feet
+    /// falls
     #[arg(long, value_name = "LINK,...", value_delimiter = ',', requires = "urdf", conflicts_with_all = ["c", "python", "ros2"])]
     pub(super) feet: Vec<String>,
-    /// Depend on the crates of this checkout [default: the one this program was built from, or the registry
-    /// that it came from]
+    /// Depend on the crates of this checkout [default: the source of this program, a checkout or the registry]
     #[arg(long, value_name = "FOLDER")]
     pub(super) checkout: Option<PathBuf>,
     /// Depend on the crates of this repository
@@ -275,7 +274,7 @@ pub(super) struct Report {
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Derive functions of up to so many operations [default: 300000]
+    /// Largest number of operations of a derived function [default: 300000]
     #[arg(long, value_name = "COUNT")]
     pub(super) max_operations: Option<usize>,
 }
@@ -294,26 +293,26 @@ pub(super) struct Identify {
     /// Folder for a page with figures (index.html) and its numbers
     #[arg(long, value_name = "FOLDER", conflicts_with = "plan")]
     pub(super) report: Option<PathBuf>,
-    /// Which columns of the logs are what, e.g. 'position=joint{}_pos,torque={name}_tau'; '?' prints those of the
-    /// first log as a line to edit [default: known patterns]
+    /// Columns of the logs by quantity, e.g. 'position=joint{}_pos,torque={name}_tau'; '?' prints the columns of
+    /// the first log as a line to edit [default: known patterns]
     #[arg(long, value_name = "PATTERNS", conflicts_with = "plan")]
     pub(super) columns: Option<String>,
     /// Character between the fields of the logs [default: from the data]
     #[arg(long, value_name = "CHARACTER", conflicts_with = "plan")]
     pub(super) separator: Option<char>,
-    /// What the logs' efforts are [default: by the names of their columns]
+    /// Quantity of the efforts in the logs [default: from the column names]
     #[arg(long, value_enum, conflicts_with = "plan")]
     pub(super) effort: Option<EffortName>,
-    /// The recorded efforts are without the robot's weight, which its own controller compensates
+    /// The recorded efforts exclude the robot's weight, because its own controller compensates it
     #[arg(long, conflicts_with = "plan")]
     pub(super) gravity_compensated: bool,
     /// Half-amplitude frequency of the filter over positions and efforts [default: from the data]
     #[arg(long, value_name = "HZ", conflicts_with = "plan", value_parser = positive)]
     pub(super) bandwidth: Option<f64>,
-    /// How much later efforts are than positions, 0 for not at all [default: from the data]
+    /// Delay of the efforts relative to the positions; 0 for none [default: from the data]
     #[arg(long, value_name = "SECONDS", conflicts_with = "plan", allow_negative_numbers = true)]
     pub(super) delay: Option<f64>,
-    /// Logs to predict with the results, which are not made from them; may be given several times
+    /// Logs that validate the results and are not used for the estimate; may be given several times
     #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
     pub(super) validate: Vec<PathBuf>,
     /// Logs of the robot with a load in its hand, beside logs of it without: finds the load, and writes a description
@@ -332,8 +331,8 @@ pub(super) struct Identify {
     /// Let friction grow with the load of the gears too, |τ_l| s₁(v), where data that were left out ask for it
     #[arg(long, conflicts_with_all = ["plan", "reduce", "merge"])]
     pub(super) load_friction: bool,
-    /// Where friction is looked for in robots with drives on several joints (`[[drives]]`): on the shafts of these
-    /// drives, or on joints alone
+    /// Location of friction in robots with drives on several joints (`[[drives]]`): the shafts of these drives, or
+    /// only joints
     #[arg(long, value_enum, value_name = "PLACE", default_value_t = FrictionPlace::Shafts)]
     pub(super) friction_on: FrictionPlace,
     /// Terms that friction laws are chosen from: viscous, coulomb, asymmetric, quadratic, and expressions in the speed v
@@ -348,10 +347,10 @@ pub(super) struct Identify {
     /// Threshold of --method stls, in the units of the coefficients [default: 0.1]
     #[arg(long, value_name = "VALUE", requires = "method", value_parser = positive)]
     pub(super) threshold: Option<f64>,
-    /// How velocities and accelerations are found from positions
+    /// Method that differentiates the positions
     #[arg(long, value_enum, value_name = "METHOD", default_value_t = DerivativeName::Filter, conflicts_with_all = ["plan", "merge", "reduce"])]
     pub(super) derivative: DerivativeName,
-    /// Write results although they explain little
+    /// Write the results even if they explain little of the data
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
     /// Reduce logs to their moments, which --merge adds up: a small file, whatever the length of the logs
@@ -417,7 +416,7 @@ pub(super) struct Identify {
     pub(super) reading: Reading,
 }
 
-/// Quantity that the efforts of a log measure.
+/// Quantity measured by the efforts of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum EffortName {
     /// Torques or forces at the joints, behind the gears
@@ -433,7 +432,7 @@ fn methods() -> PossibleValuesParser {
     METHODS.map(|(word, sentence, _)| PossibleValue::new(word).help(sentence)).into()
 }
 
-/// How positions are differentiated.
+/// Methods of differentiating positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum DerivativeName {
     /// Derivatives of the filter that positions and efforts pass
@@ -442,7 +441,7 @@ pub(super) enum DerivativeName {
     Tvdiff,
 }
 
-/// Where friction is looked for.
+/// Location of the identified friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum FrictionPlace {
     /// On these shafts, and on joints with drives of their own
@@ -469,7 +468,7 @@ pub(super) enum Stage {
     Counts,
     /// The straight-line programs with their abbreviations
     Program,
-    /// M, k, q and B as sums without abbreviations, a document of LaTeX; for up to three coordinates
+    /// M, k, q and B as expanded sums in a LaTeX document; for up to three coordinates
     Equations,
     /// The Rust text
     Source,

@@ -1,4 +1,4 @@
-//! Bytes of machine code of each generated function, by compiling the module with rustc.
+//! Machine-code size of each generated function, from compiling the module with rustc.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -10,7 +10,7 @@ use crate::emit::SourceFile;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
-/// Sizes of a module's functions for the processor that rustc takes by default.
+/// Sizes of a module's functions for the default target of rustc.
 #[derive(Debug)]
 pub(super) struct CodeSizes {
     /// Bytes by the name of the symbol.
@@ -18,7 +18,8 @@ pub(super) struct CodeSizes {
 }
 
 impl CodeSizes {
-    /// Compiles a module at opt-level 3, with the rustc of the environment variable `RUSTC` or of the path.
+    /// Compiles a module at opt-level 3 with the rustc named by the environment variable `RUSTC` or found on
+    /// the path.
     pub(super) fn measure(source: &SourceFile) -> Result<Self, Failure> {
         let folder = tempfile::tempdir()?;
         let (text, object) = (folder.path().join("robot.rs"), folder.path().join("robot.o"));
@@ -47,8 +48,8 @@ impl CodeSizes {
         Ok(Self { symbols: symbols.collect() })
     }
 
-    /// Bytes of a function with what it is split into and the loops that it shares with others; `None` where
-    /// it is left to be inlined. Elementary functions are counted with none.
+    /// Bytes of a function with its parts and shared loops; `None` if the compiler inlines it. Elementary
+    /// functions are not included.
     pub(super) fn of(&self, name: &str, function: Option<&Function>) -> Option<u64> {
         let shared: Vec<&str> = match function.and_then(|function| function.arrays.as_ref()) {
             Some(ArrayForm::Steps(form)) => shared_loops(form),

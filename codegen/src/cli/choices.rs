@@ -1,4 +1,4 @@
-//! Arguments that several commands share: how a description is read, and which modules are generated.
+//! Arguments shared by several commands: reading of a description, and choice of modules.
 
 use clap::{Args, ValueEnum};
 
@@ -10,38 +10,38 @@ use crate::read::ReadOptions;
 use crate::wording::toml_text;
 use gelenk_formula::Hold;
 
-/// How a description is read: choices that change the equations.
+/// Options for reading a description; they change the equations.
 #[derive(Debug, Args)]
 pub(super) struct Reading {
-    /// Take angles within so many radians of a multiple of 90° for it
+    /// Round angles to a multiple of 90° within this tolerance [rad]
     #[arg(long, value_name = "RAD", value_parser = small_angle)]
     pub(super) snap_angles: Option<f64>,
-    /// Leave out friction
+    /// Omit friction
     #[arg(long)]
     pub(super) no_friction: bool,
-    /// Make mimic joints independent coordinates
+    /// Treat mimic joints as independent coordinates
     #[arg(long)]
     pub(super) ignore_mimic: bool,
-    /// Smooth friction: tanh(SLOPE · v) for sign(v), whose derivative is zero [default: that of the
-    /// description, else the exact sign]
+    /// Replace sign(v) in friction by the smooth tanh(SLOPE · v) [default: as described, else the exact sign]
     #[arg(long, value_name = "SLOPE", value_parser = positive)]
     pub(super) smooth_sign: Option<f64>,
-    /// Take a robot whose mass matrix is not positive definite
+    /// Accept a robot whose mass matrix is not positive definite
     #[arg(long)]
     pub(super) accept_unphysical: bool,
-    /// Let the base move freely: a floating joint carries it [default: as described]
+    /// Kind of base; a floating joint carries a floating base [default: as described]
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
-    /// Hold joints, a name or a pattern with `*`, at VALUE [rad or m, default: 0]; joints that follow them rest too; may be
-    /// given several times. For `identify`: joints that the logs leave out, with friction and drives as described
+    /// Hold joints at VALUE [rad or m, default: 0], by a name or a pattern with `*`. Joints that mimic them are held
+    /// too. May be given several times. For `identify`: joints without columns in the logs; their friction and
+    /// drives stay as described
     #[arg(long, value_name = "PATTERN[=VALUE]", value_parser = Hold::parse)]
     pub(super) hold: Vec<Hold>,
-    /// Take the tree of this body as the robot, out of the scene of an MJCF
+    /// Read only the subtree of this body of an MJCF scene
     #[arg(long, value_name = "NAME")]
     pub(super) body: Option<String>,
 }
 
-/// How the base is carried.
+/// Kind of base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum BaseName {
     // A floating joint carries it. (With documentation here all of the help would be in its long form.)
@@ -64,13 +64,12 @@ impl Reading {
         }
     }
 
-    /// Tells whether the base moves freely.
+    /// Whether the base is floating.
     pub(super) fn floats(&self) -> bool {
         self.base == Some(BaseName::Floating)
     }
 
-    /// The keys of a description that make these choices, one line of TOML each. Left out are those of friction,
-    /// which is not read from the description.
+    /// Keys of a description that make these choices, one TOML line each, without the choices about friction.
     pub(super) fn keys(&self) -> Vec<String> {
         let snap = self.snap_angles.map(|angle| format!("snap_angles = {angle:?}"));
         let mimic = self.ignore_mimic.then(|| "ignore_mimic = true".to_owned());
@@ -85,7 +84,7 @@ impl Reading {
             .collect()
     }
 
-    /// The words of the command line that make these choices.
+    /// Command-line arguments that make these choices.
     pub(super) fn words(&self) -> Vec<String> {
         let number = |option: &str, value: Option<f64>| {
             let words = value.map(|value| vec![option.to_owned(), format!("{value:?}")]);
@@ -105,7 +104,7 @@ impl Reading {
     }
 }
 
-/// The key of a description that holds these joints.
+/// TOML line that holds these joints.
 pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
     let is_last = |index: usize| hold[index + 1..].iter().all(|later| later.pattern != hold[index].pattern);
     let last = hold.iter().enumerate().filter(|(index, _)| is_last(*index));
@@ -114,33 +113,32 @@ pub(super) fn held_key(hold: &[Hold]) -> Option<String> {
     (!entries.is_empty()).then(|| format!("held = {{ {} }}", entries.join(", ")))
 }
 
-/// The key of a description that takes the tree of a body.
+/// TOML line that chooses the tree of a body.
 pub(super) fn body_key(body: Option<&str>) -> Option<String> {
     body.map(|body| format!("body = {}", toml_text(body)))
 }
 
-/// Modules generated from a description: one or two.
+/// Modules generated from a description: one or a pair.
 #[derive(Debug, Args)]
 pub(super) struct Modules {
-    /// Language of the module: NAME.rs, or NAME.h and NAME.c (C99, also C++), whose functions compute the same
-    /// bits
+    /// Language of the module: NAME.rs, or NAME.h and NAME.c (C99, also C++). Both compute bit-identical results
     #[arg(long, value_enum, default_value_t = LanguageName::Rust)]
     pub(super) language: LanguageName,
-    /// Further files beside a module in C, for tools that call it, separated by commas: discrete dynamics for
-    /// acados and a problem with them (NAME_acados.c, NAME_acados.py), external functions with their Jacobians
-    /// for CasADi (NAME_casadi.c), loops over many states for Python (NAME_python.c)
+    /// Tools that call the C module, separated by commas; each adds files. acados: discrete dynamics and an
+    /// optimal control problem (NAME_acados.c, NAME_acados.py). CasADi: external functions with Jacobians
+    /// (NAME_casadi.c). Python: loops over many states (NAME_python.c)
     #[arg(long = "for", value_name = "TOOLS", value_enum, value_delimiter = ',')]
     pub(super) tools: Vec<ToolName>,
     #[command(flatten)]
     pub(super) choices: Choices,
-    /// Write two modules: the exact model for plants, and beside it <NAME>_control for controllers, with
-    /// tanh(SLOPE · v) for sign(v) in friction and springs
+    /// Write two modules: the exact model for the plant, and the smooth model <NAME>_control for the controller,
+    /// with tanh(SLOPE · v) for sign(v) in friction and springs
     #[arg(long, value_name = "SLOPE", value_parser = positive, conflicts_with = "smooth_sign")]
     pub(super) control_model: Option<f64>,
 }
 
 impl Modules {
-    /// The tools, each once, in the order of their files.
+    /// The tools without duplicates, in the order of their files.
     pub(super) fn tools(&self) -> Vec<ToolName> {
         let mut tools = self.tools.clone();
         tools.sort_unstable();
@@ -153,11 +151,11 @@ impl Modules {
     }
 }
 
-/// Choices that change what is generated; the header of the file names them.
+/// Options that change the generated code; the header of the file lists them.
 #[derive(Debug, Args)]
 pub(super) struct Choices {
-    /// Functions to generate, separated by commas; `all` are all but those on request, as models/README.md
-    /// lists them [default: those of the description, else all]
+    /// Functions to generate, separated by commas; `all` means all functions that models/README.md does not mark as
+    /// on request [default: as described, else all]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) functions: Vec<String>,
     /// Number type of the module
@@ -165,15 +163,13 @@ pub(super) struct Choices {
     pub(super) scalar: ScalarName,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Functions that are also written over eight states at once, separated by commas
+    /// Functions that are also generated for eight states at once, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = function)]
     pub(super) lanes: Vec<String>,
-    /// Contract products and sums to fused multiply-adds; the module then compiles only with std and for
-    /// processors that have them
+    /// Contract products and sums to fused multiply-adds. The module then needs std and a processor with FMA
     #[arg(long)]
     pub(super) fused_multiply_add: bool,
-    /// Write tests at the end of the module: its functions at seeded states, against the generator's
-    /// interpreter
+    /// Append tests to the module: they compare its functions at seeded states with the generator's interpreter
     #[arg(long)]
     pub(super) self_test: bool,
     /// Largest number of operations of a generated function [default: 300000]
@@ -211,7 +207,7 @@ impl From<LanguageName> for Language {
     }
 }
 
-/// A tool that calls modules in C.
+/// A tool that calls C modules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub(super) enum ToolName {
     Acados,
@@ -220,7 +216,7 @@ pub(super) enum ToolName {
 }
 
 impl ToolName {
-    /// Its name in a command line.
+    /// Name on the command line.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Acados => "acados",
@@ -247,16 +243,16 @@ fn function(text: &str) -> Result<String, String> {
         return Ok(name.to_owned());
     }
     if name.contains(char::is_whitespace) {
-        return Err("names are separated by commas".to_owned());
+        return Err("separate names with commas".to_owned());
     }
     if PositionFunction::ALL.iter().any(|function| function.name() == name) {
         return Err(
-            "it is written in any case for robots with spherical or floating joints, and for no others"
+            "it is always written for robots with spherical or floating joints, and never for others"
                 .to_owned(),
         );
     }
     let near = nearest(name, function_names::listed()).unwrap_or_default();
-    Err(format!("there is no such function; {near}"))
+    Err(format!("this function does not exist; {near}"))
 }
 
 fn small_angle(text: &str) -> Result<f64, String> {
@@ -267,7 +263,7 @@ fn small_angle(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A part of what is described.
+/// Parses a share of a described quantity.
 pub(super) fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number <= 1.0 => Ok(number),

@@ -1,9 +1,8 @@
 //! `gelenk inspect --closed-form`.
 //!
-//! The computer algebra prints a banner to standard output, and a second instance of it ends its whole
-//! process. So the work runs in a process of its own, whose standard output is our standard error: the banner
-//! is shown there, results stay parseable, and an end without a word becomes a message. With `--output` there
-//! is nothing to keep apart.
+//! Symbolica prints a banner to standard output, and a second instance ends its process. Therefore the work
+//! runs in a separate process whose standard output is redirected to standard error: results stay parseable,
+//! and a silent end becomes a message. With `--output` no redirection is needed.
 
 use std::io;
 use std::path::Path;
@@ -22,7 +21,7 @@ use crate::output::{Planned, Replaces};
 use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Symbol};
 
-/// Shows M, k, q and B in closed form.
+/// Prints M, k, q and B in closed form.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     let loaded = read(arguments)?;
     closed_form::check_size(&loaded.model).map_err(problem)?;
@@ -41,8 +40,8 @@ fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
 }
 
-/// Closed forms for the page of a robot, made in a process of their own, or why there are none: robots of
-/// more joints than can be read, and where the computer algebra cannot work, which is also printed.
+/// Closed forms for the page of a robot, computed in a separate process, or the reason why there are none:
+/// too many joints, or no usable computer algebra. The latter is also printed.
 pub(super) fn for_page(
     arguments: &arguments::Report,
     loaded: &Loaded,
@@ -68,7 +67,7 @@ pub(super) fn for_page(
         .status()?;
     if !status.success() {
         print::err(&format!(
-            "gelenk: the page goes without closed forms: the computer algebra ended with {status}\n"
+            "gelenk: the page has no closed forms: the computer algebra ended with {status}\n"
         ));
         return Ok(Err("The computer algebra ended without a result when this page was made.".to_owned()));
     }
@@ -106,8 +105,8 @@ fn delegate(description: &Path) -> Result<ExitCode, Failure> {
         // It has said why.
         Some(code @ 1..=3) => Ok(ExitCode::from(code as u8)),
         _ => Err(Failure::Problem(format!(
-            "the computer algebra ended its process ({status})\n  \
-             = help: without a key only one instance of Symbolica may run per machine; end other programs that use it"
+            "the computer algebra stopped ({status})\n  = help: without a key, Symbolica runs once per \
+             machine; end other programs that use it"
         ))),
     }
 }

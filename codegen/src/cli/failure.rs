@@ -1,4 +1,4 @@
-//! The ways in which a command ends without success, and their exit codes.
+//! Unsuccessful ends of a command, and their exit codes.
 
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
@@ -9,23 +9,23 @@ use super::print;
 use crate::diagnostic::Diagnostics;
 use crate::verify;
 
-/// Exit code if a description or a file is at fault, or the output is stale.
+/// Exit code if a description or file has an error, or the output is stale.
 pub(super) const FAULT: u8 = 1;
 /// Exit code of a wrong command line.
 pub(super) const USAGE: u8 = 2;
-/// Exit code if the program is at fault.
+/// Exit code for an internal error.
 pub(super) const INTERNAL: u8 = 3;
 
 /// Reason why a command ends without success.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// Descriptions or logs are at fault.
+    /// Descriptions or logs with errors.
     Descriptions(Vec<Diagnostics>),
     /// A wrong command line.
     Usage(String),
-    /// The program is at fault.
+    /// Internal error.
     Internal(String),
-    /// Anything else: a file that cannot be written.
+    /// Any other problem, for example a file that cannot be written.
     Problem(String),
 }
 
@@ -36,7 +36,7 @@ impl<E: std::error::Error> From<E> for Failure {
 }
 
 impl Failure {
-    /// Prints the reason; the exit code.
+    /// Prints the reason; returns the exit code.
     pub(super) fn say(&self, format: Format) -> u8 {
         match self {
             Self::Descriptions(all) => {
@@ -66,7 +66,7 @@ impl Failure {
 /// Message and place of the first panic. A panic of another thread ends the command, too, with a second one.
 static FIRST_PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Runs a command; a panic becomes [`Failure::Internal`]. From then on the process prints no panics.
+/// Runs a command; a panic becomes [`Failure::Internal`]. Afterwards the process prints no panics.
 pub(super) fn guarded(command: impl FnOnce() -> Result<ExitCode, Failure>) -> Result<ExitCode, Failure> {
     panic::set_hook(Box::new(keep));
     panic::catch_unwind(AssertUnwindSafe(command)).unwrap_or_else(|_| {

@@ -18,7 +18,7 @@ use crate::output::{self, Outcome, Planned, Replaces};
 use crate::pipeline::{self, CONTROL, GenerateOptions, Generated};
 use crate::wording::quoted;
 
-/// Writes one description's module, or all.
+/// Writes the module of one description, or of all in models/.
 pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode, Failure> {
     let workspace = Workspace::find();
     let Some(description) = &arguments.description else {
@@ -29,7 +29,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
     let is_piped = output == Some(Path::new("-"));
     if is_piped && modules.control_model.is_some() {
         return Err(Failure::Usage(
-            "--control-model makes two modules, which standard output cannot hold apart".to_owned(),
+            "--control-model makes two modules; name an output folder instead of standard output".to_owned(),
         ));
     }
     let target = Target::new(output, modules.language)?;
@@ -113,7 +113,7 @@ fn generate_all(workspace: &Workspace, modules: &Modules, format: Format) -> Res
     }
     for path in output::left_over(&workspace.modules(), &names(&robots))? {
         std::fs::remove_file(&path)?;
-        lines.push_str(&format!("removed   {}: nothing in models/ describes it\n", relative(&path)));
+        lines.push_str(&format!("removed   {}: no description in models/ has this name\n", relative(&path)));
     }
     match format {
         Format::Json => print::json(&Value::Array(results)),
@@ -121,7 +121,7 @@ fn generate_all(workspace: &Workspace, modules: &Modules, format: Format) -> Res
     }
 }
 
-/// Compares one module, or all, with the text that would be written.
+/// Compares one module, or all, with its expected text.
 pub(super) fn check(arguments: &Check, format: Format) -> Result<ExitCode, Failure> {
     let workspace = Workspace::find();
     let modules = &arguments.modules;
@@ -178,7 +178,7 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
 fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>, Failure> {
     if modules.language != LanguageName::Rust {
         return Err(Failure::Usage(
-            "everything in models/ goes to the crate generated/, which is Rust: name one description"
+            "all robots of models/ are written to generated/, a Rust crate; for C name one description"
                 .to_owned(),
         ));
     }
@@ -196,7 +196,10 @@ fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>
     }
     robots.sort_by(|a, b| a.source.name.cmp(&b.source.name));
     if let Some(pair) = names(&robots).windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(Failure::Problem(format!("two descriptions name their robot `{}`: rename one", pair[0])));
+        return Err(Failure::Problem(format!(
+            "two descriptions have the robot name `{}`: rename one",
+            pair[0]
+        )));
     }
     names(&robots).iter().try_for_each(|name| refuse_root(name))?;
     Ok(robots)
@@ -219,9 +222,9 @@ fn documented(robots: &[Generated]) -> Vec<(String, String)> {
 /// Rejects the name of the crate's root, `lib.rs`.
 fn refuse_root(name: &str) -> Result<(), Failure> {
     match name {
-        "lib" => {
-            Err(Failure::Problem("`lib` is the root of the crate of robots: rename the robot".to_owned()))
-        }
+        "lib" => Err(Failure::Problem(
+            "`lib` is the root file of the crate generated/: rename the robot".to_owned(),
+        )),
         _ => Ok(()),
     }
 }
@@ -254,7 +257,7 @@ fn problem(diagnostics: Diagnostics) -> Failure {
     Failure::Descriptions(vec![diagnostics])
 }
 
-/// Notes go to standard error, each once; in JSON they are part of the result.
+/// Prints notes to standard error without duplicates; in JSON they are part of the result.
 pub(super) fn say_notes(robots: &[Generated], format: Format) {
     let notes = robots.iter().flat_map(|robot| robot.notes.entries());
     let notes = Diagnostics::new(notes.cloned().collect());
@@ -285,8 +288,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
     }
 }
 
-/// The command that makes the file again, from the workspace's root or the folder that relative paths begin
-/// at.
+/// The command that regenerates the file, relative to the workspace's root or the current folder.
 pub(super) fn command(
     description: &Path,
     choices: &Choices,
@@ -434,9 +436,7 @@ fn relative(path: &Path) -> String {
 }
 
 fn no_workspace() -> Failure {
-    Failure::Usage(
-        "no description given, and no folder with models/ and generated/src/ at or above this one".to_owned(),
-    )
+    Failure::Usage("no description is given, and no parent folder has models/ and generated/src/".to_owned())
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};
 use crate::report::{EQUATIONS, sums, sums_document};
 
-/// Shows one stage of a description's way.
+/// Prints one stage of a description.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     if arguments.closed_form {
         return closed_form(arguments, format);
@@ -32,7 +32,7 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     };
     if arguments.latex && !matches!(what, Stage::Program | Stage::Equations) {
         return Err(Failure::Usage(
-            "--latex goes with `inspect program`, `inspect equations` or --closed-form".to_owned(),
+            "--latex is an option of `inspect program`, `inspect equations` and --closed-form".to_owned(),
         ));
     }
     let workspace = Workspace::find();
@@ -62,7 +62,7 @@ fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
 /// Operation counts, with the bytes of machine code.
 fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<ExitCode, Failure> {
     if what != Stage::Counts {
-        return Err(Failure::Usage("--bytes goes with `inspect counts`".to_owned()));
+        return Err(Failure::Usage("--bytes is an option of `inspect counts`".to_owned()));
     }
     let sizes = CodeSizes::measure(&robot.source)?;
     let counts = robot.module.costs();
@@ -92,7 +92,7 @@ fn equations(robot: &Generated) -> Result<Vec<Function>, Failure> {
 
 fn no_sums(reason: String) -> Failure {
     Failure::Problem(format!(
-        "{reason}\n  = help: `gelenk inspect program` shows the equations with their abbreviations"
+        "{reason}\n  = help: `gelenk inspect program` prints the equations with intermediate values"
     ))
 }
 
@@ -105,10 +105,11 @@ fn closed_form(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure>
 #[cfg(not(feature = "symbolica"))]
 fn closed_form(_: &Inspect, _: Format) -> Result<ExitCode, Failure> {
     Err(Failure::Usage(
-        "closed forms with letters for the numbers need a build of gelenk with `--features symbolica`, which is off in this one. \
-         Symbolica is source-available: commercial use needs a licence of your own, from https://symbolica.io\n  \
-         = help: `gelenk inspect equations DESCRIPTION` shows closed forms with the numbers of the description\n  \
-         = help: cargo run --release --features symbolica -- inspect --closed-form DESCRIPTION"
+        "closed forms with symbols need a build with `--features symbolica`; this build lacks the feature. \
+         Symbolica is source-available: commercial use needs a licence of your own, from \
+         https://symbolica.io\n  = help: `gelenk inspect equations DESCRIPTION` prints closed forms with \
+         the numbers of the description\n  = help: cargo run --release --features symbolica -- inspect \
+         --closed-form DESCRIPTION"
             .to_owned(),
     ))
 }

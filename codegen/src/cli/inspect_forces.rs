@@ -1,4 +1,4 @@
-//! Forces that `gelenk inspect model` shows after links and joints: drives of several coordinates and forces
+//! Forces listed by `gelenk inspect model` after links and joints: drives of several coordinates and forces
 //! at frames.
 
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use crate::model::{
 };
 use gelenk_formula::Formula;
 
-/// Tables of the parts of a model, with an empty line before each.
+/// Tables of the forces of a model, each after an empty line.
 pub(super) fn as_text(model: &Model) -> String {
     let drives = shared_drives(model).map(|drive| {
         vec![drive.name.clone(), followed(model, &drive.acts_on, 0.0), drive.gear_ratio.text(&names(model))]
@@ -42,7 +42,7 @@ pub(super) fn as_text(model: &Model) -> String {
     .concat()
 }
 
-/// Lists of the same kind, empty if there are none.
+/// Adds lists of forces between frames and of wrenches; a list may be empty.
 pub(super) fn add_json(model: &Model, object: &mut Value) {
     let drive = |drive: &Drive| {
         json!({
@@ -72,7 +72,7 @@ pub(super) fn add_json(model: &Model, object: &mut Value) {
     object["wrenches"] = model.wrenches.iter().map(wrench).collect();
 }
 
-/// `y2`, or `d1` where it is driven.
+/// Symbol of a coordinate: `y2`, or `d1` for a driven one.
 pub(super) fn position(model: &Model, coordinate: usize) -> String {
     match coordinate.checked_sub(model.coordinates.len()) {
         None => format!("y{}", model.first_position(coordinate) + 1),
@@ -91,7 +91,7 @@ pub(super) fn followed(model: &Model, follows: &[FollowedCoordinate], offset: f6
     terms.chain(offset).collect::<Vec<_>>().join(" + ")
 }
 
-/// Those that act on several coordinates, or on one with a weight.
+/// Drives that act on several coordinates, or on one coordinate with a weight.
 fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
     model.moving_drives().filter(|drive| drive.coordinate().is_none())
 }

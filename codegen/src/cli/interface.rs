@@ -1,4 +1,4 @@
-//! Calling convention of a module in C as JSON, for tools that write bindings.
+//! Calling convention of a C module as JSON, for tools that write bindings.
 
 use serde_json::{Map, Value, json};
 
@@ -8,7 +8,7 @@ use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::Module;
 
-/// Names in C, shapes, meanings and units of all functions, the free parameters, and the values of all constants.
+/// Names in C, shapes, meanings and units of all functions; the free parameters; values of all constants.
 pub(super) fn json(interface: &Interface, module: &Module) -> Value {
     let fields = module.parameters.iter().zip(&interface.parameters);
     let of_functions = module.functions.iter().flat_map(|function| &function.constants);

@@ -1,4 +1,4 @@
-//! `gelenk inspect mechanism`: the frames and the masses that the derivation starts from.
+//! `gelenk inspect mechanism`: frames and masses from which the equations are derived.
 
 use serde_json::{Value, json};
 
@@ -171,7 +171,7 @@ impl<'m> Shown<'m> {
         )
     }
 
-    /// Its cells behind the names.
+    /// Cells of the frame of a body, after the names.
     fn frame(&self, body: &Body<Number>) -> [String; 9] {
         let [x, y, z] = body.translation.0.map(shown);
         [

@@ -28,8 +28,8 @@ use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 
-/// Runs the program with the arguments of the process. Exit code 0 on success, 1 if the description (or a
-/// file) is at fault or the output is stale, 2 for a wrong command line, 3 where the program is at fault.
+/// Runs the program with the arguments of the process. Exit codes: 0 success, 1 an error in a description or
+/// file, or stale output, 2 a wrong command line, 3 an internal error.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::read();

@@ -1,4 +1,5 @@
-//! `gelenk new`: a small project with a robot and a simulation, in Rust, C or Python, or with controllers for ROS 2.
+//! `gelenk new`: creates a small project with a robot and a simulation in Rust, C or Python, or with ROS 2
+//! controllers.
 
 use std::fs;
 use std::io;
@@ -32,7 +33,7 @@ const TAKEN: [&str; 13] = [
     "test",
 ];
 
-/// Makes the project.
+/// Creates the project.
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
     let is_crate = !(arguments.c || arguments.python || arguments.ros2);
@@ -95,7 +96,7 @@ fn require_places(files: &[(&str, &[u8])]) -> Result<(), Failure> {
     match names.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]) {
         None => Ok(()),
         Some(name) => Err(Failure::Usage(format!(
-            "the MJCF includes {}, and the project has a file of that name\n  = help: rename the file that is included",
+            "the MJCF includes {}, but a file of the project has the same name\n  = help: rename the included file",
             quoted(name)
         ))),
     }
@@ -142,7 +143,7 @@ fn make(folder: &Path) -> Result<(), Failure> {
 
 fn cannot_make(folder: &Path, error: &io::Error) -> Failure {
     Failure::Problem(format!(
-        "cannot make {}: {error}\n  = help: choose a folder in which you may write",
+        "cannot create {}: {error}\n  = help: choose a folder with write permission",
         folder.display()
     ))
 }
@@ -157,14 +158,15 @@ fn name(folder: &Path) -> Result<String, Failure> {
     let name = folder.file_name().and_then(|name| name.to_str());
     let Some(name) = name else {
         return Err(Failure::Usage(format!(
-            "`{}` does not end in a name for the crate\n  = help: name a folder that is to be made, e.g. `gelenk new my_arm`",
+            "`{}` does not end in a crate name\n  = help: name a new folder, for example `gelenk new my_arm`",
             folder.display()
         )));
     };
     match fault(name) {
         None => Ok(name.to_owned()),
         Some(fault) => Err(Failure::Usage(format!(
-            "`{name}` cannot name a crate: {fault}\n  = help: the last part of the folder names the crate, e.g. `gelenk new my_arm`"
+            "`{name}` is not a valid crate name: {fault}\n  = help: the last part of the path is the crate \
+             name, for example `gelenk new my_arm`"
         ))),
     }
 }
@@ -176,7 +178,8 @@ fn ros_name(name: String) -> Result<String, Failure> {
         return Ok(name);
     }
     Err(Failure::Usage(format!(
-        "`{name}` cannot name a package of ROS\n  = help: small letters, digits and `_`, e.g. `gelenk new my_arm --ros2`"
+        "`{name}` is not a valid ROS package name\n  = help: use small letters, digits and `_`, for example \
+         `gelenk new my_arm --ros2`"
     )))
 }
 
@@ -186,13 +189,13 @@ fn fault(name: &str) -> Option<&'static str> {
     if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         Some("it must begin with a letter from a to z")
     } else if !name.chars().all(is_letter) {
-        Some("it may hold letters from a to z, digits, `-` and `_`")
+        Some("only letters from a to z, digits, `-` and `_` are allowed")
     } else if name.len() > 64 {
-        Some("it is longer than 64 letters")
+        Some("it is longer than 64 characters")
     } else if TAKEN.contains(&name) {
-        Some("that name is taken")
+        Some("this name is reserved")
     } else if syn::parse_str::<syn::Ident>(&as_module).is_err() {
-        Some("that is a word of Rust")
+        Some("it is a Rust keyword")
     } else {
         None
     }
@@ -224,14 +227,16 @@ fn source(arguments: &New) -> Result<Source, Failure> {
         ["codegen", "runtime"].iter().all(|part| folder.join(part).join("Cargo.toml").is_file());
     if !is_checkout {
         return Err(Failure::Problem(format!(
-            "no checkout of gelenk at {}\n  = help: say where its crates come from with --checkout FOLDER, --git URL or --version VERSION",
+            "there is no checkout of gelenk at {}\n  = help: give the source of its crates with --checkout \
+             FOLDER, --git URL or --version VERSION",
             folder.display()
         )));
     }
     let folder = fs::canonicalize(folder)?;
     if folder.to_str().is_none() {
         return Err(Failure::Problem(format!(
-            "the path {} holds signs that no manifest can\n  = help: move the checkout to a folder whose path is valid Unicode",
+            "the path {} has characters that a manifest cannot contain\n  = help: move the checkout to a \
+             folder whose path is valid Unicode",
             folder.display()
         )));
     }
@@ -256,7 +261,8 @@ fn git(url: &str) -> Result<Source, Failure> {
         .split_once(':')
         .map_or_else(|| "ssh://git@HOST/PATH".to_owned(), |(host, path)| format!("ssh://{host}/{path}"));
     Err(Failure::Usage(format!(
-        "`--git {url}` is not an address that Cargo accepts\n  = help: give it whole, e.g. https://HOST/PATH, {ssh} or file:///PATH"
+        "`--git {url}` is not an address that Cargo accepts\n  = help: give the whole address, for example \
+         https://HOST/PATH, {ssh} or file:///PATH"
     )))
 }
 
@@ -270,7 +276,7 @@ fn registry(version: &str) -> Result<Source, Failure> {
         return Ok(Source::Version(version.to_owned()));
     }
     Err(Failure::Usage(format!(
-        "`--version {version}` is not a version\n  = help: give one to three numbers, e.g. `--version 0.1`"
+        "`--version {version}` is not a version\n  = help: give one to three numbers, for example `--version 0.1`"
     )))
 }
 
@@ -283,7 +289,7 @@ impl Source {
                 match package.join("pyproject.toml").is_file() {
                     true => Ok(package.to_string_lossy().into_owned()),
                     false => Err(Failure::Problem(format!(
-                        "no Python package at {}\n  = help: name another checkout with --checkout FOLDER",
+                        "there is no Python package at {}\n  = help: give another checkout with --checkout FOLDER",
                         package.display()
                     ))),
                 }

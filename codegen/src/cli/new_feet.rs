@@ -1,11 +1,11 @@
-//! The feet of a robot that stands on legs: found by a rule, or named.
+//! Feet of a legged robot, found by a rule or named by the user.
 
 use super::failure::Failure;
 use crate::diagnostic::nearest;
 use crate::model::{Model, Motion, Pose};
 use crate::wording::toml_text;
 
-/// A foot, by the names of links.
+/// A foot, given by link names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Foot {
     /// The first link of its leg that a joint moves.
@@ -20,10 +20,11 @@ const FEWEST: usize = 3;
 /// Least number of joints of a leg: with fewer its foot cannot be placed.
 const JOINTS: usize = 3;
 
-/// The feet of a robot whose base floats; empty if the rule finds none.
+/// Feet of a robot with a floating base; empty if the rule finds none.
 ///
-/// Legs are the branches of the base that no others leave, with equally many joints, three or more: the largest such group, of
-/// three or more. A foot is the link at the end that is the farthest from the last joint.
+/// Legs are branches of the base without further branching, with the same number of joints (at least three).
+/// The largest group of such legs is used if it has at least three. The foot is the last link of a leg,
+/// farthest from its last joint.
 pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure> {
     let legs = Legs { model, base: base(model) };
     if !named.is_empty() {
@@ -36,7 +37,7 @@ pub(super) fn feet(model: &Model, named: &[String]) -> Result<Vec<Foot>, Failure
     Ok(all.into_iter().filter(|(count, _)| *count == joints).map(|(_, foot)| foot).collect())
 }
 
-/// The link that floats.
+/// The floating link.
 pub(super) fn base(model: &Model) -> Option<usize> {
     let joint = model.quaternion_joints.first()?;
     model.coordinates.get(joint.coordinates().end - 1).copied()
@@ -116,14 +117,15 @@ impl Legs<'_> {
         for (k, (hip, foot)) in feet.iter().enumerate() {
             if let Some((_, other)) = feet[..k].iter().find(|(other, _)| other == hip) {
                 return Err(Failure::Usage(format!(
-                    "`{}` and `{}` are on one leg\n  = help: name one foot of each leg with --feet",
+                    "`{}` and `{}` are on the same leg\n  = help: name one foot per leg with --feet",
                     other.foot, foot.foot
                 )));
             }
         }
         if feet.len() < FEWEST {
             return Err(Failure::Usage(format!(
-                "{} feet are named\n  = help: forces alone carry a robot at {FEWEST} feet or more; without --feet it falls",
+                "--feet names {} feet\n  = help: forces at the feet alone can carry a robot with {FEWEST} \
+                 feet or more; without --feet the new program lets it fall",
                 feet.len()
             )));
         }
@@ -142,17 +144,18 @@ impl Legs<'_> {
         match self.way(link).as_deref() {
             Some(way @ [.., hip]) if way.len() >= JOINTS => Ok((*hip, self.foot(*hip, link))),
             Some(way) => Err(Failure::Usage(format!(
-                "the leg of `{name}` has {} of the {JOINTS} joints that it needs\n  = help: name the link at the end of a leg that begins at the base",
+                "the leg of `{name}` has {} joints; it needs {JOINTS}\n  = help: name the last link of a \
+                 leg that begins at the base",
                 way.len()
             ))),
             None => Err(Failure::Usage(format!(
-                "`{name}` is not carried by the base\n  = help: name the links at the ends of the legs"
+                "the base does not carry `{name}`\n  = help: name the last links of the legs"
             ))),
         }
     }
 }
 
-/// Entries of `robot.toml` for the feet: frames, and the wrenches of the ground.
+/// Entries of `robot.toml` for the feet: frames, and wrenches of the ground.
 pub(super) fn description(feet: &[Foot]) -> String {
     let mut text = String::from(
         "\n# The feet, and what the ground exerts on them. Contact is not simulated: src/main.rs chooses these forces, in the axes of the\n\
@@ -169,7 +172,7 @@ pub(super) fn description(feet: &[Foot]) -> String {
     text
 }
 
-/// The program, with its list of feet.
+/// Text of the program with its list of feet.
 pub(super) fn program(count: usize) -> String {
     let foot = |k: usize| {
         format!(

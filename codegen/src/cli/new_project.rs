@@ -1,41 +1,41 @@
-//! The files of a new project besides its robot, in each language.
+//! Files of a new project in each language, without its robot.
 
 use super::new_feet;
 use super::new_robot::Robot;
 
-/// A project.
+/// A new project.
 pub(super) struct Project {
-    /// Names and texts.
+    /// Names and texts of the files.
     pub(super) files: Vec<(&'static str, String)>,
-    /// Purpose of the generated files; follows the description's name.
+    /// Purpose of the generated files, as the end of a message.
     pub(super) made: &'static str,
-    /// The command that runs it.
+    /// Command that runs the project.
     pub(super) next: &'static str,
 }
 
 impl Project {
-    /// A crate.
+    /// A Rust crate.
     pub(super) fn rust(manifest: String, robot: &Robot) -> Self {
         let (main, made) = match (robot.floats, robot.feet.len()) {
             (true, 0) => (
                 include_str!("template/main_floating.rs").to_owned(),
-                "build.rs generates its equations, src/main.rs simulates it under control",
+                "build.rs generates its equations, and src/main.rs simulates it under control",
             ),
             (true, count) => (
                 new_feet::program(count),
-                "build.rs generates its equations, src/main.rs lets it stand on its feet, by given forces",
+                "build.rs generates its equations, and src/main.rs lets it stand with chosen forces at its feet",
             ),
             (false, _) => (
                 include_str!("template/main.rs").to_owned(),
-                "build.rs generates its equations, src/main.rs simulates it",
+                "build.rs generates its equations, and src/main.rs simulates it",
             ),
         };
         Self::of_crate(manifest, robot, main, made)
     }
 
-    /// A crate whose program learns friction.
+    /// A Rust crate whose program learns friction.
     pub(super) fn online_friction(manifest: String, robot: &Robot) -> Self {
-        let made = "build.rs generates its equations, src/main.rs moves it and learns its friction";
+        let made = "build.rs generates its equations, and src/main.rs moves it and learns its friction";
         Self::of_crate(manifest, robot, include_str!("template/main_online_friction.rs").to_owned(), made)
     }
 
@@ -52,9 +52,9 @@ impl Project {
         }
     }
 
-    /// A Makefile and a program in C.
+    /// A C project with a Makefile.
     ///
-    /// - `floats`: the base of the robot moves freely, also in Python
+    /// - `floats`: whether the base is floating
     pub(super) fn c(floats: bool) -> Self {
         let main = match floats {
             true => include_str!("template/main_floating.c"),
@@ -66,14 +66,14 @@ impl Project {
                 ("main.c", main.to_owned()),
                 (".gitignore", "/simulation\n/robot.c\n/robot.h\n/report\n".to_owned()),
             ],
-            made: "the Makefile generates its equations, main.c simulates it",
+            made: "the Makefile generates its equations, and main.c simulates it",
             next: "make run",
         }
     }
 
-    /// A package for ros2_control.
+    /// A ROS 2 package for ros2_control.
     ///
-    /// - `name`: of the package
+    /// - `name`: name of the package
     pub(super) fn ros2(name: &str, joints: &[String]) -> Self {
         let list = |text: &dyn Fn(&str) -> String| {
             joints.iter().map(|joint| text(joint)).collect::<Vec<_>>().join(", ")
@@ -96,14 +96,15 @@ impl Project {
         let named = |text: &str| text.replace("my_package", name).replace("MY_PACKAGE", &name.to_uppercase());
         Self {
             files: texts.into_iter().map(|(file, text)| (file, named(text))).collect(),
-            made: "CMakeLists.txt generates its equations, src/ has controllers for ros2_control, config/ their parameters",
+            made: "CMakeLists.txt generates its equations, src/ has controllers for ros2_control, and \
+                   config/ has their parameters",
             next: "colcon build",
         }
     }
 
-    /// A program in Python.
+    /// A Python project.
     ///
-    /// - `requirement`: the package `gelenk` as pip takes it
+    /// - `requirement`: the package `gelenk` in the form for pip
     pub(super) fn python(requirement: &str, floats: bool) -> Self {
         let main = match floats {
             true => include_str!("template/main_floating.py"),

@@ -1,14 +1,14 @@
-//! How links that turn on a body that floats become propellers, and those that are fixed to it: lines of `robot.toml` as
-//! comments.
+//! Proposes propellers for links that turn on a floating body or are fixed to it, as commented lines of
+//! `robot.toml`.
 
 use super::new_feet;
 use crate::model::{Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::atan2;
 use crate::wording::{as_written, toml_text};
 
-/// One block for each joint that may carry a propeller; empty if none does.
+/// Proposes an input for each joint that may carry a propeller; empty if there is none.
 ///
-/// - `joints`: those that may carry a propeller, with their links
+/// - `joints`: joints that may carry a propeller, with their links
 pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     let carries = |link: usize| joints.iter().any(|(joint, _)| joint.parent == link);
     let ends = joints.iter().filter(|(_, link)| !carries(*link));
@@ -34,8 +34,8 @@ pub(super) fn description(model: &Model, joints: &[(&Joint, usize)]) -> String {
     text
 }
 
-/// One block for each link with a mass that is fixed to a body that floats and carries nothing, or for the body itself: a
-/// robot without joints that move has no other inputs.
+/// Proposes an input for each link with mass that is fixed to a floating body and carries nothing, or for the
+/// body itself. Robots without moving joints have no other inputs.
 pub(super) fn of_fixed_links(model: &Model) -> String {
     let carries =
         |link: usize| model.links.iter().filter_map(|of| of.joint.as_ref()).any(|joint| joint.parent == link);
@@ -44,9 +44,10 @@ pub(super) fn of_fixed_links(model: &Model) -> String {
     let ends: Vec<usize> = (0..model.links.len()).filter(|link| *link != base).filter(is_end).collect();
     let ends = if ends.is_empty() { vec![base] } else { ends };
     let mut text = String::from(
-        "\n# No joint of this robot moves, and nothing drives it. A propeller or a thruster is an input at its link: of a unit of the input,\n\
-         # force in N, then moment in N m, whose sign is against a propeller's turn. Remove the signs # in front of those that are some,\n\
-         # and put in the numbers of your robot. A robot whose propellers all turn the same way cannot hover.\n",
+        "\n# No joint of this robot moves, and nothing drives it. A propeller or thruster is an input at its link.\n\
+         # `wrench` is force (N), then moment (N m), per unit of the input. The moment is opposite to the propeller's rotation.\n\
+         # Uncomment the links with propellers and set the numbers of your robot. Propellers that all turn in one direction\n\
+         # cannot hold the robot in hover.\n",
     );
     let places: Vec<[f64; 2]> = ends.iter().map(|link| place(model, *link)).collect();
     for (link, sign) in ends.iter().zip(signs(&places)) {

@@ -1,4 +1,4 @@
-//! The robot of a new crate: the example, or one that a URDF or an MJCF describes.
+//! Robot of a new project: the example, or the robot of a URDF or MJCF.
 
 use std::path::{Component, Path};
 
@@ -18,37 +18,37 @@ const BUILD: &str = include_str!("template/build.rs");
 /// without.
 const BUILD_BOTH: &str = include_str!("template/build_both.rs");
 
-/// The description of a new crate, and the files that it names.
+/// Description of a new project, and the files it uses.
 pub(super) struct Robot {
     /// Text of `robot.toml`.
     pub(super) description: String,
     /// Text of `build.rs`.
     pub(super) build: &'static str,
-    /// Files that the description extends: their places in the project, and their content.
+    /// Files that the description extends: paths in the project, and contents.
     pub(super) copies: Vec<(String, Vec<u8>)>,
-    /// Its base moves freely.
+    /// Whether the base is floating.
     pub(super) floats: bool,
-    /// Names of its joints, without those that follow others.
+    /// Names of the joints, without followers.
     pub(super) joints: Vec<String>,
-    /// Joints that no motor moves.
+    /// Joints without a motor.
     pub(super) passive: Vec<String>,
-    /// Feet, if the robot has any.
+    /// Feet, if any.
     pub(super) feet: Vec<Foot>,
-    /// Note that the robot seems to have legs although its base is fixed.
+    /// Notes of the description, for example about legs with a fixed base.
     pub(super) notes: Diagnostics,
 }
 
 impl Robot {
     /// Fails if an effort cannot be commanded for each coordinate.
     ///
-    /// - `who`: what commands them, with its verb
+    /// - `who`: subject and verb of the message
     pub(super) fn require_efforts(&self, who: &str) -> Result<(), Failure> {
         let (fault, remedy) = match (self.floats, self.joints.is_empty(), self.passive.first()) {
             (true, ..) => (
-                "its base moves freely, or it has a ball".to_owned(),
-                "take a robot on a fixed base whose joints have one coordinate each",
+                "its base floats, or it has a spherical joint".to_owned(),
+                "use a robot with a fixed base and one coordinate per joint",
             ),
-            (_, true, _) => ("it has no joint".to_owned(), "take a robot with joints"),
+            (_, true, _) => ("use a robot with joints".to_owned(), "take a robot with joints"),
             (.., Some(joint)) => {
                 (format!("no motor moves {}", quoted(joint)), "add a motor, or `--hold` the joint")
             }
@@ -58,21 +58,21 @@ impl Robot {
     }
 }
 
-/// Which feet a robot is to have.
+/// Choice of feet.
 #[derive(Clone, Copy)]
 pub(super) enum Feet<'a> {
-    /// None: the program knows none.
+    /// No feet.
     None,
-    /// These links, or those that the rule finds if there are none.
+    /// These links, or the result of the rule if the list is empty.
     Of(&'a [String]),
 }
 
 /// Joints that are held, and the body whose tree is the robot.
 type Parts<'a> = (&'a [Hold], Option<&'a str>);
 
-/// The robot of the URDF or MJCF, or an example.
+/// Robot of the URDF or MJCF, or an example.
 ///
-/// - `floats`: the base moves freely, whatever the file says
+/// - `floats`: makes the base floating
 pub(super) fn robot(
     xml: Option<&Path>,
     floats: bool,
@@ -112,7 +112,8 @@ fn from_xml(path: &Path, floats: bool, parts: Parts<'_>, feet: Feet<'_>) -> Resu
         (true, false) => Kind::Urdf,
         (false, false) => {
             return Err(Failure::Usage(format!(
-                "{} is neither URDF nor MJCF\n  = help: make the crate without --urdf, and put your description in the place of its robot.toml",
+                "{} is neither URDF nor MJCF\n  = help: make the crate without --urdf, and replace its \
+                 robot.toml by your description",
                 path.display()
             )));
         }
@@ -180,7 +181,7 @@ impl Kind {
             "{} has no motor at {}; the program of a new crate moves {}\n  = help: add `<motor joint=\"{}\"/>` to its <actuator>",
             path.display(),
             without.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
-            if floats { "each joint of a robot whose base floats" } else { "one joint at least" },
+            if floats { "each joint of a robot with a floating base" } else { "at least one joint" },
             without[0],
         )))
     }
@@ -199,7 +200,9 @@ impl Kind {
             match place.and_then(Path::to_str) {
                 Some(place) => Ok((place.to_owned(), bytes.to_vec())),
                 None => Err(Failure::Usage(format!(
-                    "{} includes {}, which cannot be at the same place in the new crate\n  = help: include files of its own folder, by a relative path and under another name than {}",
+                    "{} includes {}, which cannot have the same relative path in the new crate\n  = help: \
+                     include only files of its own folder, by relative paths, and give none of them the \
+                     name {}",
                     path.display(),
                     file.display(),
                     self.file()
@@ -219,7 +222,7 @@ impl Feet<'_> {
         match self {
             Self::Of(named) if !model.quaternion_joints.is_empty() => new_feet::feet(model, named),
             Self::Of([_, ..]) => Err(Failure::Usage(
-                "--feet is for a robot whose base moves freely\n  = help: add --base floating".to_owned(),
+                "--feet requires a floating base\n  = help: add --base floating".to_owned(),
             )),
             Self::Of([]) | Self::None => Ok(vec![]),
         }
@@ -236,9 +239,10 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "joint `{}` of {} is {}; the program of a new crate counts one position and one velocity for each joint, behind those of a base that \
-         floats\n  = help: make it a fixed joint to begin with, or call `gelenk generate` and write the program yourself: the example \
-         `satellite` of gelenk-runtime moves a robot with a ball joint",
+        "joint `{}` of {} is {}; the program of a new crate supports a floating base and joints with one \
+         position and one velocity\n  = help: first make it a fixed joint, or call `gelenk generate` and \
+         write the program yourself: the example `satellite` of gelenk-runtime moves a robot with a \
+         spherical joint",
         joint.name,
         path.display(),
         joint.kind.name()

@@ -1,4 +1,4 @@
-//! Where descriptions and modules lie.
+//! Locations of descriptions and modules.
 
 use std::env;
 use std::fs;
@@ -10,14 +10,14 @@ use gelenk_files::is_same_file;
 use super::choices::LanguageName;
 use super::failure::Failure;
 
-/// A folder with `models/` and `generated/src/`: this project's workspace, or one like it.
+/// A folder with `models/` and `generated/src/`: the workspace of this project, or one with the same layout.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Workspace {
     pub(super) root: PathBuf,
 }
 
 impl Workspace {
-    /// The nearest one at or above the current folder.
+    /// The nearest workspace at or above the current folder.
     pub(super) fn find() -> Option<Self> {
         Self::above(&env::current_dir().ok()?)
     }
@@ -28,12 +28,13 @@ impl Workspace {
         folder.ancestors().find(is_root).map(|root| Self { root: root.to_owned() })
     }
 
-    /// Folder of the generated modules.
+    /// Folder of generated modules.
     pub(super) fn modules(&self) -> PathBuf {
         self.root.join("generated/src")
     }
 
-    /// Descriptions in models/, sorted by name: each TOML, and each URDF without a TOML of the same name.
+    /// Descriptions in models/ sorted by name: each TOML file, and each URDF file without a TOML file of the
+    /// same name.
     pub(super) fn descriptions(&self) -> io::Result<Vec<PathBuf>> {
         let entries = fs::read_dir(self.root.join("models"))?;
         let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>()?;
@@ -53,23 +54,23 @@ impl Workspace {
     }
 }
 
-/// Where a module goes, and how it is called.
+/// Location and name of a module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Target {
     pub(super) output: Output,
-    /// The name of the module, if the file has one of its own.
+    /// Name of the module, if the file name differs.
     pub(super) name: Option<String>,
 }
 
-/// Where a module goes.
+/// Location of a module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) enum Output {
-    /// Where modules in Rust go without a word.
+    /// The default location of Rust modules.
     #[default]
     Default,
-    /// This file, in C with a header next to it.
+    /// This file; a C header is written next to it.
     File(PathBuf),
-    /// This folder, under the name of the module.
+    /// This folder; the file has the name of the module.
     Folder(PathBuf),
 }
 
@@ -78,7 +79,7 @@ impl Target {
         match (language, output) {
             (LanguageName::Rust, None) => Ok(Self::default()),
             (LanguageName::Rust, Some(file)) if is_of_c(file) => Err(Failure::Usage(format!(
-                "{}: that is a name for a module in C: add `--language c`",
+                "{} is a name for a C module: add `--language c`",
                 file.display()
             ))),
             (LanguageName::Rust, Some(folder)) if is_folder(folder) => Ok(Self::folder(folder)),
@@ -90,7 +91,7 @@ impl Target {
         }
     }
 
-    /// Whether the module may go to the crate of the workspace.
+    /// Whether the module may be written to the crate of the workspace.
     pub(super) fn may_be_home(&self) -> bool {
         self.output == Output::Default
     }
@@ -102,14 +103,18 @@ impl Target {
     fn of_c(output: &Path) -> Result<Self, Failure> {
         let usage = |message: String| Err(Failure::Usage(message));
         if output == Path::new("-") {
-            return usage("a module in C is two files, which standard output cannot hold apart".to_owned());
+            return usage(
+                "a C module consists of two files: name an output folder instead of standard output"
+                    .to_owned(),
+            );
         }
         if is_folder(output) {
             return Ok(Self::folder(output));
         }
         if !is_of_c(output) {
             return usage(format!(
-                "{}: a module in C goes to a folder, or to a file that ends with .c and one next to it that ends with .h",
+                "a C module needs a folder or a file name that ends with .c; {} is neither. The header is \
+                 written next to the .c file",
                 output.display()
             ));
         }
@@ -117,7 +122,7 @@ impl Target {
         let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-.".contains(letter);
         if name.is_empty() || !name.chars().all(is_plain) {
             return usage(format!(
-                "{}: the files of a module in C name each other; take letters, digits, `_` and `-`",
+                "the file name {} is not usable in C: use letters, digits, `_` and `-`",
                 output.display()
             ));
         }
@@ -136,31 +141,34 @@ fn is_of_c(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension == "c" || extension == "h")
 }
 
-/// Fails if a file that is to be written was read, or has no folder.
+/// Fails if an output file was an input, or has no folder.
 pub(super) fn require_writable<'a>(
     file: &Path,
     mut read: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), Failure> {
     match read.any(|known| is_same_file(known, file)) {
-        true => Err(Failure::Problem(format!("{} is read, and is not written over", file.display()))),
+        true => Err(Failure::Problem(format!(
+            "{} is an input of this command and is not overwritten",
+            file.display()
+        ))),
         false => folder(file).map(|_| ()),
     }
 }
 
-/// Folder of a file that is to be written, absolute.
+/// Absolute path of an output file's folder.
 pub(super) fn folder(file: &Path) -> Result<PathBuf, Failure> {
     let folder = match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     folder.canonicalize().map_err(|error| {
-        let help = "name a file in a folder that exists with --output";
+        let help = "name a file in an existing folder with --output";
         Failure::Problem(format!("{}: {error}\n  = help: {help}", folder.display()))
     })
 }
 
-/// A path for a header: relative to the workspace where it lies in models/, as given where that is relative,
-/// and the bare name otherwise. Machines differ in everything else.
+/// Path for a header: relative to the workspace for files in models/, as given for other relative paths,
+/// otherwise the bare file name. The result is the same on every machine.
 pub(super) fn shown(path: &Path, workspace: Option<&Workspace>) -> String {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     if workspace.is_some_and(|workspace| workspace.contains(path)) {

@@ -1,4 +1,4 @@
-//! Results on standard output: tables, JSON.
+//! Printing of tables and JSON to standard output.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -18,7 +18,7 @@ const ROOM: usize = 84;
 /// From here on zeros are counted by an exponent.
 const MILLION: f64 = 1e6;
 
-/// Writes to standard output. A reader that went away (`gelenk … | head`) is not a failure.
+/// Writes to standard output. A closed pipe (`gelenk … | head`) is not a failure.
 pub(super) fn out(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -29,18 +29,18 @@ pub(super) fn out(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes JSON, indented, to standard output.
+/// Writes indented JSON to standard output.
 pub(super) fn json(value: &Value) -> Result<ExitCode, Failure> {
     out(&format!("{value:#}\n"))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes to standard error. A failure is ignored, because nobody may listen there either.
+/// Writes to standard error; failures are ignored.
 pub(super) fn err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Prints the problems of descriptions: text on standard error, JSON on standard output.
+/// Prints the problems of descriptions: as text on standard error, as JSON on standard output.
 pub(super) fn problems(all: &[Diagnostics], format: Format) {
     match format {
         Format::Text => {
@@ -65,7 +65,8 @@ pub(super) fn findings(all: &[Diagnostic]) -> Value {
     all.iter().map(diagnostic).collect()
 }
 
-/// Findings as text, a line or two each. If they need more than [`ROOM`], the gravest are shown.
+/// Findings as text, one or two lines each. If there are more than [`ROOM`] lines, only the most severe are
+/// printed.
 pub(super) fn lines(all: &[Diagnostic]) -> String {
     let texts: Vec<String> = all.iter().map(|finding| format!("{finding}\n")).collect();
     let count = |text: &String| text.lines().count();
@@ -85,10 +86,10 @@ pub(super) fn lines(all: &[Diagnostic]) -> String {
     shown.sort_unstable();
     let more = all.len() - shown.len();
     let shown: String = shown.into_iter().map(|i| texts[i].as_str()).collect();
-    format!("{shown}… and {more} more findings; --format json has all\n")
+    format!("{shown}… and {more} more findings; --format json prints all\n")
 }
 
-/// The result, or the findings before it on standard error: an error may have its reason in them.
+/// The result; on failure the findings before it are printed to standard error, because they may explain it.
 pub(super) fn after<T, E: Into<Failure>>(
     result: Result<T, E>,
     findings: &[Diagnostic],
@@ -99,7 +100,7 @@ pub(super) fn after<T, E: Into<Failure>>(
     result.map_err(E::into)
 }
 
-/// The result of an identification, or its error after the findings before it.
+/// The result of an identification; on failure the findings before it are printed.
 pub(super) fn identified<T>(result: Result<T, IdentificationError>) -> Result<T, Failure> {
     result.map_err(|error| {
         err(&lines(error.noted()));
@@ -135,7 +136,7 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     shown
 }
 
-/// Operation counts of functions by name as a table, with their bytes of machine code if these are given.
+/// Table of operation counts of functions, with the bytes of machine code if given.
 pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> String {
     let mut head = vec!["function", "multiplications", "additions", "divisions", "calls"];
     head.extend((!bytes.is_empty()).then_some("bytes"));
@@ -151,8 +152,8 @@ pub(super) fn counts_table(functions: &[(String, Cost)], bytes: &[Option<u64>]) 
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())
 }
 
-/// Operation counts of functions by name as JSON, with their bytes of machine code if these are given;
-/// null if a function is left to be inlined.
+/// Operation counts of functions as JSON, with the bytes of machine code if given; `null` for inlined
+/// functions.
 pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Value {
     let entry = |(index, (name, cost)): (usize, &(String, Cost))| {
         let Cost { multiplications, additions, divisions, sin_cos, other_calls, selections } = cost;
@@ -173,13 +174,13 @@ pub(super) fn counts(functions: &[(String, Cost)], bytes: &[Option<u64>]) -> Val
     functions.iter().enumerate().map(entry).collect()
 }
 
-/// A number as a person writes it: `600`, `0.25`, `-2e6`.
+/// A number in short notation: `600`, `0.25`, `-2e6`.
 pub(super) fn number(x: f64) -> String {
     let (plain, power) = (as_written(x), format!("{x:e}"));
     if x.abs() >= MILLION && power.len() < plain.len() { power } else { plain }
 }
 
-/// Rows of cells in columns, below a head; columns of numbers to the right.
+/// Table with a head; columns of numbers are right-aligned.
 pub(super) fn table(rows: &[Vec<String>]) -> String {
     let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));
     let width = |index: usize| column(index).map(|cell| cell.chars().count()).max().unwrap_or(0);
@@ -218,7 +219,7 @@ mod tests {
         let text = lines(&many);
         assert!(text.lines().count() == ROOM && text.contains("comes late"), "{text}");
         assert!(
-            text.ends_with(&format!("… and {} more findings; --format json has all\n", ROOM + 2)),
+            text.ends_with(&format!("… and {} more findings; --format json prints all\n", ROOM + 2)),
             "{text}"
         );
     }

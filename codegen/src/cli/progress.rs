@@ -1,11 +1,10 @@
-//! A sign of life for work over a second.
+//! Progress messages for work that takes more than a second.
 
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Says on standard error, once a second has passed and then every five, what is being worked on; silent when
-/// dropped.
+/// Prints the current work to standard error after one second and then every five seconds, until dropped.
 #[derive(Debug)]
 pub(super) struct Progress {
     end: Option<Sender<()>>,

@@ -19,7 +19,7 @@ use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Contents, report};
 use crate::wording::quoted;
 
-/// Writes the page of a robot. Exit code 1 if its functions disagree with each other.
+/// Writes the page of a robot. Exit code 1 if its self-check fails.
 pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<ExitCode, Failure> {
     let progress = Progress::start(arguments.description.display().to_string());
     let loaded = read(arguments)?;
@@ -40,11 +40,11 @@ pub(super) fn write(arguments: &arguments::Report, format: Format) -> Result<Exi
     Ok(if failed { ExitCode::from(FAULT) } else { ExitCode::SUCCESS })
 }
 
-/// Writes a page into the folder that an option names; its files.
+/// Writes a page to the folder of an option; returns its files.
 pub(super) fn written(page: &Report, folder: &Path, option: &str) -> Result<Vec<PathBuf>, Failure> {
     page.write(folder).map_err(|error| {
         Failure::Problem(format!(
-            "{error}\n  = help: name a folder that is to be made, or in which you may write, with {option} FOLDER"
+            "{error}\n  = help: name a new folder, or a folder with write permission, with {option} FOLDER"
         ))
     })
 }
@@ -88,8 +88,8 @@ fn closed_form(
 #[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
 fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, String>, Failure> {
     Ok(Err(
-        "Closed forms exist for robots with up to three coordinates. With letters for the numbers they need a build of `gelenk` \
-         with the feature `symbolica`, which this page was made without."
+        "Closed forms exist for robots with up to three coordinates. Closed forms with symbols need a build \
+         of `gelenk` with the feature `symbolica`; this page was made without it."
             .to_owned(),
     ))
 }
@@ -117,7 +117,7 @@ fn say(loaded: &Loaded, page: &Report, files: &[PathBuf]) -> Result<(), Failure>
     );
     let all = page.claims().count();
     let held = page.claims().filter(|claim| claim.verdict() == Verdict::Holds);
-    text.push_str(&format!("self-check: {} of {all} hold\n", held.count()));
+    text.push_str(&format!("self-check: {} of {all} checks hold\n", held.count()));
     for claim in page.claims().filter(|claim| claim.verdict() != Verdict::Holds) {
         text.push_str(&format!("  {}: {}\n", claim.id, claim.verdict()));
     }

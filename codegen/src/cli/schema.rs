@@ -1,4 +1,4 @@
-//! `gelenk schema`: the keys of a description as a JSON Schema, for editors.
+//! `gelenk schema`: JSON Schema of the description format, for editors.
 
 use std::collections::BTreeSet;
 use std::process::ExitCode;
@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::print;
 use crate::read::toml::keys::{FREE, Key, Keys, ROBOT, Value, parts};
 
-/// The name of its file, by which a description names it.
+/// File name of the schema; descriptions refer to it.
 pub(super) const FILE: &str = "gelenk.schema.json";
 
 /// Prints the schema.

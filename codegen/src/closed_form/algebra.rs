@@ -1,8 +1,8 @@
-//! The few operations of Symbolica that the derivation needs, on vectors and matrices.
+//! Vector and matrix operations on Symbolica's expressions.
 //!
-//! Sines and cosines are written with phases `E = e^{iα}`: `cos α = (E + E⁻¹)/2`, `sin α = (E − E⁻¹)/2i`. In
-//! them every trigonometric identity is plain arithmetic, so that expanding is already the simplification:
-//! equal expressions become the same Fourier sum.
+//! Sines and cosines are written with phases `E = e^{iα}`: `cos α = (E + E⁻¹)/2`, `sin α = (E − E⁻¹)/2i`.
+//! Then trigonometric identities are plain arithmetic, and expansion alone simplifies: equal expressions
+//! become the same Fourier sum.
 
 use symbolica::atom::{Atom, AtomCore, Symbol};
 use symbolica::symbol;
@@ -19,7 +19,7 @@ pub(super) type Matrix = [[Atom; 3]; 3];
 /// Largest number of variables of each kind.
 const VARIABLES: usize = 1000;
 
-/// The variables of a derivation, by kind and number. They exist while the instance is ours.
+/// Variables of a derivation, by kind and number. They exist while the instance is held.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Variables<'i> {
     _instance: &'i Instance,
@@ -64,7 +64,7 @@ impl<'i> Variables<'i> {
         Atom::var(self.symbol(kind, index))
     }
 
-    /// Recognizes the kind of a variable.
+    /// Kind and index of a variable.
     pub fn recognize(self, symbol: Symbol) -> Option<(Kind, usize)> {
         let name = symbol.get_stripped_name();
         let kind = Kind::ALL.into_iter().find(|kind| name.starts_with(kind.prefix()))?;
@@ -123,7 +123,7 @@ pub(super) fn zero() -> Atom {
     Atom::num(0)
 }
 
-/// The decimal number that the description shows, exactly.
+/// Exact decimal number of the description.
 pub(super) fn number(value: f64) -> Atom {
     let shown = format!("{value:e}");
     let (mantissa, exponent) = shown.split_once('e').unwrap_or((&shown, "0"));

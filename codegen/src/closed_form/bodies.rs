@@ -1,8 +1,8 @@
-//! The moving bodies of a model in the frames of its description.
+//! The moving bodies of a model in the frames of the description.
 //!
-//! What is fixed or held is lumped into the body that carries it: numbers into one mass, centre and inertia,
-//! whatever holds parameters stays a mass of its own. Independent of the kinematics stage, which the result
-//! is compared with.
+//! Fixed and held links are lumped into the body that carries them: numeric masses into one mass, centre and
+//! inertia; masses with parameters stay separate. The kinematics stage is not used, because the result is
+//! compared with it.
 
 use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
 use crate::numeric::sin_cos;
@@ -16,9 +16,9 @@ const ROUNDING: f64 = 1e-12;
 /// A moving body.
 #[derive(Debug, Clone)]
 pub(super) struct MovingBody {
-    /// Coordinate that moves it.
+    /// Coordinate of its joint.
     pub coordinate: usize,
-    /// Body that carries its joint; `None` for the base.
+    /// Body that carries its joint; `None` if it is the base.
     pub parent: Option<usize>,
     /// Joint frame in the parent's frame.
     pub pose: Pose,
@@ -26,7 +26,7 @@ pub(super) struct MovingBody {
     pub axis: [f64; 3],
     /// Whether its joint is prismatic.
     pub is_prismatic: bool,
-    /// Its masses, in its own frame.
+    /// Masses in the body's own frame.
     pub masses: Vec<Mass>,
 }
 
@@ -37,19 +37,19 @@ pub(super) struct Mass {
     pub mass: Formula,
     /// Centre of mass (m).
     pub center: [Formula; 3],
-    /// About the centre: xx, xy, xz, yy, yz, zz [kg m²].
+    /// Inertia about the centre: xx, xy, xz, yy, yz, zz [kg m²].
     pub inertia: [Formula; 6],
 }
 
-/// A rotor that turns relative to its carrier, or stands still on it.
+/// Rotor of a drive; turns relative to its carrier or is fixed to it.
 #[derive(Debug, Clone)]
 pub(super) struct Rotor {
-    /// Drive that it belongs to.
+    /// Drive of the rotor.
     pub drive: usize,
-    /// Body that carries it and its axis in that body's frame; `None` if its carrier's motion does not
-    /// count.
+    /// Body that carries the rotor, and the rotor's axis in that body's frame; `None` if the carrier's motion
+    /// is ignored.
     pub carrier: Option<(usize, [f64; 3])>,
-    /// Coordinate that turns it.
+    /// Coordinate that turns the rotor.
     pub coordinate: Option<usize>,
 }
 
@@ -61,7 +61,7 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Collects the moving joints.
+    /// Collects the moving joints of a model.
     pub fn new(model: &Model) -> Self {
         let (mut bodies, places) = moving(model);
         let mut rotors = Vec::new();
@@ -186,7 +186,7 @@ fn in_frame(body: &Body, pose: &Pose) -> Mass {
     }
 }
 
-/// Place of the entry i, j in xx, xy, xz, yy, yz, zz.
+/// Index of the entry i, j in xx, xy, xz, yy, yz, zz.
 pub(super) const ENTRY: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
 /// Row and column of each of the six entries.

@@ -1,6 +1,6 @@
 //! Closed forms as text and as LaTeX.
 //!
-//! Coordinates are written y, velocities ẏ, with indices from 1, as in the program's own notation.
+//! Coordinates are y and velocities ẏ, with indices from 1.
 
 use std::collections::BTreeSet;
 
@@ -9,9 +9,9 @@ use super::terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Wave};
 use crate::program::letters::greek_letter;
 use gelenk_formula::{Formula, Function};
 
-/// The equations as lines of text: entries, lumped constants, values of all letters.
+/// The equations as lines of text: entries, lumped constants, values of all symbols.
 ///
-/// - `parameters`: values of the free parameters, by which the constants are computed
+/// - `parameters`: values of the free parameters, used for the constants
 #[must_use]
 pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
     let printer = Printer { forms, style: Style::Text };
@@ -44,7 +44,7 @@ pub fn text(forms: &ClosedForms, parameters: &[f64]) -> String {
     out
 }
 
-/// The equations and the lumped constants as an `align*` environment (amsmath); the letters' values follow as
+/// Equations and lumped constants as an `align*` environment (amsmath); the values of the symbols follow as
 /// comments.
 ///
 /// - `parameters`: values of the free parameters
@@ -68,11 +68,11 @@ pub struct LatexParts {
     pub equations: Vec<(String, String)>,
     /// Name, definition and value of the lumped constants.
     pub constants: Vec<(String, String, String)>,
-    /// Name, value and meaning of the letters.
+    /// Name, value and meaning of the symbols.
     pub symbols: Vec<[String; 3]>,
 }
 
-/// The equations in LaTeX one by one, for pages that place each.
+/// The equations in LaTeX as separate entries, for pages.
 ///
 /// - `parameters`: values of the free parameters
 #[must_use]

@@ -1,4 +1,4 @@
-//! From Symbolica's expanded sums to real Fourier sums: pairs of phases become sines and cosines again.
+//! Conversion of Symbolica's expanded sums to real Fourier sums: pairs of phases become sines and cosines.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// The same with the opposite sign.
+    /// The summand with the opposite sign.
     pub fn negated(self) -> Self {
         Self { number: -self.number, ..self }
     }
@@ -34,15 +34,15 @@ type Key = (Vec<(Factor, i32)>, Vec<(Factor, i32)>);
 /// Real and imaginary part of the factor of each combination of phases.
 type Spectrum = BTreeMap<Vec<i32>, (Rational, Rational)>;
 
-/// The summands of an expanded expression in a fixed order.
+/// Summands of an expanded expression in a fixed order.
 ///
 /// `c E^k + c̄ E^−k = 2 Re c cos(k·α) − 2 Im c sin(k·α)`
 ///
 /// - `phases`: number of angles
 ///
 /// # Errors
-/// `symbolica-form` if the expression is not a real sum of products of our variables: a defect of this
-/// program.
+/// `symbolica-form` if the expression is not a real sum of products of known variables, which is a defect of
+/// this program.
 pub(super) fn parts(variables: Variables<'_>, sum: &Atom, phases: usize) -> Result<Vec<Part>, Diagnostics> {
     let mut spectra: BTreeMap<Key, Spectrum> = BTreeMap::new();
     let view = sum.as_view();

@@ -1,4 +1,4 @@
-//! Constants that act as one get one letter; what shares its factors is bracketed.
+//! Grouping of constants: sums that act together get one symbol, and common factors are bracketed.
 
 use std::collections::BTreeMap;
 
@@ -25,9 +25,9 @@ pub(super) struct Constants {
 }
 
 impl Constants {
-    /// Brackets the summands of one entry.
+    /// Groups the summands of one entry.
     ///
-    /// - `basis`: function that all summands are multiplied with
+    /// - `basis`: function that multiplies all summands
     pub fn group(&mut self, parts: &[Part], symbols: &[Symbol], basis: Option<&(Formula, usize)>) -> Sum {
         let mut hidden: BTreeMap<(Wave, Factors, Factors), Polynomial> = BTreeMap::new();
         for part in parts {
@@ -61,7 +61,7 @@ impl Constants {
         bracketed.into_iter().map(term).collect()
     }
 
-    /// The definitions of the constants.
+    /// Definitions of the lumped constants.
     pub fn definitions(self) -> Vec<Vec<Monomial>> {
         let definition = |polynomial: Polynomial| {
             let summands = polynomial.into_iter();

@@ -1,4 +1,4 @@
-//! The equations of motion from the energies alone (Lagrange's equations of the second kind).
+//! Equations of motion from energies alone (Lagrange's equations of the second kind).
 //!
 //! `L = T − V,  T = Σ ½ m ṗᵀṗ + ½ ωᵀ I ω + ½ J_R (aᵀω_c + i ẏ)²,  V = −Σ m g₀ᵀp`
 //! `d/dt ∂L/∂ẏ − ∂L/∂y = q − q_gravity + B u`
@@ -14,7 +14,7 @@ use super::bodies::{Bodies, ENTRY, MovingBody, Rotor};
 use super::letters::Letters;
 use crate::model::{Model, RotorCoupling};
 
-/// The equations that follow from the energies, with phases for sines and cosines.
+/// The equations from the energies, with phases instead of sines and cosines.
 pub(super) struct Lagrange {
     /// `M = ∂²L/∂ẏ²`
     pub mass_matrix: Vec<Vec<Atom>>,

@@ -1,8 +1,7 @@
-//! Letters for the numbers of a description: m₂, c₂, I₂, l₂, i₂, J₂, g, as a textbook would choose them.
+//! Symbols for the numbers of a description, as in a textbook: m₂, c₂, I₂, l₂, i₂, J₂, g.
 //!
-//! The index is the number of the coordinate that moves the body. A vector with one entry that is not zero is
-//! one letter; one with several has its axis in the index (c₂x, c₂z). Zero stays zero, and quarter turns stay
-//! what they are.
+//! The index is the number of the body's coordinate. A vector with one non-zero entry is one symbol; a vector
+//! with several has the axis in the index (c₂x, c₂z). Zeros and multiples of 90° get no symbol.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -20,12 +19,12 @@ const QUARTER_ROUNDING: f64 = 1e-12;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Gives every constant its letter, once.
+/// Assigns one symbol to each constant.
 pub(super) struct Letters<'m> {
     variables: Variables<'m>,
     model: &'m Model,
     pub symbols: Symbols,
-    /// Angles that do not move; phase `n + k` belongs to `angles[k]`.
+    /// Constant angles; phase `n + k` belongs to `angles[k]`.
     pub angles: Vec<Symbol>,
     /// Gear ratio of each drive.
     ratios: Vec<Atom>,
@@ -117,7 +116,7 @@ impl<'m> Letters<'m> {
         })
     }
 
-    /// Gravitational acceleration g₀; downwards along one axis it is −g.
+    /// Gravitational acceleration g₀; −g if it points down along one axis.
     pub fn gravity(&mut self, gravity: &[Formula; 3]) -> Vector {
         const MEANING: &str = "gravitational acceleration [m/s²]";
         let is_single = gravity.iter().filter(|entry| !entry.is_zero()).count() == 1;
@@ -130,7 +129,7 @@ impl<'m> Letters<'m> {
         })
     }
 
-    /// Rotation and translation of the joint's frame in its parent's.
+    /// Rotation and translation of the joint frame in the parent's frame.
     pub fn origin(&mut self, body: &MovingBody) -> (Matrix, Vector) {
         let name = self.joint_name(body.coordinate);
         let meaning = format!("origin of {name} in its parent's frame [m]");
@@ -145,13 +144,13 @@ impl<'m> Letters<'m> {
         (turn, translation)
     }
 
-    /// `A` with `A e_z` = the joint's axis.
+    /// Rotation `A` with `A e_z` = axis of the joint.
     pub fn align_axis(&mut self, body: &MovingBody) -> Matrix {
         let meaning = format!("axis of {} [rad]", self.joint_name(body.coordinate));
         self.align(body.axis, ["alpha", "beta"], body.coordinate, &meaning)
     }
 
-    /// A rotor's axis in its carrier's frame.
+    /// Axis of a rotor in its carrier's frame.
     pub fn rotor_axis(&mut self, drive: usize, axis: [f64; 3]) -> Vector {
         let meaning = format!("rotor axis of {} [rad]", self.model.drives[drive].name);
         let index = self.model.drives[drive].coordinate().unwrap_or(drive);
@@ -201,7 +200,7 @@ impl<'m> Letters<'m> {
         turned(quarters, sine, self.variables.cosine(phase))
     }
 
-    /// Mass, centre and inertia about it.
+    /// Mass, centre of mass and inertia about it.
     pub fn mass(&mut self, coordinate: usize, mass: &Mass) -> (Atom, Vector, [Atom; 6]) {
         let name = self.joint_name(coordinate);
         let index = coordinate + 1;
@@ -227,7 +226,7 @@ impl<'m> Letters<'m> {
         (inertia, self.ratios[drive].clone())
     }
 
-    /// `B`: gear ratio, times the motor constant where the input is a current.
+    /// `B`: gear ratio, times the motor constant if the input is a current.
     pub fn input_matrix(&mut self) -> Vec<Vec<Atom>> {
         let model = self.model;
         let drives: Vec<_> =
@@ -315,7 +314,7 @@ fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
     }
 }
 
-/// Number of letters that angles will get.
+/// Number of symbols for angles.
 pub(super) fn count_angles(bodies: &Bodies) -> usize {
     let joints = bodies.bodies.iter().flat_map(|body| {
         let origin = roll_pitch_yaw(&body.pose.rotation);

@@ -1,8 +1,8 @@
-//! One instance at a time: an advisory lock on a file that all users of the machine share.
+//! Lock for Symbolica: one instance per machine, by an advisory lock on a file shared by all users.
 //!
-//! Without a key Symbolica allows one instance per machine; a second one ends its own process, where no error
-//! handling helps. Whoever goes through this lock never starts the second. It knows nothing of instances that
-//! do not: other programs with Symbolica, or a process with another folder for temporary files.
+//! Without a key Symbolica allows one instance per machine; a second instance ends its own process, which no
+//! error handling can prevent. Programs that use this lock never start a second instance. The lock does not
+//! see programs that use Symbolica without it, or processes with another folder for temporary files.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Time that [`Instance::acquire`] waits for another one to end.
+/// Longest time that [`Instance::acquire`] waits for another instance.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Pause between two tries.
@@ -25,20 +25,18 @@ static LOCK: OnceLock<File> = OnceLock::new();
 /// Whose turn it is within this process.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// The right to use Symbolica, on this thread, until dropped. Other processes have to wait for the end of
-/// this one; the operating system gives the lock back, however the process ends.
+/// The right to use Symbolica on this thread until dropped. Other processes must wait for the end of this
+/// process; the operating system then releases the lock.
 #[derive(Debug)]
 pub struct Instance {
     _turn: MutexGuard<'static, ()>,
 }
 
 impl Instance {
-    /// Waits up to [`PATIENCE`] for the machine's one instance; `on_wait` is called once if there is
-    /// something to wait for.
+    /// Waits up to [`PATIENCE`] for the machine's instance; calls `on_wait` once if it has to wait.
     ///
     /// # Errors
-    /// `symbolica-busy` where another process keeps the lock, `symbolica-lock` where the file cannot be
-    /// locked at all.
+    /// `symbolica-busy` if another process keeps the lock, `symbolica-lock` if the file cannot be locked.
     pub fn acquire(on_wait: &mut dyn FnMut(&Path)) -> Result<Self, Diagnostics> {
         // The mutex guards no data that a panic could have left half-made.
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -73,7 +71,7 @@ fn locked(path: &Path, patience: Duration, on_wait: &mut dyn FnMut(&Path)) -> Re
     }
 }
 
-/// The file that is locked; it is empty and stays.
+/// The locked file; it stays empty and is not removed.
 pub fn lock_file() -> PathBuf {
     std::env::temp_dir().join("gelenk-symbolica.lock")
 }
@@ -97,16 +95,16 @@ fn busy(path: &Path, patience: Duration) -> Diagnostic {
     Diagnostic::error(
         "symbolica-busy",
         format!(
-            "another process has been using Symbolica for over {} s; without a key only one may at a time",
+            "another process has used Symbolica for more than {} s; without a key only one process may use it",
             patience.as_secs()
         ),
     )
-    .help(format!("wait for it to end, or look for who has `{}` open", path.display()))
+    .help(format!("wait for that process to end, or find the process that holds `{}` open", path.display()))
 }
 
 fn unusable(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::error("symbolica-lock", format!("cannot lock `{}`: {error}", path.display()))
-        .help("set TMPDIR to a folder on a local disk in which files can be made and locked")
+        .help("set TMPDIR to a folder on a local disk in which files can be created and locked")
 }
 
 #[cfg(test)]

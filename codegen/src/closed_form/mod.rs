@@ -1,18 +1,15 @@
-//! Formulas for people: M, k, q and B in closed form with symbolic parameters, by the computer algebra system
-//! Symbolica.
+//! Closed forms of M, k, q and B with symbolic parameters, from the computer algebra system Symbolica.
 //!
-//! This folder stands behind the feature `symbolica`, which is off by default, and is the only one that names
-//! it; no generated number depends on it. Symbolica is source-available, not open source: without a key of
-//! the user's own it is for non-commercial use, one instance and one core per machine. Hence everything here
-//! takes an [`Instance`], the one of this machine, and stays on one thread. Symbolica prints a banner to
-//! standard output when it is first used.
+//! This folder requires the feature `symbolica`, which is off by default, and is the only one that uses
+//! Symbolica. Generated code does not depend on it. Symbolica is source-available, not open source: without a
+//! key it is for non-commercial use, one instance and one core per machine. Therefore all functions take an
+//! [`Instance`] and run on one thread. Symbolica prints a banner to standard output at its first use.
 //!
-//! The equations come from Lagrange's equations of the second kind, energies and frames alone, so that the
-//! formulas also check the recursive derivation of [`crate::dynamics`], with which they share nothing but the
-//! model.
+//! The equations are Lagrange's equations of the second kind. They share only the model with the recursive
+//! derivation of [`crate::dynamics`], so they also verify it.
 //!
-//! Sizes grow quickly in closed forms (they are why generated code never uses them): [`MAXIMUM_JOINTS`] is
-//! the limit.
+//! Closed forms grow quickly with the number of joints, so generated code does not use them. The limit is
+//! [`MAXIMUM_JOINTS`].
 
 mod algebra;
 mod bodies;
@@ -40,21 +37,21 @@ use fourier::Part;
 use group::Constants;
 use letters::Letters;
 
-/// Closed forms of more coordinates fill pages that nobody reads.
+/// Largest number of coordinates; closed forms of more are too long to read.
 pub const MAXIMUM_JOINTS: usize = 3;
 
-/// Coordinates and angles that are not quarter turns, together: each multiplies the number of terms by five at
-/// most. Three general joints with one such angle give 30 kB of formulas, with two 130 kB, with three hours
-/// of work.
+/// Largest number of coordinates and angles that are not multiples of 90°, together. Each multiplies the
+/// number of terms by up to five: three general joints give 30 kB of formulas with one such angle, 130 kB
+/// with two, hours of computation with three.
 pub const MAXIMUM_ANGLES: usize = 4;
 
-/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with letters for its numbers.
+/// `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with symbols instead of numbers.
 ///
 /// - `instance`: the right to use Symbolica
 ///
 /// # Errors
-/// The code of a [`Kind`](crate::functions::catalogue::Kind) that has no closed forms; `too-many-joints` if more than
-/// [`MAXIMUM_JOINTS`] coordinates move, `too-many-angles` beyond [`MAXIMUM_ANGLES`].
+/// The code of a [`Kind`](crate::functions::catalogue::Kind) without closed forms; `too-many-joints` for more
+/// than [`MAXIMUM_JOINTS`] coordinates, `too-many-angles` beyond [`MAXIMUM_ANGLES`].
 pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnostics> {
     check_size(model)?;
     let variables = Variables::new(instance);
@@ -96,10 +93,11 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
     })
 }
 
-/// Checks that a model is small enough for closed forms, and that M, k, q and B are its whole equations. No instance of Symbolica is needed.
+/// Checks that a model is small enough for closed forms, and that M, k, q and B are its complete equations.
+/// Needs no instance of Symbolica.
 ///
 /// # Errors
-/// As [`derive()`].
+/// See [`derive()`].
 pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
     CLOSED_FORMS.check(model)?;
     check_coordinates(model)
@@ -109,26 +107,24 @@ pub fn check_size(model: &Model) -> Result<(), Diagnostics> {
 fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {
-        let message = format!(
-            "closed forms are offered for up to {MAXIMUM_JOINTS} coordinates; `{}` has {n}",
-            model.name
-        );
+        let message =
+            format!("closed forms support up to {MAXIMUM_JOINTS} coordinates; `{}` has {n}", model.name);
         let problem = Diagnostic::error("too-many-joints", message).help(
-            "hold joints at a position in the description (`held = 0`), or use `gelenk inspect program` for the \
-             equations with their abbreviations",
+            "hold joints in the description (`held = 0`), or print the equations with intermediate values: \
+             `gelenk inspect program`",
         );
         return Err(Diagnostics::new(vec![problem]));
     }
     let angles = letters::count_angles(&Bodies::new(model));
     if n + angles > MAXIMUM_ANGLES {
         let message = format!(
-            "closed forms are offered for up to {MAXIMUM_ANGLES} coordinates and angles that are not multiples of 90°; `{}` \
-             has {n} and {angles}",
+            "closed forms support up to {MAXIMUM_ANGLES} coordinates and angles that are not multiples of \
+             90°; `{}` has {n} and {angles}",
             model.name
         );
         let problem = Diagnostic::error("too-many-angles", message).help(
-            "`--snap-angles 1e-4` rounds angles within 1e-4 rad of a multiple of 90° to it; `gelenk inspect program` shows \
-             the equations with their abbreviations whatever the angles",
+            "`--snap-angles 1e-4` rounds angles within 1e-4 rad of a multiple of 90°; `gelenk inspect \
+             program` prints the equations with intermediate values for any angles",
         );
         return Err(Diagnostics::new(vec![problem]));
     }

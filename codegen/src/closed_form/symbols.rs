@@ -1,20 +1,21 @@
-//! The named constants of a closed form: letters of a formula in place of the numbers of a description.
+//! Named constants of a closed form: symbols that replace the numbers of a description.
 
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// A constant with its letter.
+/// A constant and its symbol.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symbol {
-    /// Letter, or the parameter's name: `m`, `c`, `I`.
+    /// Base of the name: `m`, `c`, `I`, or the name of a parameter.
     pub stem: String,
-    /// Subscript: number of the coordinate and, where needed, axes: `2`, `2z`. Empty for parameters.
+    /// Subscript: number of the coordinate, and axes if necessary: `2`, `2z`. Empty for parameters.
     pub index: String,
-    /// Described value; parameters may have others.
+    /// Described value; parameters may be set to others.
     pub value: Formula,
-    /// The meaning of the symbol, with its unit.
+    /// Meaning of the symbol, with its unit.
     pub meaning: String,
-    /// Belongs to drives, gravity or friction: shown in the entries, never hidden in a lumped constant.
+    /// Whether the symbol appears in the entries and never within a lumped constant: symbols of drives,
+    /// gravity and friction.
     pub is_visible: bool,
 }
 
@@ -25,7 +26,7 @@ impl Symbol {
     }
 }
 
-/// All constants, the free parameters first.
+/// All constants; free parameters are first.
 #[derive(Debug, Clone)]
 pub(super) struct Symbols {
     pub entries: Vec<Symbol>,
@@ -43,7 +44,7 @@ impl Symbols {
         Self { entries: model.parameters.iter().enumerate().map(entry).collect() }
     }
 
-    /// A letter for a value that is not zero; a name that is taken gets a prime.
+    /// Adds a symbol for a non-zero value; appends a prime if the name is in use.
     pub fn add(&mut self, stem: &str, index: &str, value: Formula, meaning: String) -> usize {
         let mut symbol =
             Symbol { stem: stem.to_owned(), index: index.to_owned(), value, meaning, is_visible: false };

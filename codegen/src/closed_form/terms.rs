@@ -1,4 +1,4 @@
-//! Closed forms as data: sums of products, free of the computer algebra that made them.
+//! Closed forms as data (sums of products), independent of the computer algebra.
 
 use super::symbols::Symbol;
 use crate::numeric::{power, sin_cos};
@@ -13,26 +13,26 @@ pub struct ClosedForms {
     pub coordinates: Vec<String>,
     /// Names of the inputs u₁ … uₘ.
     pub inputs: Vec<String>,
-    /// Letters for the numbers of the description.
+    /// Symbols for the numbers of the description.
     pub symbols: Vec<Symbol>,
-    /// Angles that do not move: those of slanted joints and rotors.
+    /// Constant angles of slanted joints and rotors.
     pub angles: Vec<Symbol>,
-    /// Lumped constants p₁, p₂, …: sums over masses, lengths and inertias that act as one.
+    /// Lumped constants p₁, p₂, …: sums of products of masses, lengths and inertias.
     pub constants: Vec<Vec<Monomial>>,
-    /// `[n × n]`
+    /// M, `[n × n]`.
     pub mass_matrix: Vec<Vec<Sum>>,
-    /// `[n]`
+    /// k, `[n]`.
     pub coriolis_forces: Vec<Sum>,
-    /// `[n]`
+    /// q, `[n]`.
     pub applied_forces: Vec<Sum>,
-    /// `[n × m]`
+    /// B, `[n × m]`.
     pub input_matrix: Vec<Vec<Sum>>,
 }
 
-/// A rational number, with its fraction where that is short.
+/// A rational number, also as a fraction if that is short.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number {
-    /// Its value.
+    /// Value of the number.
     pub value: f64,
     /// Numerator and denominator.
     pub fraction: Option<(i64, i64)>,
@@ -41,13 +41,13 @@ pub struct Number {
 /// A factor of a monomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
-    /// Lumped constant with this index.
+    /// Lumped constant, by index.
     Constant(usize),
-    /// Symbol with this index.
+    /// Symbol, by index.
     Symbol(usize),
-    /// Coordinate with this index, of a prismatic joint.
+    /// Coordinate of a prismatic joint, by index.
     Coordinate(usize),
-    /// Velocity with this index.
+    /// Velocity, by index.
     Velocity(usize),
 }
 
@@ -56,16 +56,16 @@ pub enum Factor {
 pub struct Monomial {
     /// The rational factor.
     pub number: Number,
-    /// Factors with their exponents, which are not 0.
+    /// Factors with their non-zero exponents.
     pub factors: Vec<(Factor, i32)>,
 }
 
-/// A sine or cosine of a whole combination of angles.
+/// Sine or cosine of an integer combination of angles.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Wave {
-    /// No angle: 1.
+    /// The constant 1.
     None,
-    /// `cos(Σ kᵢ αᵢ)`; α are the coordinates, then the angles that do not move.
+    /// `cos(Σ kᵢ αᵢ)`; α are the coordinates, then the constant angles.
     Cosine(Vec<i32>),
     /// `sin(Σ kᵢ αᵢ)`
     Sine(Vec<i32>),
@@ -78,31 +78,31 @@ pub struct Term {
     pub outer: Monomial,
     /// Sine or cosine.
     pub wave: Wave,
-    /// Velocities and sliding coordinates; never empty.
+    /// Velocities and prismatic coordinates; never empty.
     pub inner: Vec<Monomial>,
-    /// Function of one coordinate's y and ẏ: a friction law or spring, and that coordinate.
+    /// Friction law or spring as a function of one coordinate's y and ẏ, and the index of the coordinate.
     pub basis: Option<(Formula, usize)>,
 }
 
-/// A sum of terms; empty is 0.
+/// A sum of terms; an empty sum is 0.
 pub type Sum = Vec<Term>;
 
 /// Values at one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
-    /// `[n × n]`
+    /// M, `[n × n]`.
     pub mass_matrix: Vec<Vec<f64>>,
-    /// `[n]`
+    /// k, `[n]`.
     pub coriolis_forces: Vec<f64>,
-    /// `[n]`
+    /// q, `[n]`.
     pub applied_forces: Vec<f64>,
-    /// `[n × m]`
+    /// B, `[n × m]`.
     pub input_matrix: Vec<Vec<f64>>,
 }
 
 impl ClosedForms {
-    /// Evaluates the formulas as they are printed, with these values of the free parameters; `NaN` where one
-    /// is missing.
+    /// Evaluates the formulas at a state with these values of the free parameters; `NaN` if a value is
+    /// missing.
     ///
     /// - `y`, `v`: coordinates and velocities, `n` each
     pub fn evaluate(&self, parameters: &[f64], y: &[f64], v: &[f64]) -> Values {
@@ -116,7 +116,7 @@ impl ClosedForms {
         }
     }
 
-    /// Described value of a lumped constant.
+    /// Value of a lumped constant.
     pub fn constant_value(&self, index: usize, parameters: &[f64]) -> f64 {
         let state = State::new(self, parameters, &[], &[]);
         state.constants.get(index).copied().unwrap_or(f64::NAN)

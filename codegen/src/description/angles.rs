@@ -1,17 +1,17 @@
-//! Angles that miss a multiple of 90° by a hair: noted, or snapped where asked for.
+//! Angles close to a multiple of 90°: noted, or snapped on request.
 
 use crate::diagnostic::{At, Report, Span};
 use crate::model::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
 use crate::wording::{listed, three_digits};
 
-/// Angles this close to a multiple of 90° (rad) are worth a note.
+/// Largest distance (rad) from a multiple of 90° that gives a note.
 pub const NEARLY_RIGHT: f64 = 1e-4;
-/// Code of that note.
+/// Code of the note.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
-/// Makes rotations from described angles and records the operations that snapping would save.
+/// Makes rotations from described angles; records the operations that snapping would save.
 #[derive(Debug, Default)]
 pub(crate) struct Angles {
-    /// Angles within this of a multiple of 90° are replaced by it (rad).
+    /// Largest distance (rad) from a multiple of 90° that is snapped.
     pub snap: Option<f64>,
     near: Vec<(Span, String, f64)>,
     gained: usize,
@@ -19,18 +19,18 @@ pub(crate) struct Angles {
     degrees: Vec<(Span, String)>,
 }
 
-/// Whether an angle is a multiple of 5 beyond any usual number of turns: 90, −180, 360.
+/// Whether an angle is a multiple of 5 that is too large for radians: 90, −180, 360.
 pub(crate) fn looks_like_degrees(angle: f64) -> bool {
     is_beyond_turns(angle) && angle % 5.0 == 0.0
 }
 
-/// Whether an angle is almost five turns or more in radians, and at most two in degrees.
+/// Whether an angle is nearly five turns or more in radians, but at most two turns in degrees.
 pub(crate) fn is_beyond_turns(angle: f64) -> bool {
     (30.0..=720.0).contains(&angle.abs())
 }
 
 impl Angles {
-    /// Rotation of roll, pitch and yaw; `owner` names them in the note.
+    /// Rotation from roll, pitch and yaw; `owner` is the name in the note.
     pub fn rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
         let angles = rpy.value.map(|angle| self.snapped(angle));
         for angle in angles {
@@ -42,12 +42,12 @@ impl Angles {
         rotation
     }
 
-    /// Rotation of a unit quaternion w, x, y, z.
+    /// Rotation from a unit quaternion w, x, y, z.
     pub fn quaternion(&self, quaternion: [f64; 4]) -> Rotation {
         from_quaternion(quaternion, self.snap.unwrap_or(0.0))
     }
 
-    /// A single angle (of a Denavit–Hartenberg row).
+    /// An angle of a Denavit–Hartenberg row.
     pub fn angle(&mut self, angle: &At<f64>, owner: &str) -> f64 {
         let value = self.snapped(angle.value);
         if self.remember(value, angle.span, owner) {
@@ -71,7 +71,7 @@ impl Angles {
         near
     }
 
-    /// Adds the notes, if there is something to say.
+    /// Adds the notes, if any.
     pub fn report(self, report: &mut Report) {
         self.note_degrees(report);
         let Some((first, ..)) = self.near.first() else {
@@ -84,13 +84,13 @@ impl Angles {
         });
         let count = self.near.len();
         let message = format!(
-            "{count} angle{} within 1e-4 of a multiple of 90°, but not exactly there: {}; snapping would make {} entries \
-             of rotation matrices exactly 0 or ±1, which cost no operations",
+            "{count} angle{} within 1e-4 of a multiple of 90°, but not equal to it: {}; snapping would set \
+             {} entries of rotation matrices to exactly 0 or ±1, which cost no operations",
             if count == 1 { " is" } else { "s are" },
             listed(entries),
             self.gained,
         );
-        let help = "`--snap-angles 1e-4` or the key `snap_angles = 1e-4` does it";
+        let help = "use `--snap-angles 1e-4` or the key `snap_angles = 1e-4`";
         report.note(Some(*first), NEARLY_RIGHT_ANGLE, message).help(help);
     }
 
@@ -99,9 +99,10 @@ impl Angles {
             return;
         };
         let entries = self.degrees.iter().map(|(_, entry)| entry.clone());
-        let message = format!("rotations look like degrees: {}; they are taken as radians", listed(entries));
+        let message =
+            format!("these rotations look like degrees, but are read as radians: {}", listed(entries));
         report.note(Some(*first), "looks-like-degrees", message);
-        report.help("90° are 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
+        report.help("90° is 1.5707963267948966 in a URDF, `\"pi/2\"` in TOML");
     }
 }
 

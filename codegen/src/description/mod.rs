@@ -1,8 +1,7 @@
-//! Contents of a file before validation: the common form of TOML, URDF and MJCF descriptions.
+//! Unchecked contents of a description, in a form common to TOML, URDF and MJCF.
 //!
-//! Names are texts as described, references between entries are by name, and every entry knows its place. A
-//! value that could not be read was reported and is replaced by a harmless one, so that it causes no
-//! second complaint.
+//! Entries refer to each other by name and know their place in the file. A value that could not be read was
+//! reported, and a valid value replaces it to avoid further errors.
 
 pub(crate) mod angles;
 
@@ -15,11 +14,11 @@ use crate::model::{
 use gelenk_formula::Formula;
 use std::collections::BTreeSet;
 
-/// A name as described.
+/// A described name.
 pub(crate) type Name = At<String>;
 
 impl Name {
-    /// The name as messages show it.
+    /// The name in the form for messages.
     pub fn quoted(&self) -> String {
         format!("`{}`", self.value)
     }
@@ -32,50 +31,50 @@ pub(crate) struct RobotDescription {
     pub description: Vec<String>,
     pub gravity: Option<[Formula; 3]>,
     pub parameters: Vec<At<Parameter>>,
-    /// Name of the base link, where said.
+    /// Name of the base link, if described.
     pub base: Option<Name>,
-    /// Where it is said that the base moves freely.
+    /// Place where the base is described as floating.
     pub floating_base: Option<Span>,
-    /// It is true once the base moves freely.
+    /// Whether the base was made floating.
     pub is_freed: bool,
-    /// Tables of velocities of the base, whose joint comes with its freedom.
+    /// Velocities of the base, kept until its floating joint exists.
     pub velocities: Vec<JointDescription>,
-    /// Whether it is that of an MJCF, or extends one.
+    /// Whether the description is an MJCF or extends one.
     pub is_mjcf: bool,
-    /// Links that exist even where no joint names them.
+    /// Links that exist even if no joint names them.
     pub links: Vec<Name>,
-    /// Links with a shape and without a body.
+    /// Links with a shape but no body.
     pub weightless_shapes: Vec<Name>,
-    /// Rotors whose place is not clear.
+    /// Rotors that could not be assigned to a joint.
     pub skipped_rotors: Vec<SkippedRotor>,
     pub bodies: Vec<BodyDescription>,
     pub joints: Vec<JointDescription>,
     pub frames: Vec<FrameDescription>,
-    /// Joint names in the order of the coordinates, where said.
+    /// Joint names in the order of the coordinates, if described.
     pub coordinates: Option<Vec<Name>>,
-    /// Children of a link in the order of their joints' names, as Pinocchio has them, not of their
-    /// description.
+    /// Whether children of a link are ordered by the names of their joints, as in Pinocchio, not as
+    /// described.
     pub sort_joints: bool,
-    /// Followers that patterns of held joints name: at rest in the end.
+    /// Followers that match patterns of held joints; they must be at rest.
     pub resting: Vec<Name>,
-    /// Drives that stand apart from joints.
+    /// Drives under `[[drives]]`.
     pub drives: Vec<SharedDriveDescription>,
     /// Forces between two frames.
     pub point_forces: Vec<PointForceDescription>,
     /// Inputs that are wrenches.
     pub wrench_inputs: Vec<WrenchInputDescription>,
-    /// Wrenches that are arguments.
+    /// Wrenches that are arguments of functions.
     pub wrenches: Vec<WrenchDescription>,
     /// Drive of joints that describe none.
     pub default_drive: DriveChoice,
-    /// A mass matrix that is not positive definite is a warning, no error.
+    /// Whether a mass matrix that is not positive definite gives a warning instead of an error.
     pub accept_unphysical: bool,
     pub options: Option<Options>,
 }
 
 impl RobotDescription {
-    /// How a joint is driven: as it says, else as this robot's joints are. Joints that follow others, and those
-    /// that a drive of its own acts on, have none unless they say so.
+    /// Drive of a joint: the described one, otherwise the default of the robot. Followers, and joints with a
+    /// drive under `[[drives]]`, have none by default.
     pub fn drive_of<'d>(&'d self, joint: &'d JointDescription) -> &'d DriveChoice {
         match &joint.drive {
             Some(drive) => &drive.value,
@@ -84,12 +83,12 @@ impl RobotDescription {
         }
     }
 
-    /// Where one of some names is written; the robot's name if it is none of them.
+    /// Place of the first of some names; the place of the robot's name if there is none.
     pub fn place_among<'r>(&'r self, mut names: impl Iterator<Item = &'r Name>, wanted: &str) -> Span {
         names.find(|name| name.value == wanted).unwrap_or(&self.name).span
     }
 
-    /// All motors, of joints and apart from them, with the names of their drives.
+    /// All motors with the names of their drives.
     pub fn motors(&self) -> impl Iterator<Item = (&str, &DriveDescription)> {
         let of_joints = self.joints.iter().filter_map(|joint| match self.drive_of(joint) {
             DriveChoice::Motor(motor) => {
@@ -100,14 +99,14 @@ impl RobotDescription {
         of_joints.chain(self.drives.iter().map(|drive| (&drive.name.value[..], &drive.motor)))
     }
 
-    /// The frames and links that forces, inputs and wrenches name.
+    /// Frames and links named by forces, inputs and wrenches.
     pub fn names_at_frames(&self) -> impl Iterator<Item = &Name> {
         let between = self.point_forces.iter().flat_map(|force| &force.between);
         let inputs = self.wrench_inputs.iter().map(|input| &input.frame);
         between.chain(inputs).chain(self.wrenches.iter().map(|wrench| &wrench.frame))
     }
 
-    /// The links of a list that are described: not those between the parts of a joint of several degrees of freedom.
+    /// Links of a list that are described, without those between the velocities of one joint.
     pub fn described_links<'l>(&self, links: &'l [Name]) -> impl Iterator<Item = &'l str> + use<'l> {
         let inner =
             self.joints.iter().filter(|joint| joint.leads_on).filter_map(|joint| joint.child.as_ref());
@@ -115,7 +114,7 @@ impl RobotDescription {
         links.iter().map(|link| link.value.as_str()).filter(move |link| !inner.contains(*link))
     }
 
-    /// Whether a drive apart from the joints acts on it.
+    /// Whether a drive under `[[drives]]` acts on the joint.
     pub fn is_acted_on(&self, joint: &JointDescription) -> bool {
         let mut terms = self.drives.iter().flat_map(|drive| &drive.on);
         terms.any(|term| term.joint.value == joint.name.value)
@@ -128,7 +127,7 @@ impl Default for At<String> {
     }
 }
 
-/// A rigid body; `None` if not said.
+/// A rigid body; fields are `None` if not described.
 #[derive(Debug, Clone)]
 pub(crate) struct BodyDescription {
     pub name: Name,
@@ -141,8 +140,7 @@ pub(crate) struct BodyDescription {
     pub center_of_mass: Option<[Formula; 3]>,
     pub inertia: Option<At<[Formula; 6]>>,
     pub accept_unphysical: bool,
-    /// It is true if the body is that of a URDF, which somebody else has published and which is taken as it
-    /// is.
+    /// Whether the body is from a URDF; its inertia is then accepted as published.
     pub is_published: bool,
 }
 
@@ -166,7 +164,7 @@ impl BodyDescription {
     }
 }
 
-/// A joint; `None` if not said.
+/// A joint; fields are `None` if not described.
 #[derive(Debug, Clone)]
 pub(crate) struct JointDescription {
     pub name: Name,
@@ -180,7 +178,7 @@ pub(crate) struct JointDescription {
     pub link_frame: Option<Pose>,
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
-    /// Whether its motion is prescribed; `None` if the description does not say how it moves.
+    /// Whether the motion is prescribed; `None` if not described.
     pub driven: Option<At<bool>>,
     pub limits: LimitsDescription,
     pub springs: Option<At<Vec<Formula>>>,
@@ -188,41 +186,42 @@ pub(crate) struct JointDescription {
     pub drive: Option<At<DriveChoice>>,
     /// The joints that this one follows.
     pub follows: Option<At<Vec<FollowsDescription>>>,
-    /// Its position where all of these are at 0.
+    /// Position when the followed joints are at 0.
     pub offset: Option<At<f64>>,
-    /// The spherical or floating joint of which it is a velocity.
+    /// The spherical or floating joint whose velocity this is.
     pub part_of: Option<PartOf>,
-    /// Whether it is a part of a joint of several degrees of freedom and not the last: nobody has described its link.
+    /// Whether this is a part of a joint with several degrees of freedom, but not the last. Its link is not
+    /// described.
     pub leads_on: bool,
 }
 
-/// The place of a velocity in a joint with a quaternion.
+/// Position of a velocity within a joint with a quaternion.
 #[derive(Debug, Clone)]
 pub(crate) struct PartOf {
     pub joint: Name,
     pub kind: QuaternionKind,
-    /// Its index among the velocities of the joint.
+    /// Index among the velocities of the joint.
     pub index: usize,
 }
 
-/// A joint that another one, or a drive, follows.
+/// A joint followed by another joint or a drive.
 #[derive(Debug, Clone)]
 pub(crate) struct FollowsDescription {
     pub joint: Name,
     pub ratio: At<Formula>,
 }
 
-/// A drive that stands apart from joints.
+/// A drive under `[[drives]]`.
 #[derive(Debug, Clone)]
 pub(crate) struct SharedDriveDescription {
     pub name: Name,
-    /// The joints whose weighted sum its gear turns into the motor's angle.
+    /// Joints with weights; the gear converts their weighted sum to the motor's angle.
     pub on: Vec<FollowsDescription>,
     pub motor: DriveDescription,
 }
 
 impl JointDescription {
-    /// A joint of which nothing but the name is said.
+    /// A joint with only a name.
     pub fn named(name: Name) -> Self {
         Self {
             name,
@@ -266,7 +265,7 @@ impl JointDescription {
         self.moves() && self.follows.is_none() && self.driven.as_ref().is_some_and(|driven| driven.value)
     }
 
-    /// Fills in the defaults of a new joint: it is revolute and moves a link of its own name.
+    /// Sets the defaults of a new joint: it is revolute and moves a link of the same name.
     pub fn complete(&mut self) {
         self.kind.get_or_insert(JointKind::Revolute);
         self.child.get_or_insert_with(|| self.name.clone());
@@ -276,9 +275,9 @@ impl JointDescription {
 /// Friction of a joint.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FrictionDescription {
-    /// Friction by velocity and position.
+    /// Friction as a function of velocity and position.
     pub terms: Vec<FrictionTerm>,
-    /// Increase of friction per unit of load.
+    /// Friction per unit of load.
     pub load: Option<At<Vec<FrictionTerm>>>,
 }
 
@@ -289,7 +288,7 @@ impl FrictionDescription {
     }
 }
 
-/// Limits with their places.
+/// Limits with their places in the file.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LimitsDescription {
     pub position: Option<At<[f64; 2]>>,
@@ -301,7 +300,7 @@ pub(crate) struct LimitsDescription {
 }
 
 impl LimitsDescription {
-    /// Limits of magnitudes, with their names.
+    /// Limits of magnitudes and their names.
     pub fn amounts(&self) -> [(&'static str, &Option<At<f64>>); 5] {
         [
             ("speed", &self.velocity),
@@ -313,13 +312,13 @@ impl LimitsDescription {
     }
 }
 
-/// How a joint is driven.
+/// Drive of a joint.
 #[derive(Debug, Clone, Default)]
 pub(crate) enum DriveChoice {
-    /// Not at all.
+    /// No drive.
     #[default]
     Passive,
-    /// A torque at the joint, without rotor.
+    /// A torque or force at the joint, without rotor.
     Ideal,
     /// A described motor.
     Motor(Box<DriveDescription>),
@@ -335,19 +334,19 @@ pub(crate) struct DriveDescription {
     pub axis: Option<[f64; 3]>,
     pub coupling: RotorCoupling,
     pub input: Input,
-    /// Where the motor constant is described, or else the motor.
+    /// Place of the motor constant, or else of the motor.
     pub input_span: Span,
     pub torque: MotorTorque,
     /// Highest speed of the shaft (rad/s).
     pub speed: Option<At<f64>>,
-    /// Torque at rest and speed without load.
+    /// Torque–speed line: stall torque and no-load speed.
     pub line: Option<At<TorqueSpeedLine>>,
-    /// Friction of the shaft, over the motor's angle and speed.
+    /// Friction of the shaft as a function of the motor's angle and speed.
     pub friction: Option<At<Vec<FrictionTerm>>>,
 }
 
 impl DriveDescription {
-    /// The ideal drive of a joint, with the reflected inertia of its rotor on the diagonal of M.
+    /// An ideal drive at a joint; its rotor adds a reflected inertia to the diagonal of M.
     pub fn at_joint(rotor_inertia: At<Formula>) -> Self {
         let span = rotor_inertia.span;
         Self {
@@ -367,17 +366,17 @@ impl DriveDescription {
     }
 }
 
-/// A rotor of a URDF with the joints and gear ratios that it may belong to.
+/// A rotor of a URDF with its possible joints and gear ratios.
 #[derive(Debug, Clone)]
 pub(crate) struct SkippedRotor {
-    /// About its own axis, on its own side of the gear (kg m²).
+    /// Inertia about the rotor's axis, on the rotor's side of the gear (kg m²).
     pub inertia: At<f64>,
     pub joints: Vec<String>,
     pub ratios: Vec<f64>,
 }
 
 impl SkippedRotor {
-    /// Its joint, if it is clear, and its reflected inertia on the diagonal of M.
+    /// Joint of the rotor and reflected inertia on the diagonal of M; `None` if not unique.
     pub fn place(&self) -> Option<(&str, f64)> {
         match (&self.joints[..], &self.ratios[..]) {
             ([joint], [ratio]) => Some((joint, ratio * ratio * self.inertia.value)),
@@ -386,13 +385,13 @@ impl SkippedRotor {
     }
 }
 
-/// A force between the origins of two frames, positive where it pulls them together.
+/// A force between the origins of two frames; positive forces pull together.
 #[derive(Debug, Clone)]
 pub(crate) struct PointForceDescription {
     pub name: Name,
-    /// Frames or links.
+    /// Two frames or links.
     pub between: [Name; 2],
-    /// Over the distance and its rate.
+    /// Force law in the distance and its rate.
     pub law: Option<At<Formula>>,
     pub input: Option<PullDescription>,
     /// Shortest and longest distance (m).
@@ -408,22 +407,22 @@ pub(crate) struct PullDescription {
     pub limits: Option<At<[f64; 2]>>,
 }
 
-/// An input that is a wrench, fixed in a frame.
+/// An input that is a wrench fixed in a frame.
 #[derive(Debug, Clone)]
 pub(crate) struct WrenchInputDescription {
     pub name: Name,
-    /// A frame or link.
+    /// Frame or link of the wrench.
     pub frame: Name,
-    /// Force and moment about the frame's origin for a unit of the input.
+    /// Force, and moment about the frame's origin, per unit of the input.
     pub wrench: At<[Formula; 6]>,
     pub limits: Option<At<[f64; 2]>>,
 }
 
-/// A wrench that is an argument.
+/// A wrench that is an argument of functions.
 #[derive(Debug, Clone)]
 pub(crate) struct WrenchDescription {
     pub name: Name,
-    /// A frame or link.
+    /// Frame or link of the wrench.
     pub frame: Name,
     pub axes: WrenchAxes,
 }
@@ -434,6 +433,6 @@ pub(crate) struct FrameDescription {
     pub name: Name,
     pub link: Name,
     pub pose: Pose,
-    /// Whether it is a site of an MJCF, where sites and bodies may have the same names.
+    /// Whether the frame is a site of an MJCF; sites and bodies may have equal names.
     pub is_site: bool,
 }

@@ -35,14 +35,14 @@ pub struct AffineAccelerations<'g> {
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// Right-hand side of M⁻¹ in the derivatives of accelerations.
+/// Accelerations, M⁻¹ and derivatives of forces, from which the derivatives of accelerations are computed.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
     /// ÿ
     pub accelerations: Vec<Scalar<'g>>,
     /// M⁻¹
     pub inverse: Matrix<'g>,
-    /// The forces M ÿ + k − q at these accelerations, with their derivatives.
+    /// Forces M ÿ + k − q at these accelerations, with derivatives.
     pub forces: ForceDerivatives<'g>,
 }
 
@@ -68,7 +68,7 @@ impl<'g> Equations<'_, 'g> {
         route.accelerations(self.graph, self.formulations, input, driving)
     }
 
-    /// Accelerations under wrenches with their derivatives by y, ẏ and the joint forces (M⁻¹).
+    /// Accelerations under wrenches, with derivatives by y, by ẏ and by the joint forces (M⁻¹).
     pub fn forward_dynamics_derivatives_with_wrenches(
         &self,
         y: &[Scalar<'g>],
@@ -79,7 +79,7 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, Some(w))
     }
 
-    /// Accelerations with their derivatives by y, ẏ and the joint forces (M⁻¹).
+    /// Accelerations with derivatives by y, by ẏ and by the joint forces (M⁻¹).
     pub fn forward_dynamics_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -89,8 +89,8 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, None)
     }
 
-    /// Accelerations, M⁻¹, and the forces with their derivatives by y and ẏ, if no joint is driven:
-    /// `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`.
+    /// Accelerations, M⁻¹, and forces with derivatives by y and ẏ, of a robot without driven joints: `∂ÿ =
+    /// −M⁻¹ ∂(M ÿ + k − q)`.
     pub fn accelerated_forces(
         &self,
         y: &[Scalar<'g>],

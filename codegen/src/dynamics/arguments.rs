@@ -3,8 +3,8 @@
 use crate::graph::Scalar;
 use crate::spatial::Force;
 
-/// Scalars of the arguments of a function; those that it does not have are empty. In y, v and a the entries of the driven
-/// coordinates stand last.
+/// Scalars of the arguments of a function; unused arguments are empty. In y, v and a, entries of driven
+/// coordinates are last.
 pub struct Arguments<'g> {
     /// y
     pub y: Vec<Scalar<'g>>,
@@ -18,6 +18,6 @@ pub struct Arguments<'g> {
     pub lambda: Vec<Scalar<'g>>,
     /// Accelerations of the driven coordinates.
     pub driven: Vec<Scalar<'g>>,
-    /// w, each about the origin of its frame.
+    /// Wrenches w, each about the origin of its frame.
     pub w: Vec<Force<'g>>,
 }

@@ -1,4 +1,5 @@
-//! The equations of motion of one robot over a graph: every quantity once, from the cheapest formulation.
+//! Equations of motion of one robot over a graph. Each quantity is derived once, from its cheapest
+//! formulation.
 
 use super::forces;
 use super::formulation::Formulation;
@@ -27,10 +28,10 @@ pub struct Equations<'a, 'g> {
     pub graph: &'g Graph,
     /// The model.
     pub model: &'a Model,
-    /// How each quantity is derived.
+    /// Formulation of each quantity.
     pub formulations: &'a Formulations<'a>,
-    /// Accelerations of the driven coordinates. Vectors by coordinate have the entries of driven ones last, and rows of
-    /// forces are those that such a robot would have if these coordinates were free.
+    /// Accelerations of the driven coordinates. Vectors by coordinate have these coordinates last. Rows of
+    /// forces are those of the robot with these coordinates free.
     pub driven: &'a [Scalar<'g>],
 }
 
@@ -44,12 +45,12 @@ impl<'g> Equations<'_, 'g> {
         vec![self.graph.constant(0.0); self.model.motion_count()]
     }
 
-    /// ÿ = 0: driven joints are accelerated all the same.
+    /// Accelerations for ÿ = 0; those of driven joints may be non-zero.
     pub fn unaccelerated(&self) -> Vec<Scalar<'g>> {
         self.with_driven(&self.zeros())
     }
 
-    /// Accelerations with those of the driven coordinates.
+    /// Accelerations with those of the driven coordinates appended.
     pub(super) fn with_driven(&self, accelerations: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let own = &accelerations[..self.model.coordinates.len()];
         [own, self.driven].concat()
@@ -81,7 +82,7 @@ impl<'g> Equations<'_, 'g> {
         )
     }
 
-    /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
+    /// `M(y)` and `k − q_gravity` in the jointly cheapest formulations.
     pub fn mass_matrix_and_bias(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> (Matrix<'g>, Vec<Scalar<'g>>) {
         self.formulations.mass_matrix_and_bias(self.graph, MotionInput { y, v, a: &self.unaccelerated() })
     }
@@ -101,7 +102,7 @@ impl<'g> Equations<'_, 'g> {
         self.recursive(self.formulations.bias_forces(), input, false)
     }
 
-    /// Gravity's share of q.
+    /// Contribution of gravity to q.
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
         let held =
@@ -114,7 +115,7 @@ impl<'g> Equations<'_, 'g> {
         self.bias_by(self.formulations.bias_forces(), y, v)
     }
 
-    /// Springs' and dampers' share of q: those of joints and those between frames.
+    /// Contribution of springs and dampers to q, at joints and between frames.
     pub fn spring_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let at_joints = forces::spring_forces(self.graph, self.model, y, v);
         if self.model.point_forces.is_empty() {
@@ -147,12 +148,12 @@ impl<'g> Equations<'_, 'g> {
         self.frame_forces(y).wrench_forces(w)
     }
 
-    /// τ(ẏ), or τ(y, ẏ) where a law depends on the position; `y` may be empty if none does.
+    /// Friction τ(ẏ), or τ(y, ẏ) if a law depends on the position; `y` may be empty if none does.
     pub fn friction_torques(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         forces::friction_torques(self.graph, self.model, y, v)
     }
 
-    /// Springs and friction: forces on single joints, as a share of q.
+    /// Contribution of springs and friction at single joints to q.
     pub fn joint_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         subtract(&self.spring_forces(y, v), &self.friction_torques(y, v))
     }
@@ -163,17 +164,17 @@ impl<'g> Equations<'_, 'g> {
         sum(&self.gravity_forces(y), &joint)
     }
 
-    /// s₁: the part of the load that becomes friction, by coordinate; `None` if there is none.
+    /// Load-dependent friction s₁ by coordinate; `None` if there is none.
     pub(super) fn load_shares(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Option<Vec<Scalar<'g>>> {
         load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
 
-    /// s₁
+    /// Load-dependent friction s₁.
     pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         load_friction::shares(self.graph, self.model, y, v)
     }
 
-    /// `M ÿ + k − q`, and the friction under load.
+    /// `M ÿ + k − q` with load-dependent friction.
     pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
         let Some(shares) = self.load_shares(y, v) else {
@@ -186,7 +187,7 @@ impl<'g> Equations<'_, 'g> {
         exerted.zip(more).map(|(exerted, more)| exerted + more).collect()
     }
 
-    /// `M ÿ + k − q` and the friction under load, with derivatives by y and ẏ, and M.
+    /// `M ÿ + k − q` with load-dependent friction, its derivatives by y and ẏ, and M.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
         let Some(shares) = self.load_shares(input.y, input.v) else {
             return self.remaining_derivatives(input, || self.joint_forces(input.y, input.v));
@@ -209,7 +210,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// `M ÿ + k − q_gravity` without the forces on single joints, with derivatives by y and ẏ, and M.
+    /// `M ÿ + k − q_gravity` without forces at single joints, its derivatives by y and ẏ, and M.
     pub(super) fn remaining_derivatives(
         &self,
         input: MotionInput<'_, 'g>,
@@ -235,7 +236,7 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Generalized forces of the wrenches with their derivatives by y.
+    /// Generalized forces of the wrenches, with derivatives by y.
     pub fn wrench_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -244,7 +245,7 @@ impl<'g> Equations<'_, 'g> {
         self.with_derivatives(self.wrench_forces(y, w), y)
     }
 
-    /// Generalized forces of the inputs with their derivatives by y.
+    /// Generalized forces of the inputs, with derivatives by y.
     pub fn input_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -267,7 +268,7 @@ impl<'g> Equations<'_, 'g> {
         differentiate_along(self.graph, self.model, results, y, coordinate)
     }
 
-    /// Derivatives of one result along all coordinates and by all velocities, in reverse.
+    /// Derivatives of one result along all coordinates and by all velocities, by reverse differentiation.
     pub fn gradient_along(
         &self,
         result: Scalar<'g>,
@@ -277,8 +278,9 @@ impl<'g> Equations<'_, 'g> {
         gradient_along(self.graph, self.model, result, y, v)
     }
 
-    /// Small motions of a joint with a quaternion do not commute: the Hessian of `δ ↦ f(y ⊕ δ)` at 0 is the mean of
-    /// both orders of the derivatives of the gradient. Sets the entries of row and column `j` so.
+    /// Symmetrizes row and column `j` of a Hessian of `δ ↦ f(y ⊕ δ)` at 0. Small motions of a joint with a
+    /// quaternion do not commute, so the Hessian is the mean of the derivatives of the gradient in both
+    /// orders.
     pub fn symmetrize_along(
         &self,
         hessian: &mut Matrix<'g>,
@@ -328,7 +330,7 @@ impl<'g> Equations<'_, 'g> {
             && model.force_inputs.is_empty()
     }
 
-    /// D of `δ̇ = D δ + v − v̄`, the kinematics of small motions.
+    /// D in `δ̇ = D δ + v − v̄`, the kinematics of small motions.
     pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
         drift(self.graph, self.model, v)
     }
@@ -340,7 +342,7 @@ impl<'g> Equations<'_, 'g> {
         matrix.iter().map(|row| row.iter().zip(u).fold(zero, |sum, (&b, &u)| sum + b * u)).collect()
     }
 
-    /// `B u`, springs and friction: the springs and the loads that are left of `B u`.
+    /// Forces that accelerate the joints: springs plus the part of `B u` that friction leaves.
     pub(super) fn driving_forces(
         &self,
         y: &[Scalar<'g>],
@@ -355,8 +357,8 @@ impl<'g> Equations<'_, 'g> {
         loads.zip(self.spring_forces(y, v)).map(|(load, spring)| load + spring).collect()
     }
 
-    /// Force and moment that pass through each moving joint to the body that it carries, about the origin of its
-    /// link and in its axes.
+    /// Force and moment transmitted by each moving joint to its body, about the link's origin and in the
+    /// link's axes.
     pub fn joint_wrenches(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let mechanism = self.mechanism();
         let plain = Formulation::plain(mechanism.bodies.len());
@@ -377,14 +379,14 @@ impl<'g> Equations<'_, 'g> {
         regressor::inertial_regressor(&self.mechanism(), self.model, input)
     }
 
-    /// The columns of W that lead a group of base parameters.
+    /// Columns of W that lead a group of base parameters.
     pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let leaders = &self.formulations.base_parameters().leaders;
         let rows = self.inertial_regressor(input).into_iter();
         rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
-    /// `½ ẏᵀ M ẏ`, as the work of the forces that accelerate by ẏ from rest.
+    /// `½ ẏᵀ M ẏ`, computed as work of the forces that accelerate from rest by ẏ.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(formulation, MotionInput { y, v: &self.zeros(), a: v }, false);
@@ -403,7 +405,7 @@ impl<'g> Equations<'_, 'g> {
         self.frame_forces(y).law_energies().into_iter().fold(of_gravity, |sum, energy| sum + energy)
     }
 
-    /// The masses at the positions `y`.
+    /// Masses at the positions `y`.
     pub fn masses(&self, y: &[Scalar<'g>]) -> Masses<'g> {
         Masses::new(self.mechanism(), y)
     }
@@ -413,7 +415,7 @@ impl<'g> Equations<'_, 'g> {
         dot(self.graph, row, v)
     }
 
-    /// The bodies as seen from the base.
+    /// Bodies seen from the base.
     pub fn base_poses(&self, y: &[Scalar<'g>]) -> BasePoses<'g> {
         BasePoses::new(self.mechanism(), y)
     }

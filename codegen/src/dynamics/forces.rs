@@ -1,4 +1,4 @@
-//! Forces that act on single joints: springs, friction, drives.
+//! Forces at single joints: springs, friction, drives.
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Transmission, lower, lower_followed, lower_with};
@@ -6,7 +6,7 @@ use crate::model::{Drive, FrictionTerm, Input, Joint, Model, MovingJoint};
 use crate::program::{Instruction, Operation, Program};
 use gelenk_formula::{Formula, Function};
 
-/// Forces of springs and dampers by coordinate; they add to q.
+/// Forces of springs and dampers by coordinate, a part of q.
 pub fn spring_forces<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -76,7 +76,7 @@ impl<'m, 'g> Rubbing<'m, 'g> {
     }
 }
 
-/// Whether a friction law depends on the position of its joint. Friction is τ(y, ẏ) then, else τ(ẏ).
+/// Whether a friction law depends on the position of its joint. Friction is then τ(y, ẏ), otherwise τ(ẏ).
 pub fn friction_depends_on_position(model: &Model) -> bool {
     let moving = model.moving_joints();
     let shafts = model.rubbing_drives().flat_map(|drive| &drive.friction);
@@ -84,7 +84,7 @@ pub fn friction_depends_on_position(model: &Model) -> bool {
     terms.any(|term| term.basis.depends_on_position())
 }
 
-/// Friction torques τ by coordinate; they are subtracted from q.
+/// Friction torques τ by coordinate, subtracted from q.
 ///
 /// - `y`: may be empty if no law depends on the position
 pub fn friction_torques<'g>(
@@ -103,7 +103,7 @@ pub fn friction_torques<'g>(
     torques
 }
 
-/// The sum of friction terms of one joint at its own position and velocity.
+/// Sum of the friction terms of one joint at its position and velocity.
 pub(super) fn friction_sum<'g>(
     graph: &'g Graph,
     terms: &[FrictionTerm],
@@ -142,13 +142,13 @@ impl<'g> Rubbing<'_, 'g> {
 /// A column of the friction regressor.
 #[derive(Debug, Clone)]
 pub struct FrictionColumn<'g> {
-    /// Coordinates that the friction acts on: those that the joint follows.
+    /// Coordinates on which the friction acts: those that the joint follows.
     pub transmission: Transmission<Scalar<'g>>,
-    /// Function of position and velocity.
+    /// Function of the joint's position and velocity.
     pub basis: Scalar<'g>,
 }
 
-/// The basis functions of all friction laws by moving joint, each once.
+/// Distinct basis functions of all friction laws, by moving joint.
 ///
 /// - `y`: may be empty if no law depends on the position
 pub fn friction_columns<'g>(
@@ -168,7 +168,7 @@ pub fn friction_columns<'g>(
     Rubbing::of(graph, model).iter().flat_map(columns).collect()
 }
 
-/// Coefficients of the friction regressor's columns as described, those of one basis function added up.
+/// Described coefficients of the columns of the friction regressor; those of equal basis functions are added.
 pub fn friction_coefficients<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
     let sum = |(_, terms): (&Formula, Vec<&FrictionTerm>)| {
         let coefficients = terms.iter().map(|term| lower(graph, &term.coefficient));
@@ -203,8 +203,8 @@ fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)>
     groups
 }
 
-/// The columns of B that belong to drives, rows first: gear ratio, times the motor constant where the input is a
-/// current, times the weights of the coordinates that the drive acts on.
+/// Columns of B for drives, row-major: gear ratio, times motor constant for current inputs, times weights of
+/// the coordinates.
 pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
     let drives: Vec<_> = model.input_drives().collect();
@@ -220,7 +220,7 @@ pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>>
     matrix
 }
 
-/// The note in a function's documentation where a force law jumps.
+/// Note for the documentation of a function with a discontinuous force law.
 pub fn jump_note(model: &Model, program: &Program) -> Option<String> {
     let is_sign = |step: &Instruction| matches!(step.operation, Operation::Call(Function::Sign, _));
     let at_frames = model.point_forces.iter().any(|force| force.law.calls(Function::Sign));

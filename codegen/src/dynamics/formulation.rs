@@ -1,64 +1,64 @@
-//! The ways in which the same equations can be written.
+//! Alternative formulations of the same equations.
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Number, RegroupChoice};
 
-/// How the acceleration of the points of a body is found.
+/// Derivation of the acceleration of a body's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngularRoute {
-    /// From the angular acceleration ω̇: U = ω̇× + ω× ω×.
+    /// Computes U = ω̇× + ω× ω× from the angular acceleration ω̇.
     Acceleration,
-    /// From the points of the joint's axis: they belong to parent and child, so U z turns like a vector. Then
-    /// only ω, U z and the axial acceleration are carried along.
+    /// Computes U from points of the joint's axis. These points belong to parent and child, so U z transforms like a
+    /// vector. Only ω, U z and the axial acceleration are passed on.
     AxisPoints,
 }
 
-/// How the diagonal of U is found, and its differences, which second moments multiply.
+/// Derivation of U's diagonal and of its differences, which multiply second moments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Diagonal {
-    /// The diagonal comes from squares of ω, the differences from the diagonal.
+    /// Diagonal from squares of ω, differences from the diagonal.
     Sums,
-    /// Both come from squares of ω.
+    /// Diagonal and differences from squares of ω.
     Squares,
-    /// As a sum over axis points. U_zz is known, so the square of ω_x is not needed.
+    /// Diagonal as a sum over axis points. U_zz is known, so the square of ω_x is not needed.
     Axis,
-    /// As `Axis`, without the square of ω_y.
+    /// Like `Axis`, without the square of ω_y.
     AxisAcross,
 }
 
-/// Where the way along a joint's axis to a body's origin belongs to.
+/// Assignment of the translation along a joint's axis to a body's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lift {
-    /// To the body: the origin is where the axes of its main child and its own are nearest.
+    /// The body has the translation. Its origin is the point of its axis nearest to the axis of its main child.
     Own,
-    /// To the body's children: its own origin is where the translation from its parent ends.
+    /// The children have the translation. The origin of the body is at the end of the translation from the parent.
     OfChildren,
-    /// To the translation from its parent.
+    /// The translation from the parent includes it.
     OfParent,
 }
 
-/// The frame in which a body's equations are written.
+/// Frame of a body's equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorkingFrame {
-    /// Its own.
+    /// The body's own frame.
     Body,
-    /// The joint's frame before its motion: the inertia turns instead of the velocities.
+    /// The joint's frame before its motion; the inertia is rotated instead of the velocities.
     BeforeJoint,
 }
 
-/// Where quantities of a body in a run of parallel joints come from and go to.
+/// Source and sink of a body's quantities in a run of parallel joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunLink {
     /// The parent.
     Parent,
-    /// The base of the run, with the joint angles added before the sine.
+    /// The base of the run; joint angles are added before the sine.
     RunBase,
 }
 
-/// The free rotation of a leaf's frame about its own axis.
+/// Free rotation of a leaf's frame about its own axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeafAlignment {
-    /// No angle offset.
+    /// No offset of the angle.
     NoOffset,
     /// The first moment has no y component.
     FirstMoment,
@@ -66,25 +66,25 @@ pub enum LeafAlignment {
     SecondMoment,
 }
 
-/// The choices for one body.
+/// Choices for one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyChoices {
-    /// Route to U.
+    /// Derivation of U.
     pub angular: AngularRoute,
-    /// Diagonal of U.
+    /// Derivation of U's diagonal.
     pub diagonal: Diagonal,
-    /// Whether U_zx comes from the component y of the angular acceleration, which the children may need
-    /// anyway. Applies to axis points.
+    /// Whether U_zx is computed from the y component of the angular acceleration, which children may need.
+    /// Only for axis points.
     pub by_acceleration: bool,
-    /// The way along the axis.
+    /// Assignment of the translation along the axis.
     pub lift: Lift,
     /// Frame of the equations.
     pub frame: WorkingFrame,
-    /// Where angular velocity and acceleration come from.
+    /// Source of angular velocity and acceleration.
     pub source: RunLink,
-    /// Where the transverse moment goes to.
+    /// Sink of the transverse moment.
     pub sink: RunLink,
-    /// The use of the mass on the joint's axis.
+    /// Regrouping of the mass on the joint's axis.
     pub regroup: RegroupChoice,
     /// Alignment of a leaf's frame.
     pub leaf: LeafAlignment,
@@ -95,12 +95,12 @@ pub struct BodyChoices {
 /// One formulation of the equations of motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formulation {
-    /// Choices per body.
+    /// Choices for each body.
     pub bodies: Vec<BodyChoices>,
 }
 
 impl Formulation {
-    /// The plain recursive form.
+    /// The plain recursive formulation.
     pub fn plain(count: usize) -> Self {
         let choices = BodyChoices {
             angular: AngularRoute::Acceleration,
@@ -117,7 +117,7 @@ impl Formulation {
         Self { bodies: vec![choices; count] }
     }
 
-    /// The mechanism on a graph, prepared for this formulation.
+    /// The mechanism on a graph, in the form for this formulation.
     pub fn mechanism<'g>(&self, graph: &'g Graph, mechanism: &Mechanism<Number>) -> Mechanism<Scalar<'g>> {
         let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
         let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();
@@ -140,33 +140,33 @@ impl Formulation {
         mechanism
     }
 
-    /// This formulation with massless bodies.
+    /// This formulation for massless bodies.
     pub fn massless(&self) -> Self {
         let mut next = self.clone();
         next.bodies.iter_mut().for_each(|body| body.regroup = RegroupChoice::Massless);
         next
     }
 
-    /// This formulation with every moment passed on to the parent.
+    /// This formulation with all moments passed to the parent.
     pub fn without_shortcuts(&self) -> Self {
         let mut next = self.clone();
         next.bodies.iter_mut().for_each(|body| body.sink = RunLink::Parent);
         next
     }
 
-    /// This formulation in metres.
+    /// This formulation with metres as unit of length.
     pub fn in_metres(&self) -> Self {
         self.with_unit(1.0)
     }
 
-    /// This formulation with another choice for one body.
+    /// This formulation with different choices for one body.
     pub(super) fn with_body(&self, index: usize, choices: BodyChoices) -> Self {
         let mut next = self.clone();
         next.bodies[index] = choices;
         next
     }
 
-    /// This formulation with one unit of length for all bodies.
+    /// This formulation with the same unit of length for all bodies.
     pub(super) fn with_unit(&self, unit: f64) -> Self {
         let mut next = self.clone();
         next.bodies.iter_mut().for_each(|body| body.length_unit = unit);

@@ -1,7 +1,7 @@
-//! Forces at frames: between two of them, and wrenches.
+//! Forces at frames: forces between two frames, and wrenches.
 //!
-//! A force F that pulls the origins of two frames together does the work −F l̇ with their distance l, so that it
-//! adds −F ∂l/∂y to the generalized forces. A wrench adds Jᵀ times force and moment.
+//! A force F that pulls the origins of two frames together does the work −F l̇ with their distance l, so its
+//! generalized forces are −F ∂l/∂y. Those of a wrench are Jᵀ times force and moment.
 
 use std::cell::LazyCell;
 
@@ -15,7 +15,7 @@ use crate::model::{Attachment, ForceEffect, ForceInput, Model, PointForce, Wrenc
 use crate::spatial::{Force, Pose, Vector3, rotate};
 use gelenk_formula::{Formula, Function};
 
-/// The bodies of a mechanism at some coordinates.
+/// Bodies of a mechanism at given coordinates.
 pub struct FrameForces<'a, 'g> {
     model: &'a Model,
     mechanism: Mechanism<Scalar<'g>>,
@@ -39,7 +39,7 @@ struct Place<'g> {
 }
 
 impl<'a, 'g> FrameForces<'a, 'g> {
-    /// - `mechanism`: in metres, its working frames the bodies' own
+    /// - `mechanism`: in metres, with the bodies' own frames as working frames
     pub fn new(model: &'a Model, mechanism: Mechanism<Scalar<'g>>, y: &'a [Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
         Self { model, mechanism, placements, y }
@@ -49,7 +49,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.mechanism.graph
     }
 
-    /// Generalized forces of the described laws; they add to q.
+    /// Generalized forces of the described laws, a part of q.
     pub fn law_forces(&self, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut forces = vec![self.graph().constant(0.0); self.y.len()];
         for force in &self.model.point_forces {
@@ -62,7 +62,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         forces
     }
 
-    /// Potential energies of the laws that have one: a force F that pulls together stores ∫ F dl.
+    /// Potential energies ∫ F dl of the laws that have one; F pulls together.
     pub fn law_energies(&self) -> Vec<Scalar<'g>> {
         let energy = |force: &PointForce| {
             let law = force.law.energy()?;

@@ -2,10 +2,10 @@
 
 use crate::graph::{Graph, Scalar, differentiate};
 
-/// A matrix over the graph, rows first.
+/// A matrix over the graph, row-major.
 pub type Matrix<'g> = Vec<Vec<Scalar<'g>>>;
 
-/// Input array that no function has: it stands for variables while they are differentiated by.
+/// Input array for auxiliary variables of differentiation; no function has it as an argument.
 pub const FREE: usize = 1 << 20;
 
 /// `∂ results / ∂ variables`, row i = result i.

@@ -1,8 +1,8 @@
-//! Stage 3: the equations of motion over the graph, each quantity from its cheapest formulation.
+//! Stage 3: equations of motion over the graph; each quantity from its cheapest formulation.
 //!
-//! `recursion` holds the equations over the bodies, `search` chooses among their forms, `per_joint` writes
-//! the large ones as loops over joints, `parameters` knows what they are linear in, and [`equations`] is the
-//! door, with what accelerates in `accelerations`.
+//! `recursion` has the equations over the bodies, `search` chooses their formulations, `per_joint` writes
+//! large functions as loops over joints, and `parameters` has their linear parameters. [`equations`] is the
+//! entry point; `accelerations` has the forward dynamics.
 
 mod accelerations;
 pub mod arguments;

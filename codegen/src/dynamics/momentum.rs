@@ -1,7 +1,8 @@
-//! Centre of mass and momentum about it, in the axes of the base (Orin, Goswami and Lee 2013).
+//! Centre of mass, and momentum about it in the axes of the base (Orin, Goswami and Lee 2013).
 //!
-//! Column j of the centroidal momentum matrix is the momentum of all that joint j moves, at a unit of its velocity: with
-//! the moments m, h, Σ of that composite body about a point o of the joint and the unit motion (ω, v) there
+//! Column j of the centroidal momentum matrix is the momentum of all bodies beyond joint j, per unit of its
+//! velocity. With the moments m, h, Σ of this composite body about a point o of the joint, and the unit
+//! motion (ω, v) at o,
 //!
 //! ```text
 //! p = m v + ω × h          L = (tr Σ − Σ) ω + h × v + (o − c) × p
@@ -16,7 +17,7 @@ use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// The masses of a mechanism at given positions.
+/// Masses of a mechanism at given positions.
 pub struct Masses<'g> {
     mechanism: Mechanism<Scalar<'g>>,
     plain: Formulation,
@@ -36,7 +37,7 @@ impl<'g> Masses<'g> {
         self.mechanism.bodies.iter().fold(zero, |sum, body| sum + body.moments.mass)
     }
 
-    /// c: centre of mass in the base frame (m).
+    /// Centre of mass c in the base frame (m).
     pub fn center(&self) -> Vector3<Scalar<'g>> {
         let first = composite::first_moment(&self.mechanism, &self.plain, &self.y);
         let total = self.total();
@@ -71,12 +72,12 @@ impl<'g> Masses<'g> {
         rows
     }
 
-    /// Centroidal momentum matrix: linear rows first.
+    /// Centroidal momentum matrix; linear rows first.
     pub fn momentum_matrix(&self) -> Matrix<'g> {
         self.columns()
     }
 
-    /// ∂c/∂y along small motions.
+    /// Jacobian ∂c/∂y along small motions.
     pub fn center_jacobian(&self) -> Matrix<'g> {
         let total = self.total();
         let rows = self.columns().into_iter().take(3);

@@ -1,7 +1,8 @@
-//! Derivatives by small motions of the joints, if positions are not a vector space.
+//! Derivatives by small motions, for joints whose positions are not a vector space.
 //!
-//! The derivative of a function of the positions along coordinate i is that of `δ ↦ f(y ⊕ δ e_i)` at 0. For a quaternion
-//! `q̇ = ½ q ⊗ (ν, 0)`, for the origin of a floating body `ṗ = R l`, with the velocities l and ν in the body's own frame.
+//! The derivative of a function f of the positions along coordinate i is that of `δ ↦ f(y ⊕ δ e_i)` at 0. A
+//! quaternion has `q̇ = ½ q ⊗ (ν, 0)`, and the origin of a floating body `ṗ = R l`; the velocities l and ν
+//! are in the body's own frame.
 
 use crate::graph::{Graph, Scalar, differentiate, gradient};
 use crate::kinematics::{PositionEntries, position_entries};
@@ -67,7 +68,7 @@ pub fn gradient_along<'g>(
     (along, by_velocities)
 }
 
-/// The position entries of a joint with their rates at a unit of one of its velocities.
+/// Position entries of a joint, with their rates at a unit of one of the joint's velocities.
 fn rates<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -90,7 +91,8 @@ fn rates<'g>(
     quaternion.into_iter().zip(rates).collect()
 }
 
-/// D of `δ̇ = D δ + δv`, the linearization on the tangent: `−ad_v` in the rows of a joint with a quaternion, else 0.
+/// D in `δ̇ = D δ + δv`, the linearization on the tangent: `−ad_v` in the rows of a joint with a quaternion,
+/// otherwise 0.
 pub fn drift<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Vec<Scalar<'g>>> {
     let n = v.len();
     let mut matrix = vec![vec![graph.constant(0.0); n]; n];

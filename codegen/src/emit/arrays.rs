@@ -1,20 +1,20 @@
-//! Array form: parts that all languages share.
+//! Array form: parts common to all languages.
 
 use crate::program::Operand;
 use crate::program::arrays::{Arrays, Coordinates, Over, Relation, Step};
 
-/// How the entries of a row are padded, one per joint: to whole blocks, and these to what a processor adds at once.
+/// Length of an array row with one entry per joint. The row is padded to whole blocks of SIMD width.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
-    /// Entries, padding included.
+    /// Entries including padding.
     pub(super) len: usize,
-    /// Entries of a row with one per coordinate; as many where each joint is a coordinate.
+    /// Entries of a row over coordinates; equal to `len` if each joint is a coordinate.
     pub(super) coordinates: usize,
     /// Entries of a block.
     pub(super) block: usize,
-    /// It is true if each joint but the first follows the one before it, and none has a quaternion.
+    /// Whether each joint except the first follows the previous one, and none has a quaternion.
     pub(super) is_chain: bool,
-    /// It is true if joints follow the coordinates of others.
+    /// Whether joints follow the coordinates of other joints.
     is_coupled: bool,
 }
 
@@ -35,13 +35,13 @@ impl Row {
         }
     }
 
-    /// Whether the loops are those for chains in one block: what other loops leave to choices, and to
-    /// the compiler, is written out there.
+    /// Whether the loops are those for chains in one block. These loops are written out; other loops leave
+    /// choices to the compiler.
     pub(super) fn is_one_block(self) -> bool {
         self.is_chain && self.len == self.block && !self.is_coupled
     }
 
-    /// Entries of a row of an array, padding included.
+    /// Entries of a row of an array, including padding.
     pub(super) fn of(self, form: &Arrays, array: usize) -> usize {
         match form.arrays[array].over {
             Over::Joints => self.len,
@@ -50,7 +50,7 @@ impl Row {
     }
 }
 
-/// Description of a function's setup, for the text before the function's name.
+/// Beginning of the sentence about a function's setup.
 pub(super) fn about_setup(form: &Arrays) -> &'static str {
     match form.steps.iter().any(|step| matches!(step, Step::Map(_))) {
         true => "Poses and single joints of",
@@ -58,7 +58,7 @@ pub(super) fn about_setup(form: &Arrays) -> &'static str {
     }
 }
 
-/// The entries of an array that is constant.
+/// Entries of a constant array.
 pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     let output = form.setup.outputs.get(array)?;
     let constant = |entry: &Operand| match entry {
@@ -68,7 +68,7 @@ pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     output.entries.iter().map(constant).collect()
 }
 
-/// Whether an array is a matrix that is made for the result alone, so that it can be written in place.
+/// Whether an array is a matrix used only as result, so that it can be written in place.
 pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
     let is_made = |step: &Step| match step {
         Step::Pairs(pairs) => pairs.to == array,
@@ -78,8 +78,8 @@ pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
     form.steps.iter().any(is_made) && !form.steps.iter().any(|step| step.reads(array))
 }
 
-/// Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0;
-/// beyond the last joint of a row 0.
+/// Relation of joint j to joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0; 0
+/// beyond the last joint of a row.
 pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     if j >= form.joints.len() {
         return 0;
@@ -91,13 +91,13 @@ pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     }
 }
 
-/// Whether the rows of two coordinates meet in the inverse of the mass matrix: 1 if they do, else 0.
+/// Whether the entry of two coordinates in the inverse of the mass matrix can be non-zero: 1 or 0.
 pub(super) fn meeting(form: &Arrays, i: usize, j: usize) -> i8 {
     let tree = form.coordinates();
     i8::from(j < tree.len() && tree.meet(i, j))
 }
 
-/// For each coordinate the joints that follow it, its own first.
+/// Joints that follow each coordinate; its own joint is first.
 pub(super) fn followers(form: &Arrays) -> Vec<Vec<usize>> {
     let mut joints: Vec<Vec<usize>> = (0..form.coordinates().len()).map(|own| vec![own]).collect();
     for (joint, coordinate) in form.coordinates.iter().flat_map(Coordinates::followers) {

@@ -7,26 +7,26 @@ use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::{ComposedFunction, Module};
 
-/// A block of documentation: Markdown by our own stages.
+/// A block of documentation: Markdown from our own stages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Block {
-    /// A paragraph, separated from the text above.
+    /// A paragraph, separated from the previous text.
     Paragraph(String),
-    /// An item of a list.
+    /// A list item.
     Item(String),
     /// An empty line.
     Gap,
 }
 
-/// Arguments and results as a language calls them, with their shapes.
+/// Labels of arguments and results, with their shapes, in the syntax of a language.
 pub(super) struct Labels {
     /// `` `y: [N]` ``
     pub(super) arguments: Vec<String>,
-    /// It is true if free parameters are an argument.
+    /// Whether free parameters are an argument.
     pub(super) has_parameters: bool,
     /// ``returns `M: [N × N]` ``
     pub(super) results: Vec<String>,
-    /// A sentence next to the operations, or none.
+    /// Sentence about the stack, after the operation count.
     pub(super) stack: Option<String>,
 }
 
@@ -35,19 +35,19 @@ fn length_text(extent: Extent) -> String {
     extent.dimension.length().map_or_else(|| extent.len.to_string(), str::to_owned)
 }
 
-/// The shape of an argument in documentation: `N`, or `WRENCHES × 6` where its entries come in rows.
+/// Shape of an argument in documentation: `N`, or `WRENCHES × 6` if its entries form rows.
 pub(super) fn argument_shape(extent: Extent) -> String {
     let row = extent.row().map_or(String::new(), |row| format!(" × {row}"));
     format!("{}{row}", length_text(extent))
 }
 
-/// Lengths in documentation, `N × N`.
+/// Lengths in documentation: `N × N`.
 pub(super) fn shape_text(extents: &[Extent]) -> String {
     let lengths = extents.iter().map(|&extent| length_text(extent));
     lengths.collect::<Vec<_>>().join(" × ")
 }
 
-/// The documentation of a function.
+/// Documentation of a function.
 pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
     let mut blocks = vec![Block::Paragraph(function.summary.clone())];
     if !function.equation.trim().is_empty() {
@@ -70,7 +70,7 @@ pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
     blocks
 }
 
-/// The documentation of a function over a sample time; all its arguments but the last have one label.
+/// Documentation of a function over a sample time. All its arguments except the last share one label.
 pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Vec<Block> {
     let function = composed.composition;
     let mut blocks = vec![
@@ -94,13 +94,13 @@ pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Ve
     blocks
 }
 
-/// The arguments of a function over a sample time.
+/// Label of the arguments of a function over a sample time.
 pub(super) fn state_label(module: &Module) -> String {
     let y = if module.has_quaternions() { "NY" } else { "N" };
     format!("`y: [{y}]`, `v: [N]`, `u: [M]`")
 }
 
-/// The documentation of a function of positions, whose labels say everything.
+/// Documentation of a function of positions; its labels are complete.
 pub(super) fn of_position_function(function: PositionFunction, labels: &Labels) -> Vec<Block> {
     let mut blocks = vec![
         Block::Paragraph(function.summary().to_owned()),
@@ -112,7 +112,7 @@ pub(super) fn of_position_function(function: PositionFunction, labels: &Labels) 
     blocks
 }
 
-/// The documentation of a constant.
+/// Documentation of a constant.
 pub(super) fn of_constant(constant: &Constant) -> Vec<Block> {
     let mut blocks = vec![Block::Paragraph(constant.summary.clone())];
     if !constant.items.is_empty() {
@@ -122,9 +122,9 @@ pub(super) fn of_constant(constant: &Constant) -> Vec<Block> {
     blocks
 }
 
-/// The line about a free parameter.
+/// Line about a free parameter.
 ///
-/// - `plain`: takes the markup from foreign text
+/// - `plain`: removes markup from text of the description
 pub(super) fn of_parameter(parameter: &Parameter, plain: impl Fn(&str) -> String) -> String {
     let meaning = match parameter.description.trim() {
         "" => format!("Parameter {}", code(&parameter.name)),

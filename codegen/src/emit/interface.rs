@@ -1,78 +1,78 @@
-//! Calling convention of a module in C as a plain value, for tools that write bindings.
+//! Calling convention of a C module as data, for tools that write bindings.
 
 use crate::layout::Extent;
 
-/// The functions and parameters of a module by their names in C.
+/// Functions and parameters of a module by their names in C.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// Prefix of the names of functions and types, followed by `_`; constants have it in capitals.
+    /// Prefix of the names of functions and types, followed by `_`. Constants have the prefix in capitals.
     pub prefix: String,
     /// Field names of the free parameters, in the order of the struct.
     pub parameters: Vec<String>,
-    /// All functions, in the order of the module.
+    /// Functions in the order of the module.
     pub functions: Vec<Callable>,
 }
 
-/// A function: its arguments, then the free parameters where it takes them, then its results.
+/// A function. Arguments are followed by the free parameters, if it takes them, and by the results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Callable {
-    /// Its name without the beginning.
+    /// Name without the prefix.
     pub name: String,
     /// First line of the documentation.
     pub summary: String,
-    /// The equation in Unicode, may be empty.
+    /// Equation in Unicode; may be empty.
     pub equation: String,
     /// Arguments except the free parameters.
     pub arguments: Vec<Argument>,
     /// Results.
     pub results: Vec<Written>,
-    /// It is true if it takes the free parameters; functions of positions alone do not.
+    /// Whether the function takes the free parameters; functions of positions alone do not.
     pub takes_parameters: bool,
-    /// It is true if its only result is a number, which it returns.
+    /// Whether the function returns its only result, a number.
     pub returns_number: bool,
-    /// Its form over eight states, without the beginning of its name; none if it has none.
+    /// Name of its form over eight states, without the prefix; `None` if there is none.
     pub lanes: Option<String>,
-    /// The sentence about its operations.
+    /// Sentence about the operations of the function.
     pub cost: String,
-    /// Method, limits, sources.
+    /// Notes on method, limits and sources.
     pub notes: Vec<String>,
 }
 
 /// An argument of a function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Argument {
-    /// Its name.
+    /// Name of the argument.
     pub name: String,
-    /// Its lengths, outermost first; none for a number by value.
+    /// Lengths, outermost first; empty for a number by value.
     pub extents: Vec<Extent>,
     /// Meaning, unit and frame.
     pub meaning: String,
-    /// Name and unit of each entry; empty if these are not told one by one.
+    /// Name and unit of each entry; empty if entries are not described one by one.
     pub entries: Vec<(String, String)>,
 }
 
 /// A result of a function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
-    /// Its name.
+    /// Name of the result.
     pub name: String,
-    /// Its symbol in formulas.
+    /// Symbol of the result in formulas.
     pub symbol: String,
-    /// Its lengths, outermost first; none for a number.
+    /// Lengths, outermost first; empty for a number.
     pub extents: Vec<Extent>,
     /// Meaning, unit and frame.
     pub meaning: String,
 }
 
 impl Argument {
-    /// It is true for a number by value.
+    /// Whether the argument is a number by value.
     #[must_use]
     pub fn is_number(&self) -> bool {
         self.extents.is_empty()
     }
 }
 
-/// The number of entries of an array with these lengths.
+/// Number of entries of an array with these lengths.
 #[must_use]
 pub fn entries(extents: &[Extent]) -> usize {
     extents.iter().map(|extent| extent.len).product()

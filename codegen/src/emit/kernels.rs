@@ -1,4 +1,4 @@
-//! Which elementary functions a module holds.
+//! Selection of the elementary functions of a module.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Operation;
 
-/// One of a text for f64 and a text for f32.
+/// The text for f64 or the text for f32.
 pub(super) fn of_scalar(kernels: [Kernel; 2], scalar: Scalar) -> Kernel {
     match scalar {
         Scalar::F64 => kernels[0],
@@ -25,13 +25,13 @@ pub(super) fn sin_cos_of(lanes: usize) -> [Kernel; 2] {
     }
 }
 
-/// Whether there is a fused multiply-add in any of the functions.
+/// Whether any of the functions has a fused multiply-add.
 pub(super) fn are_fused(functions: &[Function]) -> bool {
     let instructions = functions.iter().flat_map(|function| &function.program.instructions);
     instructions.into_iter().any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)))
 }
 
-/// The called functions and those that they call, these first.
+/// The called functions and those that they call, in order of definition.
 pub(super) fn needed(called: &BTreeSet<Kernel>) -> BTreeSet<Kernel> {
     let mut needed = BTreeSet::new();
     for &kernel in called {

@@ -1,8 +1,8 @@
-//! Stage 5: a [`Module`] becomes text, one folder for each language.
+//! Stage 5: converts a [`Module`] to text; one folder per language.
 //!
 //! A printer decides nothing about numbers: order, names, signs and fused operations come from the
-//! [`Program`](crate::program::Program) of each function. It guards what must hold for any description: names
-//! reach the text as checked identifiers, text only as escaped literals and escaped documentation.
+//! [`Program`](crate::program::Program) of each function. It ensures for any description that names are
+//! printed only as checked identifiers, and texts only as escaped literals or escaped documentation.
 
 mod arrays;
 mod c;
@@ -22,7 +22,7 @@ pub use rust::documentation;
 
 use crate::module::Module;
 
-/// Writes a module in the language of the options. The text depends on the arguments alone.
+/// Prints a module in the language of the options. The text depends only on the arguments.
 #[must_use]
 pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     match options.language {

@@ -1,7 +1,7 @@
-//! Names of a description and of a program as identifiers of a language.
+//! Conversion of names of descriptions and programs to identifiers of a language.
 //!
-//! The model has checked its names already; this is the last guard, so that no string becomes code.
-//! Identifiers are ASCII: other letters would trip lints on confusable names, and are not identifiers of C99.
+//! The model has checked its names already; this is a second check that no string becomes code. Identifiers
+//! are ASCII: other letters are not valid in C99 and trigger lints on confusable names.
 
 use crate::distinct::Distinct;
 use crate::program::{Program, letters};
@@ -10,14 +10,14 @@ use crate::program::{Program, letters};
 pub(super) struct Spelling {
     /// Words that are not identifiers, sorted.
     pub(super) keywords: &'static [&'static str],
-    /// Whether `_x` and `a__b` are names that anyone may use.
+    /// Whether `_x` and `a__b` are not reserved.
     pub(super) has_free_underscores: bool,
     /// Prefixes that identifiers must not have.
     pub(super) prefixes: Vec<String>,
 }
 
 impl Spelling {
-    /// The nearest identifier to `name`; `name` itself if it is an identifier.
+    /// Nearest identifier to `name`; `name` itself if it is an identifier.
     pub(super) fn identifier(&self, name: &str) -> String {
         let mut text = String::with_capacity(name.len());
         for letter in name.chars() {
@@ -47,8 +47,8 @@ impl Spelling {
         text
     }
 
-    /// Identifiers for `names`, different from each other and from `taken`; a name already taken gets `_` and a
-    /// number.
+    /// Identifiers for `names`, distinct from each other and from `taken`. If a name is in use, `_` and a
+    /// number are appended.
     pub(super) fn distinct<'a>(
         &self,
         names: impl IntoIterator<Item = &'a str>,
@@ -59,9 +59,9 @@ impl Spelling {
         spellings.map(|spelling| used.take_by_stem(&spelling, spelling.trim_end_matches('_'))).collect()
     }
 
-    /// The names in a function's body.
+    /// Names in the body of a function.
     ///
-    /// - `reserved`: names that none of them may take
+    /// - `reserved`: names that must not be used
     /// - `in_place`: whether the results are arguments
     pub(super) fn of_program(&self, program: &Program, reserved: &[String], in_place: bool) -> ProgramNames {
         let mut taken = reserved.to_vec();
@@ -87,17 +87,17 @@ impl Spelling {
     }
 }
 
-/// The names in a function's body.
+/// Names in the body of a function.
 pub(super) struct ProgramNames {
     /// Input arrays.
     pub(super) arguments: Vec<String>,
-    /// Results, if these are arguments.
+    /// Results, if they are arguments.
     pub(super) results: Vec<String>,
-    /// The value of each instruction.
+    /// Value of each instruction.
     pub(super) values: Vec<String>,
 }
 
-/// The symbol of a result with the letters of formulas spelled out.
+/// Symbol of a result as words.
 pub(super) fn spelled(symbol: &str) -> String {
     let name = symbol.replace("⁻¹", "_inverse").replace('ẏ', "v");
     let name = name.replace('⁺', "_next").replace('ÿ', "a").replace('∂', "d");

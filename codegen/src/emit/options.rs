@@ -1,4 +1,4 @@
-//! How a module is printed.
+//! Options of the printer.
 
 use super::interface::Interface;
 
@@ -8,23 +8,24 @@ use super::interface::Interface;
 /// 28 000 need 4 s and 490 MB: there parts of shorter functions are inlined, which makes no scopes within each other.
 const LONGEST_FUNCTION: usize = 2_000;
 
-/// How a module is printed.
+/// Options of the printer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EmitOptions {
     /// The language of the module.
     pub language: Language,
-    /// Further files for tools that call modules in C.
+    /// Additional files for tools that call C modules.
     pub companions: Vec<Companion>,
-    /// Name of the module, if it is not the robot's: that of its files, and in C the beginning of its names.
+    /// Name of the module, if it differs from the robot's; used for its files and, in C, as prefix of its
+    /// names.
     pub name: Option<String>,
     /// Number type of all functions and constants.
     pub scalar: Scalar,
-    /// Where sine, cosine, tanh and exp come from.
+    /// Source of sine, cosine, tanh and exp.
     pub math: Math,
-    /// The command that makes the file again, for its header, without absolute paths.
+    /// Command that regenerates the file, for its header; without absolute paths.
     pub command: String,
-    /// Largest number of statements of a function; longer programs are split into private functions. Straight-line code in C
-    /// may have five times as many.
+    /// Largest number of statements of a function. Longer programs are split into private functions.
+    /// Straight-line code in C may have five times as many.
     pub longest_function: usize,
 }
 
@@ -47,18 +48,18 @@ impl Default for EmitOptions {
 pub struct SourceFile {
     /// Name of the module; the file is `<name>.rs` or `<name>.c`.
     pub name: String,
-    /// Its whole text.
+    /// Text of the module.
     pub text: String,
-    /// The text of `<name>.h`, for a module in C.
+    /// Text of `<name>.h`, for a C module.
     pub header: Option<String>,
-    /// The further files: suffix of the module's name, and text of each.
+    /// Additional files: suffix of the module's name, and text.
     pub companions: Vec<(&'static str, String)>,
-    /// How a module in C is called.
+    /// Calling convention of a C module.
     pub interface: Option<Interface>,
 }
 
 impl SourceFile {
-    /// The files of the module: suffix of its name, and text of each.
+    /// Files of the module: suffix of its name, and text.
     #[must_use]
     pub fn files(&self) -> Vec<(&'static str, &str)> {
         let mut files = match &self.header {
@@ -76,19 +77,19 @@ pub enum Language {
     /// One file, `<name>.rs`.
     #[default]
     Rust,
-    /// C99 that is C++ too: `<name>.h` and `<name>.c`. Only Rust has tests in the module.
+    /// C99 that also compiles as C++: `<name>.h` and `<name>.c`. Only Rust modules can contain tests.
     C,
 }
 
-/// Files next to a module in C, for a tool that calls it.
+/// Additional file of a C module, for a tool that calls it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Companion {
-    /// `<name>_acados.c` and `<name>_acados.py`: discrete dynamics in double precision, and an optimal control problem
-    /// with them.
+    /// `<name>_acados.c` and `<name>_acados.py`: discrete dynamics in double precision, and an optimal
+    /// control problem with these dynamics.
     Acados,
     /// `<name>_casadi.c`: external functions with their Jacobians, in double precision.
     Casadi,
-    /// `<name>_python.c`: loops over many states, as NumPy calls them.
+    /// `<name>_python.c`: loops over many states for NumPy.
     Python,
 }
 
@@ -98,12 +99,12 @@ pub enum Scalar {
     /// Double precision.
     #[default]
     F64,
-    /// Single precision: every constant is rounded to it once, then all operations are in it.
+    /// Single precision: constants are rounded once, and all operations are in single precision.
     F32,
 }
 
 impl Scalar {
-    /// The type's name.
+    /// Name of the type.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -113,14 +114,14 @@ impl Scalar {
     }
 }
 
-/// Source of the functions that a module calls.
+/// Source of the elementary functions.
 ///
-/// The interpreter must run with the same ones ([`crate::program::interpret::Functions`]), else the bits
-/// differ.
+/// The interpreter must use the same functions ([`crate::program::interpret::Functions`]) to give the same
+/// bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Math {
-    /// Our own functions, pasted into the module: `math::sin_cos(x)`. Only what is called, and what that
-    /// requires. They need neither std nor libm and give the same bits everywhere.
+    /// Our own functions, included in the module: `math::sin_cos(x)`. Only functions that are called are
+    /// included. They need neither std nor libm and give the same bits on every platform.
     #[default]
     Embedded,
     /// Methods of std: `x.sin_cos()`.

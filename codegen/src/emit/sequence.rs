@@ -1,21 +1,22 @@
-//! Which statements make which instructions: one each, but one call for the sines and cosines of several angles.
+//! Assignment of instructions to statements: one each, except that one call computes sines and cosines of
+//! several angles.
 
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Program};
 
-/// Instructions that are stated together.
+/// Instructions that are printed together.
 pub(super) struct Group<'i> {
-    /// The instructions, in their order.
+    /// The instructions in order.
     pub(super) instructions: &'i [usize],
-    /// Statements, in order.
+    /// The statements in order.
     pub(super) runs: Vec<Run>,
 }
 
 /// One statement.
 pub(super) enum Run {
-    /// It makes one value, or sine and cosine of one angle.
+    /// A statement for one value, or for sine and cosine of one angle.
     One(usize),
-    /// It makes sines and cosines of several angles.
+    /// A statement for sines and cosines of several angles.
     Angles {
         /// The instructions with their angles.
         batch: Vec<(usize, Operand)>,

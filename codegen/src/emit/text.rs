@@ -1,10 +1,10 @@
-//! Text for people in generated files: visible, and in lines of limited length.
+//! Text of generated files for people: printable, and in lines of limited length.
 
 /// Longest line of documentation text.
 const WIDTH: usize = 110;
 
-/// Replaces control characters and invisible ones, among them those that reverse the direction of text (rustc
-/// refuses them), by their escapes.
+/// Escapes control characters and invisible characters, including those that reverse the text direction,
+/// which rustc rejects.
 pub(super) fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -29,8 +29,8 @@ pub(super) fn code(text: &str) -> String {
     format!("`{}`", visible(&text.replace('\n', " ")).replace('`', "'"))
 }
 
-/// Breaks at spaces outside of backticks, and only before a word that cannot begin a list, a heading or a
-/// quote.
+/// Wraps text at spaces outside backticks; a line never begins with a word that could begin a list, heading
+/// or quote.
 pub(super) fn wrap(text: &str, indent: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut in_code = false;

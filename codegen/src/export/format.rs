@@ -1,18 +1,18 @@
-//! The formats of robots, and a file in one of them.
+//! Formats of robots, and a file in one of them.
 
 use crate::diagnostic::Diagnostics;
 
 /// A format of robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// MuJoCo's.
+    /// MJCF of MuJoCo.
     Mjcf,
-    /// That of ROS.
+    /// URDF of ROS.
     Urdf,
 }
 
 impl Format {
-    /// Its name.
+    /// Name of the format.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -21,7 +21,7 @@ impl Format {
         }
     }
 
-    /// How the names of its files end.
+    /// File extension.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -34,8 +34,8 @@ impl Format {
 /// A file in another format.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
-    /// Its text.
+    /// Text of the file.
     pub text: String,
-    /// Losses of the format, as notes.
+    /// Notes on parts that the format cannot represent.
     pub notes: Diagnostics,
 }

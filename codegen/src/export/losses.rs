@@ -1,19 +1,19 @@
-//! Losses of a format: one note or warning per kind, with all names concerned.
+//! Losses of a format: one note or warning per kind, with all names.
 
 use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// Loss of the torque–speed lines of motors.
-pub(super) const LINE: &str = "has no torque–speed lines of motors; left out at";
+pub(super) const LINE: &str = "has no torque–speed lines of motors; omitted at";
 
 /// Effect of a loss on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Effect {
-    /// The robot is the same, or the missing parts do not enter M and the bias forces.
+    /// None: the missing parts enter neither M nor the bias forces.
     None,
-    /// It may be another robot.
+    /// The exported robot may differ.
     Robot,
-    /// Other programs refuse the file.
+    /// Other programs reject the file.
     Refusal,
 }
 
@@ -28,7 +28,7 @@ impl Losses {
         Self { format, entries: Vec::new() }
     }
 
-    /// Remembers that something is lost.
+    /// Records a loss.
     ///
     /// - `what`: text after the format's name in the note
     pub(super) fn add(&mut self, what: &'static str, owner: &str) {
@@ -40,7 +40,7 @@ impl Losses {
         self.push(Effect::Robot, what, owner);
     }
 
-    /// Records a part that other programs refuse.
+    /// Records a part that other programs reject.
     pub(super) fn refused(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::Refusal, what, owner);
     }
@@ -54,9 +54,9 @@ impl Losses {
         }
     }
 
-    /// The notes: unlike others they name every owner, since whoever reads the file must know.
+    /// The notes. They list every owner, unlike other notes, because readers of the file need all of them.
     ///
-    /// - `difference`: between the robot and the written file
+    /// - `difference`: difference between the robot and the written file
     pub(super) fn notes(self, difference: Option<String>) -> Diagnostics {
         let (code, name) = match self.format {
             Format::Mjcf => ("not-in-mjcf", self.format.name()),
@@ -76,13 +76,13 @@ impl Losses {
         let mut notes: Vec<Diagnostic> = others.into_iter().map(note).collect();
         notes.extend(difference.map(|difference| {
             let causes = match causes.is_empty() {
-                true if is_refused => "other programs refuse it as well".to_owned(),
-                true => "this program knows no cause, please report it".to_owned(),
+                true if is_refused => "other programs reject it as well".to_owned(),
+                true => "the cause is unknown; please report it".to_owned(),
                 false => causes.iter().map(says).collect::<Vec<_>>().join("; "),
             };
             Diagnostic::warning(
                 "exported-robot-differs",
-                format!("the {name} is another robot, {difference}: {causes}"),
+                format!("the {name} describes another robot, {difference}: {causes}"),
             )
         }));
         Diagnostics::new(notes)

@@ -1,4 +1,5 @@
-//! A model in the formats of other programs. What a format cannot hold is said in notes and warnings, each thing by its name.
+//! Export of a model to formats of other programs. Notes and warnings name each part that a format cannot
+//! represent.
 
 mod format;
 mod losses;
@@ -16,10 +17,10 @@ pub use xml::FIRST_LINE;
 
 /// Writes a model in another format, with the described values of its free parameters.
 ///
-/// - `source`: the description as the head of the file names it
+/// - `source`: path of the description, for the head of the file
 ///
-/// The file is read back: where M or the bias forces differ from the model's at seeded states, a warning says by how much and
-/// what was lost. In MJCF that are rotors on bodies that move; a URDF has no rotors at all.
+/// The file is read back. If M or the bias forces differ from the model's at seeded states, a warning gives
+/// the difference and the lost parts. MJCF loses rotors on some moving bodies, URDF all rotors.
 #[must_use]
 pub fn export(model: &Model, format: Format, source: &str) -> Exported {
     let (text, losses) = match format {

@@ -1,8 +1,8 @@
-//! Names that a format needs in addition to the model's.
+//! Additional names that a format requires.
 
 use crate::model::Model;
 
-/// The name, with a number behind it where it is taken.
+/// The name; a number is appended if it is in use.
 pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     if !is_taken(name) {
         return name.to_owned();
@@ -12,12 +12,12 @@ pub(super) fn distinct(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     free.next().unwrap_or_else(|| unreachable!("there are more numbers than names"))
 }
 
-/// The name of the joint of a screw's slide.
+/// Name of the prismatic joint of a screw.
 pub(super) fn slide_name(model: &Model, joint: &str) -> String {
     unlike_others(model, &format!("{joint}_slide"))
 }
 
-/// The name, with a number behind it where a link or joint has it.
+/// The name; a number is appended if a link or joint has it.
 pub(super) fn unlike_others(model: &Model, name: &str) -> String {
     distinct(name, |name| {
         let mut links = model.links.iter();

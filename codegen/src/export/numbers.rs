@@ -1,4 +1,4 @@
-//! The numbers of a model as other formats want them.
+//! Numbers of a model in the form of other formats.
 
 use crate::model::{Body, FrictionTerm, Joint, JointKind, Model, Motion, Pose};
 use crate::numeric::{atan2, length};
@@ -7,10 +7,10 @@ use gelenk_formula::{Formula, Function};
 
 pub(super) type Matrix = [[f64; 3]; 3];
 
-/// Formulas at the described values of free parameters.
+/// Values of formulas at the described free parameters.
 pub(super) struct Values(Vec<f64>);
 
-/// A pose in numbers.
+/// A numeric pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Placed {
     pub(super) origin: [f64; 3],
@@ -33,7 +33,7 @@ pub(super) struct Affine {
     pub(super) velocity: f64,
 }
 
-/// `viscous · v + dry · sign(v)`, and whether there are other terms.
+/// `viscous · v + dry · sign(v)`; records whether there are other terms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Friction {
     pub(super) viscous: f64,
@@ -58,7 +58,7 @@ impl Values {
         Placed { origin: self.numbers(&pose.translation), rotation: pose.rotation }
     }
 
-    /// Where the link of a joint stands in its parent at position 0, or at the position at which the joint is held.
+    /// Pose of a joint's link in its parent at position 0, or at the held position.
     pub(super) fn resting(&self, joint: &Joint) -> Placed {
         let Placed { origin, rotation } = self.placed(&joint.origin);
         let Motion::Held(position) = joint.motion else { return Placed { origin, rotation } };
@@ -69,7 +69,7 @@ impl Values {
         Placed { origin: std::array::from_fn(|k| origin[k] + slid[k]), rotation: product(&rotation, &turned) }
     }
 
-    /// The bodies of a link and the rotors of held joints on it as one.
+    /// Bodies of a link and rotors of held joints on it, combined.
     pub(super) fn lump(&self, model: &Model, link: usize) -> Lump {
         let mut lump = self.bodies(&model.links[link].bodies);
         for drive in model.held_rotors().filter(|drive| drive.carrier == link) {
@@ -98,7 +98,7 @@ impl Values {
         Lump { mass, center, inertia }
     }
 
-    /// The law as an affine one, if it is one.
+    /// The law as an affine function; `None` if it is not affine.
     pub(super) fn affine(&self, law: &Formula) -> Option<Affine> {
         let scaled = |a: Affine, factor: f64| Affine {
             constant: a.constant * factor,
@@ -194,13 +194,13 @@ impl Placed {
         self.rotation != Self::IDENTITY.rotation
     }
 
-    /// The unit quaternion w x y z. Its largest entry is found first, so that no digits are lost.
+    /// Unit quaternion w x y z. The largest entry is computed first, so no digits are lost.
     pub(super) fn quaternion(&self) -> [f64; 4] {
         quaternion(&self.rotation)
     }
 
-    /// Roll, pitch and yaw with `R = R_z(yaw) R_y(pitch) R_x(roll)`. Roll follows from what yaw leaves, so that both are exact
-    /// together where the pitch is close to ±90° and each alone is not.
+    /// Roll, pitch and yaw with `R = R_z(yaw) R_y(pitch) R_x(roll)`. Roll is computed from the rest after
+    /// yaw, so their combination is exact even if the pitch is close to ±90°.
     pub(super) fn rpy(&self) -> [f64; 3] {
         let r = &self.rotation;
         let level = length([r[0][0], r[1][0]]);

@@ -1,4 +1,4 @@
-//! Is a written file the same robot? The program's own readers read it, and M and the bias forces are compared.
+//! Check of a written file: the program's own readers read it, and M and the bias forces are compared.
 
 use super::format::Format;
 use super::numbers::Values;
@@ -15,7 +15,7 @@ const SAME: f64 = 1e-9;
 const SEED: u64 = 0x6261_636b;
 const STATES: usize = 2;
 
-/// First difference between the written file and the model; `None` if they are the same robot.
+/// First difference between the written file and the model; `None` if they are equal.
 pub(super) fn difference(model: &Model, format: Format, text: &str) -> Option<String> {
     let again = match read(model, format, text) {
         Ok(again) => again,

@@ -1,6 +1,7 @@
 //! A model as a URDF.
 //!
-//! A frame becomes a link without mass on a fixed joint, as ROS has them; the slide of a screw a joint that mimics its turn.
+//! A frame becomes a massless link on a fixed joint, as in ROS. The slide of a screw becomes a joint that
+//! mimics its turn.
 
 use super::format::Format;
 use super::losses::{LINE, Losses};
@@ -14,15 +15,14 @@ const UNLIMITED: f64 = 1e31;
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 const ROTOR: &str =
-    "has no rotors and gears; M lacks the rotor inertia, and inputs act at the joints, of the drives";
-const IDEAL: &str =
-    "does not say which joints have a drive; most readers take one for each, here there is none at";
+    "has no rotors and gears; M lacks the rotor inertia, and inputs act at the joints, for the drives";
+const IDEAL: &str = "cannot mark a joint without a drive; most readers assume a drive at";
 const OTHER_FRICTION: &str =
-    "has viscous and dry friction, and no other laws (Stribeck, tanh, by position); left out in part at";
+    "has only viscous and dry friction; other laws (Stribeck, tanh, position) are omitted at";
 const SPHERICAL: &str =
-    "says `spherical` where none of the types of ROS fits; urdfdom and Pinocchio refuse the whole file for";
+    "has the type `spherical` only as an extension; urdfdom and Pinocchio reject the whole file because of";
 const SEVERAL: &str =
-    "has joints that follow one other alone; these follow several, and move by themselves there";
+    "supports joints that follow one joint; these follow several and move freely in the file";
 
 struct Writer<'m> {
     model: &'m Model,
@@ -198,11 +198,11 @@ impl Writer<'_> {
         let limits = &joint.limits;
         for (is_lost, what) in [
             (friction.has_others, OTHER_FRICTION),
-            (!joint.load_friction.is_empty(), "has no friction that grows with the load; left out at"),
-            (!joint.springs.is_empty(), "has no springs; left out at"),
+            (!joint.load_friction.is_empty(), "has no load-dependent friction; omitted at"),
+            (!joint.springs.is_empty(), "has no springs; omitted at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
-                "has one limit of force at a joint; the nominal one was left out, next to the peak, at",
+                "has one force limit per joint; the nominal limit is omitted and the peak limit written at",
             ),
         ] {
             if is_lost {
@@ -213,11 +213,10 @@ impl Writer<'_> {
 
     fn quaternion_losses(&mut self, part: &Joint) {
         if !part.friction.is_empty() || !part.springs.is_empty() {
-            self.losses
-                .add("has no friction or dampers of joints with a quaternion; left out at", &part.name);
+            self.losses.add("has no friction or dampers at joints with a quaternion; omitted at", &part.name);
         }
         if part.limits != Limits::default() {
-            self.losses.add("has no limits of joints with a quaternion; left out at", &part.name);
+            self.losses.add("has no limits at joints with a quaternion; omitted at", &part.name);
         }
     }
 
@@ -241,7 +240,10 @@ impl Writer<'_> {
         }
         let name = distinct(&frame.name, |name| self.links.iter().any(|link| link == name));
         if name != frame.name {
-            self.losses.add("has links in the place of frames; there is a link of this name, so that another name was taken for", &frame.name);
+            self.losses.add(
+                "has links instead of frames; a link has the same name, so another name is used for",
+                &frame.name,
+            );
         }
         self.xml.element("link", vec![("name", name.clone())]);
         let joint = distinct(&format!("{name}_joint"), |joint| {
@@ -256,10 +258,10 @@ impl Writer<'_> {
         let model = self.model;
         let losses = &mut self.losses;
         if self.values.numbers(&model.gravity) != GRAVITY {
-            losses.add("has no gravity; readers take (0, 0, -9.81), other than", &model.name);
+            losses.add("has no gravity; readers assume (0, 0, -9.81) instead of", &model.name);
         }
         for parameter in &model.parameters {
-            losses.add("has no free parameters; they have their described values", &parameter.name);
+            losses.add("has no free parameters; the described values are written for", &parameter.name);
         }
         for drive in &model.drives {
             let has_gear = self.values.number(&drive.gear_ratio) != 1.0;
@@ -267,7 +269,7 @@ impl Writer<'_> {
                 losses.of_robot(ROTOR, &drive.name);
             }
             if drive.acts_on.len() > 1 {
-                losses.add("has no drives that act on several joints; left out", &drive.name);
+                losses.add("has no drives that act on several joints; omitted", &drive.name);
             } else if drive.line.is_some() {
                 losses.add(LINE, &drive.name);
             }
@@ -279,13 +281,13 @@ impl Writer<'_> {
             }
         }
         for force in &model.point_forces {
-            losses.add("has no forces between frames; left out", &force.name);
+            losses.add("has no forces between frames; omitted", &force.name);
         }
         for input in &model.force_inputs {
-            losses.add("has no inputs at frames; left out", &input.name);
+            losses.add("has no inputs at frames; omitted", &input.name);
         }
         for wrench in &model.wrenches {
-            losses.add("has no wrenches at frames; left out", &wrench.name);
+            losses.add("has no wrenches at frames; omitted", &wrench.name);
         }
     }
 }

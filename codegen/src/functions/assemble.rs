@@ -1,4 +1,4 @@
-//! From a row of the catalogue to a program.
+//! Conversion of a row of the catalogue to a program.
 
 use super::catalogue::Argument::{
     self, Accelerations, Coordinates, Driven, Inputs, Multipliers, Velocities, Wrenches,
@@ -13,14 +13,15 @@ use crate::model::Model;
 use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_branches};
 use crate::spatial::Force;
 
-/// Arguments of a function of a robot: if joints are driven, functions of the motion take theirs too.
+/// Arguments of a function for a robot. If joints are driven, functions of the motion also take the driven
+/// motion.
 pub(super) fn arguments_in(model: &Model, arguments: &[Argument]) -> Vec<Argument> {
     let depends = arguments.iter().any(|each| matches!(each, Coordinates | Velocities | Accelerations));
     let driven = (depends && !model.driven.is_empty()).then_some(Driven);
     arguments.iter().copied().chain(driven).collect()
 }
 
-/// Inputs of a graph for the arguments of a function.
+/// Graph inputs for the arguments of a function.
 pub(super) fn arguments_of<'g>(
     graph: &'g Graph,
     model: &Model,

@@ -1,4 +1,4 @@
-//! Functions that call other generated ones: the robot in discrete time.
+//! Functions that call other generated functions: the robot in discrete time.
 
 use crate::function_names;
 use crate::functions::function::Function;
@@ -16,11 +16,11 @@ const MOST_HALVINGS: usize = MOST_DOUBLINGS + MOST_REPETITIONS;
 /// A result of a function over a sample time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComposedResult {
-    /// Its symbol.
+    /// Symbol.
     pub name: &'static str,
-    /// Its lengths, outermost first.
+    /// Lengths, outermost first.
     pub extents: Vec<Extent>,
-    /// The meaning of the value.
+    /// Meaning.
     pub meaning: &'static str,
 }
 
@@ -31,12 +31,12 @@ pub enum Composition {
     Discretize,
     /// Runge–Kutta steps.
     Step,
-    /// Runge–Kutta steps with their sensitivities.
+    /// Runge–Kutta steps with sensitivities.
     StepDerivatives,
 }
 
 impl Composition {
-    /// All, in the order of the generated module.
+    /// All functions, in the order of the generated module.
     pub const ALL: [Self; 3] = [Self::Discretize, Self::Step, Self::StepDerivatives];
 
     /// Name of the generated function.
@@ -49,7 +49,7 @@ impl Composition {
         }
     }
 
-    /// The generated function that it calls.
+    /// The generated function that is called.
     #[must_use]
     pub fn calls(self) -> &'static str {
         match self {
@@ -121,38 +121,41 @@ impl Composition {
     pub(crate) fn notes(self, has_quaternions: bool) -> &'static [&'static str] {
         match self {
             Self::Discretize if has_quaternions => &[
-                "δ is the displacement from y, 0 before the period. Since D v̄ = 0, δ − v̄ t is the deviation from the motion \
-                 with the velocities v̄, the argument `v`; it follows δ̇ = D δ + v − v̄. Derivatives of δ⁺ are taken along ⊕ where the robot arrives.",
-                "With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring (Higham 2008, \
-                 section 10.3) with the limits that the robots without quaternions have: +∞ where the robot is too fast for \
-                 the period.",
+                "δ is the displacement from y, 0 at the start of the period. v̄ is the argument `v`. Since D \
+                 v̄ = 0, δ − v̄ t is the deviation from the motion with the velocities v̄; it satisfies δ̇ = D \
+                 δ + v − v̄. Derivatives of δ⁺ are taken along ⊕ at the final positions.",
+                "With w = D δ + v this is the zero-order hold of w = δ̇, computed by scaling and squaring \
+                 (Higham 2008, section 10.3). The limits are those of robots without quaternions: the results \
+                 are +∞ if the robot is too fast for the period.",
             ],
             Self::Step if has_quaternions => &[
-                "`SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method for δ in y ⊕ δ, \
-                 so that quaternions keep their unit length. The error falls with the fourth power of the steps' length.",
+                "`SUBSTEPS` Runge–Kutta–Munthe-Kaas steps of order 4 (Munthe-Kaas 1999): the classical method \
+                 for δ in y ⊕ δ keeps the unit length of quaternions. The error is proportional to the fourth \
+                 power of the step length.",
             ],
             Self::Discretize => &[
                 "Scaling and squaring of the lifted exponential (Higham 2008, section 10.3) in blocks of N × N: a Taylor \
                  polynomial of degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part.",
-                "The part is the whole period while ν · period is at most 80, and is halved for each factor of two beyond, at \
-                 most 18 times. With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the \
-                 robot is faster than ν = (b + √(b² + 4 a))/2. Where 24 halvings do not suffice, for ν · period above 2e7, \
-                 every entry of the results is +∞.",
-                "Error: the terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest \
-                 entry of each block, the diagonal ones counted as at least 1.",
+                "The part is the whole period if ν · period is at most 80. It is halved for each factor of two \
+                 above 80, at most 18 times. ν = (b + √(b² + 4 a))/2 bounds the rates of the robot, with a = \
+                 ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖ (largest sums of magnitudes in a row). If 24 halvings do not suffice \
+                 (ν · period above 2e7), all results are +∞.",
+                "Error: the truncated terms are below 1e-15 relative to their sum. Rounding stays below 1e-12 \
+                 of the largest entry of each block; diagonal blocks count as at least 1.",
             ],
             Self::Step => &[
-                "`SUBSTEPS` steps of the classical method of order 4: the error falls with the fourth power of their \
-                 length. They are stable while period / `SUBSTEPS` times the fastest rate of the robot stays below 2.7.",
+                "`SUBSTEPS` steps of the classical method of order 4. The error is proportional to the fourth \
+                 power of the step length. The steps are stable if period / `SUBSTEPS` times the fastest rate \
+                 of the robot is below 2.7.",
             ],
             Self::StepDerivatives => &[
-                "The chain rule over the stages of each step: derivatives of what `step` computes, not of the exact \
-                 solution.",
+                "Chain rule over the stages of each step: exact derivatives of the result of `step`, not of \
+                 the exact solution.",
             ],
         }
     }
 
-    /// How often it calls the other function.
+    /// Number of calls.
     pub(crate) fn call_count(self, substeps: usize) -> usize {
         match self {
             Self::Discretize => 1,
@@ -160,8 +163,8 @@ impl Composition {
         }
     }
 
-    /// All operations for N coordinates and M inputs: those of its calls and of its loops as they are
-    /// written, factors that are 0 or 1 included, at most where their number depends on the data.
+    /// Operations for N coordinates and M inputs: those of the calls and of the loops as written, including
+    /// factors 0 and 1. If the number depends on the data, it is the largest.
     ///
     /// - `called`: operations of one call
     #[must_use]
@@ -169,20 +172,20 @@ impl Composition {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, MOST_HALVINGS)
     }
 
-    /// As [`Self::cost`], at least where their number depends on the data.
+    /// Like [`Self::cost`], but the smallest number if it depends on the data.
     #[must_use]
     pub fn least_cost(self, n: usize, m: usize, substeps: usize, called: Cost) -> Cost {
         called * self.call_count(substeps) + self.own_cost(n, m, substeps, 0)
     }
 
-    /// All operations in a robot's module; `None` if the function that it calls is not among these.
+    /// Operations in a robot's module; `None` if the module lacks the called function.
     pub(crate) fn cost_in(self, model: &Model, functions: &[Function]) -> Option<Cost> {
         let called = functions.iter().find(|function| function.name == self.calls())?;
         let substeps = model.options.substeps.unwrap_or(1);
         Some(self.cost(model.coordinates.len(), input_count(model), substeps, count(&called.program)))
     }
 
-    /// The note in the documentation about a cost that depends on the data.
+    /// Documentation note about a cost that depends on the data.
     pub(crate) fn cost_note(self, model: &Model, functions: &[Function]) -> Option<String> {
         if self != Self::Discretize {
             return None;
@@ -211,7 +214,7 @@ impl Composition {
         }
     }
 
-    /// The texts that stand behind these where joints have quaternions.
+    /// Additional texts for joints with quaternions.
     pub(crate) fn manifold_texts(self) -> &'static [manifold::Text] {
         use manifold::Text::{RungeKutta, Sensitivities, ZeroOrderHold};
         match self {
@@ -221,7 +224,7 @@ impl Composition {
         }
     }
 
-    /// The texts that are pasted into the module.
+    /// Fixed texts included in the module.
     pub(crate) fn texts(self) -> &'static [Text] {
         match self {
             Self::Discretize => &[Text::Sums, Text::Halves, Text::ZeroOrderHold],

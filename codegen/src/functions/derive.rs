@@ -1,4 +1,4 @@
-//! From a row of the catalogue to a function.
+//! Conversion of a row of the catalogue to a function.
 
 use super::assemble::{arguments_in, assemble};
 use super::catalogue::{self, Argument, FrameQuantity, Quantity, QuantityResult};
@@ -39,7 +39,7 @@ pub(super) fn derive_quantity(
     function
 }
 
-/// The mass matrix is positive definite, unless the description has it otherwise.
+/// Documents that the mass matrix is not positive definite, if so described.
 pub(super) fn say_definiteness(found: Definiteness, function: &mut Function) {
     const REGULAR: &str = "positive definite";
     let found = match found {

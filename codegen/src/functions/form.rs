@@ -1,4 +1,4 @@
-//! Straight-line code or loops over joints: the choice, by the size of the code.
+//! Choice between straight-line code and loops over joints by code size.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -19,15 +19,15 @@ use crate::program::arrays::{Affine, ArrayForm, Drift, Step};
 use crate::program::cost::count;
 use crate::program::{Operand, Program};
 
-/// How functions that may be large are written.
+/// Form of large functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
-    /// As loops over joints where straight-line code would be larger than [`LARGEST_STRAIGHT`].
+    /// Loops over joints if straight-line code would exceed [`LARGEST_STRAIGHT`].
     #[default]
     Cheapest,
-    /// As straight-line code.
+    /// Straight-line code.
     Straight,
-    /// As loops over joints, wherever there is such a form.
+    /// Loops over joints wherever available.
     Arrays,
 }
 
@@ -35,10 +35,10 @@ pub enum Form {
 /// included: 10 to 20 of x86-64 with AVX-512, fewer where functions are small.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Bytes of machine code up to which a function stays straight-line code. Measured with AVX-512, time of
-/// loops over that of straight-line code: a generic chain of six joints, 26 and 43 kB, 1.1 and 0.75; of
-/// seven, 33 and 60 kB, 0.8 and 0.6; of twelve 0.4 and 0.36; UR5, 10 and 22 kB, 3.8 and 2.4. The instruction
-/// cache of the first level holds 32 kB.
+/// Largest machine code in bytes of a straight-line function. Measured with AVX-512 as time of loops divided
+/// by time of straight-line code: generic chain of six joints, 26 and 43 kB, 1.1 and 0.75; of seven, 33 and
+/// 60 kB, 0.8 and 0.6; of twelve 0.4 and 0.36; UR5, 10 and 22 kB, 3.8 and 2.4. A first-level instruction
+/// cache has 32 kB.
 pub const LARGEST_STRAIGHT: usize = 27_000;
 
 /// Factor by which loops may have more operations than straight-line code, because they work on whole vectors.
@@ -48,18 +48,18 @@ pub const LARGEST_STRAIGHT: usize = 27_000;
 /// and 1.8 between other code.
 const MOST_OPERATIONS: f64 = 3.1;
 
-/// The note in the documentation of a function with loops.
+/// Documentation note of a function with loops.
 pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022): \
     straight-line code would not fit into a processor's instruction cache. The cost counts each operation that contributes.";
 
-/// The note where loops are products alone.
+/// Documentation note of a function in which only the products are loops.
 pub(super) const PRODUCTS_NOTE: &str = "The accelerations, M⁻¹ and the Jacobians of the inverse dynamics are straight-line code, the products with M⁻¹ are loops. \
     The cost counts each operation that contributes.";
 
 /// Least number of operations for each pair of joints on one path, unless many of them are parallel.
 const OPERATIONS_PER_PAIR: usize = 20;
 
-/// The note of a function in array form.
+/// Note of a function in array form.
 pub(super) fn note(form: &ArrayForm) -> &'static str {
     let is_map = |step: &Step| matches!(step, Step::Map(_));
     match form.arrays().steps.iter().any(is_map) {
@@ -68,10 +68,10 @@ pub(super) fn note(form: &ArrayForm) -> &'static str {
     }
 }
 
-/// A function as it is written.
+/// A function in its form.
 #[derive(Clone)]
 pub(super) struct Derived {
-    /// Straight-line code; if there are loops, the code that they replace.
+    /// Straight-line code; with loops, the code that they replace.
     pub(super) program: Program,
     pub(super) arrays: Option<ArrayForm>,
 }
@@ -87,7 +87,7 @@ impl Derived {
     }
 }
 
-/// Derives a model's functions, each in the form that is cheaper.
+/// Derives the functions of a model, each in its cheaper form.
 pub(super) struct Forms<'m> {
     model: &'m Model,
     formulations: &'m Formulations<'m>,
@@ -98,7 +98,7 @@ pub(super) struct Forms<'m> {
 }
 
 impl<'m> Forms<'m> {
-    /// - `straight`: functions that are straight-line code in any case
+    /// - `straight`: functions that are always straight-line code
     pub(super) fn new(
         model: &'m Model,
         formulations: &'m Formulations<'m>,
@@ -119,8 +119,7 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// The function that a function calls, if it does. Known without deriving what may be too large to be
-    /// wanted.
+    /// The function that a function calls, if any; known without deriving it.
     pub(super) fn callee(&self, name: &str) -> Option<&'static str> {
         let quantity = catalogue::row(name)?;
         let Some(Loops::Affine { called }) = quantity.loops else {
@@ -192,7 +191,7 @@ impl<'m> Forms<'m> {
         is_possible.then(|| self.with_loops(quantity, products.build))
     }
 
-    /// Operations that a function takes at least, and whether it is surely written as loops; known without
+    /// Least number of operations of a function, and whether it is certainly written as loops; known without
     /// deriving it.
     pub(super) fn estimate(&self, quantity: &Quantity) -> Option<(Estimate, bool)> {
         let loops = quantity.loops.filter(|loops| match *loops {
@@ -228,7 +227,7 @@ impl<'m> Forms<'m> {
             && per_joint::is_possible(self.mechanism())
     }
 
-    /// The mechanism.
+    /// Mechanism of the model.
     pub(super) fn mechanism(&self) -> &'m Mechanism<Number> {
         self.formulations.mechanism()
     }
@@ -250,7 +249,7 @@ impl<'m> Forms<'m> {
     }
 }
 
-/// Whether straight-line code of this size is replaced by loops, if the function has them.
+/// Whether loops replace straight-line code of this size, if the function has them.
 pub(crate) fn is_large(operations: usize) -> bool {
     BYTES_PER_OPERATION * operations > LARGEST_STRAIGHT
 }

@@ -1,4 +1,4 @@
-//! Generated functions: a program and the facts of its documentation.
+//! Generated functions: program and documentation.
 
 pub use crate::function_names::FrameKind;
 use crate::layout::Dimension;
@@ -7,33 +7,33 @@ use crate::program::Program;
 use crate::program::arrays::ArrayForm;
 use crate::program::cost::{self, Cost};
 
-/// A function to emit.
+/// A generated function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
     /// Rust identifier.
     pub name: String,
-    /// Its frame, and the quantity of the frame; none for a function of the whole robot.
+    /// Frame and quantity of the function; `None` for a function of the whole robot.
     pub frame: Option<FrameFunction>,
-    /// First line of the documentation: meaning and symbol.
+    /// First line of the documentation: name and symbol.
     pub summary: String,
     /// The equation in Unicode.
     pub equation: String,
-    /// The meaning of the input arrays, in the order of `program.inputs`.
+    /// Documentation of the input arrays, in the order of `program.inputs`.
     pub arguments: Vec<ArgumentText>,
     /// Meaning, unit and frame of each result, in the order of `program.outputs`.
     pub results: Vec<String>,
-    /// Further sentences: which formulation was cheapest, limits, sources.
+    /// Further notes: cheapest formulation, limits, sources.
     pub notes: Vec<String>,
-    /// Constants that users of this function need.
+    /// Constants printed before the function.
     pub constants: Vec<Constant>,
-    /// The body.
+    /// Program of the body.
     pub program: Program,
-    /// The body as loops over joints, if that is smaller or faster; `program` is its unrolled form.
+    /// Body as loops over joints, if that is smaller or faster; `program` is then its unrolled form.
     pub arrays: Option<ArrayForm>,
 }
 
 impl Function {
-    /// Its operations, as straight-line code.
+    /// Operations as straight-line code.
     #[must_use]
     pub fn cost(&self) -> Cost {
         cost::count(&self.program)
@@ -45,7 +45,7 @@ impl Function {
 pub struct FrameFunction {
     /// Identifier of the frame.
     pub frame: String,
-    /// Quantity of the frame that the function computes.
+    /// Quantity of the frame.
     pub kind: FrameKind,
 }
 
@@ -56,19 +56,19 @@ impl FrameFunction {
         Self { frame: frame.identifier.clone(), kind }
     }
 
-    /// Its name: `frame_<name>_pose` and the like.
+    /// Name of the function: `frame_<name>_pose` and the like.
     #[must_use]
     pub fn name(&self) -> String {
         self.kind.function(&self.frame)
     }
 }
 
-/// The documentation of an argument.
+/// Documentation of an argument.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArgumentText {
     /// Meaning, unit and frame.
     pub meaning: String,
-    /// Name and unit of each entry; empty if these are not told one by one.
+    /// Name and unit of each entry; empty if entries are not described one by one.
     pub entries: Vec<(String, &'static str)>,
 }
 
@@ -78,11 +78,11 @@ pub struct Constant {
     /// Rust identifier, one of [`crate::functions::module_constants::NAMES`] or
     /// [`crate::module::constants::NAMES`].
     pub name: &'static str,
-    /// The sentence about the constant.
+    /// Documentation of the constant.
     pub summary: String,
-    /// A list below, may be empty.
+    /// List items of the documentation; may be empty.
     pub items: Vec<String>,
-    /// Its value.
+    /// Value of the constant.
     pub value: ConstantValue,
 }
 
@@ -105,7 +105,7 @@ pub enum ConstantValue {
     Ranges(Dimension, Vec<[f64; 2]>),
     /// `[[f64; columns]; n]`
     Rows(Dimension, Vec<Vec<f64>>),
-    /// `[(usize, usize, f64); n]`: row, column and value of the entries that are not zero.
+    /// `[(usize, usize, f64); n]`: row, column and value of the non-zero entries.
     Sparse(Vec<(usize, usize, f64)>),
     /// `[[bool; columns]; rows]`
     Pattern(Vec<Vec<bool>>),

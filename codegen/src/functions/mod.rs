@@ -1,7 +1,6 @@
-//! The functions that are generated: rows of a catalogue, each with its program and what its documentation
-//! says.
+//! The generated functions: rows of a catalogue, with programs and documentation.
 //!
-//! [`catalogue`] holds the rows, `assemble` and [`form`] make their programs, [`selection`] chooses among
+//! [`catalogue`] has the rows, `assemble` and [`form`] make their programs, and [`selection`] chooses among
 //! them.
 
 mod assemble;

@@ -1,4 +1,4 @@
-//! Constants that explain functions: names of columns, groups of parameters, zeros of matrices.
+//! Constants that document functions: names of columns, groups of parameters, sparsity of matrices.
 
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::forces;
@@ -9,7 +9,7 @@ use crate::layout::Dimension;
 use crate::model::Model;
 use crate::program::{Program, Shape, nonzero_entries};
 
-/// Names of all such constants.
+/// Names of these constants.
 pub const NAMES: [&str; 8] = [
     "INERTIAL_PARAMETER_NAMES",
     "BASE_PARAMETER_NAMES",
@@ -102,16 +102,17 @@ fn terms_text(model: &Model) -> String {
     }
 }
 
-/// A note where the map of the base parameters is left out.
+/// Note if the map of the base parameters is omitted.
 pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     let base = functions.iter().find(|function| function.name == "base_regressor")?;
     if base.constants.iter().any(|constant| constant.name == BASE_TERMS) {
         return None;
     }
     let message = format!(
-        "`{BASE_TERMS}` is left out: how inertial parameters join in base parameters depends on free lengths, gear ratios or gravity"
+        "`{BASE_TERMS}` is omitted: the map to base parameters depends on free lengths, gear ratios or gravity"
     );
-    let help = "`BASE_PARAMETER_NAMES` and `base_regressor` hold for all values; make these parameters numbers for the map";
+    let help = "for a constant map give these parameters as numbers; `BASE_PARAMETER_NAMES` and \
+                `base_regressor` are valid for all values";
     Some(Diagnostic::note("base-parameters", message).help(help))
 }
 
@@ -136,7 +137,7 @@ fn group_text(group: &[Term], names: &[String]) -> String {
     format!("`{text}`")
 }
 
-/// Which entries of results can be other than zero.
+/// Entries of results that are not always zero.
 pub(super) fn patterns(program: &Program, blocks: &[(&'static str, &str)]) -> Vec<Constant> {
     let entries = nonzero_entries(program);
     let pattern = |&(name, output): &(&'static str, &str)| {

@@ -1,28 +1,28 @@
-//! Functions of positions that are not a vector space: ⊕, ⊖ and the unit length of quaternions.
+//! Functions of positions that are not a vector space: ⊕, ⊖ and normalization of quaternions.
 
 use crate::layout::{Dimension, Extent};
 
-/// A function of the positions of a robot with quaternions; its text is the same for every such robot.
+/// A function of the positions of a robot with quaternions. Its text is the same for every such robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PositionFunction {
-    /// y ⊕ d
+    /// Sum y ⊕ d.
     Integrate,
-    /// ⊖
+    /// Difference ⊖.
     Difference,
     /// Derivatives of y ⊕ d.
     IntegrateDerivatives,
-    /// Unit length for every quaternion.
+    /// Normalization of each quaternion.
     Normalize,
 }
 
 /// An argument or result of such a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionValue {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
     /// Dimensions, outermost first.
     pub dimensions: &'static [Dimension],
-    /// Its meaning.
+    /// Meaning.
     pub meaning: &'static str,
 }
 
@@ -35,7 +35,7 @@ const fn value(name: &'static str, dimensions: &'static [Dimension], meaning: &'
 }
 
 impl PositionFunction {
-    /// All, in the order of the generated module.
+    /// All functions, in the order of the generated module.
     pub const ALL: [Self; 4] =
         [Self::Integrate, Self::Difference, Self::IntegrateDerivatives, Self::Normalize];
 
@@ -53,9 +53,9 @@ impl PositionFunction {
     /// First line of the documentation.
     pub(crate) fn summary(self) -> &'static str {
         match self {
-            Self::Integrate => "The positions `y ⊕ d` that the velocities d reach within one second.",
+            Self::Integrate => "Positions `y ⊕ d` after one second with the velocities d.",
             Self::Difference => {
-                "The velocities `to ⊖ from` that lead from one position to another within one second."
+                "Velocities `to ⊖ from` that lead from one position to another within one second."
             }
             Self::IntegrateDerivatives => "Derivatives of `integrate` along small motions.",
             Self::Normalize => "Brings every quaternion to unit length.",
@@ -89,7 +89,7 @@ impl PositionFunction {
         }
     }
 
-    /// The results; none if the function changes its argument.
+    /// The results; empty if the function changes its argument.
     #[must_use]
     pub fn results(self) -> Vec<PositionValue> {
         match self {
@@ -108,19 +108,19 @@ impl PositionFunction {
     /// Method and limits.
     pub(crate) fn notes(self) -> &'static [&'static str] {
         match self {
-            Self::Integrate => &["The result stays of unit length however often it is integrated on."],
+            Self::Integrate => &["Quaternions keep their unit length, also after many steps."],
             Self::Difference => &["The quaternions q and −q are the same attitude."],
             Self::IntegrateDerivatives => {
                 &["Both depend on d alone (Solà, Deray and Atchuthan 2018, sections III and IV)."]
             }
-            Self::Normalize => &[
-                "Returns `false` where a quaternion was zero or not finite: the identity stands in its place then.",
-            ],
+            Self::Normalize => {
+                &["Returns `false` if a quaternion is zero or not finite, and replaces it by the identity."]
+            }
         }
     }
 }
 
-/// The lengths of a value in a robot with these numbers of positions and velocities.
+/// Lengths of a value for these numbers of positions and velocities.
 #[must_use]
 pub fn extents(value: &PositionValue, positions: usize, velocities: usize) -> Vec<Extent> {
     let length = |dimension: &Dimension| match dimension {

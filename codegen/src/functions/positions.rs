@@ -2,7 +2,8 @@
 
 use crate::model::{JointPosition, Model};
 
-/// Names of the position entries: those of the joints, and `base_qx` and so on where a joint has several.
+/// Names of the position entries: the joint names, with suffixes such as `base_qx` for joints with several
+/// entries.
 #[must_use]
 pub fn names(model: &Model) -> Vec<String> {
     let joints: Vec<&str> = model.joints().map(|joint| joint.name.as_str()).collect();

@@ -1,7 +1,7 @@
-//! Selection of functions, and functions that are left out.
+//! Selection of functions, and omission of functions that cannot be generated.
 //!
-//! Without a selection all functions are wanted, and what cannot be generated is left out with a note. What
-//! is asked for by name is generated, or the reason is an error.
+//! Without a selection all functions are requested, and a note lists those that cannot be generated. If a
+//! function requested by name cannot be generated, the reason is an error.
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -22,13 +22,14 @@ const MOST_FRAMES: usize = 500;
 /// A request for functions of a model.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// Names of functions, `frames` for those of all named frames, `all` for all but those on request, as none.
+    /// Names of functions; `frames` requests those of all named frames, `all` or an empty list all except
+    /// those on request.
     pub names: &'a [String],
-    /// Operations of the largest function that is wanted, see [`size::MOST_OPERATIONS`].
+    /// Largest number of operations of a function, see [`size::MOST_OPERATIONS`].
     pub most: usize,
     /// Form of large functions.
     pub form: Form,
-    /// Functions that are straight-line code in any case.
+    /// Functions that are always straight-line code.
     pub straight: &'a [String],
 }
 
@@ -41,19 +42,19 @@ impl Request<'_> {
 /// The functions of a module.
 #[derive(Debug, Clone)]
 pub struct Selection {
-    /// Functions with a program of their own.
+    /// Functions with their own program.
     pub functions: Vec<Function>,
     /// Functions that call them.
     pub compositions: Vec<Composition>,
-    /// Notes about functions that were left out, with the reason.
+    /// Notes about omitted functions, with reasons.
     pub notes: Vec<Diagnostic>,
 }
 
-/// Derives the wanted functions, and the functions that they call.
+/// Derives the requested functions and the functions that they call.
 ///
 /// # Errors
-/// `unknown-function` for each name that the model does not have; for functions that are asked for by name and cannot be
-/// generated `too-large` or the code of their [`Kind`](catalogue::Kind).
+/// `unknown-function` for each name that the model lacks. For functions requested by name that cannot be
+/// generated: `too-large`, or the code of their [`Kind`](catalogue::Kind).
 pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnostics> {
     catalogue::check_names(model, request.names)?;
     let mechanism = Mechanism::new(model);
@@ -96,14 +97,15 @@ pub fn derive(model: &Model, request: &Request<'_>) -> Result<Selection, Diagnos
     Ok(Selection { notes: left_out.notes(model, request.most), functions, compositions })
 }
 
-/// Derives the selected functions of a model, and those that selected ones call; an empty selection and `all`
-/// mean all but those on request and those that cannot be generated, `frames` all functions of named frames.
+/// Derives the selected functions of a model and the functions that they call. An empty selection or `all`
+/// requests all except those on request and those that cannot be generated; `frames` requests all functions
+/// of named frames.
 ///
-/// - `most`: operations of the largest function that is wanted, see
+/// - `most`: largest number of operations of a function, see
 ///   [`MOST_OPERATIONS`](crate::functions::size::MOST_OPERATIONS)
 ///
 /// # Errors
-/// As [`derive()`].
+/// See [`derive()`].
 pub fn derive_functions(
     model: &Model,
     selection: &[String],
@@ -112,12 +114,12 @@ pub fn derive_functions(
     derive_in_form(model, selection, most, Form::Cheapest, &[])
 }
 
-/// As [`derive_functions()`], with the form of large functions chosen.
+/// Like [`derive_functions()`], with a choice of the form of large functions.
 ///
-/// - `straight`: functions that are straight-line code in any case
+/// - `straight`: functions that are always straight-line code
 ///
 /// # Errors
-/// As [`derive()`].
+/// See [`derive()`].
 pub fn derive_in_form(
     model: &Model,
     selection: &[String],
@@ -146,7 +148,7 @@ fn rows(model: &Model) -> impl Iterator<Item = Row<'_>> {
 }
 
 impl Row<'_> {
-    /// Its name in the table of kinds.
+    /// Name of the row in the table of kinds.
     fn row_name(&self) -> &'static str {
         match self {
             Self::Quantity(quantity) => quantity.name,
@@ -202,7 +204,7 @@ impl<'a> Wanted<'a> {
         is_included || self.names_row(row) || self.called.contains(&&*name)
     }
 
-    /// Whether it is asked for by name, itself or by something that calls it.
+    /// Whether the function, or a function that calls it, is requested by name.
     fn is_asked_for(&self, name: &str) -> bool {
         let is_straight = self.request.straight.iter().any(|other| other == name);
         let is_called = !self.selects_all() && self.called.contains(&name);
@@ -215,7 +217,7 @@ impl<'a> Wanted<'a> {
 struct LeftOut {
     /// Functions that a kind of robots lacks.
     refused: Vec<(Refusal, Vec<String>)>,
-    /// Those of them that are asked for by name.
+    /// Errors of refused functions that are requested by name.
     problems: Vec<Diagnostic>,
     too_large: Vec<TooLarge>,
     /// Functions of frames, if there are very many.
@@ -229,7 +231,7 @@ impl LeftOut {
     fn is_possible(&mut self, name: &str, refusal: Option<Refusal>, is_asked_for: bool) -> bool {
         let Some(refusal) = refusal else { return true };
         if is_asked_for {
-            self.problems.push(refusal.error(&format!("there is no `{name}`")));
+            self.problems.push(refusal.error(&format!("there is no function `{name}`")));
             return false;
         }
         let name = format!("`{name}`");
@@ -291,15 +293,15 @@ impl LeftOut {
             .collect();
         if self.of_frames > 0 {
             let message =
-                format!("left out: the {} functions of {} frames", self.of_frames, model.frames.len());
-            let help = "ask for single ones by name (`frame_<name>_pose`), or for all by `frames`";
+                format!("the {} functions of {} frames are omitted", self.of_frames, model.frames.len());
+            let help = "request single functions by name (`frame_<name>_pose`), or all with `frames`";
             notes.push(Diagnostic::note("left-out", message).help(help));
         }
         if !self.too_large.is_empty() {
             let callers: Vec<String> = self.callers.iter().map(|name| format!("`{name}`")).collect();
             let callers = match callers.is_empty() {
                 true => String::new(),
-                false => format!(", and what calls them, {}", callers.join(", ")),
+                false => format!(", and their callers {}", callers.join(", ")),
             };
             notes.push(size::note(model, &self.too_large, &callers, most));
         }

@@ -1,7 +1,6 @@
-//! Functions that nobody could compile or read are not written.
+//! Omission of functions that are too large to compile or read.
 //!
-//! What counts is the text that is emitted: loops over joints count once, however many operations they stand
-//! for.
+//! The size is that of the printed text: loops over joints count once, whatever their number of iterations.
 
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::formulation::Formulation;
@@ -16,8 +15,8 @@ use crate::program::Program;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 use crate::program::cost::count;
 
-/// Operations up to which a function is emitted, unless more are asked for: `inertial_regressor` of 60 joints
-/// takes half of it; how long rustc takes for it is not measured yet.
+/// Largest number of operations of a function by default. `inertial_regressor` of 60 joints has half of it;
+/// the compile time at the limit has not been measured.
 pub const MOST_OPERATIONS: usize = 300_000;
 
 /// Factor of the operations of loops that are written out, over those that are emitted: they are written out for the
@@ -47,12 +46,12 @@ const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 /// Joints up to which no function is so large that deriving it takes long.
 const FEW_JOINTS: usize = 50;
 
-/// A function that is not written.
+/// An omitted function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct TooLarge {
     pub name: String,
     operations: usize,
-    /// Whether it is an estimate from below.
+    /// Whether the number of operations is a lower estimate.
     is_estimate: bool,
     /// Whether the operations are those of loops.
     are_loops: bool,
@@ -60,7 +59,7 @@ pub(super) struct TooLarge {
     most: usize,
 }
 
-/// Finds the functions that are too large, as far as that is known before anything is derived.
+/// Finds functions that are known to be too large before deriving them.
 pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: usize) -> Vec<TooLarge> {
     if model.coordinates.len() <= FEW_JOINTS {
         return Vec::new();
@@ -77,7 +76,7 @@ pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: u
     Estimate::ALL.into_iter().flat_map(of).collect()
 }
 
-/// Those of one estimate, each with its name and whether it is loops.
+/// Functions that are too large by one estimate.
 fn too_large(
     mechanism: &Mechanism<Number>,
     estimate: Estimate,
@@ -102,7 +101,7 @@ fn too_large(
     too_large.filter(|each| each.operations > each.most).collect()
 }
 
-/// Checks a derived function, and returns it if it is too large.
+/// Returns a derived function if it is too large.
 pub(super) fn after(function: &Function, most: usize) -> Option<TooLarge> {
     let operations = emitted(function);
     (operations > most).then(|| TooLarge {
@@ -142,22 +141,23 @@ impl TooLarge {
     fn takes(&self) -> String {
         let operations = self.operations;
         match (self.are_loops, self.is_estimate) {
-            (true, _) => format!("loops that stand for about {operations} operations"),
+            (true, _) => format!("loops that replace about {operations} operations"),
             (false, true) => format!("about {operations} operations or more"),
             (false, false) => format!("{operations} operations"),
         }
     }
 
-    /// For those who asked for it by name.
+    /// Error for a function requested by name.
     pub(super) fn error(&self, model: &Model) -> Diagnostic {
         let (joints, most) = (model.coordinates.len(), self.most);
         let takes = self.takes();
         Diagnostic::error(
             "too-large",
-            format!("`{}` of {joints} joints takes {takes}; {most} are the limit", self.name),
+            format!("`{}` of {joints} joints takes {takes}; the limit is {most}", self.name),
         )
         .help(format!(
-            "lift the limit (`--max-operations {}`), or generate smaller functions (`gelenk generate --functions inverse_dynamics`)",
+            "raise the limit (`--max-operations {}`), or generate smaller functions (`gelenk generate \
+             --functions inverse_dynamics`)",
             self.limit_needed()
         ))
     }
@@ -171,17 +171,17 @@ impl TooLarge {
     }
 }
 
-/// Makes the note about functions that were left out because nobody asked for them by name.
+/// Makes the note about omitted functions that were not requested by name.
 pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: usize) -> Diagnostic {
     let listed = left_out.iter().map(|each| format!("`{}` ({})", each.name, each.takes()));
     let listed: Vec<String> = listed.collect();
     let needed = left_out.iter().map(TooLarge::limit_needed).max().unwrap_or(most);
     let message = format!(
-        "left out, because {} joints make them too large: {}{callers}; {most} operations are the limit",
+        "{} joints make these functions larger than the limit of {most} operations, so they are omitted: {}{callers}",
         model.coordinates.len(),
         listed.join(", "),
     );
-    Diagnostic::note("left-out", message).help(format!("`--max-operations {needed}` generates them all"))
+    Diagnostic::note("left-out", message).help(format!("`--max-operations {needed}` generates all of them"))
 }
 
 /// To two digits, with room for the estimate.

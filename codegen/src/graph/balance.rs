@@ -1,13 +1,13 @@
-//! Sums in the order in which their terms become ready.
+//! Sums in the order in which their terms become available.
 
 use super::build::Graph;
 use super::node::{Edge, Node};
 
-/// Rebuilds the results so that every sum of several terms adds early operands first.
+/// Rebuilds the results so that every sum adds early operands first.
 ///
-/// A recursion over links is one long chain of dependent operations, for which a processor that could do
-/// several at a time waits. Adding the latest term last shortens that chain by the other additions (Huffman's
-/// construction on the terms' depths). The number of operations does not grow; values change by rounding.
+/// A recursion over links is a long chain of dependent operations, during which a superscalar processor
+/// waits. Adding the latest term last shortens the chain by the other additions (Huffman's construction on
+/// the terms' depths). The number of operations does not increase; values change by rounding.
 pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     let reachable = graph.reachable(results);
     let mut balance = Balance {

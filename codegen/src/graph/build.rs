@@ -1,4 +1,4 @@
-//! Building nodes: interning, constant folding, and the identities that only ever remove operations.
+//! Construction of nodes: interning, constant folding, and identities that only remove operations.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use rustc_hash::FxBuildHasher;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// A growing set of nodes. Equal nodes exist once; operands stand before their users.
+/// A growing set of nodes. Equal nodes are stored once; operands precede their users.
 #[derive(Debug, Default)]
 pub struct Graph {
     nodes: RefCell<IndexSet<Node, FxBuildHasher>>,
@@ -27,7 +27,7 @@ impl Graph {
         self.nodes.borrow().len()
     }
 
-    /// Whether there is no node yet.
+    /// Whether the graph has no nodes.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -37,7 +37,7 @@ impl Graph {
         self.nodes.borrow()[edge.index()]
     }
 
-    /// The value of an edge to a constant.
+    /// Value of an edge to a constant; `None` for other edges.
     pub fn value(&self, edge: Edge) -> Option<f64> {
         match self.node(edge) {
             Node::Constant(bits) => {
@@ -48,8 +48,8 @@ impl Graph {
         }
     }
 
-    /// Suggests a name for a node in generated text. The first suggestion stays; leaves have names of their
-    /// own.
+    /// Suggests a name for a node in generated text. The first suggestion is kept; leaves have their own
+    /// names.
     pub fn label(&self, edge: Edge, name: impl FnOnce() -> String) {
         if self.node(edge).operands().next().is_some() {
             self.labels.borrow_mut().entry(edge.index()).or_insert_with(name);
@@ -61,7 +61,7 @@ impl Graph {
         self.labels.borrow().get(&edge.index()).cloned()
     }
 
-    /// The nodes that the results need, operands first.
+    /// The nodes that the results depend on, operands first.
     pub fn reachable(&self, results: &[Edge]) -> Vec<Edge> {
         let nodes = self.nodes.borrow();
         let mut needed = vec![false; nodes.len()];
@@ -122,7 +122,7 @@ impl Graph {
         Some(self.add(x, self.folded(c + y)?))
     }
 
-    /// Splits `c · x` into its constant and the rest; the constant carries the sign.
+    /// Splits `c · x` into constant and rest; the constant has the sign.
     pub(super) fn scaled(&self, edge: Edge) -> (f64, Edge) {
         let sign = if edge.is_negative() { -1.0 } else { 1.0 };
         if let Node::Product(a, b) = self.node(edge) {

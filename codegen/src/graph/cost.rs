@@ -4,7 +4,7 @@ use super::build::Graph;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// Operations of a computation. A subtraction is an addition, a negation nothing.
+/// Operations of a computation. A subtraction counts as an addition, a negation as nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// Multiplications.
@@ -13,7 +13,7 @@ pub struct Cost {
     pub additions: u64,
     /// Divisions.
     pub divisions: u64,
-    /// Sines and cosines, counted in pairs of the same angle.
+    /// Sine and cosine pairs; a pair of the same angle counts once.
     pub angles: u64,
     /// Other function calls.
     pub calls: u64,
@@ -38,7 +38,7 @@ impl Cost {
         cost
     }
 
-    /// One number to compare formulations by: roughly the instructions of a call.
+    /// Weight for comparing formulations: roughly the number of instructions.
     pub fn weight(&self) -> u64 {
         self.multiplications + self.additions + 8 * self.divisions + 20 * (self.angles + self.calls)
     }

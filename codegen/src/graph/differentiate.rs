@@ -7,7 +7,7 @@ use gelenk_formula::Function;
 
 /// Derivatives of `results` by one input entry or parameter, on the same graph.
 ///
-/// `sign` is exact in the value and has the derivative zero; `|x|` has the derivative `sign x`.
+/// The value of `sign` is exact and its derivative 0; the derivative of `|x|` is `sign x`.
 pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Scalar<'g>) -> Vec<Scalar<'g>> {
     let edges: Vec<Edge> = results.iter().map(|x| x.edge()).collect();
     let zero = graph.constant(0.0);
@@ -34,8 +34,8 @@ pub fn differentiate<'g>(graph: &'g Graph, results: &[Scalar<'g>], variable: Sca
         .collect()
 }
 
-/// Derivatives of one result by many inputs, on the same graph: as many operations for all of them as a few
-/// evaluations of the result take. `sign` as in [`differentiate`].
+/// Derivatives of one result by many inputs on the same graph. They cost as many operations as a few
+/// evaluations of the result. `sign` is treated as in [`differentiate`].
 pub fn gradient<'g>(graph: &'g Graph, result: Scalar<'g>, variables: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let zero = graph.constant(0.0);
     let mut adjoints = vec![zero; graph.len()];
@@ -88,7 +88,7 @@ fn outer<'g>(function: Function, x: Scalar<'g>, value: Scalar<'g>) -> Scalar<'g>
     }
 }
 
-/// `results` with `new` in place of the inputs `old`.
+/// `results` with the inputs `old` replaced by `new`.
 pub fn substitute<'g>(
     graph: &'g Graph,
     results: &[Scalar<'g>],

@@ -1,8 +1,7 @@
-//! Expressions with sharing: hash-consed nodes, folded as they are built. There is no robot in here.
+//! Expression graphs: hash-consed nodes, folded at construction. This folder is independent of robots.
 //!
-//! A [`Graph`] owns the nodes; a [`Scalar`] is a signed reference to one, so that negation costs nothing and
-//! `a − b` shares its node with `b − a`. Nothing is ever expanded: a rule fires only where it removes
-//! operations.
+//! A [`Graph`] owns the nodes. A [`Scalar`] is a signed reference to a node, so negation costs nothing and `a
+//! − b` shares its node with `b − a`. Nothing is expanded: rules only remove operations.
 
 mod balance;
 mod build;

@@ -22,28 +22,28 @@ impl Edge {
         self.0 & 1 == 1
     }
 
-    /// The same node without the sign.
+    /// The same edge without sign.
     pub fn abs(self) -> Self {
         Self(self.0 & !1)
     }
 
-    /// The negative of this edge where `negate` holds.
+    /// The negated edge if `negate` is true.
     pub fn negate_if(self, negate: bool) -> Self {
         Self(self.0 ^ u32::from(negate))
     }
 }
 
-/// A node. Operands stand before it in the graph.
+/// A node. Its operands precede it in the graph.
 ///
-/// Canonical: the operands of commutative operations are ordered by index; the first operand of a sum is
+/// Nodes are canonical: operands of commutative operations are sorted by index; the first operand of a sum is
 /// positive; operands of products, quotients and odd or even functions are positive; constants are positive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// The bits of a finite number ≥ 0.
+    /// Bits of a finite number ≥ 0.
     Constant(u64),
-    /// Entry of an input array: array, index.
+    /// Entry of an input array: index of the array, index of the entry.
     Input(u32, u32),
-    /// Free parameter: index into `Model::parameters`.
+    /// Free parameter: index in `Model::parameters`.
     Parameter(u32),
     /// `a + b`
     Sum(Edge, Edge),

@@ -1,4 +1,4 @@
-//! Nodes by themselves: with them a value keeps its scalars without a graph.
+//! Nodes without their graph, for values that keep scalars.
 
 use std::fmt;
 
@@ -6,10 +6,10 @@ use super::build::Graph;
 use super::node::{Edge, Node};
 use super::scalar::Scalar;
 
-/// The nodes of a graph, in the order in which they were made.
+/// The nodes of a graph in the order of their creation.
 ///
-/// Nodes that only led to others stay in it, so that a graph onto which they are copied becomes the same as if
-/// its scalars had been computed there: the order of nodes decides the order of operands in generated text.
+/// Intermediate nodes are included. A graph onto which they are copied is therefore the same as if its
+/// scalars had been computed there; the order of nodes determines the order of operands in generated text.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Nodes(Vec<Node>);
 
@@ -19,7 +19,7 @@ impl Graph {
         Nodes((0..self.len()).map(|index| self.node(Edge::plus(index))).collect())
     }
 
-    /// Makes nodes of another graph here; the result holds the scalar for each of them.
+    /// Copies the nodes of another graph; the result has the scalar of each node.
     pub fn copied(&self, nodes: &Nodes) -> Vec<Scalar<'_>> {
         let mut copies: Vec<Scalar<'_>> = Vec::with_capacity(nodes.0.len());
         for &node in &nodes.0 {
@@ -28,7 +28,7 @@ impl Graph {
         copies
     }
 
-    /// A node with other operands, folded anew.
+    /// A node with other operands, folded again.
     pub(super) fn rebuilt<'g>(&'g self, node: Node, operand: impl Fn(Edge) -> Scalar<'g>) -> Scalar<'g> {
         match node {
             Node::Constant(bits) => self.constant(f64::from_bits(bits)),
@@ -43,7 +43,7 @@ impl Graph {
 }
 
 impl Edge {
-    /// The scalar that stands for this edge among those for all nodes.
+    /// Scalar of this edge, from the scalars of all nodes.
     pub fn signed<'g>(self, nodes: &[Scalar<'g>]) -> Scalar<'g> {
         let node = nodes[self.index()];
         if self.is_negative() { -node } else { node }

@@ -1,4 +1,4 @@
-//! A scalar of a graph with the operators of arithmetic, so that algorithms read like their papers.
+//! Scalars of a graph with arithmetic operators, so that algorithms read like their papers.
 
 use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -7,7 +7,7 @@ use super::build::Graph;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// A signed reference to a node together with its graph.
+/// A signed reference to a node, together with its graph.
 #[derive(Clone, Copy)]
 pub struct Scalar<'g> {
     graph: &'g Graph,
@@ -58,7 +58,7 @@ impl<'g> Scalar<'g> {
         self.graph.constant(value)
     }
 
-    /// The value, if it is a constant.
+    /// The value if the scalar is a constant.
     pub fn value(self) -> Option<f64> {
         self.graph.value(self.edge)
     }
@@ -94,7 +94,7 @@ impl<'g> Scalar<'g> {
         self
     }
 
-    /// A constant closer to zero than `tolerance` becomes 0.
+    /// 0 if the scalar is a constant smaller than `tolerance`, otherwise the scalar.
     pub fn cleaned(self, tolerance: f64) -> Self {
         match self.value() {
             Some(value) if value.abs() < tolerance => self.constant(0.0),

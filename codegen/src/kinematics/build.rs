@@ -1,4 +1,4 @@
-//! From a model to its mechanism, which is made once, and from there onto the graph of each function.
+//! Conversion of a model to its mechanism, and of the mechanism to the graph of each function.
 
 use super::inertia::{RegroupChoice, regroup};
 use super::mechanism::{Body, Mechanism, Rotor};
@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::spatial::Pose;
 
 impl Mechanism<Number> {
-    /// The mechanism of a model, with all inertial constants where the description puts them.
+    /// The mechanism of a model, with inertial constants as described.
     pub fn new(model: &Model) -> Self {
         let graph = Graph::new();
         frames::assign(&graph, model, &tree::moving_bodies(&graph, model)).by_itself()
@@ -33,7 +33,7 @@ impl Mechanism<Scalar<'_>> {
         self
     }
 
-    /// This mechanism as a plain value.
+    /// This mechanism without a graph.
     pub fn by_itself(&self) -> Mechanism<Number> {
         self.with(self.graph.to_nodes(), Number::from)
     }

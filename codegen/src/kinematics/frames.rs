@@ -1,9 +1,9 @@
-//! Link frames after the modified Denavit–Hartenberg convention, for trees.
+//! Link frames of trees by the modified Denavit–Hartenberg convention.
 //!
-//! z lies on the joint's axis, x on the common normal to the axis of the main child, the origin where that
-//! normal meets z (Craig 1986; Khalil and Kleinfinger 1986). Other children of a branching body get a further
-//! angle γ. Freedom that this leaves (leaves of the tree, parallel and coincident axes) goes into zero
-//! offsets.
+//! z is on the joint's axis, x on the common normal to the axis of the main child, the origin where this
+//! normal meets z (Craig 1986; Khalil and Kleinfinger 1986). Other children of a branching body have an
+//! additional angle γ. Remaining freedom (leaves of the tree, parallel and coincident axes) is used to set
+//! offsets to zero.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -35,7 +35,7 @@ struct Draft<'g> {
     origin: Option<Vector3<Scalar<'g>>>,
 }
 
-/// Chooses the frames and expresses everything in them.
+/// Chooses the frames and expresses all quantities in them.
 pub fn assign<'g>(graph: &'g Graph, model: &Model, tree: &DescribedTree<'g>) -> Mechanism<Scalar<'g>> {
     let directions = directions(model, tree);
     let drafts = common_normals(model, tree, &directions);

@@ -1,4 +1,4 @@
-//! Moments of mass that can be moved towards the base without changing the equations.
+//! Moments of mass, and their transfer towards the base without changing the equations.
 
 use super::joint::JointAxis;
 use super::lower::lower;
@@ -7,18 +7,19 @@ use crate::graph::{Graph, Scalar};
 use crate::model;
 use crate::spatial::{MassMoments, Symmetric3, Vector3};
 
-/// The use of a joint's freedom to shift mass along its axis.
+/// Choice of the mass that is shifted along a joint's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RegroupChoice {
     /// The body itself becomes massless.
     Massless,
-    /// The parent's first moment loses its component along x.
+    /// The parent's first moment becomes zero along x.
     BalanceParent,
-    /// A component of the parent's first moment vanishes, together with those that its other children take.
+    /// A component of the parent's first moment becomes zero, together with components taken by its other
+    /// children.
     Take(usize),
 }
 
-/// Moments of a described body, about its link frame's origin.
+/// Moments of a described body about its link frame's origin.
 pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<Scalar<'g>> {
     let mass = lower(graph, &body.mass);
     let center = Vector3(body.center_of_mass.each_ref().map(|f| lower(graph, f)));
@@ -26,11 +27,11 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
     MassMoments::of_inertia(mass, center, inertia)
 }
 
-/// Moves masses that act only through their sum from body to parent (base parameters; Gautier and Khalil 1990):
-/// masses on a revolute joint's axis, and the whole second moment of a prismatic joint's body. Leaves M, k
-/// and q unchanged.
+/// Moves masses that act only through their sum from body to parent (base parameters; Gautier and Khalil
+/// 1990): masses on a revolute joint's axis, and the second moment of a prismatic joint's body. M, k and q do
+/// not change.
 ///
-/// `base` receives what arrives there, in the base frame; its second moment then means nothing.
+/// `base` receives the moments that arrive there, in the base frame; its second moment is then meaningless.
 pub fn regroup<'g>(
     bodies: &mut [Body<Scalar<'g>>],
     base: &mut MassMoments<Scalar<'g>>,
@@ -80,13 +81,13 @@ fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
 }
 
-/// Balancing over a shorter lever (m) takes masses so large that digits are lost.
+/// Shortest lever (m) for balancing; shorter ones require masses so large that digits are lost.
 pub const SHORTEST_LEVER: f64 = 1e-3;
 
 /// A mass at the origin of a child's joint, which belongs to both bodies.
 struct Shared<'g> {
     child: usize,
-    /// Its moments where it is 1, in the parent's frame.
+    /// Moments of a unit mass, in the parent's frame.
     in_parent: MassMoments<Scalar<'g>>,
     /// The component of the parent's first moment that is to vanish.
     component: usize,

@@ -1,11 +1,11 @@
-//! Types of moving joints: the table that the recursions read.
+//! Types of moving joints, as used by the recursions.
 
 use crate::graph::Scalar;
 use crate::model::JointKind;
 use crate::spatial::{Force, Motion, Vector3};
 
-/// The motion that a joint's velocity gives its body, in the frame behind the joint: a column of its motion
-/// subspace S (Featherstone 2008, section 3.5). z is the axis.
+/// Motion of a joint's body per unit velocity, in the frame after the joint: a column of the motion subspace
+/// S (Featherstone 2008, section 3.5). z is the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointAxis {
     /// Rotation about z.
@@ -15,8 +15,8 @@ pub enum JointAxis {
 }
 
 impl JointAxis {
-    /// The motions that joints of a described kind consist of, from the base outwards, each with its rate for a
-    /// unit of the joint's velocity.
+    /// Elementary motions of a joint kind from the base outwards, each with its rate per unit of the joint's
+    /// velocity.
     pub fn of(kind: JointKind) -> Vec<(Self, f64)> {
         match kind {
             JointKind::Revolute | JointKind::Continuous => vec![(Self::Revolute, 1.0)],
@@ -35,18 +35,18 @@ impl JointAxis {
         }
     }
 
-    /// Whether the joint's velocity turns the body.
+    /// Whether the joint's velocity is an angular one.
     pub fn turns(self) -> bool {
         self == Self::Revolute
     }
 
-    /// S: the motion at a unit of the joint's velocity, about the origin of its body.
+    /// S: unit motion of the joint about the origin of its body.
     pub fn unit_motion(self, any: Scalar<'_>) -> Motion<'_> {
         let zero = any.constant(0.0);
         self.along(Vector3([zero, zero, any.constant(1.0)]), Vector3::zero(any))
     }
 
-    /// S with this axis, about a point from which the body's origin lies at `origin`.
+    /// S with this axis, about a point; the body's origin is at `origin` relative to it.
     pub fn along<'g>(self, axis: Vector3<Scalar<'g>>, origin: Vector3<Scalar<'g>>) -> Motion<'g> {
         match self {
             Self::Revolute => Motion { angular: axis, linear: origin.cross(axis) },
@@ -54,7 +54,7 @@ impl JointAxis {
         }
     }
 
-    /// `Sᵀ f`: the generalized force of a force on the body, about its origin and in its frame, along the joint.
+    /// `Sᵀ f`: generalized force of a force on the body, about the body's origin and in its frame.
     pub fn force(self, f: Force<'_>) -> Scalar<'_> {
         match self {
             Self::Revolute => f.moment[2],

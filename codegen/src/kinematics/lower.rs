@@ -1,4 +1,4 @@
-//! Numbers of descriptions as scalars of a graph.
+//! Conversion of described numbers to scalars of a graph.
 
 use nalgebra::Matrix3;
 

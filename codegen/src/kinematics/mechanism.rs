@@ -8,16 +8,16 @@ use crate::graph::{Graph, Scalar};
 use crate::numeric;
 use crate::spatial::{Angle, Attitude, MassMoments, Pose, Twist, Vector3, rotation_about};
 
-/// The moving bodies of a model, parents before their children. Each follows one coordinate or several.
+/// The moving bodies of a model; parents precede children. Each follows one or several coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism<S: Numbers> {
-    /// The graph of all scalars, or the nodes of those that stand by themselves.
+    /// Graph of the scalars, or nodes without a graph.
     pub graph: S::Graph,
-    /// The number of coordinates, driven ones included.
+    /// Number of coordinates, including driven ones.
     pub coordinates: usize,
-    /// How many of them are driven: these stand last.
+    /// Number of driven coordinates; these are last.
     pub driven: usize,
-    /// For each coordinate its entry among the positions; `None` if it belongs to a quaternion.
+    /// Position entry of each coordinate; `None` if it belongs to a quaternion.
     pub positions: Vec<Option<usize>>,
     /// Bodies, parents first.
     pub bodies: Vec<Body<S>>,
@@ -25,30 +25,29 @@ pub struct Mechanism<S: Numbers> {
     pub gravity: Vector3<S>,
     /// Rotors that turn relative to the body that carries them.
     pub rotors: Vec<Rotor<S>>,
-    /// Moments of moving mass that acts as if it were fixed to the base, in the base frame.
+    /// Moments of moving mass that acts as if fixed to the base, in the base frame.
     pub base_moments: MassMoments<S>,
-    /// For every link of the model: the body that carries it (`None`: the base) and its pose in that body's
-    /// frame.
+    /// For each link of the model the body that carries it (`None`: base), and its pose in that body's frame.
     pub links: Vec<(Option<usize>, Pose<S>)>,
 }
 
-/// A moving body in its own frame: z along the joint's axis.
+/// A moving body in its own frame; z is along the joint's axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body<S> {
-    /// Name of the joint, as described; with "(slide)" for that of a helical one.
+    /// Described name of the joint; `(slide)` is appended for the slide of a helical joint.
     pub name: String,
-    /// The joint's identifier, which labels values.
+    /// Identifier of the joint, for names of values.
     pub identifier: String,
-    /// Index of its joint among the moving joints: those of the coordinates first, then those that follow.
+    /// Index among the moving joints: joints of the coordinates, then followers.
     pub joint: usize,
-    /// It is true for the slide of a helical joint: a body without mass of its own between the joint's parent
-    /// and the body that the joint turns.
+    /// Whether this is the slide of a helical joint: a massless body between the joint's parent and the body
+    /// that the joint turns.
     pub is_screw_slide: bool,
-    /// How its joint follows the coordinates.
+    /// Coordinates that the joint follows.
     pub transmission: Transmission<S>,
-    /// Its place in the chain of a joint with a quaternion.
+    /// Position in the chain of a joint with a quaternion.
     pub chain: Option<ChainPlace>,
-    /// Rotation by the quaternion, between the twist with its offset and the body's motion.
+    /// Rotation by the quaternion, after the twist with its offset and before the body's motion.
     pub attitude: Option<Attitude<S>>,
     /// Parent body; `None` if the base carries the joint.
     pub parent: Option<usize>,
@@ -56,33 +55,32 @@ pub struct Body<S> {
     pub axis: JointAxis,
     /// Rotation from the parent's frame to the joint's frame before its motion.
     pub twist: Twist,
-    /// From the parent's origin to the joint's axis, in the parent's frame and unit.
+    /// Vector from the parent's origin to the joint's axis, in the parent's frame and unit.
     pub translation: Vector3<S>,
-    /// From there to the origin along the axis, in this body's unit.
+    /// Distance from there along the axis to the origin, in this body's unit.
     pub lift: S,
-    /// Angle about z where the coordinate is 0.
+    /// Angle about z if the coordinate is 0.
     pub offset: Angle,
-    /// Moments of its mass, in this body's unit of length.
+    /// Moments of mass, in this body's unit of length.
     pub moments: MassMoments<S>,
-    /// Unit of length (m) in which forces, accelerations, masses and the children's translations are
-    /// expressed.
+    /// Unit of length (m) for forces, accelerations, masses and the children's translations.
     pub length_unit: f64,
-    /// The parent's unit of length over this one; 1 if the base carries the joint.
+    /// Parent's unit of length divided by this one; 1 if the base carries the joint.
     pub unit_ratio: f64,
 }
 
-/// A rotor: an evenly shaped body that turns about its axis, relative to the body that carries it.
+/// A rotor: an axisymmetric body that turns about its axis relative to its carrier.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor<S> {
-    /// Motion that its drive actuates: a coordinate, or the sum of several.
+    /// Motion of its drive: a coordinate or a sum of several.
     pub transmission: Transmission<S>,
-    /// Gear ratio i: turns of the rotor for a unit of that motion.
+    /// Gear ratio i: turns of the rotor per unit of this motion.
     pub ratio: S,
-    /// Body whose joint its drive moves; `None` if that is the sum of several.
+    /// Body whose joint the drive moves; `None` if the drive moves a sum of coordinates.
     pub driven: Option<usize>,
-    /// Body that carries it; `None` for the base, and for rotors that only enter the diagonal.
+    /// Body that carries the rotor; `None` for the base, and for rotors that only enter the diagonal of M.
     pub carrier: Option<usize>,
-    /// Its axis in the carrier's frame.
+    /// Axis of the rotor in the carrier's frame.
     pub axis: Vector3<S>,
     /// Axial inertia J_R [kg m²].
     pub inertia: S,
@@ -101,8 +99,8 @@ impl<'g> Rotor<Scalar<'g>> {
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// Whether bodies follow others: then a coordinate moves several joints, or slides and turns one, or a
-    /// joint or rotor follows several coordinates.
+    /// Whether bodies follow others: a coordinate moves several joints or a helical joint, or a joint or
+    /// rotor follows several coordinates.
     pub fn is_coupled(&self) -> bool {
         self.bodies.len() > self.coordinates || self.rotors.iter().any(|rotor| rotor.driven.is_none())
     }
@@ -112,23 +110,23 @@ impl<S: Numbers> Mechanism<S> {
         self.bodies.iter().any(|body| body.chain.is_some())
     }
 
-    /// The number of coordinates whose motion forces cause.
+    /// Number of coordinates that are not driven.
     pub fn free(&self) -> usize {
         self.coordinates - self.driven
     }
 
-    /// The bodies whose joints are coordinates that are not driven, each once: parents first.
+    /// Bodies whose joints are coordinates and not driven, each once, parents first.
     pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
         self.bodies.iter().filter(|body| body.joint < self.free() && !body.is_screw_slide)
     }
 
-    /// The body that a moving joint carries.
+    /// Body that a moving joint carries.
     pub fn carried_by(&self, joint: usize) -> Option<usize> {
         self.bodies.iter().position(|body| body.joint == joint && !body.is_screw_slide)
     }
 
-    /// Whether every rotor sits on the parent of the body that it drives, or on the base: the coupling
-    /// of others reaches beyond neighbours.
+    /// Whether every rotor is on the base or on the parent of the body that it drives. The coupling of other
+    /// rotors reaches beyond neighbours.
     pub fn rotors_are_neighbours(&self) -> bool {
         let sits_near = |rotor: &Rotor<S>| match rotor.driven {
             _ if rotor.carrier.is_none() => true,
@@ -147,7 +145,7 @@ impl<S: Numbers> Mechanism<S> {
         depths.iter().sum()
     }
 
-    /// Whether there are several branches: bodies that carry no other.
+    /// Whether several bodies carry no other body.
     pub fn branches(&self) -> bool {
         self.children().iter().filter(|children| children.is_empty()).count() > 1
     }
@@ -165,8 +163,8 @@ impl<S: Numbers> Mechanism<S> {
 }
 
 impl<S> Body<S> {
-    /// Label of its motion and forces: the joint's name; for a joint with a quaternion without the
-    /// velocity's.
+    /// Label of motion and forces: the joint's name, without the velocity's name for a joint with a
+    /// quaternion.
     pub fn label(&self) -> &str {
         let whole = self.chain.and(self.identifier.rsplit_once('_'));
         whole.map_or(self.identifier.as_str(), |(joint, _)| joint)
@@ -174,8 +172,8 @@ impl<S> Body<S> {
 }
 
 impl<'g> Body<Scalar<'g>> {
-    /// Origin in the parent's frame, at coordinate 0 if the joint is prismatic. With γ in the twist the
-    /// lift along the axis has a component along the parent's x.
+    /// Origin in the parent's frame, with a prismatic coordinate at 0. If the twist has γ, the translation
+    /// along the axis has a component along the parent's x.
     pub fn origin_in_parent(&self) -> Vector3<Scalar<'g>> {
         let zero = self.lift.constant(0.0);
         self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
@@ -192,7 +190,7 @@ impl Body<Number> {
 }
 
 impl<S: Numbers> Mechanism<S> {
-    /// Positions on a graph, by coordinate: inputs, and 0 if the position is a quaternion's.
+    /// Positions on a graph by coordinate: inputs, or 0 if the position belongs to a quaternion.
     pub fn positions_on<'g>(&self, graph: &'g Graph) -> Vec<Scalar<'g>> {
         let position = |entry: &Option<usize>| match entry {
             Some(entry) => graph.input(POSITIONS, *entry),
@@ -203,8 +201,8 @@ impl<S: Numbers> Mechanism<S> {
 }
 
 impl<'g> Mechanism<Scalar<'g>> {
-    /// Gives each body its own unit of length (m), so that one length in it becomes 1: moments of force keep
-    /// their values, forces and accelerations scale. Only where every joint is revolute.
+    /// Gives each body its own unit of length (m), so that one of its lengths becomes 1. Moments of force
+    /// keep their values; forces and accelerations are scaled. Requires that every joint is revolute.
     pub fn in_length_units(mut self, units: &[f64]) -> Self {
         for (body, &unit) in self.bodies.iter_mut().zip(units) {
             let parent_unit = body.parent.map_or(unit, |parent| units[parent]);
@@ -218,12 +216,12 @@ impl<'g> Mechanism<Scalar<'g>> {
         self
     }
 
-    /// Gravitational acceleration in the frame of the base, in the unit of length of a body on it.
+    /// Gravitational acceleration in the base frame, in the unit of length of a body on the base.
     pub fn gravity_for(&self, root: usize) -> Vector3<Scalar<'g>> {
         self.gravity.map(|x| scaled_down(x, self.bodies[root].length_unit))
     }
 
-    /// Moves the origin of a revolute body along its axis to where the translation from its parent ends.
+    /// Moves the origin of a revolute body along its axis to the end of the translation from its parent.
     pub fn leave_lift_to_children(&mut self, index: usize) {
         let zero = self.graph.constant(0.0);
         let lift = std::mem::replace(&mut self.bodies[index].lift, zero);
@@ -237,8 +235,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Counts the way along a revolute body's axis as part of the translation from its parent. A lever that a body on the
-    /// same parent has but for rounding is the same number.
+    /// Adds the translation along a revolute body's axis to the translation from its parent. Levers that are
+    /// equal up to rounding to one of a sibling become the same number.
     pub fn leave_lift_to_parent(&mut self, index: usize) {
         let origin = self.bodies[index].origin_in_parent();
         let parent = self.bodies[index].parent;
@@ -254,7 +252,7 @@ impl<'g> Mechanism<Scalar<'g>> {
         body.lift = self.graph.constant(0.0);
     }
 
-    /// Turns a leaf's frame about its axis until its first moment has no y component.
+    /// Turns a leaf's frame about its axis so that its first moment has no y component.
     pub fn align_first_moment(&mut self, index: usize) {
         let first = self.bodies[index].moments.first;
         if let (Some(x), Some(y)) = (first[0].value(), first[1].value())
@@ -265,7 +263,7 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Turns a leaf's frame about its axis until its second moment has no xy component.
+    /// Turns a leaf's frame about its axis so that its second moment has no xy component.
     pub fn align_second_moment(&mut self, index: usize) {
         let second = self.bodies[index].moments.second;
         if let (Some(xx), Some(xy), Some(yy)) = (second.xx.value(), second.xy.value(), second.yy.value())

@@ -1,9 +1,9 @@
-//! Stage 2: a model becomes a [`Mechanism`], a plain value: moving bodies only, which follow coordinates, in
-//! frames that make the equations short. Each function takes it [onto its graph](Mechanism::on).
+//! Stage 2: converts a model to a [`Mechanism`]: moving bodies that follow coordinates, in frames that give
+//! short equations. Each function copies it [to its graph](Mechanism::on).
 //!
-//! What is fixed or held is lumped into the body that carries it; link frames follow the modified
-//! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986), whatever the description used;
-//! inertial constants that act only through sums move towards the base.
+//! Fixed and held links are lumped into the body that carries them. Link frames follow the modified
+//! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986) independently of the description.
+//! Inertial constants that act only through sums are moved towards the base.
 
 mod build;
 mod frames;

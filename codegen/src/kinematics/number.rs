@@ -1,12 +1,12 @@
-//! The numbers of mechanisms: scalars of a graph, or plain values.
+//! Numbers of mechanisms: scalars of a graph, or values without a graph.
 
 use std::fmt;
 
 use crate::graph::{Edge, Graph, Nodes, Scalar};
 
-/// A kind of numbers that a mechanism may consist of.
+/// A type of numbers for mechanisms.
 pub trait Numbers: Copy {
-    /// Where they stand.
+    /// Owner of the numbers.
     type Graph;
 }
 
@@ -25,12 +25,12 @@ impl Numbers for Number {
 pub enum Number {
     /// A constant.
     Constant(f64),
-    /// A formula of free parameters, among the nodes of the mechanism.
+    /// A formula of free parameters: edge among the nodes of the mechanism.
     Formula(Edge),
 }
 
 impl Number {
-    /// The value, if it is a constant.
+    /// The value if it is a constant.
     pub fn value(self) -> Option<f64> {
         match self {
             Self::Constant(value) => Some(value),

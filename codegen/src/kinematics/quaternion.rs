@@ -1,8 +1,8 @@
 //! Joints with quaternions in a mechanism.
 //!
-//! Such a joint is a chain of bodies, one for each velocity, of which the last has the mass and carries the
-//! others. All of them stand at zero: the pose that the positions give lies before the first, and their motions
-//! are those of the joint in its body's own frame.
+//! Such a joint is a chain of bodies, one per velocity; the last has the mass and carries other bodies. All
+//! joints of the chain are at zero: the pose from the positions comes before the first body, and the
+//! velocities are those of the body in its own frame.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -10,20 +10,20 @@ use crate::graph::{Graph, Scalar};
 use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::spatial::{Attitude, Pose, Vector3};
 
-/// The place of a body in the chain of a joint with a quaternion.
+/// Position of a body in the chain of a joint with a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChainPlace {
     /// The first body of the chain.
     pub first: usize,
-    /// The last one.
+    /// The last body of the chain.
     pub last: usize,
-    /// The axis of the body's motion in the frame of the last: 0, 1, 2 for x, y, z.
+    /// Axis of the body's motion in the frame of the last body: 0, 1, 2 for x, y, z.
     pub axis: usize,
 }
 
-/// Where the joint of a velocity stands; `None` for joints without a quaternion.
+/// Chain of the joint of a velocity; `None` for joints without a quaternion.
 ///
-/// - `index`: of the body, in a list where the chain stands together
+/// - `index`: index of the body in a list that contains the chain
 pub(super) fn chain_place(model: &Model, coordinate: usize, index: usize) -> Option<ChainPlace> {
     let joint = model.quaternion_joint_of(coordinate)?;
     let place = coordinate - joint.first;
@@ -39,23 +39,23 @@ fn axes(axis: usize) -> [usize; 3] {
     [(axis + 1) % 3, (axis + 2) % 3, axis]
 }
 
-/// The frame of a body in a chain, in that of the link: z along its motion.
+/// Frame of a body of a chain in the link's frame; z is along the body's motion.
 pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
     let columns =
         axes(place.axis).map(|axis| Numeric3::from_fn(|row, _| if row == axis { 1.0 } else { 0.0 }));
     Pose { rotation: Matrix3::from_columns(&columns), ..Pose::identity(graph) }
 }
 
-/// Displacement of the first body of a joint's chain by the joint's positions.
+/// Displacement of the first body of a joint's chain by the positions.
 pub(super) struct Displaced<'g> {
-    /// Rotation between the frames of that body without and with the positions.
+    /// Rotation of this body's frame by the positions.
     pub attitude: Attitude<Scalar<'g>>,
-    /// Origin in the described frame of the joint; `None` if the joint does not slide.
+    /// Origin in the described frame of the joint; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
 }
 
-/// The displacement of a joint. The positions are entries of the first array of the graph's inputs, as those of
-/// every function that has them.
+/// Displacement of a joint. The positions are entries of the first input array, as in every function with
+/// positions.
 pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJoint) -> Displaced<'g> {
     let entries = position_entries(graph, model, joint);
     Displaced {
@@ -64,15 +64,15 @@ pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJ
     }
 }
 
-/// The position entries of a joint.
+/// Position entries of a joint.
 pub struct PositionEntries<'g> {
-    /// Position of the origin, where the joint slides.
+    /// Position of the origin; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
     /// The quaternion x y z w.
     pub quaternion: [Scalar<'g>; 4],
 }
 
-/// The entries of y that belong to a joint.
+/// Entries of y that belong to a joint.
 pub fn position_entries<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJoint) -> PositionEntries<'g> {
     let first = model.first_position(joint.first);
     let entry = |k: usize| graph.input(POSITIONS, first + k);
@@ -82,5 +82,5 @@ pub fn position_entries<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJ
     }
 }
 
-/// The array of inputs that holds the positions.
+/// Index of the input array of positions.
 pub const POSITIONS: usize = 0;

@@ -2,14 +2,13 @@
 
 use crate::graph::Scalar;
 
-/// A joint or a rotor that follows coordinates: `position = Σ ratio · y[coordinate]`, and constant offsets
-/// that stand in the frames. It is a row of the matrix G in `y_joint = G y + g₀`.
+/// A joint or rotor that follows coordinates: `position = Σ ratio · y[coordinate]` plus a constant offset,
+/// which is part of the frames. It is a row of G in `y_joint = G y + g₀`.
 ///
-/// The axis of a joint that was turned around has the ratio −1, a joint that follows others has a term for
-/// each of them.
+/// A joint whose axis was reversed has the ratio −1. A follower has a term for each coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transmission<S> {
-    /// The coordinates that are followed, each once.
+    /// Followed coordinates, each once.
     pub terms: Vec<Followed<S>>,
 }
 
@@ -18,17 +17,17 @@ pub struct Transmission<S> {
 pub struct Followed<S> {
     /// The coordinate.
     pub coordinate: usize,
-    /// Motion for a unit of the coordinate's motion.
+    /// Motion per unit of the coordinate's motion.
     pub ratio: S,
 }
 
 impl<S: Copy> Transmission<S> {
-    /// Follows one coordinate.
+    /// A transmission that follows one coordinate.
     pub fn of(coordinate: usize, ratio: S) -> Self {
         Self { terms: vec![Followed { coordinate, ratio }] }
     }
 
-    /// The coordinate, if it follows only one.
+    /// The coordinate if there is only one.
     pub fn single(&self) -> Option<Followed<S>> {
         match self.terms[..] {
             [followed] => Some(followed),
@@ -36,11 +35,12 @@ impl<S: Copy> Transmission<S> {
         }
     }
 
-    /// The coordinate of a joint in a mechanism without couplings.
+    /// The only coordinate of a joint in a mechanism without couplings.
     ///
     /// # Panics
     ///
-    /// Where several are followed: callers ask [`Mechanism::is_coupled`](super::Mechanism::is_coupled) first.
+    /// If several coordinates are followed. Callers must check
+    /// [`Mechanism::is_coupled`](super::Mechanism::is_coupled) first.
     pub fn own(&self) -> Followed<S> {
         match self.single() {
             Some(followed) => followed,
@@ -50,14 +50,14 @@ impl<S: Copy> Transmission<S> {
 }
 
 impl<'g> Transmission<Scalar<'g>> {
-    /// The motion times `ratio`.
+    /// The transmission with its ratios multiplied by `ratio`.
     pub fn scaled(self, ratio: Scalar<'g>) -> Self {
         let term = |term: Followed<Scalar<'g>>| Followed { ratio: term.ratio * ratio, ..term };
         Self { terms: self.terms.into_iter().map(term).collect() }
     }
 
-    /// `Σ` of the motions of several joints. Where some of them follow others the ratios are added before: what
-    /// cancels, as in a parallelogram, takes no operation.
+    /// Sum of the motions of several joints. Ratios of equal coordinates are added first, so ratios that
+    /// cancel, as in a parallelogram, cost no operation.
     pub fn sum_of_motions<'a>(
         chain: impl Iterator<Item = &'a Self> + Clone,
         zero: Scalar<'g>,
@@ -77,7 +77,7 @@ impl<'g> Transmission<Scalar<'g>> {
         moving.fold(zero, |sum, (&ratio, &x)| sum + x * ratio)
     }
 
-    /// `Σ ratio · x[coordinate]`: the position, velocity or acceleration for those of all coordinates.
+    /// `Σ ratio · x[coordinate]`: position, velocity or acceleration from those of all coordinates.
     pub fn motion(&self, x: &[Scalar<'g>]) -> Scalar<'g> {
         let terms = self.terms.iter().map(|term| x[term.coordinate] * term.ratio);
         let sum = terms.reduce(|sum, term| sum + term);
@@ -92,8 +92,8 @@ impl<'g> Transmission<Scalar<'g>> {
         }
     }
 
-    /// Adds the force along the motion for a unit of one coordinate's motion:
-    /// `matrix[coordinate][column] += ratio · force`.
+    /// Adds the force along the motion per unit of one coordinate's motion: `matrix[coordinate][column] +=
+    /// ratio · force`.
     pub fn add_row_entry(&self, column: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         for term in &self.terms {
             let sum = &mut matrix[term.coordinate][column];
@@ -101,13 +101,13 @@ impl<'g> Transmission<Scalar<'g>> {
         }
     }
 
-    /// Adds the force on one coordinate for a unit of the motion: `matrix[row][coordinate] += force · ratio`.
+    /// Adds the force on one coordinate per unit of the motion: `matrix[row][coordinate] += force · ratio`.
     pub fn add_column_entry(&self, row: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_force(force, &mut matrix[row]);
     }
 
-    /// Adds an entry of a symmetric matrix and its mirror image, which both fall on the diagonal where the
-    /// motion follows the coordinate.
+    /// Adds an entry of a symmetric matrix and its mirror image. If the motion follows the coordinate, both
+    /// are on the diagonal.
     pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);

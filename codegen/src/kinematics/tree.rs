@@ -1,5 +1,4 @@
-//! The moving bodies of a model in the frames of its description, with everything fixed or held lumped into
-//! them.
+//! Moving bodies of a model in the frames of the description. Fixed and held bodies are lumped into them.
 
 use super::inertia::moments_of_body;
 use super::joint::JointAxis;
@@ -12,27 +11,27 @@ use crate::spatial::{MassMoments, Pose, Vector3, rotate, rotation_about};
 pub struct DescribedTree<'g> {
     /// Bodies, parents first.
     pub bodies: Vec<DescribedBody<'g>>,
-    /// For every link: the body that carries it (`None`: the base) and its pose in that body's frame.
+    /// For each link the body that carries it (`None`: base), and its pose in that body's frame.
     pub links: Vec<(Option<usize>, Pose<Scalar<'g>>)>,
 }
 
 /// A moving body as described.
 pub struct DescribedBody<'g> {
-    /// Link that its joint carries.
+    /// Link carried by its joint.
     pub link: usize,
-    /// Index of its joint among the moving joints of the model.
+    /// Index of its joint among the model's moving joints.
     pub joint: usize,
-    /// The motion that its joint gives it relative to its parent.
+    /// Motion relative to the parent.
     pub motion: JointAxis,
-    /// Rate of that motion for a unit of the joint's velocity.
+    /// Rate of this motion per unit of the joint's velocity.
     pub rate: f64,
-    /// It is true for the slide of a helical joint.
+    /// Whether this is the slide of a helical joint.
     pub is_screw_slide: bool,
     /// Parent body; `None` for the base.
     pub parent: Option<usize>,
     /// Pose of the joint's frame in the parent body's frame.
     pub pose: Pose<Scalar<'g>>,
-    /// Moments of its mass and of all that is fixed to it.
+    /// Moments of its mass, including bodies fixed to it.
     pub moments: MassMoments<Scalar<'g>>,
 }
 
@@ -55,8 +54,8 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     tree
 }
 
-/// Moments of each moving body in the described frame of its link, by joint that carries one; rotors of held joints
-/// included.
+/// Moments of each moving body in the described frame of its link, including rotors of held joints; in the
+/// order of the joints.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
     let mut moments = vec![MassMoments::zero(graph); model.moving_joints().len()];

@@ -1,4 +1,4 @@
-//! Dead centres of cylinders: positions of the one joint that an input between two frames moves, at which it has no lever.
+//! Dead centres of cylinders: positions of a joint at which the only cylinder that moves it has no lever.
 
 use super::distances::{Distances, crossing, places};
 use crate::description::{PointForceDescription, RobotDescription};
@@ -7,8 +7,8 @@ use crate::model::{ForceEffect, ForceInput, Model};
 use crate::wording::three_digits;
 use gelenk_findings::Rule;
 
-/// Sees: a cylinder that alone moves a joint, within whose limits it has no lever.
-/// Matters: no controller holds the joint there, and the force changes its sign.
+/// Sees: a cylinder that alone moves a joint and has a zero lever arm at a position within the joint's limits.
+/// Matters: no controller can hold the joint at this position, and the lever arm changes its sign there.
 /// Example: a boom that may pass the line through the two ends of its cylinder.
 /// Fixture: `a_cylinder_that_alone_moves_a_joint_through_its_dead_centre_is_told` in `codegen/tests/motion_limits.rs`.
 const DEAD_CENTRE: Rule = Rule::warning("dead-centre");
@@ -16,8 +16,9 @@ const DEAD_CENTRE: Rule = Rule::warning("dead-centre");
 /// Part of the longest lever below which a lever at the end of the range is none.
 const NONE: f64 = 1e-6;
 
-/// Warns if an input alone moves a joint through positions at which it cannot. A cylinder over several joints is left out: where
-/// its lever about one of them vanishes, the others decide what it does.
+/// Warns if an input is the only one on a joint and has a dead centre within the joint's range. Cylinders
+/// over several joints are omitted: if their lever about one joint vanishes, the others determine their
+/// effect.
 pub(super) fn warn(
     force: &PointForceDescription,
     distances: &Distances<'_>,
@@ -45,9 +46,12 @@ pub(super) fn warn(
         None => format!("of joint `{joint}`, whose position has no limits"),
     };
     let message =
-        format!("`{name}` has a dead centre {range}, at {places}: it exerts nothing on the joint there");
+        format!("`{name}` has a dead centre {range}, at {places}, where its force on the joint is 0");
     report.push(Some(limits.map_or(force.name.span, |limits| limits.span)), DEAD_CENTRE.found(message));
-    report.help("no controller holds the joint there, and the force changes its sign: narrow the joint's `position` to one side, or move a frame");
+    report.help(
+        "at a dead centre the force changes its sign, and no controller can hold the joint: narrow \
+                 the joint's `position` to one side, or move a frame",
+    );
 }
 
 /// Whether a drive or another cylinder moves the joint of a link too. A propeller beyond it seldom holds it.

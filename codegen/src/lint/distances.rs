@@ -1,4 +1,4 @@
-//! How far frames are apart: at seeded states, at the ends of the joints' ranges, and where they are closest.
+//! Distances of frames: at seeded states, at the ends of the joints' ranges, and the least distance.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -22,13 +22,13 @@ const INTERVALS: u32 = 720;
 /// Halvings after which an interval is one of neighbouring numbers.
 const HALVINGS: u32 = 64;
 
-/// Positions in a joint's range, both ends included.
+/// Positions in a joint's range, including both ends.
 pub(super) fn places([low, high]: [f64; 2]) -> Vec<f64> {
     let part = |k: u32| f64::from(k) / f64::from(INTERVALS);
     (0..=INTERVALS).map(|k| low + (high - low) * part(k)).collect()
 }
 
-/// The last position at which something is not yet so, and the first one at which it is.
+/// The last position at which a condition is false, and the first position at which it is true.
 pub(super) fn crossing([mut before, mut behind]: [f64; 2], is_so: impl Fn(f64) -> bool) -> [f64; 2] {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (before + behind);
@@ -37,7 +37,7 @@ pub(super) fn crossing([mut before, mut behind]: [f64; 2], is_so: impl Fn(f64) -
     [before, behind]
 }
 
-/// How far two frames are apart.
+/// Distance of two frames as a function of the state.
 pub(super) struct Distances<'m> {
     model: &'m Model,
     between: &'m [Attachment; 2],
@@ -48,13 +48,13 @@ pub(super) struct Distances<'m> {
     states: Vec<Vec<f64>>,
 }
 
-/// Where two frames are closest, as far as descents find it.
+/// Least distance of two frames that the descents found.
 pub(super) struct Closest {
-    /// Their distance [m].
+    /// Distance of the frames [m].
     pub(super) distance: f64,
-    /// Names and positions of the coordinates that move one against the other.
+    /// Names and positions of the coordinates that change the distance.
     pub(super) positions: Vec<(String, f64)>,
-    /// Whether each of these coordinates has limits.
+    /// Whether all these coordinates have limits.
     pub(super) is_limited: bool,
 }
 
@@ -81,12 +81,12 @@ impl<'m> Distances<'m> {
         Self { model, between, described, states }
     }
 
-    /// The distances [m] at the states.
+    /// Distances at the seeded states [m].
     pub(super) fn at_states(&self) -> Vec<f64> {
         self.states.iter().map(|state| self.gap(state).norm()).collect()
     }
 
-    /// The least distance that descents from the closest states find, within the limits of the coordinates.
+    /// Least distance from descents that begin at the closest states, within the limits of the coordinates.
     pub(super) fn closest(&self) -> Closest {
         let mut starts: Vec<(f64, &Vec<f64>)> =
             self.states.iter().map(|state| (self.gap(state).norm(), state)).collect();
@@ -107,7 +107,8 @@ impl<'m> Distances<'m> {
         }
     }
 
-    /// Links of the coordinates, driven ones included, that change the distance. Others may turn both frames together.
+    /// Links of the coordinates that change the distance, driven ones included. Other coordinates may move
+    /// both frames together.
     pub(super) fn changing(&self) -> Vec<usize> {
         let changes = |link: &usize| {
             let rate = |state: &Vec<f64>| self.gap(state).normalize().dot(&self.rate(state, *link));
@@ -116,7 +117,7 @@ impl<'m> Distances<'m> {
         self.coordinates().filter(changes).collect()
     }
 
-    /// The distance [m] with one coordinate at a position and the others where they are closest to 0.
+    /// Distance [m] with one coordinate at a position; the others are as close to 0 as their limits allow.
     pub(super) fn with(&self, link: usize, position: f64) -> f64 {
         self.gap(&self.moved(&self.states[0], &[(link, position)])).norm()
     }

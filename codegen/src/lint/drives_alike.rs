@@ -1,4 +1,4 @@
-//! Drives whose torques act on the joints alike.
+//! Drives with linearly dependent effects on the joints.
 
 use nalgebra::DMatrix;
 
@@ -9,13 +9,14 @@ use crate::model::{Drive, Model};
 use crate::wording::list;
 use gelenk_findings::Rule;
 
-/// Sees: drives of several joints whose torques act on the coordinates alike.
+/// Sees: drives of several joints whose torques act on the coordinates in the same way.
 /// Matters: forces at the joints do not determine their torques.
 /// Example: two motors of a differential whose weights have the same signs.
 /// Fixture: `drives_that_act_alike_are_noted` in `codegen/tests/meaning.rs`.
 const DRIVES_ALIKE: Rule = Rule::note("drives-alike");
 
-/// Notes drives whose torques act on the coordinates alike: the sum of what they exert does not determine what each exerts.
+/// Notes drives with linearly dependent torques on the coordinates: their sum does not determine the single
+/// torques.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if !model.drives.iter().any(|drive| drive.stands_apart) {
         return;
@@ -45,14 +46,17 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
         Some((a, b)) => {
             format!("drives {} act alike", list([a, b].map(|at| drives[at].name.as_str()).into_iter()))
         }
-        None => format!("{} drives move the joints in {alike} ways only", drives.len()),
+        None => format!("{} drives move the joints in only {alike} independent ways", drives.len()),
     };
     let last = pair.map_or(drives.len() - 1, |(_, b)| b);
-    let message =
-        format!("{who}: forces at the joints do not determine their torques, and B has no left inverse");
+    let message = format!(
+        "{who}: forces at the joints do not determine the torques of these drives, so B has no left inverse"
+    );
     report.push(Some(place(robot, drives[last])), DRIVES_ALIKE.found(message));
-    report.help("weights of opposite signs (`on = { pitch = 1, roll = -1 }`) make a differential; a joint that `[[drives]]` moves \
-         needs no `drive` of its own");
+    report.help(
+        "a differential has weights of opposite signs (`on = { pitch = 1, roll = -1 }`); a joint \
+                 moved by `[[drives]]` needs no `drive` of its own",
+    );
 }
 
 fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {

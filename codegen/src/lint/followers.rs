@@ -1,4 +1,4 @@
-//! Joints that undo the motion of the joint which carries them.
+//! Followers that cancel the motion of the joint which carries them.
 
 use nalgebra::Vector3;
 
@@ -9,13 +9,13 @@ use crate::model::pose::rotate_numbers;
 use crate::model::{Follower, Joint, JointKind, Model, Motion};
 use gelenk_findings::Rule;
 
-/// Sees: a joint that follows the one which carries it, by −1 about the same axis.
-/// Matters: its link does not move relative to the link before.
+/// Sees: a joint that follows its parent joint with the factor −1 along the same axis.
+/// Matters: its link does not move relative to the link that carries the parent joint.
 /// Example: the second finger of a gripper without its `parent`.
 /// Fixture: `a_joint_that_undoes_the_motion_below_it_is_noted` in `codegen/tests/meaning.rs`.
 const STANDS_STILL: Rule = Rule::note("follower-stands-still");
 
-/// Notes followers without motion relative to the link before.
+/// Notes followers whose link does not move relative to the previous link.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described = model.described_parameters();
     for follower in &model.followers {
@@ -40,11 +40,15 @@ fn note_stillness(
     }
     let (name, carrying) = (&joint.name, &carrying.name);
     let message = format!(
-        "joint `{name}` is carried by `{carrying}` and undoes its motion: the link of `{name}` does not move relative to the link that carries `{carrying}`"
+        "joint `{name}` is carried by `{carrying}` and cancels its motion: the link of `{name}` does not \
+         move relative to the link that carries `{carrying}`"
     );
     let Some(described) = robot.joints.iter().find(|described| described.name.value == *name) else { return };
     report.push(Some(described.name.span), STANDS_STILL.found(message));
-    report.help("the joint before it carries a joint without `parent`; the second finger of a gripper has the `parent` of the first");
+    report.help(
+        "without `parent` a joint is carried by the joint before it; give the second finger of a \
+                 gripper the `parent` of the first",
+    );
 }
 
 /// Whether two motions cancel that follow one coordinate by 1 and by the ratio.

@@ -1,4 +1,4 @@
-//! Forces between the same two points.
+//! Force laws between the same two points.
 
 use super::levers::ROUNDING;
 use crate::description::RobotDescription;
@@ -8,12 +8,12 @@ use gelenk_findings::Rule;
 use gelenk_formula::Formula;
 
 /// Sees: two force laws between the same two points.
-/// Matters: they add up; one may have been described twice.
+/// Matters: the forces add up. One law may have been described twice.
 /// Example: a spring that a file has and an extension names otherwise.
 /// Fixture: `springs_between_the_same_points_are_noted` in `codegen/tests/doubts.rs`.
 const FORCES_ALIKE: Rule = Rule::note("forces-alike");
 
-/// Notes laws between the same two points.
+/// Notes force laws between the same two points.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described = model.described_parameters();
     for (index, force) in model.point_forces.iter().enumerate() {
@@ -24,10 +24,12 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
         let Some(place) = robot.point_forces.iter().find(|one| one.name.value == force.name) else {
             continue;
         };
-        let message =
-            format!("forces `{}` and `{}` act between the same points: they add up", other.name, force.name);
+        let message = format!(
+            "forces `{}` and `{}` act between the same points, so they add up",
+            other.name, force.name
+        );
         report.push(Some(place.name.span), FORCES_ALIKE.found(message));
-        report.help("springs side by side are meant so; one that was described twice counts twice");
+        report.help("remove one if the same spring was described twice");
     }
 }
 

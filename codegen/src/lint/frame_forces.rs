@@ -1,4 +1,4 @@
-//! Forces between frames: distances that vanish, and laws that are probably not meant.
+//! Checks of forces between frames: distances that vanish, and probable mistakes in laws.
 
 use super::distances::Distances;
 use super::{dead_centres, idle_inputs};
@@ -10,19 +10,19 @@ use gelenk_findings::Rule;
 use gelenk_formula::{Formula, Function};
 
 /// Sees: a force between frames whose law has an exact `sign` of the rate.
-/// Matters: the simulation lets joints stick, not distances.
+/// Matters: the simulation models sticking of joints only, not sticking of distances between frames.
 /// Example: `law = "50*sign(dl)"`.
 /// Fixture: `a_force_that_jumps_with_the_sign_of_its_rate_is_noted` in `codegen/tests/doubts.rs`.
 const DRY_FORCE: Rule = Rule::note("dry-force");
 
-/// Sees: the part of a law that depends on the rate feeds every motion.
+/// Sees: a force law whose rate-dependent part adds energy in every motion.
 /// Matters: a damper with the sign of other conventions accelerates the robot.
 /// Example: `law = "-40*dl"`.
 /// Fixture: `a_law_that_feeds_every_motion_is_told` in `codegen/tests/motion_limits.rs`.
 const DRIVING_FORCE: Rule = Rule::warning("driving-force");
 
-/// Sees: a cylinder, and a drive on the only joint between its ends.
-/// Matters: two inputs act on one joint; usually the joint's drive was forgotten.
+/// Sees: a cylinder and a drive on the only joint between the ends of the cylinder.
+/// Matters: two inputs act on one joint. Usually the drive of the joint should have been removed.
 /// Example: a boom with a cylinder that extends a URDF, whose joints have ideal drives.
 /// Fixture: `codegen/tests/snapshots/bad/strokes.toml.snap`.
 const DRIVE_BESIDE: Rule = Rule::note("drive-beside-input");
@@ -38,11 +38,11 @@ const POLE: f64 = 1e6;
 /// Steps towards it.
 const THIRDS: u32 = 80;
 const FINITE: &str =
-    "a force law needs a finite value at every distance that the joints' limits allow, standstill included";
+    "a force law must be finite at every distance within the joints' limits, including standstill";
 /// Distances at which laws are looked at, both ends included.
 const LENGTHS: i32 = 21;
 
-/// Checks of the forces that need the geometry of the whole model.
+/// Checks forces with the geometry of the whole model.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for force in &robot.point_forces {
         let Some(between) = between(force, model) else { continue };
@@ -68,7 +68,7 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
     refuse_load(robot, model, report);
 }
 
-/// The frames of a force.
+/// Frames of a force.
 pub(super) fn between<'m>(force: &PointForceDescription, model: &'m Model) -> Option<&'m [Attachment; 2]> {
     let frames = force.between.each_ref().map(|name| &name.value);
     pairs(model).find(|between| between.each_ref().map(|at| &at.name) == frames)
@@ -87,17 +87,17 @@ fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Repo
     let [a, b] = force.between.each_ref().map(|name| &name.value);
     let (shortest, longest) = ends(found);
     if shortest < SHORTEST {
-        let message = format!("`{a}` and `{b}` coincide: a force between them has no direction there");
+        let message = format!("`{a}` and `{b}` coincide, so a force between them has no direction");
         report.error(force.between[1].span, "zero-length", message);
-        report.help("the distance has to stay above 0 at every position within the joints' limits");
+        report.help("the distance must stay above 0 at every position within the joints' limits");
     } else if longest - shortest <= CONSTANT * longest {
         let message = format!(
-            "`{a}` and `{b}` stay {} m apart: a force between them moves nothing",
+            "`{a}` and `{b}` keep the distance {} m, so a force between them moves nothing",
             three_digits(longest)
         );
         report.error(force.between[1].span, "constant-length", message);
         report.help(
-            "name frames whose distance the joints between them change: off the axis of a joint that turns",
+            "name frames whose distance changes with the joints between them, for example off the axis of a revolute joint",
         );
     }
     shortest >= SHORTEST
@@ -119,16 +119,18 @@ fn keeps_direction(
     let at =
         closest.positions.iter().map(|(joint, position)| format!("{joint} = {}", three_digits(*position)));
     let message = format!(
-        "`{a}` and `{b}` coincide at {}: a force between them has no direction there",
+        "`{a}` and `{b}` coincide at {}, where a force between them has no direction",
         list(at.collect::<Vec<_>>().iter().map(String::as_str))
     );
     if closest.is_limited {
         report.error(force.between[1].span, "zero-length", message);
-        report.help("the distance has to stay above 0 at every position within the joints' limits");
+        report.help("the distance must stay above 0 at every position within the joints' limits");
     } else {
         // Where nothing limits a joint, as a floating base, the robot's surroundings may.
         report.note(Some(force.between[1].span), "zero-length", message);
-        report.help("functions of this robot are not finite there: limits of the joints that exclude it make this note go away");
+        report.help(
+            "functions of this robot are not finite there: give joint limits that exclude this position",
+        );
     }
     !closest.is_limited
 }
@@ -160,16 +162,15 @@ fn check_law(
         );
         report.error(law.span, "force-not-finite", message).help(FINITE);
     } else if let Some(l) = pole(&lengths, |l| law.value.evaluate(&defaults, l, 0.0).abs()) {
-        let message =
-            format!("the force `{}` grows beyond all bounds at l = {} m", force.name.value, three_digits(l));
+        let message = format!("the force `{}` is unbounded at l = {} m", force.name.value, three_digits(l));
         report.error(law.span, "force-not-finite", message).help(FINITE);
     }
     warn_of_drive(force, law, &lengths, &defaults, report);
     if law.value.calls(Function::Sign) {
-        let message = format!("the force `{}` jumps with the sign of its distance's rate", force.name.value);
+        let message = format!("the force `{}` is discontinuous at dl = 0", force.name.value);
         report.push(Some(law.span), DRY_FORCE.found(message));
         report.help(
-            "the simulation lets joints stick, not distances: write `tanh(100*dl)`, or use `--smooth-sign`",
+            "the simulation supports sticking of joints, not of distances: use `tanh(100*dl)` or `--smooth-sign`",
         );
     }
 }
@@ -186,10 +187,12 @@ fn warn_of_drive(
     let rates = RATES.iter().flat_map(|rate| [*rate, -rate]);
     let mut taken = rates.flat_map(|rate| lengths.iter().map(move |l| (at(*l, rate) - at(*l, 0.0)) * rate));
     if taken.all(|power| power < 0.0) {
-        let message =
-            format!("the force `{}` drives its ends at every rate: it is not a damper", force.name.value);
+        let message = format!(
+            "the force `{}` accelerates its ends at every rate, so it is not a damper",
+            force.name.value
+        );
         report.push(Some(law.span), DRIVING_FORCE.found(message));
-        report.help("positive pulls together, so that a damper is `40*dl` and not `-40*dl`");
+        report.help("a positive force pulls together: a damper is `40*dl`, not `-40*dl`");
     }
 }
 
@@ -232,9 +235,9 @@ fn note_drive_beside(
         |link: &&usize| driven.iter().any(|&coordinate| model.coordinates.get(coordinate) == Some(*link));
     for link in between.filter(driven) {
         let joint = model.links[*link].joint.as_ref().map_or("", |joint| &joint.name);
-        let message = format!("joint `{joint}` has a drive in addition to the input `{}`", force.name.value);
+        let message = format!("joint `{joint}` has both a drive and the input `{}`", force.name.value);
         report.push(Some(force.name.span), DRIVE_BESIDE.found(message));
-        report.help("`drive = \"none\"` at the joint leaves the input alone");
+        report.help("with `drive = \"none\"` at the joint only the input acts");
     }
 }
 
@@ -247,11 +250,10 @@ fn refuse_load(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for (joint, friction) in frictions {
         let Some(load) = &friction.value.load else { continue };
         let message = format!(
-            "joint `{}` has friction that grows with its load, in a robot with wrenches or inputs at frames",
+            "joint `{}` has load-dependent friction, but the robot has wrenches or inputs at frames",
             joint.name.value
         );
         report.error(load.span, "load-with-forces", message);
-        report
-            .help("a joint's load is known only if nothing but drives at the joints acts: leave `load` out");
+        report.help("load-dependent friction requires that only drives at the joints act: remove `load`");
     }
 }

@@ -1,4 +1,4 @@
-//! Inputs at frames whose column of B is zero: nothing gives way to them.
+//! Inputs at frames without effect: their column of B is zero.
 
 use super::levers::Levers;
 use crate::description::{Name, RobotDescription, WrenchInputDescription};
@@ -9,7 +9,7 @@ use crate::wording::list;
 use gelenk_findings::Rule;
 use gelenk_formula::Formula;
 
-/// Sees: an input at a frame to which no joint gives way at the described values of the free parameters.
+/// Sees: an input at a frame that cannot move any joint at the described values of the free parameters.
 /// Matters: its column of B is zero.
 /// Example: a propeller whose axis crosses that of the only joint before it.
 /// Fixture: `codegen/tests/snapshots/bad/idle_inputs.toml.snap`.
@@ -17,7 +17,7 @@ const MOVES_NOTHING: Rule = Rule::warning("input-moves-nothing");
 
 const SEED: u64 = 0x6964_6c65;
 
-/// Reports inputs that are wrenches and move nothing.
+/// Reports wrench inputs without effect.
 pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for (input, found) in robot.wrench_inputs.iter().zip(&model.force_inputs[pulls(model)..]) {
         let ForceEffect::Wrench { at, wrench } = &found.effect else { continue };
@@ -44,14 +44,14 @@ fn is_moved(link: usize, model: &Model) -> bool {
     std::iter::successors(Some(link), parent).any(|link| model.coordinates.contains(&link) || follows(link))
 }
 
-/// An input to which only joints whose motion is prescribed give way.
+/// Rejects an input that acts only on driven joints.
 pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) {
     let driven: Vec<&str> = model.driven_joints().map(|joint| joint.name.as_str()).collect();
     let driven = list(driven.into_iter());
-    let message = format!("input `{}` moves nothing: it acts on driven joints alone, {driven}", name.value);
+    let message = format!("input `{}` moves nothing: it acts only on driven joints, {driven}", name.value);
     report.error(name.span, MOVES_NOTHING.code, message);
     report.help(
-        "no input changes the motion of a driven joint: leave the input out, or let the joint move freely",
+        "no input changes the motion of a driven joint: remove the input, or remove `motion` from the joint",
     );
 }
 
@@ -69,9 +69,10 @@ fn check_levers(
     let mut random = Random::new(SEED);
     let others = described.iter().map(|value| value + random.either_side(0.1, 1.0)).collect();
     let (name, frame) = (&input.name.value, &at.name);
-    let message = format!("input `{name}` moves nothing: no joint gives way to its wrench at `{frame}`");
-    let help = "a force moves a joint that turns if it passes by the axis, and one that slides if it has a part along the axis; a \
-                moment turns about axes that are not across it";
+    let message =
+        format!("input `{name}` moves nothing: its wrench at `{frame}` does no work along any joint");
+    let help = "a force moves a revolute joint if its line misses the axis, and a prismatic joint if it has \
+                a component along the axis; a moment needs a component along a revolute axis";
     if Levers::new(model, others).are_moved_by(at, wrench) {
         let message = format!("{message} at the described values of the free parameters");
         report.push(Some(input.wrench.span), MOVES_NOTHING.found(message));
@@ -79,5 +80,5 @@ fn check_levers(
         return;
     }
     report.error(input.wrench.span, MOVES_NOTHING.code, message);
-    report.help(format!("{help}: correct `wrench` or `frame`, or leave the input out"));
+    report.help(format!("{help}: correct `wrench` or `frame`, or remove the input"));
 }

@@ -1,4 +1,4 @@
-//! Inputs at frames that act like others.
+//! Inputs at frames with the same effect as others.
 
 use super::levers::{Levers, ROUNDING};
 use crate::description::RobotDescription;
@@ -12,7 +12,7 @@ use gelenk_findings::Rule;
 /// Fixture: `inputs_that_act_alike_are_noted` in `codegen/tests/doubts.rs`.
 const INPUTS_ALIKE: Rule = Rule::note("inputs-alike");
 
-/// Notes inputs whose columns of B are parallel at all states. Whoever means them so loses nothing.
+/// Notes inputs whose columns of B are parallel at all states.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if model.force_inputs.is_empty() {
         return;
@@ -45,10 +45,11 @@ fn are_parallel(some: &[Vec<f64>], others: &[Vec<f64>]) -> bool {
 
 fn note_inputs(robot: &RobotDescription, [first, second]: [&str; 2], report: &mut Report) {
     let message = format!(
-        "inputs `{first}` and `{second}` act alike at every position: forces at the joints do not determine theirs, and B has no left inverse"
+        "inputs `{first}` and `{second}` have the same effect at every position, so forces at the joints do \
+         not determine them and B has no left inverse"
     );
     report.push(Some(place(robot, second)), INPUTS_ALIKE.found(message));
-    report.help("cylinders side by side are one input with the sum of their limits, unless each is commanded by itself");
+    report.help("describe parallel cylinders as one input with the sum of their limits, unless each is commanded separately");
 }
 
 fn place(robot: &RobotDescription, input: &str) -> Span {

@@ -1,4 +1,4 @@
-//! Columns of B of forces at frames, at seeded states.
+//! Columns of B for forces at frames, at seeded states.
 
 use super::distances::origin;
 use crate::model::pose::rotate_numbers;
@@ -37,7 +37,7 @@ impl<'m> Levers<'m> {
         Self { model, parameters, follows, states }
     }
 
-    /// Whether a wrench, fixed in its frame, acts on a coordinate that is not driven.
+    /// Whether a wrench fixed in its frame acts on a coordinate that is not driven.
     pub(super) fn are_moved_by(&self, at: &Attachment, wrench: &[Formula; 6]) -> bool {
         self.states.iter().any(|state| {
             let (forces, size) = self.forces(state, at.link, self.in_link(at, wrench));
@@ -45,7 +45,7 @@ impl<'m> Levers<'m> {
         })
     }
 
-    /// Columns of B that an input has at the states.
+    /// Columns of B for an input at the states.
     pub(super) fn columns(&self, input: Actuator<'_>) -> Vec<Vec<f64>> {
         let at = |state: &Vec<f64>| match input {
             Actuator::Drive(drive) => self.of_drive(drive),

@@ -1,4 +1,4 @@
-//! Is the mass matrix positive definite?
+//! Check that the mass matrix is positive definite.
 
 use crate::description::RobotDescription;
 use crate::diagnostic::{Report, Span};
@@ -7,20 +7,20 @@ use crate::model::{Joint, Model};
 use crate::wording::list;
 use gelenk_findings::Rule;
 
-/// Sees: a robot that is accepted as it is, whose mass matrix has a negative eigenvalue.
+/// Sees: a mass matrix with a negative eigenvalue, in a robot that is accepted by choice.
 /// Matters: forces can accelerate joints backwards.
 /// Example: a URDF with a negative inertia, and `--accept-unphysical`.
 /// Fixture: `a_mass_matrix_that_is_not_positive_definite_is_refused` in `codegen/tests/wild_urdf.rs`.
 const INDEFINITE: Rule = Rule::warning("mass-matrix-not-positive-definite");
 
-/// Sees: joints, or sums of joints, that move nothing with inertia.
+/// Sees: joints, or sums of joints, without any inertia.
 /// Matters: the mass matrix is singular, so functions with its inverse are missing.
 /// Example: the last joint of an arm whose hand has no body.
 /// Fixture: `codegen/tests/snapshots/bad/massless_leaf.toml.snap`.
 const SINGULAR: Rule = Rule::warning("joints-without-inertia");
 
-/// A negative pivot is an error, unless the robot is wanted as it is; a zero one is a warning, since only
-/// some functions need the inverse.
+/// A negative pivot is an error unless the robot is accepted. A zero pivot is a warning, because only some
+/// functions need the inverse.
 pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, report: &mut Report) {
     let (negative, zero) = (model.joints_of(&pivots.negative), model.joints_of(&pivots.zero));
     if let Some(first) = negative.first() {
@@ -43,7 +43,8 @@ fn report_indefinite(
     report: &mut Report,
 ) {
     let message = format!(
-        "the mass matrix is not positive definite at {} of {STATES} seeded states: forces can accelerate {} backwards",
+        "the mass matrix is not positive definite at {} of {STATES} seeded states: a force can accelerate \
+         {} against its direction",
         pivots.indefinite_states,
         list(joints.iter().map(|joint| joint.name.as_str())),
     );
@@ -53,16 +54,16 @@ fn report_indefinite(
     }
     report.error(span, INDEFINITE.code, message);
     report.help(
-        "correct the bodies that these joints move, or accept the model as it is: `--accept-unphysical`, or \
+        "correct the bodies that these joints move, or accept the model: `--accept-unphysical`, or \
          `accept_unphysical = true` at the top of a TOML file",
     );
 }
 
 fn warn_of_singular(span: Span, motions: &[String], report: &mut Report) {
     let motions = motions.join(", ");
-    let message = format!("the mass matrix is singular: nothing that has inertia moves with {motions}");
+    let message = format!("the mass matrix is singular: no inertia moves with {motions}");
     report.push(Some(span), SINGULAR.found(message));
     report.help(
-        "give the links that move there mass or inertia, give the drives a rotor inertia, or make the joints fixed or held",
+        "give the links that move there mass or inertia, give the drives rotor inertia, or fix or hold the joints",
     );
 }

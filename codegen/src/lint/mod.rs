@@ -1,7 +1,8 @@
-//! Probable mistakes in a description, and limits that follow from it, that need the geometry of the whole model in numbers.
+//! Lints: probable mistakes that need the numeric geometry of the whole model, and limits that follow from
+//! the geometry.
 //!
-//! A lint is a [`Rule`](gelenk_findings::Rule) in the file of its detector. `codegen/docs/findings.md` is made from the comments of
-//! the rules.
+//! A lint is a [`Rule`](gelenk_findings::Rule) in the file of its detector. `codegen/docs/findings.md` is
+//! generated from the comments of the rules.
 
 mod dead_centres;
 mod distances;
@@ -22,8 +23,8 @@ use crate::diagnostic::Report;
 use crate::model::Model;
 use crate::model::regularity::Pivots;
 
-/// Reports all lints, and narrows limits of coordinates to those that follow from drives and cylinders; returns the pivots of the
-/// mass matrix.
+/// Reports all lints, and narrows limits of coordinates to those implied by drives and cylinders. Returns the
+/// pivots of the mass matrix.
 pub(super) fn check(robot: &RobotDescription, model: &mut Model, report: &mut Report) -> Pivots {
     motion_limits::narrow(robot, model, report);
     torque_speed::check(robot, model, report);

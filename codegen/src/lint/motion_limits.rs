@@ -1,5 +1,4 @@
-//! Limits of what moves with one coordinate, as limits of that coordinate: speeds of motors, and length and speed of a force
-//! between two frames.
+//! Motor speeds, and stroke and speed of forces between two frames, converted to limits of one coordinate.
 
 use super::distances::{Distances, crossing, places};
 use super::frame_forces::between;
@@ -9,7 +8,7 @@ use crate::model::{Attachment, Limits, Model, Motion};
 use crate::wording::{as_written, list, three_digits};
 use gelenk_findings::Rule;
 
-/// Sees: a motor's highest speed, or the stroke or speed of a cylinder, that limits a joint more than its own limits.
+/// Sees: a speed limit of a motor, or a stroke or speed limit of a cylinder, that restricts a joint more than the joint's own limits.
 /// Matters: the joint's limits in the module are narrower than those described.
 /// Example: a cylinder with `stroke = [0.8, 1.3]`.
 /// Fixture: `codegen/tests/snapshots/bad/strokes.toml.snap`.
@@ -18,8 +17,8 @@ const NARROWER: Rule = Rule::note("narrower-limits");
 /// Ends of a stroke are rounded inwards to whole multiples of 1/FINENESS rad or m.
 const FINENESS: f64 = 1e6;
 
-/// Narrows limits of coordinates, so that all who keep these keep what follows from them too. Motors that move several
-/// coordinates have rows of their own ([`Model::dependent`]).
+/// Narrows limits of coordinates to include limits of motors and cylinders. Motors that move several
+/// coordinates have their own rows ([`Model::dependent`]).
 pub(super) fn narrow(robot: &RobotDescription, model: &mut Model, report: &mut Report) {
     for (name, motor) in robot.motors() {
         if let Some(speed) = &motor.speed {
@@ -46,9 +45,12 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
         .iter()
         .map(|moved| Some((moved.coordinate, drive.gear_ratio.value(&[])? * moved.ratio.value(&[])?)));
     let Some(ratios) = ratios.collect::<Option<Vec<(usize, f64)>>>() else {
-        let message = format!("the speed of motor `{name}` has a limit, and its ratio is a free parameter");
+        let message = format!("motor `{name}` has a speed limit, but its ratio is a free parameter");
         report.error(speed.span, "speed-of-free-ratio", message);
-        report.help("a limit of a motor's speed is one of its joints' for a known ratio: give the ratio a number, or limit the joint's `velocity`");
+        report.help(
+            "the speed limit of a joint follows from a motor's limit only for a known ratio: give \
+                     the ratio as a number, or limit the joint's `velocity`",
+        );
         return;
     };
     let [(coordinate, ratio)] = ratios[..] else {
@@ -62,13 +64,11 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
 fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut Report) {
     let mut joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     if joints.any(|joint| joint.name == name && matches!(joint.motion, Motion::Follower(_))) {
-        let message = format!(
-            "motor `{name}` has a highest speed, and a joint that follows others is called `{name}` too"
-        );
+        let message =
+            format!("motor `{name}` has a speed limit, and a joint that follows others has the same name");
         report.error(span, "duplicate-name", message);
-        report.help(
-            "controllers and messages know limits of both by their names: give the drive another `name`",
-        );
+        report
+            .help("controllers and messages find the limits of both by name: give the drive another `name`");
     }
 }
 
@@ -82,7 +82,7 @@ fn narrow_speed(model: &mut Model, link: usize, limit: f64, (who, span): (&str, 
     limits.velocity = Some(limit);
     if let Some(described) = described {
         let message = format!(
-            "{who} limits the speed of joint `{joint}` to {}, less than its own limit of {}",
+            "{who} limits the speed of joint `{joint}` to {}, below its own limit of {}",
             three_digits(limit),
             as_written(described)
         );
@@ -98,7 +98,7 @@ fn limits_of(model: &mut Model, link: usize) -> Option<(String, &mut Limits)> {
 /// The coordinate from which the distance of two frames follows.
 struct Path {
     link: usize,
-    /// Its limits [rad or m].
+    /// Limits of the coordinate [rad or m].
     range: [f64; 2],
 }
 
@@ -126,30 +126,36 @@ impl Path {
         let joint = distances.name(link);
         if !model.coordinates.contains(&link) {
             let message =
-                format!("the length of `{name}` changes with joint `{joint}`, whose motion is given");
+                format!("the length of `{name}` changes with joint `{joint}`, whose motion is prescribed");
             report.error(span, "length-of-several", message);
-            report.help("nothing limits a driven joint: leave `stroke` and `speed` out");
+            report.help("driven joints have no motion limits: remove `stroke` and `speed`");
             return None;
         }
         if depends_on_parameters(model, between) {
             let message = format!("the length of `{name}` depends on free parameters");
             report.error(span, "length-of-parameters", message);
-            report.help("a stroke is a range of the joint for known places of the frames: make the parameters numbers, or limit the joint");
+            report.help(
+                "a stroke limits the joint only for known places of the frames: give the parameters \
+                         as numbers, or limit the joint",
+            );
             return None;
         }
         let joint_limits = model.links[link].joint.as_ref().and_then(|joint| joint.limits.position);
         let Some(range) = joint_limits.filter(|range| range.iter().all(|end| end.is_finite())) else {
             let message =
-                format!("the length of `{name}` is limited, and the position of joint `{joint}` is not");
+                format!("the length of `{name}` is limited, but the position of joint `{joint}` is not");
             report.error(span, "length-without-range", message);
-            report.help("give the joint limits between which the length only grows or only shrinks: the stroke is looked for there");
+            report.help(
+                "give the joint limits within which the length is monotonic; the stroke is searched there",
+            );
             return None;
         };
         Some(Self { link, range })
     }
 }
 
-const HELP_JOINTS: &str = "`stroke` and `speed` are kept only if one joint alone changes the length: limit the joints instead, by `position` and `velocity`";
+const HELP_JOINTS: &str = "`stroke` and `speed` are kept only if a single joint changes the length: limit \
+                           the joints by `position` and `velocity`";
 
 /// Whether other parameters put the frames elsewhere.
 fn depends_on_parameters(model: &Model, between: &[Attachment; 2]) -> bool {
@@ -185,7 +191,7 @@ fn narrow_by_force(
     {
         limits.position = Some(range);
         let message = format!(
-            "the stroke of `{}` leaves joint `{joint}` the positions {} … {}",
+            "the stroke of `{}` limits joint `{joint}` to positions {} … {}",
             force.name.value,
             as_written(range[0]),
             as_written(range[1])
@@ -214,21 +220,24 @@ fn allowed(
     if !lengths.windows(2).all(goes_on) {
         let message = format!("the length of `{name}` has an extremum within the limits of joint `{joint}`");
         report.error(stroke.span, "length-turns-back", message);
-        report.help("a stroke is a range of the joint in which the length only grows or only shrinks: narrow the joint's `position` to one side");
+        report.help(
+            "a stroke requires a joint range in which the length is monotonic: narrow the joint's \
+                     `position` to one side",
+        );
         return None;
     }
     let [shortest, longest] = stroke.value;
     let (least, most) = lengths.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), l| (a.min(*l), b.max(*l)));
     if longest <= least || shortest >= most {
         let message = format!(
-            "`{name}` is {} to {} m long within the limits of joint `{joint}`, outside of its stroke {} … {}",
+            "`{name}` is {} to {} m long within the limits of joint `{joint}`, outside its stroke {} … {}",
             three_digits(least),
             three_digits(most),
             as_written(shortest),
             as_written(longest)
         );
         report.error(stroke.span, "limits-exclude", message);
-        report.help("correct the stroke, the places of the frames or the limits of the joint: no position satisfies them all");
+        report.help("no position satisfies all limits: correct the stroke, the places of the frames or the joint limits");
         return None;
     }
     let is_within = |position: &f64| (shortest..=longest).contains(&length(*position));

@@ -1,4 +1,4 @@
-//! Rotors of a URDF whose place is not clear.
+//! Rotors of a URDF that cannot be assigned to a joint.
 
 use crate::description::RobotDescription;
 use crate::diagnostic::Report;
@@ -7,13 +7,13 @@ use crate::model::regularity::diagonal_at_zero;
 use crate::wording::{as_written, listed, three_digits};
 use gelenk_findings::Rule;
 
-/// Sees: the rotor of a <transmission> without one joint and one gear ratio.
+/// Sees: the rotor of a <transmission> that does not have exactly one joint and one gear ratio.
 /// Matters: its inertia is not in the mass matrix.
 /// Example: a transmission of two joints.
 /// Fixture: `codegen/tests/snapshots/foreign/transmissions.urdf.snap`.
 const SKIPPED: Rule = Rule::warning("rotor-skipped");
 
-/// Warns of the rotors of a URDF whose place is not clear, with their terms in M.
+/// Warns of rotors of a URDF that cannot be assigned to a joint, with their terms in M.
 pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if robot.skipped_rotors.is_empty() {
         return;
@@ -26,13 +26,13 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
         let entries: Vec<String> =
             entries.map(|(joint, entry)| format!("{} of `{}`", three_digits(*entry), joint.name)).collect();
         let message = format!(
-            "a rotor of {} kg m² was skipped, {}: i² J = {} kg m²{}",
+            "a rotor of {} kg m² was skipped because {}: i² J = {} kg m²{}",
             as_written(inertia),
             match (rotor.joints.len(), rotor.ratios.len()) {
-                (1, 1) => "whose joint is not a coordinate with one position",
-                (1, 0) => "whose transmission has no gear ratio",
-                (1, _) => "whose transmission has several gear ratios",
-                _ => "whose transmission has not one joint",
+                (1, 1) => "its joint is not a coordinate with one position",
+                (1, 0) => "its transmission has no gear ratio",
+                (1, _) => "its transmission has several gear ratios",
+                _ => "its transmission does not have exactly one joint",
             },
             three_digits(ratio * ratio * inertia),
             if entries.is_empty() {
@@ -43,8 +43,8 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
         );
         report.push(Some(rotor.inertia.span), SKIPPED.found(message));
         report.help(format!(
-            "a TOML file with `urdf = \"…\"` says it: `[[joints]]`, `name = \"{}\"`, `drive = {{ gear_ratio = {}, rotor_inertia = {}, \
-             coupling = \"diagonal\" }}`",
+            "add the rotor in a TOML file with `urdf = \"…\"`: `[[joints]]`, `name = \"{}\"`, `drive = {{ \
+             gear_ratio = {}, rotor_inertia = {}, coupling = \"diagonal\" }}`",
             rotor.joints.first().map_or("…", String::as_str),
             as_written(ratio),
             as_written(inertia),

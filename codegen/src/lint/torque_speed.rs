@@ -1,4 +1,4 @@
-//! Torque–speed lines that no controller could keep, or that other limits do not fit.
+//! Torque–speed lines that no controller can keep, or that contradict other limits.
 
 use crate::description::{DriveDescription, RobotDescription};
 use crate::diagnostic::{At, Report, Span};
@@ -6,14 +6,14 @@ use crate::model::{Drive, Model, TorqueSpeedLine};
 use crate::wording::{as_written, three_digits};
 use gelenk_findings::Rule;
 
-/// Sees: a torque of a motor, or the effort of its joint, above its torque at rest.
+/// Sees: a torque limit of a motor, or an effort limit of its joint, above the stall torque of the motor.
 /// Matters: the described limit is never reached.
 /// Example: `torque = 1.5` next to `stall_torque = 1.2`.
 /// Fixture: `limits_beyond_a_torque_speed_line_are_told` in `codegen/tests/doubts.rs`.
 const BEYOND_STALL: Rule = Rule::warning("beyond-stall-torque");
 
-/// Sees: a highest speed of a motor above its speed without load.
-/// Matters: the motor has no torque there, and something else has to turn it.
+/// Sees: a speed limit of a motor above its no-load speed.
+/// Matters: the motor has no torque at this limit and cannot reach it alone.
 /// Example: `speed = 700` next to `no_load_speed = 600`.
 /// Fixture: `limits_beyond_a_torque_speed_line_are_told` in `codegen/tests/doubts.rs`.
 const BEYOND_SPEED: Rule = Rule::note("beyond-no-load-speed");
@@ -21,7 +21,7 @@ const BEYOND_SPEED: Rule = Rule::note("beyond-no-load-speed");
 /// Limits are written numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Reports lines that are not constants of the module. The motor of a held joint turns nothing and has none.
+/// Reports lines that are not constants of the module. Motors of held joints are skipped.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described = model.described_parameters();
     let lines = model.limited_inputs(&described);
@@ -38,9 +38,9 @@ pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report
         } else if let Some(line) = lines.iter().find(|line| line.input == input) {
             let numbers = line.slopes.iter().chain([&line.limit]);
             if numbers.clone().any(|number| !number.is_finite()) || line.limit == 0.0 {
-                let message = format!("the torque–speed line of motor `{name}` is beyond all numbers");
+                let message = format!("the torque–speed line of motor `{name}` is not finite");
                 report.error(span, "torque-speed-line", message);
-                report.help("stall torque over no-load speed times gear ratio, in the unit of the input, must be a number");
+                report.help("stall torque times gear ratio divided by no-load speed must be finite");
             }
             doubt_limits(name, motor, report);
             note_effort(name, drive, (model, span), report);
@@ -60,20 +60,26 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     };
     if let Some(torque) = beyond(motor.torque.nominal) {
         report.push(Some(*span), BEYOND_STALL.found(told("", torque)));
-        report.help("`torque` and `stall_torque` are both at the motor's shaft: a motor has its largest torque at rest, unless it brakes");
+        report.help(
+            "`torque` and `stall_torque` are at the motor's shaft, where the stall torque is the \
+                     largest unless the motor brakes",
+        );
     } else if let Some(torque) = beyond(motor.torque.peak) {
         report.note(Some(*span), BEYOND_STALL.code, told("peak ", torque));
         report.help(
-            "the line is the narrower limit, unless the motor brakes: the peak torque changes nothing else",
+            "the torque–speed line is the tighter limit unless the motor brakes, so the peak torque has no other effect",
         );
     }
     if let Some(speed) = motor.speed.as_ref().filter(|speed| speed.value > *no_load_speed) {
         let [most, free] = [speed.value, *no_load_speed].map(as_written);
         let message = format!(
-            "motor `{name}` has no torque left at {free} rad/s, its `no_load_speed`, and may turn at {most} rad/s, its `speed`"
+            "motor `{name}` has no torque at its `no_load_speed` of {free} rad/s, but its `speed` allows {most} rad/s"
         );
         report.push(Some(speed.span), BEYOND_SPEED.found(message));
-        report.help("beyond its speed without load a motor only brakes, and something else has to turn it: both are in rad/s at the shaft");
+        report.help(
+            "above its no-load speed a motor only brakes and needs another source of motion; both \
+                     values are in rad/s at the shaft",
+        );
     }
 }
 
@@ -86,13 +92,16 @@ fn note_effort(name: &str, drive: &Drive, (model, span): (&Model, Span), report:
     if effort > most * (1.0 + ROUNDING) {
         let unit = joint.kind.effort_unit();
         let message = format!(
-            "joint `{}` has an effort of {} {unit}, and its motor `{name}` {} {unit} at rest",
+            "joint `{}` has an effort of {} {unit}, but its motor `{name}` gives {} {unit} at rest",
             joint.name,
             as_written(effort),
             three_digits(most)
         );
         report.note(Some(span), BEYOND_STALL.code, message);
-        report.help("`stall_torque` times the gear ratio is the narrower limit: `effort` is at the joint, `stall_torque` at the motor");
+        report.help(
+            "`effort` is at the joint, `stall_torque` at the motor; `stall_torque` times the gear \
+                     ratio is the tighter limit",
+        );
     }
 }
 
@@ -102,13 +111,19 @@ fn has_known_ratio(drive: &Drive) -> bool {
 }
 
 fn refuse_free_ratio(name: &str, motor: &DriveDescription, report: &mut Report) {
-    let message = format!("motor `{name}` has a torque–speed line, and its ratio is a free parameter");
+    let message = format!("motor `{name}` has a torque–speed line, but its ratio is a free parameter");
     report.error(motor.gear_ratio.span, "torque-speed-line", message);
-    report.help("a line needs a known ratio: give the ratio as a number, or give controllers a row of your own, `MpcRow::torque_speed_line`");
+    report.help(
+        "a torque–speed line needs a known ratio: give the ratio as a number, or add \
+                 `MpcRow::torque_speed_line` to the controller",
+    );
 }
 
 fn refuse_driven(name: &str, span: Span, report: &mut Report) {
-    let message = format!("motor `{name}` has a torque–speed line, and turns with a driven joint too");
+    let message = format!("motor `{name}` has a torque–speed line, but also turns with a driven joint");
     report.error(span, "torque-speed-line", message);
-    report.help("the torque that the line allows would change with the prescribed motion, which no row of a controller contains: leave `stall_torque` and `no_load_speed` out, and limit `torque`");
+    report.help(
+        "the torque limit would depend on the prescribed motion, which controller rows do not \
+                 contain: remove `stall_torque` and `no_load_speed`, and limit `torque`",
+    );
 }

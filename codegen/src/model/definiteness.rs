@@ -1,4 +1,4 @@
-//! The signs of the eigenvalues of M.
+//! Signs of the eigenvalues of M.
 
 use super::Model;
 use super::regularity::Pivots;
@@ -8,14 +8,14 @@ use super::regularity::Pivots;
 pub enum Definiteness {
     /// All are positive.
     Positive,
-    /// Some are zero: joints, or sums of them, move nothing that has inertia.
+    /// Some are zero: some motions of joints move nothing with inertia.
     Semidefinite,
-    /// Some are negative: bodies are none that there can be.
+    /// Some are negative: some bodies are not physical.
     Indefinite,
 }
 
 impl Model {
-    /// The definiteness of M at seeded states, at the described values of free parameters.
+    /// Definiteness of M at seeded states, at the described free parameters.
     #[must_use]
     pub fn definiteness(&self) -> Definiteness {
         let pivots = Pivots::of(self);
@@ -26,8 +26,7 @@ impl Model {
         }
     }
 
-    /// Motions that move nothing with inertia, so that M is singular: joints, or sums of them; at the described values of free
-    /// parameters.
+    /// Motions without inertia, which make M singular: joints or sums of joints, at the described free parameters.
     #[must_use]
     pub fn motions_without_inertia(&self) -> Vec<String> {
         Pivots::of(self).free_motions(self)

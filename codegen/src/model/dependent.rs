@@ -1,17 +1,17 @@
-//! Joints and motors that move by constant sums of coordinates and have limits of their own.
+//! Joints and motors that move with constant sums of coordinates and have their own limits.
 
 use super::{FollowedCoordinate, Model};
 use gelenk_formula::Formula;
 
-/// A joint that follows others, or the motor of a drive on several coordinates that has a highest speed.
+/// A follower, or the motor with a speed limit of a drive on several coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dependent<'m> {
     /// Name of the joint or of the drive.
     pub name: &'m str,
-    /// Its motion for a unit of motion of each coordinate, then of each driven joint; `None` if a ratio needs parameters
-    /// that are not given.
+    /// Motion per unit of motion of each coordinate, then of each driven joint; `None` if a ratio depends on
+    /// parameters that are not given.
     pub ratios: Option<Vec<f64>>,
-    /// Its position where all coordinates are 0 (rad or m); 0 for a motor.
+    /// Position if all coordinates are 0 (rad or m); 0 for a motor.
     pub offset: f64,
     /// Lowest and highest position (rad or m).
     pub position: [f64; 2],
@@ -22,7 +22,7 @@ pub struct Dependent<'m> {
 const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl Model {
-    /// The joints that follow others in their order, then the motors on several coordinates that have a highest speed.
+    /// The followers in order, then the motors with a speed limit of drives on several coordinates.
     ///
     /// - `parameters`: values of the free parameters
     #[must_use]
@@ -48,7 +48,7 @@ impl Model {
         joints.chain(motors).collect()
     }
 
-    /// The drives on several coordinates whose motors have a highest speed (rad/s).
+    /// Drives on several coordinates whose motors have a speed limit (rad/s).
     pub fn limited_shafts(&self) -> impl Iterator<Item = (&super::Drive, f64)> {
         let shared = self.input_drives().filter(|drive| drive.acts_on.len() > 1);
         shared.filter_map(|drive| Some((drive, drive.speed?)))

@@ -3,26 +3,26 @@
 use super::Pose;
 use gelenk_formula::Formula;
 
-/// Where a force acts: a frame fixed to a link.
+/// A point of action: a frame fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attachment {
     /// Name of the frame or link in the description.
     pub name: String,
-    /// Link that carries it.
+    /// Link that carries the frame.
     pub link: usize,
-    /// Its pose in that link's frame.
+    /// Pose of the frame in that link's frame.
     pub pose: Pose,
 }
 
-/// A force between the origins of two frames, as of a spring.
+/// A force between the origins of two frames, for example of a spring.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointForce {
     /// Name in the description, or the names of the two frames.
     pub name: String,
     /// The frames.
     pub between: [Attachment; 2],
-    /// The force (N), positive where it pulls together, over the distance of the origins (m) as position and its
-    /// rate (m/s) as velocity.
+    /// Force (N), positive if it pulls together. The position of the law is the distance of the origins (m),
+    /// the velocity its rate (m/s).
     pub law: Formula,
 }
 
@@ -38,7 +38,7 @@ pub struct ForceInput {
 }
 
 impl ForceInput {
-    /// N where a unit of the input makes a force, else N m.
+    /// Unit of the input: N for a force, N m for a wrench whose force is zero.
     pub(crate) fn unit(&self) -> &'static str {
         match &self.effect {
             ForceEffect::Wrench { wrench, .. } if wrench[..3].iter().all(Formula::is_zero) => "N m",
@@ -47,10 +47,10 @@ impl ForceInput {
     }
 }
 
-/// Effect of a unit of an input.
+/// Effect of an input per unit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForceEffect {
-    /// A wrench, fixed in a frame: force (N), then moment about its origin (N m).
+    /// A wrench fixed in a frame: force (N), then moment about the frame's origin (N m).
     Wrench {
         /// The frame.
         at: Attachment,
@@ -66,17 +66,17 @@ pub enum ForceEffect {
 pub struct Wrench {
     /// Name in the description.
     pub name: String,
-    /// The frame.
+    /// Frame of the wrench.
     pub at: Attachment,
-    /// The axes of force and moment.
+    /// Axes of force and moment.
     pub axes: WrenchAxes,
 }
 
 /// Axes in which a wrench is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WrenchAxes {
-    /// Those of its frame.
+    /// Axes of the frame.
     Frame,
-    /// Those of the base.
+    /// Axes of the base.
     Base,
 }

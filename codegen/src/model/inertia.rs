@@ -1,4 +1,4 @@
-//! Is an inertia that of a real body?
+//! Check that an inertia is physical.
 
 use crate::numeric::length;
 use crate::wording::telling;
@@ -16,7 +16,7 @@ const SMALLEST_EXTENT: f64 = 1e-3;
 /// A fault of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Flaw {
-    /// There is an inertia and no mass.
+    /// The body has an inertia but no mass.
     Massless,
     /// A principal moment is negative: the three moments, ascending.
     NotPositive([f64; 3]),
@@ -28,7 +28,7 @@ impl std::fmt::Display for Flaw {
     /// `principal moments 0.1 + 0.2 < 0.4`
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Massless => out.write_str("an inertia and no mass"),
+            Self::Massless => out.write_str("an inertia but no mass"),
             Self::NotPositive(moments) => {
                 let shown = telling(without_rounding(*moments), |[low, ..]| low < 0.0);
                 write!(out, "principal moments {}", shown.join(", "))
@@ -55,13 +55,13 @@ fn largest(moments: &[f64]) -> f64 {
     moments.iter().fold(0.0, |most, moment| most.max(moment.abs()))
 }
 
-/// Checks mass, centre of mass in the link's frame, and the entries xx, xy, xz, yy, yz, zz about the centre
+/// Checks mass, centre of mass in the link's frame, and the inertia xx, xy, xz, yy, yz, zz about the centre
 /// of mass.
 ///
-/// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z², hence none is negative
-/// and none exceeds the sum of the others. Limits are allowed: a point mass (all zero), a thin rod (one
-/// zero). What breaks these rules by less than `1e-6 max |Iᵢ| + 1e-12 m l²` is rounding, l the distance of
-/// the centre of mass from the link's origin and at least 1 mm.
+/// Principal moments are sums of two of the non-negative second moments ∫x², ∫y², ∫z². Therefore none is
+/// negative, and none exceeds the sum of the others. Limiting cases are allowed: a point mass (all zero) or a
+/// thin rod (one zero). Violations below `1e-6 max |Iᵢ| + 1e-12 m l²` are rounding; l is the distance of the
+/// centre of mass from the link's origin, at least 1 mm.
 pub(crate) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
     let moments = principal_moments(inertia);
     let [low, middle, high] = moments;

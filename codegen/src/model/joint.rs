@@ -1,4 +1,4 @@
-//! Joints: their types, limits and friction, and how they follow coordinates.
+//! Joints: types, limits, friction, and coordinates that they follow.
 
 use super::Pose;
 use gelenk_formula::{Formula, FrictionTerm, Function};
@@ -6,70 +6,70 @@ use gelenk_formula::{Formula, FrictionTerm, Function};
 /// A joint that follows coordinates: `y_joint = Σ ratio · y[coordinate] + offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Follower {
-    /// Link that the joint carries.
+    /// Link carried by the joint.
     pub link: usize,
-    /// The coordinates that it follows, each once.
+    /// Followed coordinates, each once.
     pub follows: Vec<FollowedCoordinate>,
-    /// Its position where all of them are 0 (rad or m).
+    /// Position if all followed coordinates are 0 (rad or m).
     pub offset: f64,
 }
 
 /// A coordinate that a joint or a drive follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FollowedCoordinate {
-    /// The coordinate.
+    /// Followed coordinate.
     pub coordinate: usize,
-    /// Motion for a unit of the coordinate's motion; depends on parameters only.
+    /// Motion per unit of the coordinate's motion; depends only on parameters.
     pub ratio: Formula,
 }
 
 impl FollowedCoordinate {
-    /// A coordinate itself.
+    /// A joint that is a coordinate itself.
     #[must_use]
     pub fn itself(coordinate: usize) -> Self {
         Self { coordinate, ratio: Formula::ONE }
     }
 }
 
-/// A joint that moves, with its row of G in `y_joint = G y + g₀`.
+/// A moving joint with its row of G in `y_joint = G y + g₀`.
 #[derive(Debug, Clone)]
 pub struct MovingJoint<'m> {
     /// The joint.
     pub joint: &'m Joint,
-    /// Link that it carries.
+    /// Link carried by the joint.
     pub link: usize,
-    /// The coordinates that it follows: its own, or those of others.
+    /// Coordinates of the joint: its own, or those that it follows.
     pub follows: Vec<FollowedCoordinate>,
-    /// Its position where all of them are 0 (rad or m).
+    /// Position if all these coordinates are 0 (rad or m).
     pub offset: f64,
 }
 
 /// A joint between a parent link and the link that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Name in the description, to the letter.
+    /// Name exactly as described.
     pub name: String,
-    /// The name as a Rust identifier, distinct among the joints: it labels values in generated functions.
+    /// The name as a Rust identifier, distinct among the joints; names values in generated functions.
     pub identifier: String,
     /// Index of the parent link.
     pub parent: usize,
-    /// The kind of motion that the joint allows.
+    /// Type of the joint.
     pub kind: JointKind,
     /// Pose of the joint frame in the parent link's frame; the link's frame coincides with it at position 0.
     pub origin: Pose,
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
-    /// The coordinate that the joint moves with, if it moves.
+    /// Motion of the joint.
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
-    /// Forces of springs and dampers on this joint as functions of y and v (N m or N); they add to q.
+    /// Forces of springs and dampers on this joint as functions of y and v (N m or N), a part of q.
     pub springs: Vec<Formula>,
-    /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; it is subtracted from q.
+    /// Friction torque τ(v) = Σ coefficient · basis, positive for positive velocity; subtracted from q.
     pub friction: Vec<FrictionTerm>,
-    /// Friction s₁(v) = Σ coefficient · basis for each unit of the load τ_l: the joint feels |τ_l| s₁ in addition to
-    /// the friction above. Empty if friction does not grow with the load; else the joint has an input of
-    /// its own, and |s₁| < 1.
+    /// Friction s₁(v) = Σ coefficient · basis per unit of the load τ_l; the joint has the friction |τ_l| s₁
+    /// in addition to `friction`. Empty without load-dependent friction. Otherwise the joint has its own
+    /// input, and |s₁| < 1.
     pub load_friction: Vec<FrictionTerm>,
 }
 
@@ -81,7 +81,7 @@ const SLIDE: f64 = 0.5;
 const FARTHEST: f64 = 20.0;
 
 impl Joint {
-    /// Whether friction or a spring jumps, because it has an exact `sign`.
+    /// Whether friction or a spring is discontinuous, because it has an exact `sign`.
     #[must_use]
     pub fn jumps(&self) -> bool {
         let friction = self.friction.iter().chain(&self.load_friction);
@@ -90,7 +90,7 @@ impl Joint {
         laws.any(|law| law.calls(Function::Sign))
     }
 
-    /// Range of positions for seeded states: within the limits, if there are some.
+    /// Range of positions for seeded states, within any limits.
     pub(crate) fn seeded_range(&self) -> [f64; 2] {
         let free = match self.kind {
             JointKind::Prismatic => SLIDE,
@@ -143,7 +143,7 @@ impl JointKind {
         }
     }
 
-    /// Rotation about the axis (rad) and translation along it (m) for a unit of the position.
+    /// Rotation about the axis (rad) and translation along it (m) per unit of the position.
     #[must_use]
     pub fn turn_and_slide(self) -> [f64; 2] {
         match self {
@@ -154,7 +154,7 @@ impl JointKind {
         }
     }
 
-    /// The type as the format calls it.
+    /// Name of the type in descriptions.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -167,21 +167,21 @@ impl JointKind {
     }
 }
 
-/// The way in which a joint moves, or does not.
+/// Motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
     /// A fixed joint.
     Fixed,
     /// Held at this position (rad or m).
     Held(f64),
-    /// Coordinate with this index; the indices of driven ones come after those of the others.
+    /// A coordinate, by index. Driven coordinates follow the others.
     Coordinate(usize),
-    /// It follows coordinates; the index is that among the moving joints, and so not below the number of
-    /// coordinates, driven ones included.
+    /// A follower of coordinates, by its index among the moving joints. Coordinates, driven ones included, have
+    /// smaller indices.
     Follower(usize),
 }
 
-/// Limits of a joint; `None` if the description gives none.
+/// Limits of a joint; `None` if not described.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Lowest and highest position (rad or m).

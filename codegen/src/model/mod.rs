@@ -1,8 +1,8 @@
-//! The robot as plain data: the [`Model`].
+//! The robot as data: the [`Model`].
 //!
-//! A `Model` that exists is correct: names are distinct, and so are their Rust identifiers; the links form
-//! one tree whose parents stand before their children, axes have unit length, limits are ordered, numbers are
-//! finite. Later stages need no checks.
+//! Every `Model` is valid: names and their Rust identifiers are distinct, the links form one tree in which
+//! parents precede children, axes have unit length, limits are ordered, numbers are finite. Later stages need
+//! no checks.
 
 mod definiteness;
 mod dependent;

@@ -1,4 +1,4 @@
-//! Names from a description become Rust identifiers.
+//! Conversion of names to Rust identifiers.
 
 /// Words that cannot be identifiers in any edition, strict and reserved.
 const KEYWORDS: [&str; 54] = [
@@ -13,12 +13,12 @@ const KEYWORDS: [&str; 54] = [
 const IN_FORMULAS: [&str; 12] =
     ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "sqrt", "pow", "powi"];
 
-/// Whether the name is a word of Rust.
+/// Whether the name is a Rust keyword.
 pub(crate) fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
-/// Whether the name means something else in formulas.
+/// Whether the name has another meaning in formulas.
 pub(crate) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }
@@ -28,8 +28,8 @@ const LONGEST: usize = 200;
 
 /// The name in snake case of ASCII letters, digits and underscores.
 ///
-/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`; where no
-/// letter or digit remains, the code points stand for the name: `腕` becomes `u8155`.
+/// `ShoulderPan` becomes `shoulder_pan`, `β` `beta`, `a-b` `a_b`, `2nd` `_2nd`, `type` `type_`. If no letter
+/// or digit remains, the name consists of code points: `腕` becomes `u8155`.
 pub(crate) fn identifier(name: &str) -> String {
     let result = snake_case(name);
     if result.chars().any(|c| c.is_ascii_alphanumeric()) { finish(result) } else { code_points(name) }

@@ -1,4 +1,4 @@
-//! Poses: rotations from angles, exact where the angle is a multiple of 90°, and their products.
+//! Poses: products, and rotations from angles that are exact at multiples of 90°.
 
 use crate::numeric;
 use gelenk_formula::Formula;
@@ -10,7 +10,7 @@ pub(crate) type Rotation = [[f64; 3]; 3];
 /// No rotation.
 pub(crate) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Position and orientation of a frame in another one.
+/// Pose of a frame in another frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
     /// Origin (m).
@@ -19,7 +19,7 @@ pub struct Pose {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Parts of a pose of which a description says nothing.
+/// Parts of a pose that are not described.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Unsaid {
     pub translation: bool,
@@ -27,7 +27,7 @@ pub(crate) struct Unsaid {
 }
 
 impl Unsaid {
-    /// The pose with those parts of the one that it replaces.
+    /// The pose, with undescribed parts from the pose that it replaces.
     pub fn filled(self, pose: Pose, known: Option<&Pose>) -> Pose {
         let Some(known) = known else { return pose };
         Pose {
@@ -43,7 +43,7 @@ impl Pose {
         Self { translation: [Formula::ZERO; 3], rotation: IDENTITY }
     }
 
-    /// Whether the frame is the one that it is given in, whatever values parameters have.
+    /// Whether the pose is the identity for all parameters.
     pub(crate) fn is_identity(&self) -> bool {
         self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
     }
@@ -53,7 +53,7 @@ impl Pose {
         Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }
     }
 
-    /// A point of the inner frame, in coordinates of the outer one.
+    /// Transforms a point from the inner to the outer frame.
     pub fn point(&self, point: &[Formula; 3]) -> [Formula; 3] {
         let turned = rotate(&self.rotation, point);
         let [x, y, z] = &self.translation;
@@ -142,7 +142,7 @@ fn right_angles(angle: f64, tolerance: f64) -> Option<u8> {
     near.then_some(count.rem_euclid(4.0) as u8)
 }
 
-/// The angle, replaced by the nearest multiple of 90° where it is within a tolerance of it.
+/// The angle, or the nearest multiple of 90° if that is within the tolerance.
 pub(crate) fn snapped(angle: f64, tolerance: f64) -> f64 {
     match right_angles(angle, tolerance) {
         Some(_) => (angle / FRAC_PI_2).round() * FRAC_PI_2,
@@ -150,14 +150,14 @@ pub(crate) fn snapped(angle: f64, tolerance: f64) -> f64 {
     }
 }
 
-/// Whether snapping within a tolerance would change the sine or cosine.
+/// Whether snapping with this tolerance would change the sine or cosine.
 pub(crate) fn is_nearly_right(angle: f64, tolerance: f64) -> bool {
     let (s, c) = sin_cos(angle);
     right_angles(angle, tolerance).is_some() && s != 0.0 && c != 0.0
 }
 
-/// Rotation of a unit quaternion w + x i + y j + z k; entries within `tolerance` of 0 and ±1 become exact
-/// when all entries are.
+/// Rotation of a unit quaternion w + x i + y j + z k. If all entries are within `tolerance` of 0 or ±1, they
+/// are rounded to these values.
 pub(crate) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotation {
     let rotation = [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
@@ -174,7 +174,7 @@ pub(crate) fn from_quaternion([w, x, y, z]: [f64; 4], tolerance: f64) -> Rotatio
 
 /// Standard Denavit–Hartenberg row: pose of frame i in the frame that turns with joint i.
 ///
-/// `T_z(d) T_x(a) R_x(α)`; the joint itself is `R_z(θ)` before it (Denavit and Hartenberg, 1955).
+/// `T_z(d) T_x(a) R_x(α)`, preceded by the joint's rotation `R_z(θ)` (Denavit and Hartenberg, 1955)
 pub(crate) fn standard_dh(d: Formula, a: Formula, alpha: f64) -> Pose {
     Pose { translation: [a, Formula::ZERO, d], rotation: about_x(alpha) }
 }

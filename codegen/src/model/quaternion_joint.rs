@@ -1,64 +1,70 @@
-//! Joints whose positions do not form a vector space: spherical and floating ones.
+//! Spherical and floating joints, whose positions do not form a vector space.
 
 use super::{Model, MovingJoint};
 
-/// A spherical or floating joint. Its attitude is a unit quaternion, so it has one position entry more than
+/// A spherical or floating joint. Its attitude is a unit quaternion, so it has one more position entry than
 /// velocities.
 ///
-/// The model describes it as a chain of joints with one degree of freedom each, one for every velocity, which
-/// all stand at zero behind the joint's own pose: their motions are the joint's motions in its body's frame.
+/// The model describes it as a chain of joints with one degree of freedom each, one per velocity. All joints
+/// of the chain are at zero, after the pose from the positions, so their motions are those of the joint in
+/// its body's frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuaternionJoint {
     /// Name in the description.
     pub name: String,
-    /// Whether it slides, too.
+    /// Spherical or floating.
     pub kind: QuaternionKind,
-    /// The coordinate of its first velocity; the others follow.
+    /// Coordinate of its first velocity; the others follow.
     pub first: usize,
 }
 
 /// Type of a joint with a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QuaternionKind {
-    /// It turns in all directions: the velocity is the angular velocity in the body's own frame.
+    /// A spherical joint. Its velocity is the angular velocity in the body's own frame.
     Spherical,
-    /// It moves freely: the velocity is the linear velocity of the body's origin, then the angular velocity,
-    /// both in the body's own frame.
+    /// A floating joint. Its velocity is the linear velocity of the body's origin, then the angular velocity,
+    /// in the body's own frame.
     Floating,
 }
 
-/// Why a velocity has no law of a position.
-pub(crate) const NO_LAW_OF_POSITION: &str = "a law of such a velocity is one of `v` alone: it has no position of its own; \
-    `[[forces]]` between two frames are springs in any direction";
+/// Reason why a velocity has no law of a position.
+pub(crate) const NO_LAW_OF_POSITION: &str = "a law of such a velocity depends only on `v`, because the \
+                                             velocity has no position; for springs in any direction use \
+                                             `[[forces]]` between two frames";
 
-/// Why a velocity has no rotor.
-pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, and this joint about all: `drive = \"ideal\"` is a torque in the body's \
-    frame; a reaction wheel is a link with a joint of its own";
+/// Reason why a velocity has no rotor.
+pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, this joint about three: use `drive = \
+                                   \"ideal\"` for a torque in the body's frame, and a link with its own \
+                                   joint for a reaction wheel";
 
 impl QuaternionKind {
-    /// Why a velocity has no limits of a position. Limits stand by velocity in a module, and controllers take deviations
-    /// along the velocities.
+    /// Reason why a velocity has no position limits. Limits of a module are listed by velocity, and
+    /// controllers use deviations along the velocities.
     pub(crate) fn why_unlimited(self, index: usize) -> &'static str {
         match self {
             Self::Floating if index < 3 => {
-                "this velocity is along an axis of the body, which turns, so that no entry of the place belongs to it alone: keep the \
-                 place within limits by the motion that is asked for; limits of velocity and effort are those that it can have"
+                "this velocity is along an axis of the turning body, so no position entry belongs to it: \
+                 limit the position through the desired motion; limits of velocity and effort are available"
             }
-            _ => "its attitude is a quaternion: limits of velocity and effort are those that it can have",
+            _ => {
+                "the attitude is a quaternion, so it has no position limits; limits of velocity and effort are available"
+            }
         }
     }
 
-    /// How to hold the joint, of which no part can be held.
+    /// Help on holding the whole joint; its parts cannot be held.
     pub(crate) fn how_to_hold(self) -> &'static str {
         match self {
-            Self::Spherical => "hold all of it: give the joint the type \"fixed\"",
+            Self::Spherical => "a single velocity cannot be held: give the joint the type \"fixed\"",
             Self::Floating => {
-                "hold all of it: leave the base fixed, or give the joint the type \"fixed\" where it is one of its own"
+                "a single velocity cannot be held: leave the base fixed, or give the joint the type \
+                 \"fixed\" if it is not the base"
             }
         }
     }
 
-    /// The number of velocities.
+    /// Number of velocities.
     #[must_use]
     pub fn velocities(self) -> usize {
         match self {
@@ -67,14 +73,14 @@ impl QuaternionKind {
         }
     }
 
-    /// The number of position entries: a quaternion x y z w, behind the position of the origin where the joint is
-    /// floating.
+    /// Number of position entries: a quaternion x y z w, for a floating joint after the position of the
+    /// origin.
     #[must_use]
     pub fn positions(self) -> usize {
         self.velocities() + 1
     }
 
-    /// The type as the format calls it.
+    /// Name of the type in descriptions.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -83,7 +89,7 @@ impl QuaternionKind {
         }
     }
 
-    /// Where the quaternion begins among the position entries of the joint.
+    /// Index of the quaternion among the joint's position entries.
     #[must_use]
     pub fn quaternion(self) -> usize {
         match self {
@@ -92,7 +98,7 @@ impl QuaternionKind {
         }
     }
 
-    /// Names of the position entries, which follow the joint's name.
+    /// Suffixes of the names of the position entries.
     #[must_use]
     pub fn position_names(self) -> &'static [&'static str] {
         const NAMES: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
@@ -101,7 +107,7 @@ impl QuaternionKind {
 }
 
 impl QuaternionJoint {
-    /// The unit quaternion x y z w of a rotation vector.
+    /// Unit quaternion x y z w of a rotation vector.
     pub(crate) fn attitude(turn: [f64; 3]) -> [f64; 4] {
         let angle = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (sine, cosine) = crate::numeric::sin_cos(angle / 2.0);
@@ -109,19 +115,19 @@ impl QuaternionJoint {
         [turn[0] * share, turn[1] * share, turn[2] * share, cosine]
     }
 
-    /// The coordinates of its velocities.
+    /// Coordinates of its velocities.
     #[must_use]
     pub fn coordinates(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.kind.velocities()
     }
 }
 
-/// A joint among the positions.
+/// A joint in the order of the positions.
 #[derive(Debug, Clone, Copy)]
 pub enum JointPosition<'m> {
-    /// The position of this coordinate.
+    /// A joint with one position entry, by coordinate.
     Coordinate(usize),
-    /// Several entries with a quaternion.
+    /// A joint with a quaternion.
     Quaternion(&'m QuaternionJoint),
 }
 
@@ -130,14 +136,14 @@ pub enum JointPosition<'m> {
 pub struct CarryingJoint<'m> {
     /// Name of the joint.
     pub name: &'m str,
-    /// Its index among the moving joints.
+    /// Index among the moving joints.
     pub index: usize,
-    /// The joint, or the last velocity of one with a quaternion.
+    /// The joint, or the last velocity of a joint with a quaternion.
     pub moving: MovingJoint<'m>,
 }
 
 impl Model {
-    /// The number NY of position entries.
+    /// Number NY of position entries.
     #[must_use]
     pub fn position_count(&self) -> usize {
         self.coordinates.len() + self.quaternion_joints.len()
@@ -149,7 +155,7 @@ impl Model {
         self.quaternion_joint_of(coordinate).is_none().then(|| self.first_position(coordinate))
     }
 
-    /// The first position entry of the joint to which a coordinate belongs as its first.
+    /// First position entry of the joint whose first coordinate this is.
     #[must_use]
     pub fn first_position(&self, coordinate: usize) -> usize {
         coordinate + self.quaternion_joints.iter().filter(|joint| joint.first < coordinate).count()
@@ -169,8 +175,8 @@ impl Model {
         })
     }
 
-    /// The joints that carry a described link, each once: the moving joints, those with a quaternion by their last
-    /// velocity.
+    /// Joints that carry a described link, each once: the moving joints; joints with quaternions as their
+    /// last velocity.
     #[must_use]
     pub fn carrying_joints(&self) -> Vec<CarryingJoint<'_>> {
         let moving = self.moving_joints().into_iter().enumerate();
@@ -185,8 +191,8 @@ impl Model {
         carrying.collect()
     }
 
-    /// Positions y of NY entries from one value for each velocity. Those of a joint with a quaternion are the
-    /// position and the rotation vector of its body.
+    /// Positions y with NY entries from one value per velocity. For a joint with a quaternion the values are
+    /// the position and rotation vector of its body.
     pub(crate) fn positions_by(&self, values: &[f64]) -> Vec<f64> {
         let mut positions = Vec::with_capacity(self.position_count());
         for joint in self.joint_positions() {

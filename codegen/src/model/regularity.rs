@@ -1,8 +1,8 @@
-//! Is the mass matrix positive definite?
+//! Check that the mass matrix is positive definite.
 //!
-//! The pivots of M in its factorization along the tree are what the articulated-body recursion divides by:
-//! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite
-//! exactly where all of them are positive.
+//! The pivots of M in its factorization along the tree are the divisors of the articulated-body recursion:
+//! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite if
+//! and only if all are positive.
 
 mod coupled;
 
@@ -22,13 +22,12 @@ const SEED: u64 = 0x7069_766f_7473;
 /// Messages quote M for robots of at most this many coordinates: its memory grows with their square, its factorization with their cube.
 const LARGEST: usize = 500;
 
-/// The pivots of M at seeded states.
+/// Pivots of M at seeded states.
 #[derive(Debug, Default)]
 pub(crate) struct Pivots {
-    /// Links of the joints whose pivots are zero at every state: they move nothing with inertia along their
-    /// axis.
+    /// Links of joints whose pivots are zero at every state: motions of these joints have no inertia.
     pub zero: Vec<usize>,
-    /// Links of the joints whose pivots are negative at some state.
+    /// Links of joints whose pivots are negative at some state.
     pub negative: Vec<usize>,
     /// Number of states with a negative pivot.
     pub indefinite_states: usize,
@@ -40,8 +39,8 @@ impl Pivots {
         self.zero.is_empty() && self.negative.is_empty()
     }
 
-    /// Motions x with M x = 0 in general position, as text: each is 1 at a coordinate whose pivot is zero, and 0 at the others of
-    /// these. Velocities of joints with quaternions are those of the body where their hinges are at 0.
+    /// Motions x with M x = 0 at a general position, as text. Each is 1 at one coordinate with a zero pivot
+    /// and 0 at the others. Velocities of joints with quaternions are those of the body with all hinges at 0.
     pub fn free_motions(&self, model: &Model) -> Vec<String> {
         let of_joints =
             || model.joints_of(&self.zero).iter().map(|joint| format!("`{}`", joint.name)).collect();
@@ -65,7 +64,7 @@ impl Pivots {
         zero.iter().map(|&own| sum(&null_vector(&mass, &others, own), &names)).collect()
     }
 
-    /// At the described values of the free parameters.
+    /// Pivots at the described free parameters.
     pub fn of(model: &Model) -> Self {
         let described = model.described_parameters();
         let mut random = Random::new(SEED);
@@ -97,9 +96,9 @@ impl Pivots {
     }
 }
 
-/// Positions of the links' joints; those of joints that follow others are computed.
+/// Positions of the links' joints; positions of followers are computed.
 ///
-/// - `choose`: takes the index of a link and the range of its joint
+/// - `choose`: maps the index of a link and the range of its joint to a position
 pub(crate) fn positions(
     model: &Model,
     described: &[f64],
@@ -164,8 +163,8 @@ fn sum(direction: &[f64], names: &[&str]) -> String {
     text
 }
 
-/// The diagonal of M where the coordinates are 0, without what rotors on moving links add to i² J; empty for robots with too many
-/// coordinates.
+/// Diagonal of M with all coordinates at 0; rotors on moving links only add i² J. Empty for robots with too
+/// many coordinates.
 pub(crate) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     if model.coordinates.len() > LARGEST {
         return Vec::new();
@@ -252,7 +251,7 @@ fn link_inertia(link: &Link, defaults: &[f64]) -> Matrix {
     sum
 }
 
-/// Column of a joint in its own frame, rotation first.
+/// Motion axis of a joint in its own frame, rotation first.
 pub(crate) fn motion_axis(joint: &Joint) -> [f64; 6] {
     let [x, y, z] = joint.axis;
     let [turn, slide] = joint.kind.turn_and_slide();
@@ -261,7 +260,7 @@ pub(crate) fn motion_axis(joint: &Joint) -> [f64; 6] {
 
 /// Motion transform from the parent link's frame to this link's frame.
 ///
-/// - `position`: of the joint, if it is a coordinate
+/// - `position`: position of the joint, if it is a coordinate
 pub(crate) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
     let position = match joint.motion {
         Motion::Fixed => 0.0,

@@ -1,4 +1,4 @@
-//! The robot: one tree of links, its drives, force laws and named frames.
+//! A robot: a tree of links with drives, force laws and named frames.
 
 use super::{
     Drive, FollowedCoordinate, Follower, ForceInput, Input, Joint, JointKind, MovingJoint, PointForce, Pose,
@@ -7,41 +7,40 @@ use super::{
 use gelenk_formula::Formula;
 use std::collections::BTreeSet;
 
-/// A robot: one tree of links, its drives, force laws and named frames.
+/// A robot: a tree of links with drives, force laws and named frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     /// Name of the generated module; a Rust identifier in snake case.
     pub name: String,
-    /// Free text of the author, one line per entry; shown escaped in documentation.
+    /// Described text, one line per entry; escaped in documentation.
     pub description: Vec<String>,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [Formula; 3],
     /// Free parameters, in the order of their description.
     pub parameters: Vec<Parameter>,
-    /// All links; `links[0]` is the base, every parent stands before its children.
+    /// All links. `links[0]` is the base; parents precede children.
     pub links: Vec<Link>,
     /// Link indices of the moving joints, in the order of the coordinates: coordinate `i` moves
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
-    /// Link indices of the driven joints, whose motion is prescribed. They stand behind the coordinates where all
-    /// that moves is counted: driven joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
+    /// Link indices of the driven joints. Lists of all moving joints have them after the coordinates: driven
+    /// joint `k` is `Motion::Coordinate(coordinates.len() + k)`.
     pub driven: Vec<usize>,
-    /// The spherical and floating joints, in the order of their coordinates: each stands for several of them.
+    /// Spherical and floating joints in the order of their coordinates; each has several coordinates.
     pub quaternion_joints: Vec<QuaternionJoint>,
-    /// The joints that follow coordinates. They come after those of the coordinates in the order of the
-    /// moving joints.
+    /// Joints that follow coordinates. Lists of all moving joints have them after the coordinates.
     pub followers: Vec<Follower>,
-    /// The inputs u in their order.
+    /// Drives. Those with an input are in the order of the inputs u.
     pub drives: Vec<Drive>,
     /// Forces between two frames.
     pub point_forces: Vec<PointForce>,
-    /// The inputs that are forces at frames; they come after those of the drives.
+    /// Inputs that are forces at frames; they follow the inputs of drives.
     pub force_inputs: Vec<ForceInput>,
     /// Wrenches that are arguments of functions.
     pub wrenches: Vec<Wrench>,
     /// Named frames.
     pub frames: Vec<Frame>,
-    /// Options that the description sets for the generator.
+    /// Described options of the generator.
     pub options: Options,
 }
 
@@ -50,22 +49,22 @@ pub struct Model {
 pub struct Parameter {
     /// A Rust identifier.
     pub name: String,
-    /// The described value.
+    /// Described value.
     pub default: f64,
     /// Unit as text, empty if unknown.
     pub unit: String,
-    /// One line of meaning, may be empty.
+    /// Meaning in one line; may be empty.
     pub description: String,
 }
 
-/// A link and the joint that carries it.
+/// A link with the joint that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Link {
     /// Name in the description.
     pub name: String,
-    /// The joint to the parent; `None` for the base alone.
+    /// Joint to the parent; `None` only for the base.
     pub joint: Option<Joint>,
-    /// Rigid bodies fixed to this link; lumped by the kinematics stage.
+    /// Rigid bodies fixed to this link; the kinematics stage lumps them.
     pub bodies: Vec<Body>,
 }
 
@@ -78,7 +77,7 @@ pub struct Body {
     pub mass: Formula,
     /// Centre of mass in the link's frame (m).
     pub center_of_mass: [Formula; 3],
-    /// Inertia about the centre of mass, axes of the link's frame: xx, xy, xz, yy, yz, zz (kg m²).
+    /// Inertia about the centre of mass in the axes of the link's frame: xx, xy, xz, yy, yz, zz (kg m²).
     pub inertia: [Formula; 6],
 }
 
@@ -94,7 +93,7 @@ impl Model {
         self.parameters.iter().map(|parameter| parameter.default).collect()
     }
 
-    /// Whether a joint follows others, or a drive acts on several coordinates.
+    /// Whether a joint follows others or a drive acts on several coordinates.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
         !self.followers.is_empty() || self.moving_drives().any(|drive| drive.coordinate().is_none())
@@ -106,13 +105,13 @@ impl Model {
         self.coordinates.len() + self.driven.len()
     }
 
-    /// Whether friction or a spring jumps, at a joint or on the shaft of a drive.
+    /// Whether friction or a spring is discontinuous, at a joint or on the shaft of a drive.
     #[must_use]
     pub fn has_dry_friction(&self) -> bool {
         self.moving_joints().iter().any(|moving| moving.joint.jumps()) || self.drives.iter().any(Drive::jumps)
     }
 
-    /// Pairs of coordinates (i, j), sorted: friction at i jumps where velocity j changes its sign.
+    /// Sorted pairs of coordinates (i, j): friction at i is discontinuous at a sign change of velocity j.
     #[must_use]
     pub fn friction_jumps(&self) -> Vec<[usize; 2]> {
         let moving = self.moving_joints();
@@ -142,13 +141,13 @@ impl Model {
         joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
     }
 
-    /// The link that a coordinate moves, a driven one included.
+    /// Link moved by a coordinate, driven ones included.
     #[must_use]
     pub fn link_of(&self, coordinate: usize) -> Option<usize> {
         self.coordinates.iter().chain(&self.driven).nth(coordinate).copied()
     }
 
-    /// All joints that move: those of the coordinates in their order, the driven ones, then those that follow them.
+    /// All moving joints: coordinates in order, driven joints, then followers.
     #[must_use]
     pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
         let links = self.coordinates.iter().chain(&self.driven);
@@ -167,29 +166,29 @@ impl Model {
         own.chain(followers).collect()
     }
 
-    /// The inputs: the drives that move coordinates, then the forces at frames.
+    /// The inputs: drives that move coordinates, then forces at frames.
     pub fn inputs(&self) -> impl Iterator<Item = Actuator<'_>> {
         self.input_drives().map(Actuator::Drive).chain(self.force_inputs.iter().map(Actuator::Force))
     }
 
-    /// The drives that move coordinates, in the order of the inputs.
+    /// Drives that move coordinates, in the order of the inputs.
     pub fn input_drives(&self) -> impl Iterator<Item = &Drive> {
         let drives = self.drives.iter();
         drives.filter(|drive| !drive.acts_on.is_empty() && drive.input != Input::None)
     }
 
-    /// The drives whose rotors move with coordinates, with an input or without.
+    /// Drives whose rotors move with coordinates, with or without an input.
     pub fn moving_drives(&self) -> impl Iterator<Item = &Drive> {
         self.drives.iter().filter(|drive| !drive.acts_on.is_empty())
     }
 
-    /// The drives of held joints whose rotors are parts of their carriers.
+    /// Drives of held joints; their rotors are parts of their carriers.
     pub(crate) fn held_rotors(&self) -> impl Iterator<Item = &Drive> {
         let drives = self.drives.iter();
         drives.filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body)
     }
 
-    /// The drives whose shafts have friction of their own.
+    /// Drives whose shafts have their own friction.
     pub fn rubbing_drives(&self) -> impl Iterator<Item = &Drive> {
         self.drives.iter().filter(|drive| !drive.friction.is_empty())
     }
@@ -200,8 +199,8 @@ impl Model {
         !self.force_inputs.is_empty()
     }
 
-    /// Unit of an input: that of a motor's torque or current; a drive without gear on a prismatic joint is a
-    /// force.
+    /// Unit of an input: that of the motor's torque or current; N for a drive without gear on a prismatic
+    /// joint.
     pub fn input_unit(&self, input: Actuator<'_>) -> &'static str {
         match input {
             Actuator::Drive(drive) => self.drive_unit(drive),
@@ -228,7 +227,7 @@ impl Model {
     }
 }
 
-/// Source of an input's effect.
+/// Source of an input.
 #[derive(Debug, Clone, Copy)]
 pub enum Actuator<'m> {
     /// A drive of joints.
@@ -247,7 +246,7 @@ impl<'m> Actuator<'m> {
         }
     }
 
-    /// The coordinate that it moves, where it moves that one alone.
+    /// The coordinate if the input moves only one.
     #[must_use]
     pub fn coordinate(self) -> Option<usize> {
         match self {
@@ -256,7 +255,7 @@ impl<'m> Actuator<'m> {
         }
     }
 
-    /// The drive, if it is one.
+    /// The drive if the input is one.
     #[must_use]
     pub fn drive(self) -> Option<&'m Drive> {
         match self {
@@ -269,24 +268,24 @@ impl<'m> Actuator<'m> {
 /// A named frame fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Name in the description, to the letter.
+    /// Name exactly as described.
     pub name: String,
     /// The name as a Rust identifier, distinct among the frames: its functions are `frame_<identifier>_…`.
     pub identifier: String,
-    /// Link that carries it.
+    /// Link that carries the frame.
     pub link: usize,
-    /// Its pose in that link's frame.
+    /// Pose of the frame in that link's frame.
     pub pose: Pose,
 }
 
-/// Options that the description sets for the generator.
+/// Described options of the generator.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Options {
     /// Names of the functions to generate; empty means all.
     pub functions: Vec<String>,
-    /// Names of the functions that are also written over several states at once.
+    /// Names of the functions also generated for several states at once.
     pub lanes: Vec<String>,
-    /// Replace exact `sign` by a smooth `tanh` of this slope in generated code.
+    /// Slope of the `tanh` that replaces exact `sign` in generated code.
     pub smooth_sign: Option<f64>,
     /// Runge–Kutta steps in one period of the generated `step`; 1 if absent.
     pub substeps: Option<usize>,

@@ -1,21 +1,22 @@
-//! Torque–speed lines of motors, as limits of inputs and velocities.
+//! Torque–speed lines of motors as joint limits of inputs and velocities.
 
 use super::{Drive, Input, Model};
 
-/// An input that is limited with the velocities, `|u + C ẏ| ≤ limit`, in the unit of the input.
+/// Limit `|u + C ẏ| ≤ limit` of an input and the velocities, in the unit of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitedInput {
-    /// Its index.
+    /// Index of the input.
     pub input: usize,
     /// C, by coordinate.
     pub slopes: Vec<f64>,
-    /// Its limit at rest.
+    /// Limit at rest.
     pub limit: f64,
 }
 
 impl Model {
-    /// The inputs whose motors have a torque–speed line: `|K u + c i wᵀ ẏ| ≤ τ₀` with c = τ₀/ω₀, divided by K, the torque for a
-    /// unit of the input. A line whose ratio needs parameters that are not given is left out; a description has none.
+    /// Limits of inputs whose motors have a torque–speed line: `|K u + c i wᵀ ẏ| ≤ τ₀` with c = τ₀/ω₀,
+    /// divided by the torque K per unit of the input. Lines whose ratio depends on parameters that are not
+    /// given are omitted; descriptions have none.
     ///
     /// - `parameters`: values of the free parameters
     #[must_use]

@@ -62,7 +62,7 @@ pub const NAMES: [&str; 48] = [
     "SUBSTEPS",
 ];
 
-/// All constants, in the order in which a reader asks for them.
+/// All constants in their order in the module.
 pub(super) fn all(model: &Model) -> Vec<Constant> {
     let joints: Vec<&Joint> = model.joints().collect();
     let inputs: Vec<Actuator<'_>> = model.inputs().collect();
@@ -87,12 +87,12 @@ fn hash(model: &Model) -> Constant {
     constant("HASH", summary, ConstantValue::Hash(fnv1a(text.bytes())))
 }
 
-/// The list of a module's functions, for macros that take those that there are.
+/// Constant with the names of a module's functions, for macros that check which functions exist.
 pub(super) fn functions<'a>(names: impl Iterator<Item = &'a str>) -> Constant {
     constant("FUNCTIONS", "Names of the functions.", strings(Dimension::Fixed, names))
 }
 
-/// How often functions over a sample time divide it.
+/// Number of steps of functions over a sample time.
 pub(super) fn substeps(model: &Model) -> Constant {
     let summary =
         "Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.";

@@ -1,6 +1,6 @@
-//! Module: the plain value between derivation and printing.
+//! The module: data between derivation and printing.
 //!
-//! A printer takes a [`Module`] and its own options alone. It asks no [`Model`] and derives nothing.
+//! A printer uses only a [`Module`] and its own options. It needs no [`Model`] and derives nothing.
 
 pub mod constants;
 
@@ -12,60 +12,60 @@ use crate::model::{Model, Parameter};
 use crate::program::cost::Cost;
 use crate::self_test::SelfTest;
 
-/// A robot's module: everything that its text says, in the order of the text.
+/// Module of a robot: all contents of its text in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Module {
     /// Name of the robot.
     pub name: String,
-    /// Paragraphs of the description, may be empty.
+    /// Paragraphs of the description; may be empty.
     pub description: Vec<String>,
-    /// Lines below the description of the robot, for readers of this module.
+    /// Lines added to the documentation of the robot.
     pub remarks: Vec<String>,
-    /// Number of coordinates and of velocities.
+    /// Number of coordinates, which is the number of velocities.
     pub coordinates: usize,
-    /// Number of position entries: more than coordinates where joints have quaternions.
+    /// Number of position entries; joints with quaternions have more of them than velocities.
     pub positions: usize,
     /// Number of inputs.
     pub inputs: usize,
     /// Number of driven coordinates.
     pub driven: usize,
-    /// Number of position entries of each joint; none if the positions are one for each coordinate.
+    /// Number of position entries of each joint; empty without quaternions.
     pub joint_positions: Vec<usize>,
     /// Names, units, limits, drives, gravity.
     pub constants: Vec<Constant>,
-    /// Free parameters, an argument of every function if there are any.
+    /// Free parameters; if there are any, they are an argument of every function.
     pub parameters: Vec<Parameter>,
-    /// Functions with a program of their own, each after the constants that explain it.
+    /// Functions with their own program, each after its constants.
     pub functions: Vec<Function>,
-    /// The constant that functions of several steps read; none without such functions.
+    /// Constant for functions of several steps; `None` without such functions.
     pub substeps: Option<Constant>,
-    /// Functions over a sample time, which call others.
+    /// Functions over a sample time, which call other functions.
     pub compositions: Vec<ComposedFunction>,
-    /// Functions that are also written over eight states at once; each has such a form.
+    /// Functions also written over eight states at once.
     pub lanes: Vec<String>,
-    /// Calls with their results, for a test at the end; none without such a test.
+    /// Calls with results for tests in the module; empty without tests.
     pub self_tests: Vec<SelfTest>,
 }
 
-/// A function that calls another one of its module.
+/// A function that calls another function of its module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComposedFunction {
-    /// Which one.
+    /// Kind of the function.
     pub composition: Composition,
-    /// The equation in Unicode.
+    /// Equation in Unicode.
     pub equation: &'static str,
-    /// It is true if joints have quaternions.
+    /// Whether joints have quaternions.
     pub has_quaternions: bool,
     /// The results of the function.
     pub results: Vec<ComposedResult>,
-    /// Its operations; none if the function that it calls is not in the module.
+    /// Operations; `None` if the module lacks the called function.
     pub cost: Option<Cost>,
-    /// The sentence about the costs in the function's documentation.
+    /// Sentence about the operations in the function's documentation.
     pub cost_text: String,
 }
 
 impl Module {
-    /// The module of a model's functions: straight-line code without remarks, lanes and tests.
+    /// Module of a model's functions: straight-line code without remarks, lanes and tests.
     #[must_use]
     pub fn new(model: &Model, functions: Vec<Function>, compositions: &[Composition]) -> Self {
         let has_substeps = compositions.iter().any(|each| each.has_substeps());
@@ -101,7 +101,7 @@ impl Module {
         self.positions != self.coordinates
     }
 
-    /// Names and operations of all functions, in their order.
+    /// Names and operations of all functions in order.
     #[must_use]
     pub fn costs(&self) -> Vec<(String, Cost)> {
         let functions = self.functions.iter();

@@ -1,4 +1,4 @@
-//! The door for build scripts.
+//! Interface for build scripts.
 
 use std::path::{Path, PathBuf};
 
@@ -11,15 +11,15 @@ use crate::pipeline::{self, GenerateOptions, Generated};
 use gelenk_files::is_same_file;
 
 /// Generates `$OUT_DIR/<name>.rs` from a description, for `build.rs`. The name is the robot's: the key `name`
-/// of a TOML file, or else the file's; in a URDF that of `<robot>`.
+/// of a TOML file or else its file name; the name of `<robot>` in a URDF.
 ///
-/// Where the description is at fault, all its problems are printed and the build script ends with exit code 1. Tells
-/// Cargo to watch every file that was read. The path is relative to the package.
+/// If the description has errors, the build script prints all of them and ends with exit code 1. Cargo watches every
+/// file that was read. The path is relative to the package.
 pub fn build(description: impl AsRef<Path>) {
     Builder::new().description(description).generate();
 }
 
-/// As [`build`], with choices.
+/// [`build`] with options.
 ///
 /// ```no_run
 /// gelenk_codegen::Builder::new()
@@ -38,28 +38,28 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// Without descriptions yet.
+    /// A builder without descriptions.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a description, TOML, URDF or MJCF; its path is relative to the package.
+    /// Adds a TOML, URDF or MJCF description; its path is relative to the package.
     #[must_use]
     pub fn description(mut self, path: impl AsRef<Path>) -> Self {
         self.descriptions.push(path.as_ref().to_owned());
         self
     }
 
-    /// Generates these functions only.
+    /// Generates only these functions.
     #[must_use]
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.functions = names.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Language of the modules. In C each becomes `<name>.h` and `<name>.c`, which a build script can hand to the
-    /// crate `cc`; `include_model!` takes modules in Rust.
+    /// Language of the modules. C modules consist of `<name>.h` and `<name>.c`, which a build script can
+    /// compile with the crate `cc`. `include_model!` requires Rust.
     #[must_use]
     pub fn language(mut self, language: Language) -> Self {
         self.options.emit.language = language;
@@ -73,7 +73,7 @@ impl Builder {
         self
     }
 
-    /// Snaps angles within this distance \[rad\] of a multiple of 90° to it.
+    /// Rounds angles within this distance \[rad\] of a multiple of 90° to it.
     #[must_use]
     pub fn snap_angles(mut self, radians: f64) -> Self {
         self.options.snap_angles = Some(radians);
@@ -87,7 +87,7 @@ impl Builder {
         self
     }
 
-    /// Takes robots whose mass matrix is not positive definite.
+    /// Accepts robots whose mass matrix is not positive definite.
     #[must_use]
     pub fn accept_unphysical(mut self) -> Self {
         self.options.accept_unphysical = true;
@@ -101,24 +101,24 @@ impl Builder {
         self
     }
 
-    /// Lets the base move freely: a floating joint stands between the world and it.
+    /// Makes the base floating: a floating joint connects it to the world.
     #[must_use]
     pub fn floating_base(mut self) -> Self {
         self.options.floating_base = true;
         self
     }
 
-    /// `tanh(slope · v)` for `sign(v)` in friction and springs; the slope is positive.
+    /// Replaces `sign(v)` by `tanh(slope · v)` in friction and springs; the slope must be positive.
     #[must_use]
     pub fn smooth_sign(mut self, slope: f64) -> Self {
         self.options.smooth_sign = Some(slope);
         self
     }
 
-    /// Writes two modules of each description: `<name>`, exact, for plants, and `<name>_control` for
-    /// controllers, with `tanh(slope · v)` for `sign(v)` in friction and springs. Controllers differentiate
-    /// friction, and the derivative of an exact sign is zero; a plant with the smooth law would creep where
-    /// the robot stands still.
+    /// Writes two modules per description: the exact `<name>` for plants, and `<name>_control` for
+    /// controllers, with `tanh(slope · v)` instead of `sign(v)` in friction and springs. Controllers
+    /// differentiate friction, and the derivative of an exact sign is zero. With the smooth law a plant would
+    /// creep at standstill.
     ///
     /// ```no_run
     /// gelenk_codegen::Builder::new().description("robot.toml").control_model(50.0).generate();
@@ -129,24 +129,24 @@ impl Builder {
         self
     }
 
-    /// Writes these functions also over eight states at once; by default what the description says. Names are
-    /// checked as those of [`functions`](Self::functions) are.
+    /// Also writes these functions over eight states at once; by default as described. Names are checked as in
+    /// [`functions`](Self::functions).
     #[must_use]
     pub fn lanes<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.lanes = names.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Contracts products and sums to fused multiply-adds; the modules then compile only with std and for
-    /// processors that have them.
+    /// Contracts products and sums to fused multiply-adds. The modules then compile only with std and for
+    /// processors with these instructions.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {
         self.options.fused_multiply_add = true;
         self
     }
 
-    /// Writes tests at the end of each module: its functions at seeded states, against the values of the
-    /// generator's interpreter. `cargo test` runs them, on the machine that the module is for.
+    /// Adds tests to each module: its functions at seeded states are compared with the generator's
+    /// interpreter. `cargo test` runs them on the target machine.
     #[must_use]
     pub fn self_test(mut self) -> Self {
         self.options.self_test = true;
@@ -161,23 +161,22 @@ impl Builder {
         self
     }
 
-    /// Shows no notes about the descriptions; by default each becomes a warning of Cargo, once: Cargo repeats
-    /// the warnings of a build script for as long as it need not run again, so the next build runs it again,
-    /// to be silent.
+    /// Hides the notes about the descriptions. By default each note becomes a Cargo warning in one build: the next
+    /// build runs the build script again without the warnings, which Cargo would otherwise repeat.
     #[must_use]
     pub fn hide_notes(mut self) -> Self {
         self.hides_notes = true;
         self
     }
 
-    /// Writes into this folder instead of `$OUT_DIR`.
+    /// Writes to this folder instead of `$OUT_DIR`.
     #[must_use]
     pub fn output_folder(mut self, folder: impl AsRef<Path>) -> Self {
         self.folder = Some(folder.as_ref().to_owned());
         self
     }
 
-    /// Generates all descriptions; prints errors and ends the process with exit code 1 if there are any.
+    /// Generates all descriptions. If there are errors, prints them and ends the process with exit code 1.
     pub fn generate(self) {
         if let Err(error) = self.try_generate() {
             eprintln!("{error}");
@@ -185,13 +184,13 @@ impl Builder {
         }
     }
 
-    /// Generates all descriptions and returns the files. Nothing is written unless all of them are right.
+    /// Generates all descriptions and returns the files. If one has errors, nothing is written.
     ///
-    /// In `$OUT_DIR` generated modules that this build script does not write any more are removed: a robot
-    /// that was renamed shall not live on. In another folder they stay.
+    /// Generated modules in `$OUT_DIR` that this build script no longer writes are removed, for example after
+    /// renaming a robot. In other folders they are kept.
     ///
     /// # Errors
-    /// [`BuildError`], with the problems of all descriptions at once.
+    /// [`BuildError`] with the problems of all descriptions.
     pub fn try_generate(mut self) -> Result<Vec<PathBuf>, BuildError> {
         let out_dir = std::env::var_os("OUT_DIR").map(PathBuf::from);
         let folder = self.folder.clone().or_else(|| out_dir.clone());

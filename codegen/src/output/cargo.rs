@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::diagnostic::Diagnostic;
 
-/// The command in the header of generated files: the package whose build script this is.
+/// Command for the header of generated files: names the package of the build script.
 pub(super) fn command() -> String {
     match std::env::var("CARGO_PKG_NAME") {
         Ok(package) => format!("cargo build -p {package}"),

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use crate::emit::{FIRST_LINE, FIRST_LINE_IN_PYTHON, documentation};
 
-/// Whether a file was written by this program.
+/// Whether this program wrote the file.
 #[must_use]
 pub fn is_generated(path: &Path) -> bool {
     [FIRST_LINE, FIRST_LINE_IN_PYTHON].iter().any(|line| begins_with(path, line))
 }
 
-/// Whether a file is the root of a crate of generated modules, as [`root_text`] writes it.
+/// Whether a file is the root of a crate of generated modules, written from [`root_text`].
 #[must_use]
 pub fn is_root(path: &Path) -> bool {
     begins_with(path, ROOT)
@@ -34,10 +34,10 @@ const ROOT: &str = "//! The robots of `models/` as generated Rust: plain functio
     //!\n\
     //! `gelenk generate` writes this crate; `gelenk check` tells whether it is fresh.\n";
 
-/// Generated modules in `folder` whose names are not among `modules`, in alphabetical order.
+/// Generated modules in `folder` whose names are not in `modules`, sorted.
 ///
 /// # Errors
-/// Those of reading the folder; one that does not exist is empty.
+/// Errors of reading the folder; a missing folder counts as empty.
 pub fn left_over(folder: &Path, modules: &[String]) -> io::Result<Vec<PathBuf>> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(vec![]),
@@ -57,7 +57,7 @@ pub fn left_over(folder: &Path, modules: &[String]) -> io::Result<Vec<PathBuf>> 
 /// Name and documentation of each generated module in `folder`.
 ///
 /// # Errors
-/// Those of reading the folder and its files.
+/// Errors of reading the folder and its files.
 pub fn documented(folder: &Path) -> io::Result<Vec<(String, String)>> {
     let paths = left_over(folder, &[])?;
     let entry = |path: &PathBuf| {
@@ -68,8 +68,8 @@ pub fn documented(folder: &Path) -> io::Result<Vec<(String, String)>> {
     paths.iter().map(entry).collect()
 }
 
-/// Text of the crate's root: one public module for each name with its documentation, in alphabetical order.
-/// Of two with one name the first counts.
+/// Text of the crate's root: one public module per name with its documentation, sorted. Of duplicate names
+/// the first is used.
 #[must_use]
 pub fn root_text(modules: &[(String, String)]) -> String {
     let mut modules: Vec<&(String, String)> = modules.iter().collect();

@@ -1,4 +1,4 @@
-//! Stage 6: source files reach the disk, whole or not at all.
+//! Stage 6: writes source files atomically.
 
 mod builder;
 mod cargo;

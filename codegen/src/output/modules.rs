@@ -1,4 +1,4 @@
-//! The modules of a build script.
+//! Modules of a build script.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -7,35 +7,36 @@ use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::Diagnostics;
 use crate::pipeline::Generated;
 
-/// Why a build script could not generate.
+/// Errors of a build script.
 #[derive(Debug)]
 pub enum BuildError {
-    /// No description was given.
+    /// No description is given.
     NothingToDo,
-    /// Neither `OUT_DIR` nor [`Builder::output_folder`](super::Builder::output_folder) says where to write.
+    /// Neither `OUT_DIR` nor [`Builder::output_folder`](super::Builder::output_folder) gives the output
+    /// folder.
     NoFolder,
-    /// Descriptions at fault.
+    /// Descriptions with errors.
     Descriptions(Vec<Diagnostics>),
     /// A file that could not be written.
     Write(WriteError),
-    /// Two descriptions with one name.
+    /// Two descriptions with the same name.
     SameName(String),
 }
 
 impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NothingToDo => f.write_str("no description was given: call `description(\"robot.toml\")`"),
-            Self::NoFolder => {
-                f.write_str("OUT_DIR is not set: call this from build.rs, or `output_folder` before")
-            }
+            Self::NothingToDo => f.write_str("no description is given: call `description(\"robot.toml\")`"),
+            Self::NoFolder => f.write_str(
+                "OUT_DIR is not set: call this function from build.rs, or call `output_folder` first",
+            ),
             Self::Descriptions(all) => {
                 let texts: Vec<String> = all.iter().map(ToString::to_string).collect();
                 f.write_str(&texts.join("\n\n"))
             }
             Self::Write(error) => error.fmt(f),
             Self::SameName(name) => {
-                write!(f, "two descriptions name their robot `{name}`: rename one")
+                write!(f, "two descriptions have the robot name `{name}`: rename one")
             }
         }
     }
@@ -43,13 +44,13 @@ impl fmt::Display for BuildError {
 
 impl std::error::Error for BuildError {}
 
-/// A module and the description that it was generated from.
+/// A module and its description.
 pub(super) struct Robot {
     pub(super) description: PathBuf,
     pub(super) generated: Generated,
 }
 
-/// Writes the modules, all or, where one may not be written, none.
+/// Writes all modules, or none if one must not be written.
 pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
     let read = robots.iter().flat_map(|robot| robot.generated.files.clone());
     let read: Vec<PathBuf> = read.collect();

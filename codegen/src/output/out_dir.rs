@@ -1,5 +1,5 @@
-//! Output of a build script in `$OUT_DIR` for `include_model!`: the modules, their documentation, and a list
-//! of their names.
+//! Output of a build script in `$OUT_DIR` for `include_model!`: modules, their documentation, and a list of
+//! their names.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ const LIST: &str = "gelenk.modules.rs";
 /// Names and descriptions of the modules that this process has written, which may be in several steps.
 static WRITTEN: Mutex<Vec<(String, PathBuf)>> = Mutex::new(Vec::new());
 
-/// The folder for the output of a build script. A module's helpers are called `gelenk.…`, as no robot can be.
+/// Output folder of a build script. Helper files of a module begin with `gelenk.`, which no robot's name can.
 pub(super) struct OutDir {
     folder: PathBuf,
 }
@@ -28,7 +28,7 @@ impl OutDir {
         Self { folder }
     }
 
-    /// Writes modules and their companions; removes the modules of earlier runs.
+    /// Writes modules and their helper files; removes modules of earlier runs.
     pub(super) fn write(&self, robots: &[Robot], hides_notes: bool) -> Result<Vec<PathBuf>, BuildError> {
         let mut written = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         for robot in robots {

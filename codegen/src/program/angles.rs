@@ -1,13 +1,12 @@
-//! Sines and cosines first: angles that are known from the start are turned into them side by side, so that
-//! one call can make several at once.
+//! Moves sines and cosines of known angles to the beginning, so that one call can compute several.
 
 use super::flow::operands;
 use super::{Operand, Operation, Output, Program};
 
-/// Moves each `SinCos` whose angle needs no other function to the front, angles of one array in their order,
-/// and with it what the angle is computed from. No operation changes, so that every bit stays.
+/// Moves each `SinCos` whose angle depends on no other function to the front, together with the computation
+/// of the angle. Angles of one array keep their order. Operations do not change, so the bits are the same.
 ///
-/// Afterwards these instructions stand together, each followed by its cosine if there is one.
+/// Afterwards these instructions are adjacent, each followed by its cosine if there is one.
 pub(super) fn angles_first(program: Program) -> Program {
     let early = early_angles(&program);
     let mut is_moved = vec![false; program.instructions.len()];
@@ -78,7 +77,7 @@ fn read_values(program: &Program, index: usize) -> Vec<(usize, bool)> {
         .collect()
 }
 
-/// The program with its instructions in this order, a permutation that keeps operands before their users.
+/// The program with its instructions in this order; operands must precede their users.
 pub(super) fn reordered(program: Program, order: &[usize]) -> Program {
     let mut place = vec![0; order.len()];
     for (new, &old) in order.iter().enumerate() {

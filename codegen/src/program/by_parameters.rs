@@ -5,10 +5,10 @@ use crate::graph::{Graph, Scalar, differentiate};
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
 
-/// The program that computes the derivatives of all results by the parameters: for each result a matrix with a row for
-/// each of its entries, rows first, and a column for each parameter.
+/// Program for the derivatives of all results by the parameters. Each result becomes a matrix with a row per
+/// entry (row-major) and a column per parameter.
 ///
-/// `sign` has the derivative zero, as everywhere.
+/// The derivative of `sign` is 0.
 #[must_use]
 pub fn by_parameters(program: &Program, parameters: usize) -> Program {
     let graph = Graph::new();

@@ -7,9 +7,9 @@ use gelenk_formula::Function;
 
 /// Operation counts of a program.
 ///
-/// A subtraction is an addition; `x * x` and `2 * x` are one multiplication each; a fused multiply-add is one
-/// of both; a negation is nothing. Absolute value and sign stand apart: they are a bit mask and a comparison,
-/// no call.
+/// A subtraction counts as an addition; `x * x` and `2 * x` as one multiplication; a fused multiply-add as
+/// one of both; a negation as nothing. Absolute value and sign are counted separately: they are a bit mask
+/// and a comparison, not calls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// Multiplications.
@@ -18,11 +18,11 @@ pub struct Cost {
     pub additions: usize,
     /// Divisions.
     pub divisions: usize,
-    /// Calls that make sine and cosine of one angle together.
+    /// Calls that compute sine and cosine of one angle.
     pub sin_cos: usize,
-    /// Calls of other functions: a sine or a cosine alone, tanh, exp, square roots.
+    /// Calls of other functions: single sine or cosine, tanh, exp, square root.
     pub other_calls: usize,
-    /// Selections: absolute values and signs.
+    /// Absolute values and signs.
     pub selections: usize,
 }
 
@@ -87,7 +87,7 @@ impl fmt::Display for Cost {
     }
 }
 
-/// Counts the operations of `program`, dead ones included.
+/// Counts the operations of `program`, including unused ones.
 #[must_use]
 pub fn count(program: &Program) -> Cost {
     let mut cost = Cost::default();

@@ -1,18 +1,17 @@
-//! A program with its abbreviations, for people: as text and as LaTeX.
+//! Programs with intermediate values for people, as text and as LaTeX.
 //!
-//! Each value stands on its own line as an equation; letters named in words become Greek, numbers at the end
-//! of a name become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1, as in
-//! papers.
+//! Each value is an equation on its own line. Names of Greek letters become letters, digits at the end of a
+//! name become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1.
 
 use super::flow::Flow;
 use super::letters::greek_letter;
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Names that a program refers to by number.
+/// Names for indices of a program.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Notation {
-    /// Names of all free parameters that the program refers to.
+    /// Names of all free parameters of the program.
     pub parameters: Vec<String>,
 }
 
@@ -40,27 +39,27 @@ pub fn latex(program: &Program, notation: &Notation) -> String {
     format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n", lines.join(" \\\\\n"))
 }
 
-/// A program in LaTeX, equation by equation: left-hand and right-hand sides.
+/// A program as LaTeX equations, each with left-hand and right-hand side.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexEquations {
-    /// The equations of the intermediate values.
+    /// Equations of the intermediate values.
     pub abbreviations: Vec<(String, String)>,
-    /// The results, made of abbreviations.
+    /// Results in terms of intermediate values.
     pub results: Vec<LatexResult>,
 }
 
 /// A result in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexResult {
-    /// Its symbol.
+    /// Symbol.
     pub name: String,
-    /// Its entries by row; one entry of a scalar.
+    /// Entries by row; one entry for a scalar.
     pub rows: Vec<Vec<String>>,
     is_scalar: bool,
 }
 
 impl LatexResult {
-    /// The entry of a scalar, or a matrix.
+    /// The entry of a scalar, or the matrix.
     #[must_use]
     pub fn value(&self) -> String {
         if self.is_scalar {
@@ -71,7 +70,7 @@ impl LatexResult {
     }
 }
 
-/// The program as single equations of LaTeX, for pages that place each one.
+/// The program as separate LaTeX equations, for pages.
 #[must_use]
 pub fn latex_equations(program: &Program, notation: &Notation) -> LatexEquations {
     let printer = Printer { program, notation, style: Style::Latex };
@@ -250,7 +249,7 @@ fn text_letters(name: &str) -> String {
     }
 }
 
-/// A name as letters of LaTeX.
+/// Converts a name to LaTeX letters.
 pub(crate) fn latex_letters(name: &str) -> String {
     match stem_and_index(name) {
         ("", _) => name.to_owned(),
@@ -274,7 +273,7 @@ fn text_number(number: f64) -> String {
     }
 }
 
-/// A number in LaTeX for people, to 12 digits: 0.214 for 0.21400000000000002.
+/// A number in LaTeX with 12 digits: 0.214 for 0.21400000000000002.
 pub(crate) fn latex_number(number: f64) -> String {
     match digits_and_exponent(format!("{number:.11e}").parse().unwrap_or(number)) {
         (digits, None) => digits,

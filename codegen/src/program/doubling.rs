@@ -1,13 +1,13 @@
-//! `x + x` instead of `2 · x`, where that evens out the kinds of operations.
+//! Replaces `2 · x` by `x + x` to balance multiplications and additions.
 
 use super::cost::count;
 use super::{Operand, Operation, Program};
 
-/// Replaces doublings by additions as long as the program multiplies a quarter more often than it adds: the
-/// bits are the same, an addition costs at most what a multiplication does, and processors with a unit for
-/// each wait less for the multiplier. Where the two are almost even nothing is gained.
+/// Replaces doublings by additions while the program has over a quarter more multiplications than additions.
+/// The bits are the same. An addition costs no more than a multiplication, and a processor with separate
+/// units waits less for its multiplier.
 ///
-/// A doubling that a sum reads stays, because it may be fused with the sum.
+/// A doubling that is a term of a sum is kept, because it may be fused with the sum.
 pub(super) fn add_instead_of_doubling(program: &mut Program) {
     let cost = count(program);
     // Each change takes 9 from 4·multiplications − 5·additions.

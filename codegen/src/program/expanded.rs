@@ -1,11 +1,12 @@
-//! Programs without abbreviations: each entry of a result as one sum, for people.
+//! Programs without intermediate values: each entry of a result as one sum, for people.
 //!
-//! A value is a sum of terms `c · a₁^p₁ a₂^p₂ … · cos(n·y)` or `… · sin(n·y)`, with integer multiples n of the positions y.
-//! Products of sines and cosines become sums of them, so that equal terms meet and `sin² + cos²` is 1. The factors a are
-//! positions outside of angles, velocities, parameters, and calls of functions, for example `tanh(20 ẏ₁)`.
+//! A value is a sum of terms `c · a₁^p₁ a₂^p₂ … · cos(n·y)` or `… · sin(n·y)` with integer multiples n of the
+//! positions y. Products of sines and cosines are converted to sums, so equal terms combine and `sin² + cos²`
+//! becomes 1. The factors a are positions outside of angles, velocities, parameters, and function calls such
+//! as `tanh(20 ẏ₁)`.
 //!
-//! A coefficient is accompanied by the sum of the magnitudes that it was added from. It is printed with the digits that
-//! rounding left, and dropped if none is left.
+//! Each coefficient has the sum of the magnitudes of its terms. It is printed with the digits that are not
+//! rounding, and dropped if there are none.
 
 use std::collections::BTreeMap;
 
@@ -25,12 +26,12 @@ const DIGITS: i32 = 12;
 pub struct ExpandedEntry {
     /// Symbol with its indices from 1: `M_{1,2}`.
     pub name: String,
-    /// The sum.
+    /// Sum of the entry in LaTeX.
     pub value: String,
 }
 
-/// The entries of all results, rows first; of a symmetric matrix the upper half, because the lower one repeats it. `None` if a
-/// value has more than 1000 terms.
+/// Entries of all results, row-major; the upper half of a symmetric matrix. `None` if a value has more than
+/// 1000 terms.
 #[must_use]
 pub fn expanded(program: &Program, notation: &Notation, is_symmetric: bool) -> Option<Vec<ExpandedEntry>> {
     let mut expansion = Expansion { program, notation, factors: Vec::new(), values: Vec::new() };

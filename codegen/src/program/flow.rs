@@ -1,15 +1,15 @@
-//! Which values of a program are read, and where they are made.
+//! Data flow of a program: values that are used, and instructions that compute them.
 
 use super::{Operand, Operation, Program};
 
-/// Facts about the values of a program.
+/// Data flow of a program's values.
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
-    /// It is true for each value that a result depends on and reads by name.
+    /// Whether each value is used by name and a result depends on it.
     pub(crate) is_read: Vec<bool>,
-    /// For a `SinCos`: the value that stands for its cosine, if that is read.
+    /// For a `SinCos` the value of its cosine, if used.
     pub(crate) cosine: Vec<Option<usize>>,
-    /// Index of the instruction whose statement makes the value: for a cosine that of its `SinCos`.
+    /// Index of the instruction that computes the value; for a cosine that of its `SinCos`.
     pub(crate) made_at: Vec<usize>,
 }
 
@@ -54,14 +54,14 @@ impl Flow {
         self.is_read[index] || self.cosine[index].is_some()
     }
 
-    /// The value that stands for `index`: a second cosine of a pair is the first one.
+    /// First value equal to `index`: repeated cosines of a pair are the same value.
     pub(crate) fn canonical(&self, index: usize) -> usize {
         let pair = self.made_at[index];
         if pair == index { index } else { self.cosine.get(pair).copied().flatten().unwrap_or(index) }
     }
 }
 
-/// The operands that an operation reads. The pair of a `CosineOf` is none of them.
+/// Operands of an operation, without the pair of a `CosineOf`.
 pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
     let operands = match operation {
         Operation::Add(a, b)

@@ -1,8 +1,8 @@
-//! Contraction of products and sums into fused multiply-adds, on request: fewer instructions, other bits.
+//! Optional contraction of products and sums to fused multiply-adds: fewer instructions, different bits.
 //!
-//! Decided here, not by a compiler, so that interpreter and compiled function still agree bit for bit. Each
-//! fused operation saves one rounding: a result differs from the unfused one by roundings of the replaced
-//! products alone.
+//! The contraction is done here and not by a compiler, so interpreter and compiled function agree bit for
+//! bit. Each fused operation saves one rounding; results differ from the unfused ones only by roundings of
+//! the replaced products.
 
 use std::collections::BTreeSet;
 
@@ -10,10 +10,11 @@ use super::flow::operands;
 use super::{Instruction, Operand, Operation, Output, Program};
 use crate::distinct::Distinct;
 
-/// Replaces each product all of whose readers are sums and differences by `a · b + c` in these, rounded once.
+/// Replaces each product whose only users are sums and differences by `a · b + c` in these, with one
+/// rounding.
 ///
-/// Of two products in one sum the one that is known later is fused, which shortens the longest chain. A
-/// product that is read elsewhere too stays: fusing it would not save its multiplication.
+/// Of two products in one sum the later one is fused, which shortens the longest chain. A product with other
+/// users is kept, because fusing would not save its multiplication.
 #[must_use]
 pub fn fuse_multiply_adds(program: &Program) -> Program {
     let fused = choose(program);

@@ -1,7 +1,7 @@
-//! Runs a program without a compiler: the oracle that the emitted code is compared with, bit for bit.
+//! Interpreter of programs: the reference for emitted code, bit for bit.
 //!
-//! Interpreter and compiled function do the same operations in the same order with the same [`Functions`];
-//! each is rounded once, so that they agree in every bit. Only the sign and payload of a NaN are left open by
+//! Interpreter and compiled function do the same operations in the same order with the same [`Functions`],
+//! and each operation is rounded once, so all bits agree. Only sign and payload of a NaN are not specified by
 //! IEEE 754.
 
 use core::fmt;
@@ -10,7 +10,7 @@ use super::{Operand, Operation, Program};
 use gelenk_formula::Function;
 use gelenk_kernels::math;
 
-/// The functions of one argument that programs call.
+/// Functions of one argument that programs call.
 #[derive(Debug, Clone, Copy)]
 pub struct Functions {
     /// Sine and cosine of an angle in radians.
@@ -22,22 +22,22 @@ pub struct Functions {
 }
 
 impl Functions {
-    /// Our own, the same on every platform, as emitted by default.
+    /// Our own functions, the default of emitted code; the same on every platform.
     pub const EMBEDDED: Self = Self { sin_cos: math::sin_cos, tanh: math::tanh, exp: math::exp };
 
-    /// The methods of std, as emitted with [`crate::emit::Math::Std`].
+    /// Functions of std, used by [`crate::emit::Math::Std`].
     #[expect(clippy::disallowed_methods, reason = "a module with the functions of std computes these")]
     pub const STD: Self = Self { sin_cos: f64::sin_cos, tanh: f64::tanh, exp: f64::exp };
 }
 
-/// Why a program could not be run.
+/// Errors of running a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InterpretError {
-    /// The number of input arrays differs: expected, given.
+    /// Wrong number of input arrays: expected, given.
     InputCount(usize, usize),
-    /// An input array has the wrong length: its name, expected, given.
+    /// Wrong length of an input array: name, expected, given.
     InputLength(String, usize, usize),
-    /// The operation at this instruction reads what does not exist: a later value, an entry or parameter out
+    /// The operation at this instruction has an invalid operand: a later value, or an entry or parameter out
     /// of range.
     Operand(usize),
 }
@@ -46,10 +46,10 @@ impl fmt::Display for InterpretError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::InputCount(expected, given) => {
-                write!(f, "the program takes {expected} input arrays, given {given}")
+                write!(f, "the program takes {expected} input arrays, but {given} are given")
             }
             Self::InputLength(name, expected, given) => {
-                write!(f, "input `{name}` has {expected} entries, given {given}")
+                write!(f, "input `{name}` has {expected} entries, but {given} are given")
             }
             Self::Operand(index) => {
                 write!(f, "instruction {index} reads a value that does not exist")
@@ -60,7 +60,7 @@ impl fmt::Display for InterpretError {
 
 impl core::error::Error for InterpretError {}
 
-/// Evaluates `program`; each result is returned flat, rows first.
+/// Evaluates `program`; each result is flat and row-major.
 ///
 /// # Errors
 /// [`InterpretError`] if inputs do not fit the program or an operand does not exist.

@@ -1,4 +1,4 @@
-//! How a function is divided for lanes: its angles, then runs of statements without sines and cosines.
+//! Division of a function for lanes: its angles, then runs of statements without sines and cosines.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -7,23 +7,23 @@ use super::flow::{Flow, operands};
 use super::split::{self, Part};
 use super::{Operand, Operation, Program};
 
-/// The plan of a function over lanes: the parts that stand apart.
+/// Division of a function over lanes into separate parts.
 pub(crate) struct Plan {
-    /// Instructions of the angles: their operands, and each `SinCos`.
+    /// Instructions of the angles, including each `SinCos`.
     pub(crate) angles: Vec<usize>,
-    /// The `SinCos` among them.
+    /// Each `SinCos` of the angles.
     pub(crate) pairs: Vec<usize>,
-    /// It is true for each instruction that stands in a part: not for sines and cosines, nor for what only
-    /// they need.
+    /// Whether each instruction is in a part; sines and cosines, and values used only by them, are not.
     pub(crate) is_in_part: Vec<bool>,
-    /// The rest, in order.
+    /// The other instructions in order.
     pub(crate) parts: Vec<Part>,
 }
 
 impl Plan {
-    /// `None` if a sine is needed of what is itself computed from a sine or another function.
+    /// Divides a program; `None` if it contains the sine of a value that depends on a sine or another
+    /// function.
     ///
-    /// - `longest`: statements of a part
+    /// - `longest`: largest number of statements of a part
     pub(crate) fn new(program: &Program, flow: &Flow, longest: usize) -> Option<Self> {
         let made = || (0..program.instructions.len()).filter(|&index| flow.is_made(index));
         let pairs: Vec<usize> = made().filter(|&index| is_pair(program, index)).collect();
@@ -47,17 +47,17 @@ impl Plan {
     }
 }
 
-/// Why a program cannot be written over lanes, or need not be.
+/// Reason why a program has no form over lanes.
 pub(crate) fn obstacle(program: &Program) -> Option<&'static str> {
     if program.inputs.iter().all(|input| input.extent.len == 0) {
-        return Some("it takes no state: its result is the same for all");
+        return Some("it has no argument, so its result is the same for all states");
     }
     if program.entries().next().is_none() {
         return Some("its result has no entries");
     }
     match Plan::new(program, &Flow::new(program), usize::MAX) {
         Some(_) => None,
-        None => Some("it takes the sine of an expression of another sine"),
+        None => Some("it contains the sine of an expression of another sine"),
     }
 }
 

@@ -38,12 +38,12 @@ const GREEK: [(char, &str); 34] = [
     ('Ω', "Omega"),
 ];
 
-/// The name of a Greek letter.
+/// Name of a Greek letter.
 pub(crate) fn greek_name(letter: char) -> Option<&'static str> {
     GREEK.iter().find(|(greek, _)| *greek == letter).map(|&(_, word)| word)
 }
 
-/// The Greek letter of a name.
+/// Greek letter with this name.
 pub(crate) fn greek_letter(name: &str) -> Option<char> {
     GREEK.iter().find(|(_, word)| *word == name).map(|&(letter, _)| letter)
 }

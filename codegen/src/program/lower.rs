@@ -1,8 +1,8 @@
-//! From results in a graph to a straight-line program: order, signs and names.
+//! Conversion of graph results to a straight-line program: order, signs and names.
 //!
-//! Afterwards every value is defined once, before its first use, under a unique name; nothing is computed
-//! that no result needs; negations stand only where neither a subtraction nor the sign of a product could
-//! take them; sines and cosines are made together.
+//! Afterwards every value is defined once, before its first use and with a unique name. Unused values are not
+//! computed. Negations remain only if no subtraction or sign of a product can replace them. Sine and cosine
+//! of an angle are computed together.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use crate::graph::{Edge, Graph, Node, balanced};
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
 
-/// A result of a function: its name, shape and entries in the graph, rows first.
+/// A result of a function: name, shape, and entries in the graph, row-major.
 #[derive(Debug, Clone)]
 pub struct GraphOutput {
     /// Name for documentation.
@@ -31,12 +31,13 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
     lowered(graph, inputs, outputs, |results| results.to_vec())
 }
 
-/// The same for a tree with several branches.
+/// [`lower`] for a tree with several branches.
 ///
-/// Where it has many values its results are computed from the last velocity to the first. A leaf of the tree needs its own
-/// branch alone, so that what concerns a branch stands together, and values are read while registers hold them: Jacobians of
-/// a quadruped's inverse dynamics take 0.8 of the time, M and the inverse dynamics of a humanoid 0.7 to 0.8. Where there are
-/// divisions, as in forward dynamics, each value waits for the one before, and branches side by side fill the time.
+/// If there are many values, results are computed from the last velocity to the first. A leaf of the tree
+/// depends only on its own branch, so values of a branch are computed together and used while they are in
+/// registers: Jacobians of a quadruped's inverse dynamics take 0.8 of the time, M and the inverse dynamics of
+/// a humanoid 0.7 to 0.8. With divisions, as in forward dynamics, each value waits for the previous one, and
+/// branches in parallel fill the time.
 pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| {
         let reachable = graph.reachable(results);
@@ -48,7 +49,7 @@ pub fn lower_branches(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOu
     })
 }
 
-/// The same with its results computed from the last velocity to the first, whatever they are made of.
+/// [`lower`] with results computed from the last velocity to the first.
 pub fn lower_from_leaves(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| from_leaves(outputs, results))
 }
@@ -103,7 +104,7 @@ fn last_velocity(shape: Shape, entry: usize) -> usize {
     }
 }
 
-/// Makes names unique; values without a label are numbered.
+/// Makes names unique; values without a label get numbers.
 pub(super) fn give_names(program: &mut Program) {
     let inputs = program.inputs.iter().map(|input| input.name.clone());
     let mut taken: Distinct = inputs.chain(["p".to_owned()]).collect();

@@ -1,7 +1,7 @@
 //! Stage 4: a straight-line program, the last form before text.
 //!
-//! One instruction defines one value from earlier values, inputs, parameters or constants. What is decided
-//! here (names, order, signs, fused operations) is final: the emitter only prints.
+//! Each instruction defines one value from earlier values, inputs, parameters or constants. Names, order,
+//! signs and fused operations are final: the emitter only prints.
 
 mod angles;
 pub mod arrays;

@@ -10,7 +10,7 @@ pub struct Program {
     pub inputs: Vec<InputArray>,
     /// Instructions in execution order; instruction `k` defines value `k`.
     pub instructions: Vec<Instruction>,
-    /// Results in their order.
+    /// Results in order.
     pub outputs: Vec<Output>,
 }
 
@@ -22,13 +22,13 @@ pub struct Program {
 const LARGEST_RETURNED: usize = 16;
 
 impl Program {
-    /// The entries of all results.
+    /// Entries of all results.
     pub(crate) fn entries(&self) -> impl Iterator<Item = Operand> {
         let outputs = self.outputs.iter();
         outputs.flat_map(|output| output.entries.iter().copied())
     }
 
-    /// A program with the same inputs and shapes of results, and nothing in between.
+    /// A program with the same inputs and result shapes, but without instructions.
     pub(crate) fn face(&self) -> Self {
         let outputs = self.outputs.iter().map(|output| Output {
             entries: vec![Operand::Constant(0.0); output.entries.len()],
@@ -37,7 +37,7 @@ impl Program {
         Self { inputs: self.inputs.clone(), instructions: Vec::new(), outputs: outputs.collect() }
     }
 
-    /// Whether the results are better written in place than returned.
+    /// Whether results are written in place, which is faster for large results.
     pub(crate) fn has_large_results(&self) -> bool {
         self.entries().count() > LARGEST_RETURNED
     }
@@ -48,7 +48,7 @@ impl Program {
 pub struct InputArray {
     /// Argument name: `y`, `v`, `a`, `u`, …
     pub name: String,
-    /// The meaning of the entries, and their number.
+    /// Meaning and number of the entries.
     pub extent: Extent,
 }
 
@@ -64,17 +64,17 @@ pub struct Instruction {
 /// An operand of an operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Operand {
-    /// Value of an earlier instruction.
+    /// Value of an earlier instruction, by index.
     Value(usize),
-    /// Entry of an input array: array, index.
+    /// Entry of an input array: index of the array, index of the entry.
     Input(usize, usize),
-    /// A free parameter: index into `Model::parameters`.
+    /// Free parameter: index in `Model::parameters`.
     Parameter(usize),
     /// A finite number.
     Constant(f64),
 }
 
-/// One operation; in f64 or f32 arithmetic, rounded once each.
+/// An operation in f64 or f32 arithmetic with one rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Operation {
     /// `a + b`
@@ -87,18 +87,18 @@ pub enum Operation {
     Divide(Operand, Operand),
     /// `-a`
     Negate(Operand),
-    /// `a * b + c`, rounded once (opt-in).
+    /// `a * b + c` with one rounding (opt-in).
     MultiplyAdd(Operand, Operand, Operand),
-    /// `sin a`, with `cos a` as [`Operation::CosineOf`] of this value: one call makes both.
+    /// `sin a`; its cosine is [`Operation::CosineOf`] of this value. One call computes both.
     SinCos(Operand),
-    /// The cosine that the [`Operation::SinCos`] at this index made.
+    /// The cosine computed by the [`Operation::SinCos`] at this index.
     CosineOf(usize),
     /// `f(a)`
     Call(Function, Operand),
 }
 
 impl Operation {
-    /// The same operation on other operands; the pair of a `CosineOf` stays.
+    /// The same operation with other operands; the pair of a `CosineOf` is kept.
     pub(crate) fn map(self, mut change: impl FnMut(Operand) -> Operand) -> Self {
         match self {
             Self::Add(a, b) => Self::Add(change(a), change(b)),
@@ -140,7 +140,8 @@ impl Shape {
     /// The shape with these dimensions and lengths, rows first.
     ///
     /// # Panics
-    /// If there are not as many lengths as dimensions, or more than two: a row of the catalogue is at fault.
+    /// If the number of lengths differs from the number of dimensions or exceeds two, which is an error in a
+    /// row of the catalogue.
     #[must_use]
     pub fn new(dimensions: &[Dimension], lengths: &[usize]) -> Self {
         match (dimensions, lengths) {
@@ -153,7 +154,7 @@ impl Shape {
         }
     }
 
-    /// Its extents, rows first.
+    /// Lengths, rows first.
     #[must_use]
     pub fn extents(self) -> Vec<Extent> {
         match self {

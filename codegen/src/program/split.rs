@@ -1,8 +1,8 @@
-//! Splits a long program into parts, since the time that compilers need grows faster than the length of a
-//! function.
+//! Division of long programs into parts, because compile time grows faster than the length of a function.
 //!
-//! Parts follow one another in the order of the program; no operation moves, so that every bit of the results
-//! stays. Each can become a function that takes the values it reads and returns those that are read later.
+//! Parts follow one another in the order of the program. No operation moves, so all bits of the results are
+//! kept. Each part can become a function whose arguments are the values that it uses and whose results are
+//! the values used later.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -10,28 +10,27 @@ use std::ops::Range;
 use super::flow::{Flow, operands};
 use super::{Operand, Program};
 
-/// A run of instructions and the values that it exchanges with the others.
+/// A run of instructions, and the values it exchanges with others.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// Where it lies in the program.
+    /// Range of the part in the program.
     pub(crate) range: Range<usize>,
-    /// Values made before that it reads.
+    /// Earlier values that it uses.
     pub(crate) takes: Vec<usize>,
-    /// Values that it computes for later parts, or the results if it does not write them.
+    /// Values for later parts; also results, unless the part writes them.
     pub(crate) returns: Vec<usize>,
-    /// Input arrays that it reads.
+    /// Input arrays that it uses.
     pub(crate) inputs: Vec<usize>,
-    /// It is true if the part reads parameters.
+    /// Whether the part uses parameters.
     pub(crate) reads_parameters: bool,
-    /// Results that it writes, and which of their entries; none if the results are written after all
-    /// parts.
+    /// Results that it writes, with the entries; empty if results are written after all parts.
     pub(crate) results: Vec<(usize, Vec<usize>)>,
 }
 
 impl Part {
-    /// A run that reads these operands, so far without results.
+    /// A run with these operands, without results.
     ///
-    /// - `is_own`: whether a value is made here
+    /// - `is_own`: whether the part computes a value
     pub(super) fn new(
         range: Range<usize>,
         read: impl IntoIterator<Item = Operand>,
@@ -51,7 +50,7 @@ impl Part {
     }
 }
 
-/// The parts of a program: one, unless it has more than `longest` statements.
+/// Parts of a program; one if it has at most `longest` statements.
 pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part> {
     let cuts = cuts(program, flow, longest.max(1));
     let parts = cuts.windows(2).map(|cut| {
@@ -67,7 +66,7 @@ pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part>
     parts
 }
 
-/// Sets the results of each part: its own values that later parts take, or that are `read_later`.
+/// Sets the results of each part: its values that later parts or `read_later` use.
 pub(super) fn hand_on(
     parts: &mut [Part],
     mut read_later: BTreeSet<usize>,
@@ -88,12 +87,12 @@ fn values(operands: impl Iterator<Item = Operand>, flow: &Flow) -> BTreeSet<usiz
     operands.filter_map(value).collect()
 }
 
-/// The values that a run of instructions reads.
+/// Values used by a run of instructions.
 pub(crate) struct Reads {
     values: BTreeSet<usize>,
     /// Input arrays.
     pub(crate) inputs: Vec<usize>,
-    /// It is true if there are parameters among them.
+    /// Whether parameters are used.
     pub(crate) parameters: bool,
 }
 
@@ -158,7 +157,7 @@ fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
     running.take(len + 1).collect()
 }
 
-/// The largest number of values that are alive at once; results are alive to the end.
+/// Largest number of values that are alive at once; results are alive to the end.
 pub(crate) fn most_alive(program: &Program, flow: &Flow) -> usize {
     alive_before(program, flow).into_iter().max().unwrap_or(0)
 }

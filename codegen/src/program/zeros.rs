@@ -1,8 +1,8 @@
-//! Which values are zero in every state.
+//! Values that are zero in every state.
 
 use super::{Operand, Operation, Program};
 
-/// Tells for each entry of each output whether it is not zero in every state.
+/// For each entry of each output, whether it is non-zero in some state.
 pub fn nonzero_entries(program: &Program) -> Vec<Vec<bool>> {
     let mut is_zero: Vec<bool> = Vec::with_capacity(program.instructions.len());
     for instruction in &program.instructions {

@@ -1,27 +1,26 @@
-//! Joints with several degrees of freedom: each stands for a chain of joints with links of their own between them, which
-//! have no mass.
+//! Joints with several degrees of freedom, read as a chain of joints with massless links between them.
 
 use crate::description::{DriveChoice, JointDescription, Name, PartOf};
 use crate::diagnostic::At;
 use crate::model::{JointKind, Pose, QuaternionKind};
 
-/// A joint that is read as several.
+/// A joint that is read as several joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Composite {
-    /// It turns about its axis and slides along it.
+    /// Rotation about the axis and translation along it.
     Cylindrical,
-    /// It turns about the x axis of its frame, then about the y axis.
+    /// Rotation about the x axis of its frame, then about the y axis.
     Universal,
-    /// It slides along two directions of a plane, then turns about its normal.
+    /// Translation along two directions of a plane, then rotation about its normal.
     Planar,
-    /// Its attitude is a quaternion; its parts are the velocities in the body's own frame.
+    /// A joint with a quaternion; its parts are the velocities in the body's own frame.
     Quaternion(QuaternionKind),
 }
 
-/// One of the joints.
+/// A part of such a joint.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// Suffix of the part's name after the joint's name, and key of its values.
+    /// Suffix of the part's name, and key of its values.
     pub name: &'static str,
     pub kind: JointKind,
     axis: PartAxis,
@@ -69,7 +68,7 @@ impl Composite {
     /// A floating joint.
     pub const FLOATING: Self = Self::Quaternion(QuaternionKind::Floating);
 
-    /// The type of the joint with a quaternion, if it is one.
+    /// Type of the joint with a quaternion, if it is one.
     pub fn quaternion(self) -> Option<QuaternionKind> {
         match self {
             Self::Quaternion(kind) => Some(kind),
@@ -77,7 +76,7 @@ impl Composite {
         }
     }
 
-    /// The composite joint of a type's name.
+    /// Composite joint with this type name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|composite| composite.name() == name)
     }
@@ -91,7 +90,7 @@ impl Composite {
         }
     }
 
-    /// Its joints, from the base outwards.
+    /// Parts from the base outwards.
     pub fn parts(self) -> &'static [Part] {
         match self {
             Self::Cylindrical => CYLINDRICAL,
@@ -102,14 +101,14 @@ impl Composite {
         }
     }
 
-    /// The names of its parts, for messages.
+    /// Names of the parts, for messages.
     pub fn listed(self) -> String {
         let names: Vec<String> = self.parts().iter().map(|part| format!("`{}`", part.name)).collect();
         names.join(", ")
     }
 }
 
-/// Where a composite joint stands.
+/// Pose and links of a composite joint.
 #[derive(Debug)]
 pub(crate) struct Place {
     pub parent: Option<Name>,
@@ -118,9 +117,9 @@ pub(crate) struct Place {
     pub axis: [f64; 3],
 }
 
-/// The joints of a composite one: the first stands at its place, the last carries its link.
+/// The chain of joints of a composite joint. The first has its pose, the last carries its link.
 ///
-/// - `values`: a part's joint with this name, with its limits, drive, friction and spring
+/// - `values`: returns the joint of a part by name, with limits, drive, friction and spring
 pub(crate) fn expand(
     composite: Composite,
     name: &Name,

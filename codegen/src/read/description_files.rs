@@ -1,4 +1,4 @@
-//! The files of a description, each read from the disk once.
+//! Files of a description, each read from the disk once.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -11,8 +11,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 /// Larger files are refused [bytes].
 const LARGEST: u64 = 256 << 20;
 
-/// A description and the files that it extends, as they were when each was first needed: however often it is
-/// interpreted, with whatever options, the robot is that of one reading.
+/// A description and the files that it extends, with their contents at the first reading. Repeated
+/// interpretation with any options uses the same contents.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DescriptionFiles {
     /// Path and content of each file, the description first.
@@ -21,40 +21,41 @@ pub struct DescriptionFiles {
 }
 
 impl DescriptionFiles {
-    /// The files of the description at `path`; nothing is read yet.
+    /// Files of the description at `path`; nothing is read yet.
     pub fn of(path: &Path) -> Self {
         Self { files: Vec::new(), description: path.to_owned() }
     }
 
-    /// The files that were read, with their content: the description, and files that it extends or includes.
+    /// Files that were read, with contents: the description, and files that it extends or includes.
     pub fn contents(&self) -> impl Iterator<Item = (&Path, &[u8])> {
         self.files.iter().map(|(path, content)| (path.as_path(), content.as_slice()))
     }
 
-    /// Whether the description is XML, by its name, else by its content.
+    /// Whether the description is XML, from its file name or else its content.
     ///
     /// # Errors
-    /// The file cannot be read, or is not a description.
+    /// The file cannot be read or is not a description.
     pub fn is_xml(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
         Ok(is_xml(&name, &text))
     }
 
-    /// Whether the description is a model of MuJoCo.
+    /// Whether the description is an MJCF.
     ///
     /// # Errors
-    /// The file cannot be read, or is not a description.
+    /// The file cannot be read or is not a description.
     pub fn is_mjcf(&mut self) -> Result<bool, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
         Ok(is_xml(&name, &text) && file_kind::is_mjcf(&text))
     }
 
-    /// Interprets the description, TOML, URDF or MJCF by its file name extension, else by its content.
+    /// Interprets a TOML, URDF or MJCF description. The format is known from the file name extension or else
+    /// the content.
     ///
     /// # Errors
-    /// All problems of the description, or that a file cannot be read.
+    /// All problems of the description, or a file that cannot be read.
     pub fn load(&mut self, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
         let path = self.description.clone();
         let (name, text) = self.text(&path)?;
@@ -80,7 +81,7 @@ impl DescriptionFiles {
         Ok(&self.files[index].1)
     }
 
-    /// The name of a file for diagnostics, and its text.
+    /// Name of a file in diagnostics, and its text.
     fn text(&mut self, path: &Path) -> Result<(String, String), Diagnostics> {
         let name = path.display().to_string();
         let bytes = self.bytes(path)?;
@@ -108,10 +109,11 @@ impl Fetch for FromFolder<'_> {
     }
 }
 
-/// Reads a description, TOML, URDF or MJCF by its file name extension, else by its content.
+/// Reads a TOML, URDF or MJCF description. The format is known from the file name extension or else the
+/// content.
 ///
 /// # Errors
-/// All problems of the description, or that a file cannot be read.
+/// All problems of the description, or a file that cannot be read.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, Diagnostics> {
     DescriptionFiles::of(path).load(options)
 }
@@ -120,7 +122,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>, Diagnostics> {
     let name = path.display().to_string();
     let unreadable = |why: String| {
         let problem = Diagnostic::error("file-unreadable", format!("cannot read {name}: {why}"));
-        Diagnostics::from(problem.help("give the path of a TOML, URDF or MJCF file that you may read"))
+        Diagnostics::from(problem.help("give the path of a readable TOML, URDF or MJCF file"))
     };
     // A pipe without a writer would never end.
     if std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {

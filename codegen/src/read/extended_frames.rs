@@ -1,12 +1,13 @@
-//! The frames of a description that extends another one.
+//! Frames of a description that extends another one.
 
 use crate::description::{FrameDescription, RobotDescription};
 use crate::function_names::FrameKind;
 use crate::model::name::identifier;
 
-/// Frames of an extension take the place of those of its base, but for those that the whole names, and that are nowhere else.
+/// Replaces the frames of the base description by those of the extension. Base frames that the whole
+/// description uses by name are kept.
 ///
-/// - `whole`: the base with everything that the extension says, its frames apart
+/// - `whole`: base with the extension, except its frames
 pub(super) fn replace(whole: &mut RobotDescription, frames: Vec<FrameDescription>) {
     if frames.is_empty() {
         return;

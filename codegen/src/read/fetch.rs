@@ -1,21 +1,21 @@
-//! How the files that a description names are fetched.
+//! Loading of files that a description names.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Fetches a text that a description names: its name for diagnostics, and its text. The path is relative to
-/// the folder of the first description, also where another one names it.
+/// Loads a text that a description names: its name in diagnostics, and the text. The path is relative to the
+/// folder of the first description, even if another description names it.
 pub type Load<'l> = dyn FnMut(&str) -> Result<(String, String), Diagnostics> + 'l;
 
-/// Fetches texts, as [`Load`], and other files.
+/// Loads texts, as [`Load`], and other files.
 pub(super) trait Fetch {
-    /// The name of a text for diagnostics, and the text.
+    /// Name of a text in diagnostics, and the text.
     fn text(&mut self, path: &str) -> Result<(String, String), Diagnostics>;
 
-    /// The content of a file that is not a text, such as a mesh.
+    /// Content of a file that is not text, for example a mesh.
     fn bytes(&mut self, path: &str) -> Result<Vec<u8>, Diagnostics>;
 }
 
-/// Texts without other files.
+/// Loader for texts only.
 pub(super) struct Texts<'l, 'f>(pub &'l mut Load<'f>);
 
 impl Fetch for Texts<'_, '_> {

@@ -1,14 +1,14 @@
-//! Kinds of files that are not descriptions, recognized by their first bytes.
+//! Recognition of files that are not descriptions by their first bytes.
 
 use std::path::Path;
 
-/// Kind of a file that is not a description, and the remedy.
+/// Kind of a file that is not a description, and help text.
 pub(super) type Foreign = (String, &'static str);
 
-const MESH: &str = "a mesh has no joints: give the URDF that names it, or write a TOML";
+const MESH: &str = "a mesh has no joints: give the URDF that uses it, or describe the robot in TOML";
 const IMAGE: &str = "give a TOML, URDF or MJCF file";
 const CONVERT: &str = "convert it to URDF first, or describe the robot in TOML";
-const UTF_8: &str = "descriptions are UTF-8 text: save it as that";
+const UTF_8: &str = "descriptions are UTF-8 text: save the file as UTF-8";
 
 /// First bytes of binary files, kind of the file, and remedy.
 const BEGINNINGS: [(&[u8], &str, &str); 10] = [
@@ -16,8 +16,8 @@ const BEGINNINGS: [(&[u8], &str, &str); 10] = [
     (b"\xff\xd8\xff", "an image (JPEG)", IMAGE),
     (b"GIF8", "an image (GIF)", IMAGE),
     (b"%PDF", "a PDF", IMAGE),
-    (b"PK\x03\x04", "a ZIP archive", "unpack it, and give the TOML or URDF file in it"),
-    (b"\x1f\x8b", "a gzip archive", "unpack it, and give the TOML or URDF file in it"),
+    (b"PK\x03\x04", "a ZIP archive", "unpack the archive, and give its TOML or URDF file"),
+    (b"\x1f\x8b", "a gzip archive", "unpack the archive, and give its TOML or URDF file"),
     (b"glTF", "a mesh (glTF)", MESH),
     (b"\x7fELF", "a program", IMAGE),
     (b"\xff\xfe", "UTF-16 text", UTF_8),
@@ -31,10 +31,11 @@ const ROOTS: [(&str, &str, &str); 3] = [
     ("launch", "a launch file of ROS", "give the URDF that it loads"),
 ];
 
-/// Recognizes files that cannot be descriptions.
+/// Recognizes files that cannot be descriptions; returns message and help.
 pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
-    let found =
-        |what: &str, help: &'static str| Some((format!("{name} is {what}, no robot in TOML or URDF"), help));
+    let found = |what: &str, help: &'static str| {
+        Some((format!("{name} is {what}; gelenk reads robots in TOML, URDF and MJCF"), help))
+    };
     let beginning = BEGINNINGS.iter().find(|(first, ..)| bytes.starts_with(first));
     if let Some((_, what, help)) = beginning {
         return found(what, help);
@@ -44,7 +45,7 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
         return found("a mesh (STL)", MESH);
     }
     if bytes.contains(&0) {
-        return found("no text: it holds zero bytes", IMAGE);
+        return found("binary data with zero bytes", IMAGE);
     }
     let text = std::str::from_utf8(bytes).ok()?;
     let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -62,11 +63,11 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     let extension = Path::new(name).extension().and_then(|end| end.to_str());
     match (extension, text.starts_with('<')) {
         (Some("toml"), true) => {
-            found("XML under a name that ends with `.toml`", "rename it to end with `.urdf`")
+            found("XML, although its name ends with `.toml`", "rename the file to end with `.urdf`")
         }
         (Some("urdf" | "xml"), false) => found(
-            "no XML, though its name ends like that of a URDF",
-            "rename it to end with `.toml` if it is a description in TOML",
+            "not XML, although its name ends like that of a URDF",
+            "if the file is TOML, rename it to end with `.toml`",
         ),
         (Some("yaml" | "yml"), _) => found("YAML", "describe the robot in TOML, or give a URDF"),
         (Some("obj" | "dae" | "step" | "stp"), _) => found("a mesh or a drawing", MESH),
@@ -74,7 +75,7 @@ pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     }
 }
 
-/// Whether an XML text is a model of MuJoCo.
+/// Whether an XML text is an MJCF.
 pub(super) fn is_mjcf(text: &str) -> bool {
     root(text.trim_start_matches('\u{feff}').trim_start()) == Some("mujoco")
 }

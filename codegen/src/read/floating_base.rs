@@ -1,4 +1,4 @@
-//! A base that moves freely: a floating joint between the world and the link that was the base.
+//! Floating base: adds a floating joint between the world and the base link.
 
 use super::composite::{self, Composite, Place};
 use super::toml::joint_tables::Extended;
@@ -16,7 +16,7 @@ const WORLD: [&str; 2] = ["world", "inertial_frame"];
 /// Links with these names, in large or small letters, are the ground: links that are fixed to them do not move.
 const GROUND: [&str; 5] = ["world", "world_link", "map", "odom", "ground"];
 
-/// Frees the base where the description asks for it.
+/// Makes the base floating if the description asks for it.
 pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     let Some(span) = robot.floating_base.filter(|_| !robot.is_freed) else { return };
     // Without a single root the links are no tree, which is reported elsewhere.
@@ -29,10 +29,10 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     }
     let is_clean = !report.has_errors();
     for velocity in told.iter().filter(|_| is_clean) {
-        let message = format!("the base floats, and has no velocity `{}`", velocity.name.value);
+        let message = format!("the floating base has no velocity `{}`", velocity.name.value);
         report.error(velocity.name.span, "unknown-joint", message);
         report.help(
-            "its velocities begin with the name of the joint by which it floats; a new joint needs `parent`",
+            "the velocities of the base begin with the name of its floating joint; a new joint needs `parent`",
         );
     }
 }
@@ -70,9 +70,9 @@ fn base_joint(robot: &RobotDescription) -> String {
     unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name))
 }
 
-/// Names that a description on top of this one can refer to.
+/// Names that an extending description can refer to.
 ///
-/// - `asked`: whether the base floats by an option, whatever the descriptions say
+/// - `asked`: whether an option makes the base floating
 pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
     let parts = robot.joints.iter().filter_map(|joint| joint.part_of.as_ref());
     let firsts = parts.filter(|part| part.index == 0);
@@ -111,7 +111,7 @@ fn stand_on_ground(robot: &mut RobotDescription, ground: &str, span: Span, repor
     let Some(joint) = floating.and_then(|joint| joint.part_of.as_ref()).map(|part| part.joint.clone()) else {
         return report_bolted(robot, ground, span, report);
     };
-    let message = format!("the base floats already, by joint `{}`: to free it changes nothing", joint.value);
+    let message = format!("the base already floats by joint `{}`, so this option has no effect", joint.value);
     report.note(Some(span), "floats-already", message);
     let floating: Vec<&JointDescription> =
         robot.joints.iter().filter(|part| floats(part) && is_part_of(part, &joint.value)).collect();
@@ -150,32 +150,28 @@ fn root(robot: &RobotDescription) -> Option<String> {
 
 fn report_bolted(robot: &RobotDescription, ground: &str, span: Span, report: &mut Report) {
     let Some(joint) = carried(robot, ground).next() else {
-        let message = format!("the base is to float, and the robot is bolted to `{ground}`");
+        let message = format!("the base cannot float: the robot is fixed to `{ground}`");
         report.error(span, "bolted-base", message);
-        report.help(format!("give the link another name than `{ground}`, or leave the base fixed"));
+        report.help(format!("rename the link `{ground}`, or leave the base fixed"));
         return;
     };
     let name = joint.part_of.as_ref().map_or(&joint.name, |part| &part.joint).quoted();
     let link = joint.child.as_ref().map_or_else(String::new, Name::quoted);
     if joint.moves() {
-        let message = format!("the base is to float, and the robot moves on `{ground}` by joint {name}");
+        let message = format!("the base cannot float: joint {name} connects the robot to `{ground}`");
         report.error(span, "bolted-base", message);
         report.help(match robot.is_mjcf {
-            true => format!("leave the base fixed, or give the body <freejoint/> instead of joint {name}"),
+            true => format!("leave the base fixed, or replace joint {name} of the body by <freejoint/>"),
             false => format!("leave the base fixed, or give joint {name} the type `floating`"),
         });
         return;
     }
     let by = if robot.is_mjcf { String::new() } else { format!(" by joint {name}") };
-    report.error(
-        span,
-        "bolted-base",
-        format!("the base is to float, and the robot is bolted to `{ground}`{by}"),
-    );
+    report.error(span, "bolted-base", format!("the base cannot float: the robot is fixed to `{ground}`{by}"));
     report.help(match robot.is_mjcf {
-        true => format!("add <freejoint/> to body {link}, which floats then; or leave the base fixed"),
+        true => format!("add <freejoint/> to body {link}, or leave the base fixed"),
         false => format!(
-            "remove that joint and the link `{ground}`, then {link} is the link that floats; or leave the base fixed"
+            "remove this joint and the link `{ground}`, so that {link} is the base; or leave the base fixed"
         ),
     });
 }

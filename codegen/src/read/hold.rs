@@ -1,4 +1,4 @@
-//! Joints that are held by patterns of their names, and those that follow joints at rest.
+//! Held joints by name patterns, and followers of joints at rest.
 
 use crate::description::{FollowsDescription, Name, RobotDescription};
 use crate::diagnostic::{At, Report, nearest};
@@ -6,7 +6,7 @@ use crate::wording::list;
 use gelenk_formula::Hold;
 use std::collections::BTreeMap;
 
-/// Holds the joints whose names match. Joints that follow others keep to them, and have to rest in the end.
+/// Holds the joints whose names match. Followers keep following, and must be at rest in the end.
 pub(super) fn apply(robot: &mut RobotDescription, holds: &[At<Hold>], report: &mut Report) {
     for At { value: hold, span } in holds {
         let mut is_unknown = true;
@@ -21,7 +21,7 @@ pub(super) fn apply(robot: &mut RobotDescription, holds: &[At<Hold>], report: &m
             is_unknown = false;
         }
         if is_unknown {
-            let message = format!("no joint that moves has the name `{}`, which is to be held", hold.pattern);
+            let message = format!("no moving joint has the name `{}`, so it cannot be held", hold.pattern);
             report.error(*span, "unknown-joint", message);
             let names = robot.joints.iter().filter(|joint| joint.moves());
             let near = nearest(&hold.pattern, names.map(|joint| joint.name.value.as_str()));
@@ -38,7 +38,7 @@ pub(super) fn apply(robot: &mut RobotDescription, holds: &[At<Hold>], report: &m
     }
 }
 
-/// Holds the joints that follow joints at rest alone: they are at Σ ratio · position + offset.
+/// Holds joints that follow only joints at rest, at Σ ratio · position + offset.
 pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
     let defaults: Vec<f64> = robot.parameters.iter().map(|parameter| parameter.value.default).collect();
     let at_rest = robot.joints.iter().filter_map(|joint| Some((joint.name.value.clone(), joint.held?)));
@@ -65,9 +65,9 @@ pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
             joint.follows.iter().flat_map(|follows| &follows.value).map(|term| &term.joint.value[..]);
         let moving: Vec<&str> = moving.filter(|joint| !positions.contains_key(*joint)).collect();
         let masters = list(moving.iter().copied());
-        let message = format!("joint `{}` is to be held, and follows {masters}", name.value);
+        let message = format!("joint `{}` follows {masters}, so it cannot be held alone", name.value);
         report.error(name.span, "follows-moving", message);
-        report.help(format!("hold {masters} too: a joint at rest takes those that follow it along"));
+        report.help(format!("hold {masters} too: followers are then at rest"));
     }
 }
 

@@ -1,6 +1,7 @@
-//! Stage 1: a robot description becomes a validated [`Model`].
+//! Stage 1: converts a description to a valid [`Model`].
 //!
-//! The readers of TOML, URDF and MJCF make a `RobotDescription`, `check/` a model or all problems.
+//! The readers of TOML, URDF and MJCF make a `RobotDescription`; `check/` converts it to a model or reports
+//! all problems.
 
 mod composite;
 mod description_files;
@@ -39,7 +40,7 @@ pub struct Loaded {
     pub model: Model,
     /// Notes about skipped or changed elements.
     pub notes: Diagnostics,
-    /// Every file that was read, the description first.
+    /// Files that were read; the description is the first.
     pub files: Vec<PathBuf>,
 }
 
@@ -59,8 +60,8 @@ fn without_mark(text: &str) -> &str {
 
 /// Reads a TOML description.
 ///
-/// - `text`, `name`: the text and the name to show for it; its stem names the model if the text does not
-/// - `load`: fetches the URDF or TOML that the description extends
+/// - `text`, `name`: text, and its name in messages; the file stem is the model's name if the text has none
+/// - `load`: loads the URDF or TOML that the description extends
 ///
 /// # Errors
 /// All problems of the description.
@@ -101,7 +102,7 @@ pub fn from_urdf(text: &str, name: &str, options: &ReadOptions) -> Result<(Model
 
 /// Reads an MJCF.
 ///
-/// - `load`: fetches the files that it includes; meshes have no mass here
+/// - `load`: loads included files; meshes have no mass here
 ///
 /// # Errors
 /// All problems of the description.
@@ -203,7 +204,7 @@ fn finish(
     reader.angles.report(&mut reader.report);
     if let Some(model) = &mut model {
         if let Some((span, names)) = unused {
-            let message = format!("parameters that no formula uses: {names}");
+            let message = format!("no formula uses these parameters: {names}");
             reader.report.warning(span, "unused-parameter", message);
             reader
                 .report
@@ -232,9 +233,12 @@ fn note_followers(robot: &RobotDescription, report: &mut Report) {
     let found: Vec<_> = follows.collect();
     let Some((_, first)) = found.first() else { return };
     let names = listed(found.iter().map(|(joint, _)| joint.name.quoted()));
-    let message = format!("joints that follow others by `follows` do so all the same: {names}");
+    let message = format!("these joints still follow others, because `follows` describes it: {names}");
     report.note(Some(first.span), "mimic-not-ignored", message);
-    report.help("`--ignore-mimic` frees the joints with <mimic> of a URDF and those of equalities of an MJCF; remove `follows` to free others");
+    report.help(
+        "`--ignore-mimic` frees joints with <mimic> in a URDF and joints of equalities in an MJCF; \
+                 remove `follows` to free other joints",
+    );
 }
 
 /// Driven joints as coordinates without a drive.
@@ -277,7 +281,7 @@ const DEEPEST: usize = 8;
 /// Descriptions that extend each other, and how to fetch the next.
 struct Chain<'l> {
     load: &'l mut dyn Fetch,
-    /// Their paths from the folder of the first one.
+    /// Paths of the descriptions from the folder of the first one.
     files: Vec<PathBuf>,
 }
 
@@ -346,14 +350,14 @@ fn read_toml(
     robot.map(|robot| held(robot, &preamble.held, &mut reader.report))
 }
 
-const BODY_OF_MJCF: &str = "a body is chosen from the scene of an MJCF";
+const BODY_OF_MJCF: &str = "`body` chooses a body of an MJCF scene, but the description extends no MJCF";
 
 /// Reports a body that is chosen in a file without a scene.
 ///
 /// - `is_chosen`: whether a body is chosen
 fn require_mjcf(robot: &Option<RobotDescription>, is_chosen: bool, report: &mut Report) {
     if let Some(robot) = robot.as_ref().filter(|robot| is_chosen && !robot.is_mjcf) {
-        report.error(robot.name.span, "body-without-scene", BODY_OF_MJCF).help("leave the body out");
+        report.error(robot.name.span, "body-without-scene", BODY_OF_MJCF).help("remove `body`");
     }
 }
 
@@ -371,14 +375,14 @@ fn read_base(
 ) -> Option<RobotDescription> {
     let path = chain.path_of(&file.value);
     if chain.contains(&path) {
-        let message = format!("the description extends itself by way of `{}`", file.value);
+        let message = format!("the description extends itself through `{}`", file.value);
         reader.report.error(file.span, "extends-itself", message);
-        reader.report.help("name another description to start from, or none");
+        reader.report.help("extend another description, or remove `extends`");
         return None;
     }
     chain.files.push(path.clone());
     if chain.files.len() > DEEPEST + 1 {
-        let message = format!("descriptions extend each other more than {DEEPEST} times");
+        let message = format!("more than {DEEPEST} descriptions extend each other");
         reader.report.error(file.span, "extends-too-deep", message);
         return None;
     }

@@ -1,13 +1,13 @@
-//! One of the trees of a scene.
+//! Selection of one tree of a scene.
 
 use crate::description::{Name, RobotDescription};
 use crate::diagnostic::{Report, Span, nearest};
 use std::collections::BTreeSet;
 
-/// Leaves the tree that contains a link, from the base on; other robots and objects go.
+/// Keeps the tree that contains a link, from the base on, and removes other robots and objects.
 ///
-/// - `base`: the link that carries all trees
-/// - `wanted`: the link, and the place in which it is asked for
+/// - `base`: link that carries all trees
+/// - `wanted`: the link, with the place of the request
 pub(super) fn keep(
     robot: &mut RobotDescription,
     base: &str,
@@ -36,7 +36,7 @@ fn edges(robot: &RobotDescription) -> Vec<(String, String)> {
     robot.joints.iter().filter_map(ends).collect()
 }
 
-/// Leaves a link with all that it carries, and the frames of the base.
+/// Keeps a link with everything that it carries, and the frames of the base.
 pub(super) fn cut(robot: &mut RobotDescription, base: &str, root: String) {
     // Parents are described before their children.
     let mut kept = BTreeSet::from([root]);

@@ -1,28 +1,28 @@
-//! Choices at reading.
+//! Options for reading a description.
 
 use gelenk_formula::Hold;
 
-/// How to read a description; the description's own keys of the same names count too.
+/// Options for reading a description, in addition to its keys of the same names.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
-    /// Mimic joints of a URDF become independent.
+    /// Makes mimic joints of a URDF coordinates of their own.
     pub ignore_mimic: bool,
-    /// Angles within this of a multiple of 90° become that multiple (rad).
+    /// Angles within this distance (rad) of a multiple of 90° are rounded to it.
     pub snap_angles: Option<f64>,
-    /// All friction is left out.
+    /// Leaves out all friction.
     pub no_friction: bool,
     /// Slope k of `tanh(k v)`, which replaces `sign(v)` in friction and springs.
     pub smooth_sign: Option<f64>,
-    /// Takes a robot whose mass matrix is not positive definite.
+    /// Accepts robots whose mass matrix is not positive definite.
     pub accept_unphysical: bool,
-    /// `sign` stays, whatever the description says of `tanh` in its place.
+    /// Keeps `sign` even if the description replaces it by `tanh`.
     pub exact_sign: bool,
-    /// The base moves freely.
+    /// Makes the base floating.
     pub floating_base: bool,
-    /// Driven joints are coordinates without a drive, as in a log that has the motion of all joints.
+    /// Makes driven joints coordinates without a drive, for logs that contain the motion of all joints.
     pub free_driven: bool,
-    /// Joints that are held. A later entry replaces an earlier one.
+    /// Held joints. Later entries replace earlier ones.
     pub hold: Vec<Hold>,
-    /// A body of an MJCF: its tree is the robot, and all else in the scene goes.
+    /// Body of an MJCF whose tree is the robot; the rest of the scene is removed.
     pub body: Option<String>,
 }

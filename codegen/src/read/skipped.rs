@@ -1,18 +1,18 @@
-//! Skipped or changed parts of a file: one note for each kind.
+//! Notes about skipped or changed parts of a file, one note per kind.
 
 use std::collections::BTreeMap;
 
 use crate::diagnostic::{Diagnostic, Report, Severity, Span};
 use crate::wording::listed;
 
-/// A peculiarity of a description. It has one note, however often it occurs.
+/// A kind of remark about a description. It gives one note, however often it occurs.
 pub(super) trait Remark: Copy + Ord {
     fn code(self) -> &'static str;
     fn severity(self) -> Severity;
     fn text(self) -> &'static str;
 }
 
-/// Collects remarks of a format while one of its files is read.
+/// Collects the remarks of a format during the reading of a file.
 #[derive(Debug)]
 pub(super) struct Notes<R> {
     /// Skipped elements and attributes: first place and count.
@@ -35,7 +35,7 @@ impl<R: Remark> Notes<R> {
         entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
     }
 
-    /// Reports the collected elements; elements that are not harmless have a note of their own.
+    /// Reports the collected elements. Elements that may affect the dynamics get a note of their own.
     pub(super) fn report(self, is_harmless: impl Fn(&str) -> bool, report: &mut Report) {
         let (harmless, unknown): (Vec<_>, Vec<_>) =
             self.skipped.into_iter().partition(|(what, _)| is_harmless(what));
@@ -58,7 +58,7 @@ fn note_skipped(harmless: Vec<(String, (Span, usize))>, report: &mut Report) {
     let counts = harmless.iter();
     let counts = counts.map(|(what, (_, count))| format!("{count} {what}"));
     let counts = counts.collect::<Vec<_>>().join(", ");
-    let message = format!("skipped: {counts}; no known part of them enters the dynamics");
+    let message = format!("skipped: {counts}; none of their known parts enters the dynamics");
     report.note(Some(first), "skipped", message);
 }
 
@@ -71,5 +71,5 @@ fn note_unknown(unknown: Vec<(String, (Span, usize))>, report: &mut Report) {
         1 => what.clone(),
         count => format!("{what} ({count} times)"),
     });
-    report.note(Some(first), "unknown-tag", format!("not known and skipped: {}", listed(entries)));
+    report.note(Some(first), "unknown-tag", format!("unknown entries were skipped: {}", listed(entries)));
 }

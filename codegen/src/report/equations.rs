@@ -1,4 +1,4 @@
-//! The equations, typeset.
+//! Typeset equations.
 
 use gelenk_report::{Block, Cell, Equation, Inline, ReportError, Table, code, plain, text};
 
@@ -8,23 +8,23 @@ use crate::model::Model;
 use crate::program::display::{self, LatexResult, Notation};
 use crate::program::expanded::{MOST_TERMS, expanded};
 
-/// Closed forms in LaTeX, without types of the computer algebra.
+/// Closed forms in LaTeX, independent of the computer algebra.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ClosedForm {
     /// Entries of M, k, q and B.
     pub equations: Vec<String>,
     /// Lumped constants.
     pub constants: Vec<String>,
-    /// The letters.
+    /// Symbols.
     pub symbols: Vec<Symbol>,
 }
 
-/// A letter of a closed form.
+/// A symbol of a closed form.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
-    /// The letter in LaTeX.
+    /// Symbol in LaTeX.
     pub name: String,
-    /// Its value in LaTeX.
+    /// Value in LaTeX.
     pub value: String,
     /// Meaning.
     pub meaning: String,
@@ -39,15 +39,16 @@ const LETTERS: usize = 85;
 /// Letters of the space between two columns of a matrix.
 const COLUMN_GAP: usize = 3;
 
-/// The equations of motion and the meaning of their letters.
+/// Equations of motion, and the meaning of their symbols.
 pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
     let equation = Equation::new(motion(robot))?;
     Ok(vec![
         Block::Equations(vec![equation]),
         text("with coordinates $y_i$ and inputs $u_j$ in the order of the tables above, in SI units."),
         text(
-            "Each function computes abbreviations from earlier ones, as in Neweul-M², and its result from them: nothing is computed \
-             twice. The generated code holds these lines in this order; numbers are rounded to 12 digits here.",
+            "Each function computes intermediate values from earlier ones (as in Neweul-M²), and its result \
+             from them; nothing is computed twice. The generated code has the same lines in the same order. \
+             Numbers are rounded to 12 digits here.",
         ),
     ])
 }
@@ -67,16 +68,16 @@ pub(crate) const EQUATIONS: [&str; 4] = ["mass_matrix", "coriolis_forces", "appl
 /// Coordinates of the largest robot whose equations are written as sums.
 const MOST_COORDINATES: usize = 3;
 
-/// The entries of M, k, q and B as sums without abbreviations in LaTeX, with the numbers of the description. M is symmetric:
-/// its upper half is enough.
+/// Entries of M, k, q and B as sums without intermediate values in LaTeX, with the numbers of the
+/// description. M is symmetric, so only its upper half is given.
 ///
 /// # Errors
-/// Why there are none: the robot has more than three coordinates, or an entry has more than 1000 terms.
+/// The robot has more than three coordinates, or an entry has more than 1000 terms.
 pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String> {
     let coordinates = model.coordinates.len();
     if coordinates > MOST_COORDINATES {
         return Err(format!(
-            "the equations of {coordinates} coordinates are too long as sums; the limit is {MOST_COORDINATES} coordinates"
+            "closed forms support up to {MOST_COORDINATES} coordinates; this robot has {coordinates}"
         ));
     }
     let names = model.parameters.iter().map(|parameter| parameter.name.clone());
@@ -94,7 +95,7 @@ pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String
 /// The sums as a document of LaTeX (amsmath).
 ///
 /// # Errors
-/// As [`sums`]; [`ReportError`] as text if a sum cannot be typeset.
+/// See [`sums`]; [`ReportError`] as text if a sum cannot be typeset.
 pub fn sums_document(model: &Model, functions: &[Function]) -> Result<String, String> {
     let mut lines = Vec::new();
     for sum in sums(model, functions)? {
@@ -114,7 +115,7 @@ pub fn sums_document(model: &Model, functions: &[Function]) -> Result<String, St
     ))
 }
 
-/// A function with its abbreviations.
+/// A function with its intermediate values.
 pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     let heading = Block::Heading(vec![
         Inline::Text(function.summary.replace('`', "").trim_end_matches('.').to_owned()),
@@ -126,7 +127,7 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     let count = equations.abbreviations.len();
     if count > MOST {
         let words = format!(
-            "{count} abbreviations, too many to typeset; `gelenk inspect program --functions {}` prints them.",
+            "{count} intermediate values are too many to typeset; `gelenk inspect program --functions {}` prints them.",
             function.name
         );
         return vec![heading, text(&words)];
@@ -187,7 +188,7 @@ fn broken(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
     lines.map(|lines| lines.concat())
 }
 
-/// Equations that may hold names of descriptions: typeset where they can be, else as text.
+/// Equations that may contain names of descriptions: typeset if possible, otherwise as text.
 pub(super) fn set(latex: &[String]) -> Block {
     match broken(latex) {
         Ok(equations) => Block::Equations(equations),
@@ -203,8 +204,8 @@ impl ClosedFormText<'_> {
         let ClosedForm { equations, constants, symbols } = self.0;
         let mut blocks = vec![
             text(
-                "The same equations with letters for the numbers of the description, derived a second time from Lagrange's equations by the \
-                 computer algebra system Symbolica.",
+                "The same equations with symbols instead of numbers, derived independently from Lagrange's \
+                 equations by the computer algebra system Symbolica.",
             ),
             Block::Equations(broken(equations)?),
         ];
@@ -219,7 +220,7 @@ impl ClosedFormText<'_> {
                     Cell::text(symbol.meaning.clone()),
                 ]
             });
-            let table = Table::new("closed-form-symbols", "The letters, in SI units.")
+            let table = Table::new("closed-form-symbols", "The symbols, in SI units.")
                 .column("letter", "letter", "")
                 .column("value", "value", "")
                 .column("meaning", "meaning", "")

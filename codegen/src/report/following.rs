@@ -1,4 +1,4 @@
-//! Joints and shafts that move with coordinates and have friction or springs of their own.
+//! Joints and shafts that follow coordinates and have their own friction or springs.
 
 use gelenk_report::{Cell, Inline, Table};
 
@@ -7,21 +7,21 @@ use super::robot::Robot;
 use crate::model::{FollowedCoordinate, FrictionTerm};
 use gelenk_formula::Formula;
 
-/// A joint that follows coordinates, or the shaft of a motor that moves several of them.
+/// A follower, or the shaft of a motor that moves several coordinates.
 pub(super) struct Following<'a> {
     name: &'a str,
     what: &'static str,
-    /// Its motion z for a unit of motion of each coordinate.
+    /// Motion z per unit of motion of each coordinate.
     follows: Vec<FollowedCoordinate>,
     offset: f64,
     pub(super) friction: &'a [FrictionTerm],
     pub(super) springs: &'a [Formula],
-    /// The number of its z, from 1.
+    /// Index of its z, from 1.
     pub(super) number: usize,
 }
 
 impl Following<'_> {
-    /// Those of a robot that have friction or springs.
+    /// Followers and shafts of a robot with friction or springs.
     pub(super) fn all<'a>(robot: &Robot<'a>) -> Vec<Following<'a>> {
         let model = robot.model;
         let joints = model.moving_joints().into_iter().skip(model.motion_count()).map(|moving| Following {
@@ -57,22 +57,22 @@ impl Following<'_> {
         self.follows.iter().any(|term| term.coordinate == coordinate)
     }
 
-    /// Symbols of its position and velocity.
+    /// Symbols of position and velocity.
     pub(super) fn motion(&self) -> Motion {
         Motion::numbered('z', self.number)
     }
 }
 
-/// Their names and positions.
+/// Names and positions of the followers.
 ///
-/// - `what`: property that they have
+/// - `what`: their property
 pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {
     let math = |latex: String| Cell::Line(vec![Inline::Math(latex)]);
     let rows = following.iter().map(|one| {
         let motion = robot.followed(&one.follows, one.offset);
         vec![math(format!("z_{{{}}}", one.number)), Cell::text(one.name), Cell::text(one.what), math(motion)]
     });
-    let caption = format!("Joints and shafts that move with coordinates and have {what} of their own.");
+    let caption = format!("Joints and shafts that follow coordinates and have their own {what}.");
     Table::new(format!("{what}-following"), &caption)
         .column("", "index", "")
         .column("name", "name", "")

@@ -3,7 +3,8 @@
 use crate::program::display::{latex_letters, latex_number};
 use gelenk_formula::{Formula, Function};
 
-/// The position and the velocity that a formula means, as y₂ and ẏ₂. Their numbers, from 1, differ behind joints with quaternions.
+/// Position and velocity of a formula, for example y₂ and ẏ₂. After joints with quaternions their indices
+/// differ.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
     pub letter: char,
@@ -12,7 +13,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// One whose position and velocity have the same number.
+    /// Position and velocity with the same index.
     pub fn numbered(letter: char, number: usize) -> Self {
         Self { letter, position: number, velocity: number }
     }
@@ -21,12 +22,12 @@ impl Motion {
 /// A formula in LaTeX.
 ///
 /// - `parameters`: names of the free parameters
-/// - `motion`: letters of its position and velocity
+/// - `motion`: symbols of position and velocity
 pub(super) fn latex(formula: &Formula, parameters: &[String], motion: Motion) -> String {
     Printer { parameters, motion }.print(formula, Binding::Sum)
 }
 
-/// As [`latex`], in brackets where it is not a factor.
+/// Like [`latex`], in brackets unless it is a factor.
 pub(super) fn factor(formula: &Formula, parameters: &[String], motion: Motion) -> String {
     Printer { parameters, motion }.print(formula, Binding::Product)
 }
@@ -44,7 +45,7 @@ enum Binding {
     Sum,
     /// A product, a quotient, a call.
     Product,
-    /// One letter or number, as under an exponent.
+    /// A single letter or number, for example in an exponent.
     Letter,
 }
 

@@ -12,7 +12,7 @@ use gelenk_formula::Formula;
 /// Joints in one plot.
 const CURVES: usize = 6;
 
-/// The section, if there is friction.
+/// Section on friction; `None` without friction.
 pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
     let laws = friction_laws(robot);
     let following: Vec<Following<'_>> =
@@ -21,7 +21,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
         return Ok(None);
     }
     let mut section = Section::new("friction", "Friction").block(text(
-        "Friction torque (or force) at the joint, positive for positive velocity; it is subtracted from the applied forces.",
+        "Friction torque (or force) at the joint, positive for positive velocity; subtracted from the applied forces.",
     ));
     if !laws.is_empty() {
         section = section.block(equations::set(&laws));
@@ -32,8 +32,8 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
     if robot.has_load_friction() {
         section = section
             .block(text(
-                "Beside these, friction grows with the load $\\tau_l$, the drive's force without friction: it has the additional part \
-                 $|\\tau_l| \\, \\sigma(y, \\dot y)$ (Hamon, Gautier and Garrec 2010).",
+                "Load-dependent friction adds $|\\tau_l| \\, \\sigma(y, \\dot y)$ to these laws; the load \
+                 $\\tau_l$ is the drive's force without friction (Hamon, Gautier and Garrec 2010).",
             ))
             .block(equations::set(&load_friction_laws(robot)));
     }
@@ -52,8 +52,8 @@ fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block
     vec![
         Block::Table(following::table(robot, following, "friction")),
         text(
-            "Its friction $\\tau_{z,k}$ is over its own position $z_k$ and velocity. The friction of coordinate $i$ gains \
-             $\\sum_k \\tau_{z,k} \\, \\partial z_k / \\partial y_i$.",
+            "Its friction $\\tau_{z,k}$ is a function of its own position $z_k$ and velocity. It adds \
+             $\\sum_k \\tau_{z,k} \\, \\partial z_k / \\partial y_i$ to the friction of coordinate $i$.",
         ),
         equations::set(&laws),
     ]
@@ -93,8 +93,9 @@ fn law(robot: &Robot<'_>, name: &str, motion: Motion, terms: &[FrictionTerm]) ->
     format!("{name} = {}", terms.join(" + "))
 }
 
-const CAPTION: &str = "Friction over velocity, up to the velocity limit (1 where there is none), with the other joints at rest. \
-    Friction that depends on the position is drawn at both limits and in the middle.";
+const CAPTION: &str = "Friction over velocity up to the velocity limit (1 if there is none), with the other \
+                       joints at rest. Friction that depends on the position is drawn at both limits and \
+                       midway.";
 
 /// Friction over velocity, as the generated function computes it.
 pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) -> Option<Figure> {
@@ -104,10 +105,10 @@ pub(super) fn friction_figure(robot: &Robot<'_>, following: &[Following<'_>]) ->
     let rubbing: Vec<(usize, &Joint)> = rubbing.collect();
     let mut caption = CAPTION.to_owned();
     if !following.is_empty() {
-        caption += " Curves contain the friction of joints that follow and of motors' shafts.";
+        caption += " Curves include the friction of followers and of motor shafts.";
     }
     if robot.has_load_friction() {
-        caption += " What the load adds is left out.";
+        caption += " Load-dependent friction is not drawn.";
     }
     let mut figure = Figure::new("friction-curves", &caption);
     for prismatic in [false, true] {

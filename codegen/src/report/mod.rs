@@ -1,7 +1,6 @@
-//! The page of a robot: what it is made of, its equations, what they cost, and whether they agree with each
-//! other.
+//! Page of a robot: parts, equations, operation counts, and self-check.
 //!
-//! The page is written by [`gelenk_report`], as are those of the runtime's examples; here are its contents.
+//! [`gelenk_report`] writes the page, like those of the runtime's examples; this module has its contents.
 
 mod equations;
 mod following;
@@ -31,20 +30,20 @@ pub use equations::{ClosedForm, Symbol, sums, sums_document};
 pub struct Contents<'a> {
     /// The robot.
     pub model: &'a Model,
-    /// All its functions.
+    /// All functions of the robot.
     pub functions: &'a [Function],
     /// Notes on the description.
     pub notes: &'a Diagnostics,
-    /// Closed forms, or why there are none, as text with marks.
+    /// Closed forms, or the reason why there are none, as text with markup.
     pub closed_form: Result<&'a ClosedForm, &'a str>,
-    /// The command that makes the page.
+    /// Command that makes the page.
     pub command: &'a str,
 }
 
 /// The page of a robot.
 ///
 /// # Errors
-/// [`ReportError`] if something cannot be set or drawn.
+/// [`ReportError`] if a part cannot be typeset or drawn.
 pub fn report(contents: &Contents<'_>) -> Result<Report, ReportError> {
     let robot = Robot::new(contents.model, contents.functions);
     let mut report = head(&robot);
@@ -93,7 +92,11 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .block(Block::Scene(scene.clone()))
         .blocks(driven(robot).map(|sentence| text(&sentence)))
         .blocks(quaternions(robot).iter().map(|sentence| text(sentence)))
-        .block(text("The kinematic tree: circles turn, squares slide, a circle in a square does both, bars are fixed or held; joints with a drive are filled."))
+        .block(text(
+            "Kinematic tree. Circles are revolute joints, squares prismatic ones, a circle in a \
+                     square is a joint that does both, bars are fixed or held joints. Joints with a drive \
+                     are filled.",
+        ))
         .block(Block::Tree(scene))
 }
 
@@ -104,7 +107,8 @@ fn driven(robot: &Robot<'_>) -> Option<String> {
         joints.map(|(index, joint)| format!("$d_{{{}}}$ ({})", index + 1, joint.name)).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "The motion of {} is prescribed: position, velocity and acceleration are a further argument $d$ of all functions below.",
+            "The motion of {} is prescribed: its position, velocity and acceleration are the argument $d$ \
+             of all functions below.",
             names.join(", ")
         )
     })
@@ -159,8 +163,7 @@ fn structure_section(robot: &Robot<'_>) -> Section {
         false => "$f = M \\ddot y + k - q$ are the forces of the inverse dynamics.",
         true => "$f$ are the forces of the inverse dynamics.",
     };
-    let words =
-        format!("Entries that are 0 for every state are not computed. Filled are the others; {forces}");
+    let words = format!("Filled entries are computed; the others are 0 for every state. {forces}");
     Section::new("structure", "Sparsity and cost")
         .block(text(&words))
         .block(Block::Patterns(sparsity::patterns(robot)))
@@ -170,10 +173,11 @@ fn structure_section(robot: &Robot<'_>) -> Section {
 fn self_check_section(robot: &Robot<'_>) -> Section {
     Section::new("self-check", "Self-check")
         .block(text(&format!(
-            "The programs of the generated functions, interpreted at seeded states within the limits, and compared with \
-             Newton–Euler equations of the described bodies that share nothing with their derivation; derivatives with dual numbers. \
-             The difference that rounding explains is 1e-9 of the largest entry, or 1e-12 of the terms of a sum that cancel, times \
-             the condition of M where a function divides by it. The mass matrix is examined at {} states.",
+            "The generated functions are interpreted at seeded states within the limits and compared with \
+             independently derived Newton–Euler equations of the described bodies; derivatives are compared \
+             with dual numbers. The bound for rounding is 1e-9 of the largest entry, or 1e-12 of the terms \
+             of a sum that cancel; functions that divide by M multiply it by the condition of M. The mass \
+             matrix is examined at {} states.",
             self_check::STATES
         )))
         .block(Block::Claims(self_check::claims(robot)))
@@ -186,9 +190,9 @@ fn quaternions(robot: &Robot<'_>) -> Vec<String> {
         let first = robot.model.first_position(joint.first) + 1;
         let origin = if joint.kind.quaternion() > 0 { "the position of its body, then " } else { "" };
         format!(
-            "Joint {} is {}: its positions $y_{{{first}}}$ to $y_{{{}}}$ are {origin}a quaternion x, y, z, w, and its velocities $\\dot{{y}}_{{{}}}$ to \
-             $\\dot{{y}}_{{{}}}$ are those of its body in the body's own axes. Here its sliders displace and turn the body along x, \
-             y and z, one after the other.",
+            "Joint {} is {}: its positions $y_{{{first}}}$ to $y_{{{}}}$ are {origin}a quaternion x, y, z, \
+             w, and its velocities $\\dot{{y}}_{{{}}}$ to $\\dot{{y}}_{{{}}}$ are those of its body in the \
+             body's own axes. The sliders here move and rotate the body along x, y and z, in this order.",
             joint.name,
             joint.kind.name(),
             first + joint.kind.positions() - 1,

@@ -9,7 +9,7 @@ use crate::program::interpret::{Functions, interpret};
 use gelenk_formula::Formula;
 use gelenk_report::SceneSymbol;
 
-/// A robot with its functions, at the described values of its parameters.
+/// A robot with its functions at the described parameters.
 #[derive(Debug)]
 pub(super) struct Robot<'a> {
     pub model: &'a Model,
@@ -34,8 +34,8 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Symbol of a coordinate: the position of its joint, or the velocity if the joint has a quaternion.
-    /// Driven joints follow the coordinates.
+    /// Symbol of a coordinate: position of its joint, or velocity for a joint with a quaternion. Driven
+    /// joints follow the coordinates.
     pub(super) fn named(&self, coordinate: usize) -> SceneSymbol {
         match coordinate.checked_sub(self.n()) {
             Some(driven) => SceneSymbol::Driven(driven),
@@ -46,7 +46,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// This name as a formula.
+    /// This symbol as a formula.
     pub(super) fn symbol(&self, coordinate: usize) -> String {
         match self.named(coordinate) {
             SceneSymbol::Position(index) => format!("y_{{{}}}", index + 1),
@@ -91,7 +91,7 @@ impl<'a> Robot<'a> {
         self.model.joints().collect()
     }
 
-    /// The inputs in their order.
+    /// Inputs in order.
     pub fn inputs(&self) -> Vec<Actuator<'a>> {
         self.model.inputs().collect()
     }
@@ -117,7 +117,7 @@ impl<'a> Robot<'a> {
         self.functions.iter().find(|function| function.name == name)
     }
 
-    /// Whether friction grows with the load.
+    /// Whether friction depends on the load.
     pub fn has_load_friction(&self) -> bool {
         load_friction::is_there(self.model)
     }
@@ -132,8 +132,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Results of a function, each flat, rows first; `None` if there is none of that name or inputs do not
-    /// fit.
+    /// Results of a function, flat and row-major; `None` if no function has this name or inputs do not fit.
     pub fn call(&self, name: &str, inputs: &[&[f64]]) -> Option<Vec<Vec<f64>>> {
         self.results(self.function(name)?, inputs)
     }

@@ -1,4 +1,4 @@
-//! The robot as the page's view of it needs it.
+//! Data of the robot for the 3-D view of the page.
 
 use gelenk_report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneKind, SceneMotion, SceneRod};
 

@@ -1,4 +1,5 @@
-//! Every function against the independent evaluation of its model, and the mass matrix by its eigenvalues.
+//! Self-check: every function compared with an independent evaluation of the model, and eigenvalues of the
+//! mass matrix.
 
 use gelenk_report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -14,14 +15,14 @@ use crate::verify;
 /// States at which the mass matrix is examined.
 pub(super) const STATES: u64 = 25;
 
-/// The rows of the self-check: the mass matrix, each function, and the functions of all frames together.
+/// Rows of the self-check: the mass matrix, each function, and all functions of frames together.
 pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
     let agrees = |id: &str, what: &str, functions: &[&Function]| {
         let excesses = functions.iter().map(|function| verify::worst(robot.model, function).excess);
-        let name = "largest difference over the bound of rounding";
+        let name = "largest difference divided by the bound for rounding";
         Claim::new(format!("check-{id}"), format!("{what} independent evaluation of the described bodies."))
             .criterion(Criterion::at_most(name, worst(excesses), 1.0, ""))
-            .flipped_by("a term, a sign or a frame that only one of the two has")
+            .flipped_by("a term, a sign or a frame differs between the two")
     };
     let (of_frames, others): (Vec<_>, Vec<_>) =
         robot.functions.iter().partition(|function| function.frame.is_some());
@@ -48,16 +49,16 @@ fn definiteness(robot: &Robot<'_>) -> Option<Claim> {
     let is_singular = robot.model.definiteness() == Definiteness::Semidefinite;
     let (statement, bound) = match is_singular {
         true => (
-            "The mass matrix has no negative eigenvalue; it is singular, since some motions move nothing that has inertia.",
+            "The mass matrix has no negative eigenvalue, but it is singular, because some motions have no inertia.",
             -ROUNDING,
         ),
         false => ("The mass matrix is positive definite.", ROUNDING),
     };
-    let name = "smallest eigenvalue, with the diagonal scaled to 1";
+    let name = "smallest eigenvalue of the matrix scaled to diagonal 1";
     Some(
         Claim::new("check-definite", statement)
             .criterion(Criterion::at_least(name, least, bound, ""))
-            .flipped_by("a negative mass, or a joint that moves nothing"),
+            .flipped_by("a mass is negative, or a joint moves nothing"),
     )
 }
 

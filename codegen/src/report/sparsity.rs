@@ -1,4 +1,4 @@
-//! Which entries of the matrices are there at all.
+//! Sparsity of the matrices.
 
 use gelenk_report::Pattern;
 
@@ -16,7 +16,7 @@ const MATRICES: &[(&str, usize, &str, &str)] = &[
     ("linearize", 2, "pattern-b-x", r"$\partial \ddot y/\partial u$"),
 ];
 
-/// Patterns of all matrices that have entries.
+/// Patterns of all non-empty matrices.
 pub(super) fn patterns(robot: &Robot<'_>) -> Vec<Pattern> {
     let joints: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
     let drives: Vec<String> = robot.inputs().iter().map(|input| input.name().to_owned()).collect();

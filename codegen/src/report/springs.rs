@@ -8,7 +8,7 @@ use super::formula;
 use super::robot::Robot;
 use crate::model::Joint;
 
-/// The section, if a joint has a spring.
+/// Section on springs; `None` without springs.
 pub(super) fn section(robot: &Robot<'_>) -> Option<Section> {
     let laws = laws(robot);
     let following: Vec<Following<'_>> =
@@ -19,7 +19,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Option<Section> {
     let mut section = Section::new("springs", "Springs and dampers");
     if !laws.is_empty() {
         section = section
-            .block(text("Force (or torque) $s_i$ on joint $i$, part of the applied forces $q$."))
+            .block(text("Force (or torque) $s_i$ on joint $i$, a part of the applied forces $q$."))
             .block(equations::set(&laws));
     }
     if !following.is_empty() {
@@ -49,8 +49,8 @@ fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block
     vec![
         Block::Table(following::table(robot, following, "springs")),
         text(
-            "Its force $s_{z,k}$ is over its own position $z_k$ and velocity. The applied force of coordinate $i$ gains \
-             $\\sum_k s_{z,k} \\, \\partial z_k / \\partial y_i$.",
+            "Its force $s_{z,k}$ is a function of its own position $z_k$ and velocity. It adds $\\sum_k \
+             s_{z,k} \\, \\partial z_k / \\partial y_i$ to the applied force of coordinate $i$.",
         ),
         equations::set(&laws),
     ]

@@ -14,11 +14,11 @@ use crate::numeric::{atan2, length};
 use crate::program::cost;
 use gelenk_formula::Formula;
 
-/// Joints that are coordinates, with their limits.
+/// Table of joints that are coordinates, with limits.
 pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     let mut table = Table::new(
         "coordinates",
-        "Coordinates and limits at the joint; rad, rad/s and N m where a joint turns, m, m/s and N where it slides.",
+        "Coordinates and limits at the joint, in rad, rad/s and N m for revolute joints, in m, m/s and N for prismatic ones.",
     )
     .column("", "index", "");
     let has_quaternions = !robot.model.quaternion_joints.is_empty();
@@ -100,7 +100,7 @@ fn link_name(robot: &Robot<'_>, link: usize) -> Cell {
     Cell::text(robot.model.links[link].name.as_str())
 }
 
-/// Motors and gears.
+/// Table of motors and gears.
 pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     let drives = &robot.model.drives;
     if drives.is_empty() {
@@ -123,9 +123,11 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     }
     let have_lines = drives.iter().any(|drive| drive.line.is_some());
     if have_lines {
-        table = table
-            .column("stall torque", "torque of the motor at rest, none at its no-load speed", "N m")
-            .column("no-load speed", "no-load speed of the motor", "rad/s");
+        table = table.column("stall torque", "stall torque of the motor", "N m").column(
+            "no-load speed",
+            "no-load speed of the motor",
+            "rad/s",
+        );
     }
     let rows = drives.iter().map(|drive| {
         let mut inputs = robot.inputs().into_iter();
@@ -144,7 +146,7 @@ pub(super) fn drives(robot: &Robot<'_>) -> Option<Table> {
     Some(table.rows(rows))
 }
 
-/// Forces between frames, inputs and wrenches at frames.
+/// Table of forces between frames, and of inputs and wrenches at frames.
 pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     let model = robot.model;
     let parameters: Vec<&str> = robot.parameter_names.iter().map(String::as_str).collect();
@@ -167,8 +169,8 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     });
     let wrenches = model.wrenches.iter().map(|wrench| {
         let axes = match wrench.axes {
-            WrenchAxes::Frame => "an argument, in the frame's axes",
-            WrenchAxes::Base => "an argument, in the base's axes",
+            WrenchAxes::Frame => "an argument, in the axes of the frame",
+            WrenchAxes::Base => "an argument, in the axes of the base",
         };
         [String::new(), wrench.name.clone(), wrench.at.name.clone(), axes.to_owned(), String::new()]
     });
@@ -188,7 +190,7 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     Some(table.rows(rows.into_iter().map(|row| row.into_iter().map(Cell::Text).collect())))
 }
 
-/// Limits of joints that follow others, and of motors that move several.
+/// Table of limits of followers, and of motors that move several joints.
 pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
     let all = robot.model.dependent(&robot.parameters).into_iter();
     let limited = all.filter(|one| one.velocity.is_finite() || one.position.iter().any(|x| x.is_finite()));
@@ -216,7 +218,8 @@ pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
     }
     let table = Table::new(
         "dependent-limits",
-        "Limits of joints that follow others, and of motors that move several joints; rad and rad/s, m and m/s where a joint slides.",
+        "Limits of joints that follow others, and of motors that move several joints, in rad and rad/s; in \
+         m and m/s for prismatic joints.",
     )
     .column("joint or drive", "name", "")
     .column("its position", "position", "")
@@ -295,7 +298,7 @@ pub(super) fn inertias(robot: &Robot<'_>) -> Option<Table> {
     (!bodies.is_empty()).then(|| table.rows(rows))
 }
 
-/// Where joints are and how they point.
+/// Table of poses and axes of joints.
 pub(super) fn geometry(robot: &Robot<'_>) -> Option<Table> {
     let joints: Vec<&Joint> = robot.model.links.iter().filter_map(|link| link.joint.as_ref()).collect();
     if joints.is_empty() {
@@ -411,8 +414,8 @@ pub(super) fn gravity(robot: &Robot<'_>) -> String {
 pub(super) fn counts(functions: &[Function]) -> Table {
     let table = Table::new(
         "operations",
-        "Operations of each generated function, counted as robotics papers count them: a subtraction is an addition; sine and cosine of one \
-         angle are made by one call.",
+        "Operations of each generated function, counted as in robotics papers: a subtraction counts as an \
+         addition, and one call computes sine and cosine of an angle.",
     )
     .column("function", "function", "")
     .column("multiplications", "multiplications", "")
@@ -439,10 +442,13 @@ pub(super) fn counts(functions: &[Function]) -> Table {
 
 /// Notes on the description.
 pub(super) fn notes(notes: &Diagnostics) -> Table {
-    let table = Table::new("description-notes", "What was skipped, changed or is worth knowing.")
-        .column("place", "place", "")
-        .column("note", "note", "")
-        .column("what to do", "help", "");
+    let table = Table::new(
+        "description-notes",
+        "Parts of the description that were skipped or changed, and other remarks.",
+    )
+    .column("place", "place", "")
+    .column("note", "note", "")
+    .column("what to do", "help", "");
     table.rows(notes.entries().iter().map(|note| {
         let place = note.location().map(|at| format!("{}:{}", at.file, at.line));
         vec![

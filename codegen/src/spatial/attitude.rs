@@ -4,7 +4,7 @@ use super::matrix::Matrix3;
 use super::vector::{Symmetric3, Vector3};
 use crate::graph::Scalar;
 
-/// A rotation matrix over scalars: its columns are the axes x, y, z of the turned frame.
+/// A rotation matrix over scalars; its columns are the axes x, y, z of the rotated frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Attitude<S>(pub [Vector3<S>; 3]);
 
@@ -16,7 +16,7 @@ impl<S> Attitude<S> {
 }
 
 impl<'g> Attitude<Scalar<'g>> {
-    /// That of a unit quaternion x y z w (Shuster 1993, section V).
+    /// Rotation of a unit quaternion x y z w (Shuster 1993, section V).
     pub fn of_quaternion([x, y, z, w]: [Scalar<'g>; 4]) -> Self {
         let one = x.constant(1.0);
         let (xx, yy, zz) = (x.squared(), y.squared(), z.squared());
@@ -30,18 +30,18 @@ impl<'g> Attitude<Scalar<'g>> {
         ])
     }
 
-    /// The same rotation between frames whose axes 0, 1, 2 are these axes of the two frames.
+    /// The same rotation between frames with permuted axes: axis i of both becomes `axes[i]`.
     pub fn permuted(self, axes: [usize; 3]) -> Self {
         Self(axes.map(|column| Vector3(axes.map(|row| self.0[column][row]))))
     }
 
-    /// `R v`: from the turned frame.
+    /// `R v`: transforms from the rotated frame.
     pub fn to_parent(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let [x, y, z] = self.0;
         x.scaled(v[0]) + y.scaled(v[1]) + z.scaled(v[2])
     }
 
-    /// `Rᵀ v`: to the turned frame.
+    /// `Rᵀ v`: transforms to the rotated frame.
     pub fn to_child(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3(self.0.map(|axis| axis.dot(v)))
     }

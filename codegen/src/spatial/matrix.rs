@@ -6,12 +6,12 @@ use super::twist::Twist;
 use super::vector::{Symmetric3, Vector3};
 use crate::graph::Scalar;
 
-/// A 3 × 3 matrix, rows first.
+/// A 3 × 3 matrix, row-major.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Matrix3<'g>(pub [[Scalar<'g>; 3]; 3]);
 
 impl<'g> Matrix3<'g> {
-    /// The matrix of the entries `entry(row, column)`.
+    /// The matrix with the entries `entry(row, column)`.
     pub fn from_fn(entry: impl Fn(usize, usize) -> Scalar<'g>) -> Self {
         Self([0, 1, 2].map(|row| [0, 1, 2].map(|column| entry(row, column))))
     }
@@ -74,8 +74,8 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// `R_z(φ) A R_z(φ)ᵀ` with the sine and cosine of φ, in 12 multiplications and 11 additions: the
-    /// antisymmetric part and the trace of the block across z stay.
+    /// `R_z(φ) A R_z(φ)ᵀ` with sine and cosine of φ in 12 multiplications and 11 additions: the antisymmetric
+    /// part and the trace of the block across z do not change.
     pub fn turned(&self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         let a = self;
         let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);

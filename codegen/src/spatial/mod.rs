@@ -1,8 +1,7 @@
-//! Vectors, motions, forces and masses in space, over scalars of a graph; what a mechanism holds, over plain
-//! numbers too.
+//! Spatial vectors, motions, forces and masses over scalars of a graph; those of a mechanism also over plain
+//! numbers.
 //!
-//! A motion is an angular and a linear part, a force a moment and a force: the angular part stands first
-//! everywhere.
+//! A motion has an angular and a linear part, a force a moment and a force. The angular part is always first.
 
 mod attitude;
 mod matrix;

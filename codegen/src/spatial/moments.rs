@@ -10,8 +10,8 @@ use crate::graph::{Graph, Scalar};
 
 /// Moments of the mass distribution of a body about its frame's origin: m, ∫ r dm, ∫ r rᵀ dm.
 ///
-/// Second moments Σ stand in for the inertia tensor I = tr(Σ) 1 − Σ: they move by `Σ + h pᵀ + p hᵀ + m p pᵀ`,
-/// and the three moments of mass on a joint's axis are simply m, h_z and Σ_zz.
+/// Second moments Σ replace the inertia tensor I = tr(Σ) 1 − Σ. They are shifted by `Σ + h pᵀ + p hᵀ + m p
+/// pᵀ`, and the three moments of mass on a joint's axis are simply m, h_z and Σ_zz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassMoments<S> {
     /// Mass m (kg).
@@ -35,26 +35,26 @@ impl<S> MassMoments<S> {
 }
 
 impl<'g> MassMoments<Scalar<'g>> {
-    /// The moments of no mass.
+    /// Moments of zero mass.
     pub fn zero(graph: &'g Graph) -> Self {
         let zero = graph.constant(0.0);
         Self { mass: zero, first: Vector3::zero(zero), second: Symmetric3::zero(zero) }
     }
 
-    /// The moments of a body with this centre of mass, and this inertia about it: xx, xy, xz, yy, yz, zz.
+    /// Moments of a body with this centre of mass and inertia about it: xx, xy, xz, yy, yz, zz.
     pub fn of_inertia(mass: Scalar<'g>, center: Vector3<Scalar<'g>>, inertia: [Scalar<'g>; 6]) -> Self {
         let central =
             Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };
         central.shifted(center)
     }
 
-    /// The moments of a pure inertia `j · axis axisᵀ`: a rotor that only turns about its axis.
+    /// Moments of an axial inertia `j · axis axisᵀ`: a rotor that turns only about its axis.
     pub fn of_axial_inertia(j: Scalar<'g>, axis: Vector3<Scalar<'g>>) -> Self {
         let inertia = Symmetric3::square(axis).map(|x| x * j);
         Self { mass: j.constant(0.0), first: Vector3::zero(j), second: second_moments(inertia) }
     }
 
-    /// The same masses after a displacement by `p`.
+    /// Moments after a displacement by `p`.
     pub fn shifted(self, p: Vector3<Scalar<'g>>) -> Self {
         Self {
             mass: self.mass,
@@ -65,7 +65,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         }
     }
 
-    /// The same masses in another frame: `pose` is this frame's pose there.
+    /// Moments in another frame; `pose` is the pose of this frame there.
     pub fn moved(self, pose: &Pose<Scalar<'g>>) -> Self {
         let rotated = Self {
             mass: self.mass,
@@ -75,24 +75,24 @@ impl<'g> MassMoments<Scalar<'g>> {
         rotated.shifted(pose.translation)
     }
 
-    /// Turned by an angle about z.
+    /// Moments after a rotation about z.
     pub fn turned(self, turn: (Scalar<'g>, Scalar<'g>)) -> Self {
         Self { mass: self.mass, first: self.first.turned(turn), second: self.second.turned(turn) }
     }
 
-    /// From the joint's frame before its motion to the parent's frame.
+    /// Moments in the parent's frame, from the joint's frame before its motion.
     pub fn to_parent(self, twist: &Twist, translation: Vector3<Scalar<'g>>) -> Self {
         let rotation = twist.matrix();
         self.moved(&Pose { rotation, translation })
     }
 
-    /// The same masses after a displacement along z.
+    /// Moments after a displacement along z.
     pub fn lifted(self, length: Scalar<'g>) -> Self {
         let zero = length.constant(0.0);
         self.shifted(Vector3([zero, zero, length]))
     }
 
-    /// `I s`: the force that accelerates the masses by `s`, about the point of reference.
+    /// `I s`: force that accelerates the masses by `s`, about the point of reference.
     pub fn times(&self, Motion { angular, linear }: Motion<'g>) -> Force<'g> {
         let s = self.second;
         let tensor = Vector3([

@@ -1,4 +1,4 @@
-//! Motions and forces: vectors of six entries, the angular part first.
+//! Motions and forces: vectors of six entries; the angular part is first.
 
 use std::ops::Add;
 
@@ -36,12 +36,12 @@ impl<'g> Motion<'g> {
         Self { angular, linear }
     }
 
-    /// The power of a force at this velocity.
+    /// Power of a force at this velocity.
     pub fn dot(self, f: Force<'g>) -> Scalar<'g> {
         self.angular.dot(f.moment) + self.linear.dot(f.force)
     }
 
-    /// `self × other`, of motions.
+    /// `self × other` for two motions.
     pub fn cross(self, other: Self) -> Self {
         Self {
             angular: self.angular.cross(other.angular),
@@ -49,7 +49,7 @@ impl<'g> Motion<'g> {
         }
     }
 
-    /// `self ×* f`, of a motion and a force.
+    /// `self ×* f` for a motion and a force.
     pub fn cross_force(self, f: Force<'g>) -> Force<'g> {
         Force {
             moment: self.angular.cross(f.moment) + self.linear.cross(f.force),
@@ -65,7 +65,7 @@ impl<'g> Motion<'g> {
 }
 
 impl<'g> Force<'g> {
-    /// From six entries: the force, then the moment.
+    /// A force from six entries: force, then moment.
     pub fn of_wrench(entries: &[Scalar<'g>]) -> Self {
         let part = |start: usize| Vector3(std::array::from_fn(|k| entries[start + k]));
         Self { force: part(0), moment: part(3) }

@@ -1,4 +1,4 @@
-//! Constant rotations with translations that may hold parameters.
+//! Poses: constant rotations, and translations that may contain parameters.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -19,7 +19,7 @@ pub struct Pose<S> {
 }
 
 impl<'g> Pose<Scalar<'g>> {
-    /// The pose that changes nothing.
+    /// The identity.
     pub fn identity(graph: &'g Graph) -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3([graph.constant(0.0); 3]) }
     }
@@ -46,7 +46,7 @@ pub fn rotate<'g>(rotation: &Matrix3<f64>, v: Vector3<Scalar<'g>>) -> Vector3<Sc
     }))
 }
 
-/// Removes the rounding of products from entries that are meant to be 0 or ±1.
+/// Rounds entries that are intended to be 0 or ±1.
 pub fn cleaned(rotation: Matrix3<f64>) -> Matrix3<f64> {
     rotation.map(|entry| {
         let nearest = entry.round();

@@ -6,16 +6,16 @@ use super::vector::Vector3;
 use crate::graph::{Graph, Scalar};
 use crate::numeric;
 
-/// An angle as quarter turns and a remainder, so that multiples of 90° cost nothing.
+/// An angle as quarter turns and remainder, so multiples of 90° cost no operations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Angle {
     /// Quarter turns, 0 to 3.
     pub quarters: u8,
-    /// The rest (rad).
+    /// Remainder (rad).
     pub remainder: f64,
 }
 
-/// A constant rotation `R_z(γ) R_x(α)`, kept as sines and cosines.
+/// A constant rotation `R_z(γ) R_x(α)`, stored as sines and cosines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Twist {
     /// sin γ, cos γ
@@ -28,7 +28,7 @@ impl Twist {
     /// No rotation.
     pub const NONE: Self = Self { gamma: (0.0, 1.0), alpha: (0.0, 1.0) };
 
-    /// Whether the joint's axis is parallel to the parent's, with aligned frames.
+    /// Whether the rotation is the identity.
     pub fn is_none(&self) -> bool {
         *self == Self::NONE
     }
@@ -39,14 +39,14 @@ impl Twist {
         Matrix3::new(cg, -sg * ca, sg * sa, sg, cg * ca, -cg * sa, 0.0, sa, ca)
     }
 
-    /// From the joint's frame before its motion to the parent's frame.
+    /// Transforms from the joint's frame before its motion to the parent's frame.
     pub fn to_parent<'g>(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
         let (x, y, z) = (v[0], v[1] * ca - v[2] * sa, v[1] * sa + v[2] * ca);
         Vector3([x * cg - y * sg, x * sg + y * cg, z])
     }
 
-    /// From the parent's frame to the joint's frame before its motion.
+    /// Transforms from the parent's frame to the joint's frame before its motion.
     pub fn to_child<'g>(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
         let (x, y, z) = (v[0] * cg + v[1] * sg, v[1] * cg - v[0] * sg, v[2]);
@@ -55,7 +55,7 @@ impl Twist {
 }
 
 impl Angle {
-    /// From radians; remainders below 1e-13 are rounding and vanish.
+    /// Angle from radians; remainders below 1e-13 are rounding and become 0.
     pub fn new(radians: f64) -> Self {
         let quarters = (radians / std::f64::consts::FRAC_PI_2).round();
         let remainder = radians - quarters * std::f64::consts::FRAC_PI_2;
@@ -70,7 +70,7 @@ impl Angle {
         f64::from(self.quarters) * std::f64::consts::FRAC_PI_2 + self.remainder
     }
 
-    /// Sine and cosine of the angle itself, by which a sliding joint's frame is turned; `None` for 0.
+    /// Sine and cosine of the angle, by which a prismatic joint's frame is rotated; `None` for 0.
     pub fn constant_turn(self, graph: &Graph) -> Option<(Scalar<'_>, Scalar<'_>)> {
         if self == Self::default() {
             return None;
@@ -79,7 +79,7 @@ impl Angle {
         Some(self.advance((graph.constant(sine), graph.constant(cosine))))
     }
 
-    /// Turns the sine and cosine of an angle into those of the angle plus the quarter turns.
+    /// Sine and cosine of an angle plus the quarter turns.
     pub fn advance<'g>(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> (Scalar<'g>, Scalar<'g>) {
         match self.quarters {
             0 => (s, c),

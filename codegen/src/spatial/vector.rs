@@ -48,12 +48,12 @@ impl<'g> Vector3<Scalar<'g>> {
         Some([self[0].value()?, self[1].value()?, self[2].value()?])
     }
 
-    /// Turns by an angle about z: `R_z(φ) · self` with the sine and cosine of φ.
+    /// Rotation about z: `R_z(φ) · self` with sine and cosine of φ.
     pub fn turned(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         Self([c * self[0] - s * self[1], s * self[0] + c * self[1], self[2]])
     }
 
-    /// Turns back by an angle about z: `R_z(φ)ᵀ · self`.
+    /// Inverse rotation about z: `R_z(φ)ᵀ · self`.
     pub fn turned_back(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         self.turned((-s, c))
     }
@@ -138,7 +138,7 @@ impl<S> Symmetric3<S> {
 }
 
 impl<'g> Symmetric3<Scalar<'g>> {
-    /// Columns, which are the rows too.
+    /// The columns, which are also the rows.
     pub fn columns(self) -> [Vector3<Scalar<'g>>; 3] {
         let s = self;
         [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]].map(Vector3)
@@ -162,7 +162,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         Self::new([a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2]])
     }
 
-    /// Turns by an angle about z: `R_z(φ) · self · R_z(φ)ᵀ` in 9 multiplications and 7 additions.
+    /// Rotation about z: `R_z(φ) · self · R_z(φ)ᵀ` in 9 multiplications and 7 additions.
     pub fn turned(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         let across = s * (self.xx - self.yy) + (self.xy * 2.0) * c;
         let moved = s * across;

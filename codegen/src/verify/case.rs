@@ -7,8 +7,8 @@ use crate::model::{
     Actuator, Attachment, FollowedCoordinate, ForceEffect, FrictionTerm, Input, Model, WrenchAxes,
 };
 
-/// A robot with the arguments of a function. The entries of the driven coordinates stand last in positions, velocities and
-/// accelerations.
+/// A robot with the arguments of a function. Positions, velocities and accelerations have the driven
+/// coordinates last.
 #[derive(Clone)]
 pub struct Case<'m, T> {
     pub robot: Robot<'m, T>,
@@ -20,7 +20,7 @@ pub struct Case<'m, T> {
     pub lambda: Vec<T>,
 }
 
-/// Variable of a derivative.
+/// Variable of differentiation.
 #[derive(Clone, Copy)]
 pub enum By {
     /// Small motions along ⊕.
@@ -47,7 +47,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// The motion with the accelerations of the driven joints alone.
+    /// Accelerations that are zero except those of the driven joints.
     pub fn unaccelerated(&self) -> Vec<T> {
         let n = self.n();
         self.a.iter().enumerate().map(|(k, &a)| if k < n { T::zero() } else { a }).collect()
@@ -73,7 +73,7 @@ impl<'m, T: Number> Case<'m, T> {
         constant([0.0; 3])
     }
 
-    /// M of all coordinates, driven ones included, or of the first `n`.
+    /// Mass matrix of all coordinates, driven ones included, or of the first `n`.
     pub fn mass_matrix(&self, n: usize) -> Rows<T> {
         let zeros = self.robot.zeros();
         let columns = (0..n).map(|j| {
@@ -255,7 +255,7 @@ impl<'m, T: Number> Case<'m, T> {
         joints.chain(shafts)
     }
 
-    /// s₁ by coordinate, 0 for driven ones.
+    /// Load-dependent friction s₁ by coordinate; 0 for driven coordinates.
     pub fn load_friction(&self) -> Vec<T> {
         let joints = self.model().joints().enumerate();
         let shares =
@@ -263,7 +263,8 @@ impl<'m, T: Number> Case<'m, T> {
         shares.collect()
     }
 
-    /// `M ÿ + k − q` at these accelerations, driven rows included: the forces of the drives, friction under load included.
+    /// Forces `M ÿ + k − q` of the drives at these accelerations, including driven rows and load-dependent
+    /// friction.
     pub fn all_inverse_dynamics(&self, a: &[T]) -> Vec<T> {
         let load = self.load(a);
         let with_friction = plus(&load, &self.all_friction_torques());
@@ -292,7 +293,7 @@ impl<'m, T: Number> Case<'m, T> {
         minus(&self.inverse_dynamics(), &self.wrench_forces())
     }
 
-    /// `M ÿ + k − q − B(y) u − Σ Jᵀ w` up to a constant: inputs count where B depends on y.
+    /// `M ÿ + k − q − B(y) u − Σ Jᵀ w` up to a constant; `B u` is included if B depends on y.
     pub fn residual(&self) -> Vec<T> {
         let forces = match self.model().inputs_depend_on_position() {
             true => minus(&self.inverse_dynamics(), &self.input_forces()),
@@ -311,14 +312,14 @@ impl<'m, T: Number> Case<'m, T> {
         multiplied(inverse, &minus(&load, &self.own(self.load(&self.unaccelerated()))))
     }
 
-    /// The same motion with other accelerations of the coordinates.
+    /// The same state with other accelerations of the coordinates.
     pub fn accelerated(&self, own: &[T]) -> Self {
         let mut other = self.clone();
         other.a[..own.len()].copy_from_slice(own);
         other
     }
 
-    /// The case whose argument moves along coordinate j.
+    /// The case with a dual number along coordinate j of the variable.
     pub fn along(&self, by: By, j: usize) -> Case<'m, Dual<T>> {
         let lift = |x: &[T]| x.iter().map(|&x| Dual::fixed(x)).collect::<Vec<_>>();
         let robot = self.robot.lifted();
@@ -349,7 +350,7 @@ impl<'m, T: Number> Case<'m, T> {
     }
 }
 
-/// A joint or shaft with friction: its terms, its coordinates, their gain, and its own position and speed.
+/// A joint or shaft with friction: terms, coordinates with gain, position and speed.
 pub struct Rubbing<'a, T> {
     pub terms: &'a [FrictionTerm],
     pub follows: &'a [FollowedCoordinate],
@@ -388,7 +389,7 @@ pub fn matrix_product<T: Number>(a: &[Vec<T>], b: &[Vec<T>]) -> Rows<T> {
     a.iter().map(|row| columns.iter().map(|column| product(row, column)).collect()).collect()
 }
 
-/// The first `n` entries of columns as rows.
+/// The first `n` entries of the columns, as rows.
 pub fn transposed<T: Number>(columns: &[Vec<T>], n: usize) -> Rows<T> {
     (0..n).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
 }

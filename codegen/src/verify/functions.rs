@@ -1,4 +1,4 @@
-//! The results of every function of a module, by name.
+//! Expected results of every function of a module, by name.
 
 use nalgebra::DMatrix;
 
@@ -11,14 +11,15 @@ use crate::function_names::{self as names, FrameKind};
 use crate::functions::function::{Constant, Function};
 use crate::model::Attachment;
 
-/// The results of a function, each flat and rows first.
+/// Expected results of a function, flat and row-major.
 pub struct Expected<T> {
     pub results: Vec<Vec<T>>,
-    /// The factor by which divisions enlarge errors: the growth of `inverse` for the mass matrix, infinite for a mass of 0, else 1.
+    /// Amplification of errors by divisions: the growth from `inverse` for the mass matrix, infinite for zero
+    /// mass, otherwise 1.
     pub condition: f64,
 }
 
-/// The results of a function; `None` if it has none by this name.
+/// Expected results of a function; `None` if the name is unknown.
 pub fn expected<T: Number>(case: &Case<'_, T>, function: &Function) -> Option<Expected<T>> {
     if let Some(results) =
         of_frame(case, &function.name).or_else(|| plain(case, &function.name, &function.constants))

@@ -1,9 +1,9 @@
-//! Every generated function against an independent evaluation of its model, at seeded states.
+//! Comparison of every generated function with an independent evaluation of its model at seeded states.
 //!
-//! The interpreter runs the function's program. The expected results come from the Newton–Euler equations of the [`Model`] in
-//! plain numbers, and from dual numbers for derivatives. Neither `kinematics/` nor `dynamics/` has a part in them, so that an
-//! error of the derivation shows here. Functions of discrete time and of positions are the same text for every robot; they call
-//! functions that are checked here.
+//! The interpreter runs the function's program. Expected results are computed from the Newton–Euler equations
+//! of the [`Model`] with plain numbers; derivatives use dual numbers. They use neither `kinematics/` nor
+//! `dynamics/`, so errors of the derivation are detected. Functions of discrete time and of positions have
+//! the same text for every robot; they call functions that are checked here.
 
 mod case;
 mod functions;
@@ -29,7 +29,7 @@ const RELATIVE: f64 = 1e-9;
 /// Largest difference, relative to the running error in units of the rounding of 1: sums that cancel agree to rounding.
 const OF_ERROR: f64 = 1e-12;
 
-/// Code of the error where gelenk itself is at fault.
+/// Code of errors in gelenk itself.
 pub const INTERNAL: &str = "internal-error";
 
 /// A result that differs from its independent evaluation.
@@ -37,18 +37,18 @@ pub const INTERNAL: &str = "internal-error";
 pub struct Disagreement {
     /// The function.
     pub function: String,
-    /// Its result, as `program.outputs` counts them.
+    /// Index of the result in `program.outputs`.
     pub result: usize,
-    /// The difference of the entry that differs most, over the largest difference that is allowed.
+    /// Largest difference of an entry divided by the allowed difference.
     pub excess: f64,
-    /// That entry as generated and as expected.
+    /// This entry as generated and as expected.
     pub entry: [f64; 2],
 }
 
 /// Compares functions with their independent evaluation.
 ///
 /// # Errors
-/// [`INTERNAL`] for each function that disagrees: a fault of gelenk, not of the description.
+/// [`INTERNAL`] for each function that differs: an error of gelenk, not of the description.
 pub fn verify(model: &Model, functions: &[Function]) -> Result<(), Diagnostics> {
     let worst = functions.iter().map(|function| worst(model, function));
     let problems: Vec<Diagnostic> =
@@ -56,7 +56,7 @@ pub fn verify(model: &Model, functions: &[Function]) -> Result<(), Diagnostics> 
     if problems.is_empty() { Ok(()) } else { Err(Diagnostics::new(problems)) }
 }
 
-/// The largest disagreement of a function at the states of the self-test.
+/// Largest disagreement of a function at the states of the self-test.
 #[must_use]
 pub fn worst(model: &Model, function: &Function) -> Disagreement {
     let found = (0..self_test::STATES).flat_map(|seed| differences(model, function, seed));
@@ -73,12 +73,12 @@ impl Disagreement {
     fn problem(&self) -> Diagnostic {
         let [found, expected] = self.entry;
         let message = format!(
-            "`{}` differs from the independent evaluation of the robot: {found:e} instead of {expected:e}, {:.1e} times the \
-             difference that rounding explains",
+            "`{}` differs from the independent evaluation of the robot: {found:e} instead of {expected:e}, \
+             {:.1e} times the bound for rounding",
             self.function, self.excess
         );
         Diagnostic::error(INTERNAL, message).help(concat!(
-            "this is a fault of gelenk, and nothing is written; please report it with the description at ",
+            "this is a fault of gelenk, so nothing is written; please report it with the description at ",
             env!("CARGO_PKG_REPOSITORY")
         ))
     }
@@ -113,7 +113,7 @@ fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreemen
         .collect()
 }
 
-/// M, rows first, and the bias forces at a state, at the described values of free parameters.
+/// M (row-major) and bias forces at a state, at the described parameters.
 #[must_use]
 pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     let given = Given { model, names: &["y", "v"], arguments: &[y.to_vec(), v.to_vec()] };

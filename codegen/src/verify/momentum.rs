@@ -15,7 +15,7 @@ pub fn kinetic_energy<T: Number>(case: &Case<'_, T>) -> T {
     T::constant(0.5) * product(&case.v, &momenta)
 }
 
-/// Gravity's energy of the moving bodies, and that of forces between frames that have one.
+/// Potential energy of the moving bodies in gravity, and of forces between frames with a potential.
 pub fn potential_energy<T: Number>(case: &Case<'_, T>) -> T {
     let links = case.links();
     let gravity = case.robot.gravity();
@@ -48,7 +48,7 @@ fn mass_center<T: Number>(case: &Case<'_, T>, links: &[LinkMotion<T>]) -> (T, Ve
     (mass, first.map(|x| x / mass))
 }
 
-/// Whether the centre of mass exists.
+/// Whether the moving bodies have mass.
 pub fn has_mass<T: Number>(case: &Case<'_, T>) -> bool {
     mass_center(case, &case.links()).0.value() != 0.0
 }
@@ -81,7 +81,7 @@ pub fn momentum<T: Number>(case: &Case<'_, T>, v: &[T]) -> [T; 6] {
     [linear[0], linear[1], linear[2], angular[0], angular[1], angular[2]]
 }
 
-/// Rows of the momentum, columns by velocity, driven ones included.
+/// Momentum matrix: rows of the momentum, columns by velocity, driven ones included.
 pub fn matrix<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let zeros = case.robot.zeros();
     let column = |j: usize| {

@@ -1,4 +1,4 @@
-//! Numbers of the independent evaluation: with their rounding errors, and with derivatives.
+//! Numbers of the independent evaluation: with rounding errors, and with derivatives.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -16,11 +16,11 @@ pub trait Number:
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
     fn sign(self) -> Self;
-    /// The number with the errors of another one.
+    /// The number with the error of another number.
     fn with_error_of(self, other: Self) -> Self;
     /// The larger of both magnitudes and errors.
     fn larger(self, other: Self) -> Self;
-    /// The number with its own rounding alone.
+    /// The number with only its own rounding error.
     fn exact(self) -> Self;
 
     fn zero() -> Self {
@@ -28,9 +28,9 @@ pub trait Number:
     }
 }
 
-/// A number with its running error (Higham 2002, section 3.3): a bound of its rounding, in units of the rounding of 1.
-/// Described numbers count as rounded, and sines and cosines as numbers of the size 1, so that a result that is zero by a
-/// special angle has the error that it has near that angle.
+/// A number with its running error (Higham 2002, section 3.3): a bound of its rounding error in units of the
+/// rounding of 1. Described numbers count as rounded, and sines and cosines as numbers of magnitude 1.
+/// Therefore a result that is zero at a special angle has the error of nearby angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     pub value: f64,

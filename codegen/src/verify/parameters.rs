@@ -1,4 +1,4 @@
-//! Parameters that the equations are linear in, and their regressors.
+//! Parameters in which the equations are linear, and their regressors.
 
 use super::case::{Case, Rows, plus, transposed};
 use super::number::Number;
@@ -20,7 +20,7 @@ fn rotors<T: Number>(case: &Case<'_, T>) -> Vec<Drive> {
     model.input_drives().chain(without).filter(|drive| !is_ideal(drive)).cloned().collect()
 }
 
-/// π: of each moving link with all that is fixed to it, then of the rotors.
+/// Inertial parameters π of each moving link with all bodies fixed to it, then of the rotors.
 pub fn inertial<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let zeros = case.robot.zeros();
     let links = case.links_in([&zeros, &zeros], constant([0.0; 3]));
@@ -85,7 +85,7 @@ fn moved<T: Number>(
     [m, h[0], h[1], h[2], entry(0, 0), entry(0, 1), entry(1, 1), entry(0, 2), entry(1, 2), entry(2, 2)]
 }
 
-/// W, rows by coordinate.
+/// Regressor W, rows by coordinate.
 pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let rates = [&case.v[..], &case.a[..]];
     let links = case.links_in(rates, case.robot.gravity());
@@ -110,7 +110,7 @@ pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     transposed(&columns, case.n())
 }
 
-/// The columns of W that lead a base parameter; `None` without their names.
+/// Columns of W that lead a base parameter; `None` without their names.
 pub fn base_regressor<T: Number>(case: &Case<'_, T>, constants: &[Constant]) -> Option<Rows<T>> {
     let leaders = constants.iter().find_map(|constant| match &constant.value {
         ConstantValue::Names(_, names) if constant.name == "BASE_PARAMETER_NAMES" => Some(names),
@@ -138,7 +138,7 @@ fn groups(terms: &[FrictionTerm]) -> Vec<Vec<&FrictionTerm>> {
     groups
 }
 
-/// Coefficients of the friction terms of one basis function, by joint, then by shaft.
+/// Coefficients of friction by basis function, of joints, then of shafts.
 pub fn friction<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let groups = case.rubbing().flat_map(|rubbing| groups(rubbing.terms));
     let sum = |group: Vec<&FrictionTerm>| {

@@ -1,7 +1,7 @@
-//! A model in numbers: where its links are, how they move, and what moves them (Newton 1687, Euler 1776).
+//! Numeric model: poses of the links, their motion, and forces (Newton 1687, Euler 1776).
 //!
-//! Every vector is in the axes of the base. No frames are chosen, nothing is lumped or left out, and only the [`Model`] is shared
-//! with the derivation that is checked.
+//! All vectors are in the axes of the base. No frames are chosen, nothing is lumped or omitted. Only the
+//! [`Model`] is shared with the derivation that is checked.
 
 use std::rc::Rc;
 
@@ -27,7 +27,7 @@ pub struct Robot<'m, T> {
     length: T,
 }
 
-/// Positions of all coordinates, the driven ones last; those of quaternion joints are poses.
+/// Positions of all coordinates, driven ones last; positions of quaternion joints are poses.
 #[derive(Clone)]
 pub struct Positions<T> {
     pub scalars: Vec<T>,
@@ -35,7 +35,7 @@ pub struct Positions<T> {
     pub poses: Vec<(Vector<T>, [T; 4])>,
 }
 
-/// Where a link is and how it moves. `acceleration` is that of its origin less gravity's.
+/// Pose and motion of a link. `acceleration` is that of its origin minus gravity.
 #[derive(Clone, Copy)]
 pub struct LinkMotion<T> {
     pub origin: Vector<T>,
@@ -44,7 +44,7 @@ pub struct LinkMotion<T> {
     pub spin: Vector<T>,
     pub acceleration: Vector<T>,
     pub spin_rate: Vector<T>,
-    /// It is true if a coordinate moves the link.
+    /// Whether a coordinate moves the link.
     pub moves: bool,
 }
 
@@ -59,7 +59,8 @@ struct Relative<T> {
     acceleration: Wrench<T>,
 }
 
-/// Mass, first moments and moments of inertia about the origin of a link (kg, kg m, kg m²): m, h, and I as xx, xy, yy, xz, yz, zz.
+/// Mass (kg), first moments (kg m) and moments of inertia (kg m²) about the origin of a link: m, h, and I as
+/// xx, xy, yy, xz, yz, zz.
 pub type Inertia<T> = [T; 10];
 
 impl<'m, T: Number> Robot<'m, T> {
@@ -75,7 +76,7 @@ impl<'m, T: Number> Robot<'m, T> {
         robot
     }
 
-    /// The robot over numbers with one more derivative.
+    /// The robot over numbers with an additional derivative.
     pub fn lifted(&self) -> Robot<'m, Dual<T>> {
         let parameters = self.parameters.iter().map(|&p| Dual::fixed(p)).collect();
         let length = Dual::fixed(self.length);
@@ -254,7 +255,7 @@ impl<'m, T: Number> Robot<'m, T> {
         Relative { slide: scale(slides, position), rotation, velocity, acceleration }
     }
 
-    /// Wrenches on links as generalized forces, and all that passes through the joint of each link.
+    /// Generalized forces of wrenches on links, and the total wrench through each link's joint.
     pub fn projected(
         &self,
         links: &[LinkMotion<T>],
@@ -276,7 +277,8 @@ impl<'m, T: Number> Robot<'m, T> {
         (forces, wrenches)
     }
 
-    /// The wrenches that accelerate the bodies and rotors of each link, and the forces on the rotors along their shafts.
+    /// Wrenches that accelerate the bodies and rotors of each link, and forces on the rotors along their
+    /// shafts.
     pub fn inertial_wrenches(&self, links: &[LinkMotion<T>], [v, a]: [&[T]; 2]) -> (Vec<Wrench<T>>, Vec<T>) {
         let bodies = self.model.links.iter().zip(links);
         let mut wrenches: Vec<Wrench<T>> = bodies
@@ -295,7 +297,8 @@ impl<'m, T: Number> Robot<'m, T> {
         (wrenches, forces)
     }
 
-    /// Speed and acceleration of a rotor: of its carrier about its axis, as far as it is a body, and of its shaft.
+    /// Speed and acceleration of a rotor: of its carrier about the rotor's axis (for rotors that are bodies),
+    /// and of its shaft.
     pub fn shaft_rates(&self, drive: &Drive, links: &[LinkMotion<T>], [v, a]: [&[T]; 2]) -> [T; 2] {
         let carrier = &links[drive.carrier];
         let axis = times(&carrier.rotation, constant(drive.axis));
@@ -306,7 +309,7 @@ impl<'m, T: Number> Robot<'m, T> {
         }
     }
 
-    /// The moment that a rotor of this inertia takes from its carrier. Adds the generalized forces along its shaft.
+    /// Moment of a rotor with this inertia on its carrier. Adds the generalized forces along its shaft.
     pub fn rotor(
         &self,
         drive: &Drive,
@@ -360,7 +363,7 @@ impl<'m, T: Number> Robot<'m, T> {
         (arm, rotation_product(&link.rotation, &rotation(at.pose.rotation)))
     }
 
-    /// `y ⊕ δ` to the first order in δ.
+    /// `y ⊕ δ` to first order in δ.
     pub fn moved(&self, at: &Positions<T>, d: &[T]) -> Positions<T> {
         let scalars = at.scalars.iter().zip(d).map(|(&y, &d)| y + d).collect();
         let pose = |(joint, &(origin, quaternion)): (&QuaternionJoint, &(Vector<T>, [T; 4]))| {
@@ -386,7 +389,7 @@ impl<T: Number> Positions<T> {
 }
 
 impl<T: Number> LinkMotion<T> {
-    /// Acceleration of a point of the link, less gravity's.
+    /// Acceleration of a point of the link minus gravity.
     pub fn point_acceleration(&self, arm: Vector<T>) -> Vector<T> {
         sum([self.acceleration, cross(self.spin_rate, arm), cross(self.spin, cross(self.spin, arm))])
     }

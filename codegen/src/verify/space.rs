@@ -1,4 +1,4 @@
-//! Vectors and rotations in space, rows first.
+//! Vectors and rotations in space, row-major.
 
 use super::number::Number;
 
@@ -46,8 +46,8 @@ pub fn product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     a.map(|row| columns.map(|column| dot(row, column)))
 }
 
-/// The product of two rotations. All of its entries have one error, which grows by a sum along a chain of joints; those of sums
-/// of products would grow by a factor.
+/// Product of two rotations. All its entries have the same error, which grows additively along a chain of
+/// joints; errors of separate sums of products would grow by a factor.
 pub fn rotation_product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     let error = largest(a) * largest(b);
     product(a, b).map(|row| row.map(|x| x.with_error_of(error)))

@@ -411,7 +411,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
     let log = refused(1, &["identify", "arm.toml", "--merge", "1.csv", "--output", "x.toml"]);
     assert!(log.contains("holds no moments"), "{log}");
     let kept = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "--output", "1.moments"]);
-    assert!(kept.contains("not written over"), "{kept}");
+    assert!(kept.contains("is not overwritten"), "{kept}");
     fs::write(at("arm.toml"), ARM.replace("mass = 5", "mass = 5.5")).unwrap();
     let changed = refused(1, &["identify", "arm.toml", "--merge", "1.moments", "--output", "x.toml"]);
     assert!(changed.contains("another state of its files"), "{changed}");

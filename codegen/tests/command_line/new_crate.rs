@@ -95,13 +95,13 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     fs::write(folder.path().join("motors.xml"), MOTORS).unwrap();
     fs::write(folder.path().join("robots/build.rs"), MOTORS).unwrap();
     for (text, message) in [
-        (still, "has no motor at `shoulder`, `el\"bow`; the program of a new crate moves one joint at least"),
+        (still, "has no motor at `shoulder`, `el\"bow`; the program of a new crate moves at least one joint"),
         (
             free,
-            "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot whose base floats",
+            "has no motor at `el\"bow`; the program of a new crate moves each joint of a robot with a floating base",
         ),
-        (outside, "which cannot be at the same place in the new crate"),
-        (taken, "the MJCF includes build.rs, and the project has a file of that name"),
+        (outside, "which cannot have the same relative path in the new crate"),
+        (taken, "the MJCF includes build.rs, but a file of the project has the same name"),
     ] {
         fs::write(folder.path().join("robots/arm.xml"), text).unwrap();
         let refused = gelenk(folder.path(), &["new", "arm", "--mjcf", "robots/arm.xml"]);
@@ -260,11 +260,11 @@ fn a_new_crate_is_made_once_and_only_under_a_good_name() {
         (vec!["new", "my-arm"], 1, "my-arm exists already"),
         (vec!["new", "2nd"], 2, "must begin with a letter"),
         (vec!["new", "a b"], 2, "letters from a to z"),
-        (vec!["new", "fn"], 2, "a word of Rust"),
-        (vec!["new", ".."], 2, "does not end in a name"),
+        (vec!["new", "fn"], 2, "a Rust keyword"),
+        (vec!["new", ".."], 2, "does not end in a crate name"),
         (vec!["new", "other", "--git", "git@host:a/b"], 2, "ssh://git@host/a/b"),
         (vec!["new", "other", "--version", "newest"], 2, "is not a version"),
-        (vec!["new", "my-arm/robot.toml/arm"], 1, "choose a folder in which you may write"),
+        (vec!["new", "my-arm/robot.toml/arm"], 1, "choose a folder with write permission"),
         (vec!["new", "other", "--checkout", "."], 1, "no checkout of gelenk"),
         (vec!["new", "other", "--git", "x", "--version", "1"], 2, "cannot be used with"),
     ] {

@@ -92,7 +92,7 @@ fn drives_that_load_joints_together_are_refused_online() {
     );
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(
-        !output.status.success() && said.contains("drives that load each joint without the others"),
+        !output.status.success() && said.contains("one drive per learned joint that loads no other joint"),
         "{said}"
     );
 }

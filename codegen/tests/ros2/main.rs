@@ -129,8 +129,8 @@ fn a_package_for_ros2_needs_an_effort_at_each_joint() {
     let driven = hinge("<joint name=\"k\" axis=\"1 0 0\"/>", "<motor joint=\"k\"/>");
     for (name, text, message) in [
         ("arm", passive.as_str(), "no motor moves k"),
-        ("arm", free, "its base moves freely"),
-        ("my-arm", driven.as_str(), "cannot name a package of ROS"),
+        ("arm", free, "its base floats"),
+        ("my-arm", driven.as_str(), "is not a valid ROS package name"),
     ] {
         fs::write(folder.path().join("arm.xml"), text).unwrap();
         let refused = gelenk(folder.path(), &["new", name, "--ros2", "--mjcf", "arm.xml"]);

@@ -1,4 +1,4 @@
-//! Kalman filters of the terms for several rates of drift, averaged.
+//! Kalman filters of the terms for several rates of drift, and their average.
 
 use super::correlation::Correlation;
 use super::law::{TERMS, dot, product, root};
@@ -45,7 +45,7 @@ impl<const K: usize> Gaussian<K> {
         dot(&product(&self.covariance, phi), phi).max(0.0)
     }
 
-    /// Takes `φᵀ δ + N(0, noise)`, measured with the error `error` of the prediction.
+    /// Updates with a measurement of `φᵀ δ + N(0, noise)`; `error` is the prediction error.
     pub(super) fn update(&mut self, phi: &[f64; K], error: f64, noise: f64) {
         let direction = product(&self.covariance, phi);
         let total = dot(&direction, phi).max(0.0) + noise;
@@ -65,57 +65,59 @@ impl<const K: usize> Gaussian<K> {
 pub(super) struct Sample {
     pub phi: [f64; TERMS],
     pub torque: f64,
-    /// Position, as a share of the range of the cells.
+    /// Position as a share of the cells' range.
     pub share: f64,
     pub forwards: bool,
 }
 
-/// The filter of one rate of drift.
+/// Filter for one rate of drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Track {
     pub state: Gaussian,
-    /// Logarithm of the weight; that of the likeliest filter is 0.
+    /// Logarithm of the weight; the likeliest filter has 0.
     pub weight: f64,
     pub correlation: Correlation,
     /// Number of correlated samples that count as one.
     pub correlated: f64,
 }
 
-/// One filter for each rate of drift.
+/// One filter per rate of drift.
 ///
-/// The terms are a random walk, δ(t + dt) = δ(t) + N(0, V dt/T), with the prior's variances V. T, the time in which a change as
-/// large as the prior is expected, is not known. Each of several values has a filter, and their weights follow from their
-/// predictions (dynamic model averaging, Raftery, Kárný, Ettler, *Technometrics* 52, 2010):
+/// The terms are a random walk, δ(t + dt) = δ(t) + N(0, V dt/T), with the prior's variances V. T is the time
+/// in which a change as large as the prior is expected; it is unknown. Each of several values of T has a
+/// filter, and its weight follows from its predictions (dynamic model averaging, Raftery, Kárný, Ettler,
+/// *Technometrics* 52, 2010):
 ///
 /// ```text
 ///     w_l ∝ w_l^α p_l(r)^(1/c)        p_l(r) = N(r; φᵀ δ_l, S_l)        S_l = φᵀ P_l φ + σ²
 /// ```
 ///
-/// with 1 − α the interval between samples over the memory. All share the variance σ² of the noise, which follows from the errors e,
-/// `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian Forecasting and Dynamic Models*, 1997, section 10.8): with a
-/// variance of its own, the fastest filter would take noise for drift. Each filter learns from its residuals the number c_l of
-/// correlated samples that count as one, and takes c_l σ² for the variance of the noise. One that lags behind has correlated residuals
-/// and must not slow down the others; c is the least c_l. In directions that φ does not excite, the mean of a filter stays, and the
-/// covariance grows with the drift: nothing is forgotten without a replacement.
+/// where 1 − α is the interval between samples divided by the memory. All filters share the noise variance
+/// σ², which is estimated from the errors e: `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian
+/// Forecasting and Dynamic Models*, 1997, section 10.8). With separate variances the fastest filter would
+/// interpret noise as drift. Each filter estimates from its residuals the number c_l of correlated samples
+/// that count as one, and uses c_l σ² as noise variance. A lagging filter has correlated residuals and must
+/// not slow down the others, so c is the smallest c_l. In directions that φ does not excite, the mean of a
+/// filter is constant and the covariance grows with the drift; nothing is forgotten without replacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bank {
     pub tracks: [Track; RATES],
-    /// Variance of the noise, and its weight in samples.
+    /// Noise variance, and its weight in samples.
     pub noise: f64,
     pub taken: f64,
 }
 
 impl Bank {
-    /// - `noise`: first variance of the noise
+    /// - `noise`: initial noise variance
     pub(super) fn new(prior: &[f64; TERMS], noise: f64) -> Self {
         let (state, correlation) = (Gaussian::prior(prior), Correlation::NEW);
         let track = Track { state, weight: 0.0, correlation, correlated: 1.0 };
         Self { tracks: [track; RATES], noise, taken: FIRST_WEIGHT }
     }
 
-    /// Lets `dt` (s) go by. Returns the share of the prior by which the average of the filters widens.
+    /// Advances by `dt` (s). Returns the share of the prior by which the average of the filters widens.
     ///
-    /// - `times`: T of each filter (s)
+    /// - `times`: time T of each filter (s)
     pub(super) fn drift(&mut self, dt: f64, times: &[f64; RATES], prior: &[f64; TERMS]) -> f64 {
         let weights = self.weights();
         for (track, time) in self.tracks.iter_mut().zip(times) {
@@ -129,15 +131,15 @@ impl Bank {
         self.tracks.iter_mut().for_each(|track| track.state.widen(share, prior));
     }
 
-    /// Separates the next sample from the last one.
+    /// Separates the next sample from the previous one.
     pub(super) fn pause(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.correlation.last = 0.0);
     }
 
-    /// Takes a sample.
+    /// Updates with a sample.
     ///
     /// - `forgetting`: α
-    /// - `least`: variance of the noise
+    /// - `least`: smallest noise variance
     pub(super) fn update(&mut self, sample: &Sample, forgetting: f64, least: f64) {
         self.taken = forgetting * self.taken + 1.0;
         let correlated = self.correlated();
@@ -158,7 +160,7 @@ impl Bank {
         self.tracks.iter_mut().for_each(|track| track.weight -= largest);
     }
 
-    /// Least number of correlated samples that count as one.
+    /// Smallest number of correlated samples that count as one.
     pub(super) fn correlated(&self) -> f64 {
         self.tracks.iter().fold(f64::INFINITY, |least, track| least.min(track.correlated))
     }
@@ -177,7 +179,7 @@ impl Bank {
 
 /// Mean and covariance of a mixture.
 ///
-/// - `logarithms`: of the weights, which need not sum to 1
+/// - `logarithms`: logarithms of the weights, which need not be normalized
 pub(super) fn average<const L: usize>(parts: &[Gaussian; L], logarithms: &[f64; L]) -> Gaussian {
     let largest = logarithms.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
     let weights = logarithms.map(|w| exp(w - largest));

@@ -1,31 +1,33 @@
-//! Number of correlated samples that count as one.
+//! Effective number of correlated samples.
 
 /// Cells of the position.
 const POSITIONS: usize = 16;
 /// Cells of position and direction.
 pub(super) const CELLS: usize = 2 * POSITIONS;
 
-/// Correlation of the residuals: from one sample to the next, and among samples of the same place and direction.
+/// Correlation of the residuals: between consecutive samples, and among samples of the same position and
+/// direction.
 ///
-/// A gear's torque ripples with its position, so a motion that is repeated repeats its residuals, and these samples say nothing new.
-/// Residuals are grouped in cells of position and direction. With the leaky count n_c and sum of residuals s_c of cell c, the
-/// variance between cells follows from one-way analysis of variance with random effects, and a sample counts for 1/d samples by the
-/// design effect of Kish (*Survey Sampling*, 1965, section 5.4):
+/// The torque of a gear ripples with its position, so a repeated motion repeats its residuals, and these
+/// samples add no information. Residuals are grouped in cells of position and direction. Cell c has the leaky
+/// count n_c and sum of residuals s_c. The variance between cells follows from one-way analysis of variance
+/// with random effects. A sample counts for 1/d samples, with the design effect of Kish (*Survey Sampling*,
+/// 1965, section 5.4):
 ///
 /// ```text
 ///     σ_b² = (Σ s_c²/n_c − C σ_w²)/n     σ_w² = (Σ ε² − Σ s_c²/n_c)/(n − C)     ρ = σ_b²/(σ_b² + σ_w²)     d = 1 + (n_c − 1) ρ
 /// ```
 ///
-/// Consecutive samples with correlation r count for (1 − r)/(1 + r), as those of a first-order autoregression. The larger of the two
-/// numbers is used.
+/// Consecutive samples with correlation r count for (1 − r)/(1 + r) samples, as in a first-order
+/// autoregression. The larger reduction is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Correlation {
     pub counts: [f64; CELLS],
     pub sums: [f64; CELLS],
-    /// Sum of squares, and of products of neighbours.
+    /// Sums of squares, and of products of consecutive residuals.
     pub squares: f64,
     pub products: f64,
-    /// The last residual; 0 after a pause.
+    /// Previous residual; 0 after a pause.
     pub last: f64,
 }
 
@@ -33,9 +35,10 @@ impl Correlation {
     pub(super) const NEW: Self =
         Self { counts: [0.0; CELLS], sums: [0.0; CELLS], squares: 0.0, products: 0.0, last: 0.0 };
 
-    /// Takes a residual at a position, as a share of the cells' range, and returns the number of correlated samples that count as one.
+    /// Adds a residual at a position (a share of the cells' range); returns the number of correlated samples
+    /// that count as one.
     ///
-    /// - `keep`: factor of the sums from one sample to the next
+    /// - `keep`: decay factor of the sums from one sample to the next
     pub(super) fn take(&mut self, residual: f64, share: f64, forwards: bool, keep: f64) -> f64 {
         let cell = cell(share, forwards);
         for (count, sum) in self.counts.iter_mut().zip(&mut self.sums) {

@@ -1,4 +1,4 @@
-//! Recursive estimation of all joints.
+//! Recursive estimation of the friction of all joints.
 
 use super::filter::Window;
 use super::joint::{Derived, Instant, Joint, Prediction};
@@ -11,22 +11,22 @@ use gelenk_kernels::hash::fnv1a;
 /// Measurements of a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured<const N: usize> {
-    /// Positions [rad or m]; `None` if nothing believable arrived.
+    /// Positions [rad or m]; `None` without a plausible measurement.
     pub positions: Option<[f64; N]>,
-    /// Torques of the drives at the joints over the period before [N m or N].
+    /// Torques of the drives at the joints during the previous period [N m or N].
     pub torques: [f64; N],
-    /// True for each joint whose torque was at a limit: the drive's own torque is then unknown.
+    /// Whether the torque of each joint was at a limit; the drive's actual torque is then unknown.
     pub saturated: [bool; N],
     /// Periods since the last call.
     pub periods: u32,
 }
 
-/// Torques of the described robot.
+/// Torques of the described robot at a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DescribedForces<const N: usize> {
-    /// Inverse dynamics with friction [N m or N].
+    /// Inverse dynamics including friction [N m or N].
     pub forces: [f64; N],
-    /// Friction in it.
+    /// Friction [N m or N].
     pub friction: [f64; N],
 }
 
@@ -37,34 +37,35 @@ impl<const N: usize> DescribedForces<N> {
     }
 }
 
-/// The law of a joint at one time, for logs and figures.
+/// State of the learned law of a joint, for logs and figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
     /// δ of the learned law, see [`terms`].
     pub learned: [f64; TERMS],
     /// Half of the 90 % interval of each term.
     pub half_widths: [f64; TERMS],
-    /// True for each term whose variance is below half of the prior's. The others are frozen.
+    /// Whether the variance of each term is below half of the prior's. The other terms are frozen.
     pub is_excited: [bool; TERMS],
-    /// δ of the law that acts.
+    /// δ of the acting law.
     pub acting: [f64; TERMS],
-    /// The law that acts.
+    /// Acting law and reason.
     pub trust: Trust,
     /// Time of the last change of `trust` (s).
     pub since: f64,
-    /// Root mean square of the one-step prediction errors, described and learned [N m or N]; NaN before the first sample.
+    /// Root-mean-square one-step prediction errors, described and learned [N m or N]; NaN before the first
+    /// sample.
     pub errors: [f64; 2],
     /// Standard deviation of the noise of a sample [N m or N].
     pub noise: f64,
     /// Number of correlated samples that count as one.
     pub correlated: f64,
-    /// False at rest, after a reversal and in saturation: nothing is learned then.
+    /// False at rest, after a reversal and in saturation, when nothing is learned.
     pub is_learning: bool,
 }
 
 /// Recursive estimator of the friction of a robot with N joints; see the [module](super).
 ///
-/// A joint without an input of its own is not learned: its law stays the described one.
+/// Only joints with their own input are learned; others keep the described law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adaptation<const N: usize> {
     pub(super) settings: AdaptationSettings,
@@ -82,10 +83,10 @@ pub struct Adaptation<const N: usize> {
 }
 
 impl<const N: usize> Adaptation<N> {
-    /// The estimator of a robot with described limits.
+    /// Estimator for a robot with described limits.
     ///
     /// # Errors
-    /// [`AdaptationError::Scale`] for a joint whose magnitudes are not described, [`AdaptationError::Setting`].
+    /// [`AdaptationError::Scale`] for a joint without described magnitudes, [`AdaptationError::Setting`].
     pub fn for_robot<const M: usize>(
         robot: &impl Dynamics<N, M>,
         settings: AdaptationSettings,
@@ -108,9 +109,9 @@ impl<const N: usize> Adaptation<N> {
         Self::new(scales, settings, |y, v, a| DescribedForces::of(robot, y, v, a))
     }
 
-    /// The estimator of joints with these magnitudes; `None` for joints that are not learned.
+    /// Estimator for joints with these magnitudes; `None` for joints that are not learned.
     ///
-    /// - `described`: forces of the described robot, of which the saved state keeps a fingerprint
+    /// - `described`: forces of the described robot; the saved state has a fingerprint of them
     ///
     /// # Errors
     /// [`AdaptationError::Setting`].
@@ -149,7 +150,7 @@ impl<const N: usize> Adaptation<N> {
         &self.scales
     }
 
-    /// Forgets motion and torques of the last periods, but not the learned laws.
+    /// Resets motion and torques of the last periods, but keeps the learned laws.
     pub fn restart(&mut self) {
         self.window.clear();
         self.known = 0;
@@ -162,11 +163,11 @@ impl<const N: usize> Adaptation<N> {
         }
     }
 
-    /// Goes on by a period. Allocates nothing.
+    /// Advances by a period. Does not allocate.
     ///
-    /// The sample is that of one period ago, since central differences need the positions on both sides.
+    /// The sample is from one period ago, because central differences need positions on both sides.
     ///
-    /// - `described`: forces of the described robot, called once at most
+    /// - `described`: forces of the described robot; called at most once
     pub fn step(
         &mut self,
         measured: &Measured<N>,
@@ -243,22 +244,23 @@ impl<const N: usize> Adaptation<N> {
         })
     }
 
-    /// The sample of each joint in the last period; `None` without one: samples are further apart than periods.
+    /// Sample of each joint in the last period; `None` without one, because samples are several periods
+    /// apart.
     #[must_use]
     pub fn predictions(&self) -> [Option<Prediction>; N] {
         core::array::from_fn(|i| self.joints[i].as_ref()?.prediction)
     }
 
-    /// δ of the law that acts, joint by joint; zero for joints that are not learned.
+    /// δ of the acting law of each joint; zero for joints that are not learned.
     #[must_use]
     pub fn acting(&self) -> [[f64; TERMS]; N] {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([0.0; TERMS], |joint| joint.acting))
     }
 
-    /// Learned friction of a joint at velocity `v`, with the offset, and half of its 90 % interval [N m or N]; `None` for joints that
-    /// are not learned.
+    /// Learned friction of a joint at velocity `v` including the offset, and half of its 90 % interval [N m
+    /// or N]; `None` for joints that are not learned.
     ///
-    /// - `described`: its described friction there
+    /// - `described`: described friction at this velocity
     #[must_use]
     pub fn friction(&self, joint: usize, described: f64, v: f64) -> Option<[f64; 2]> {
         let (state, scale) = (self.joints[joint].as_ref()?, self.scales[joint].as_ref()?);
@@ -268,14 +270,14 @@ impl<const N: usize> Adaptation<N> {
         Some([described + mean, state.half_width(&phi)])
     }
 
-    /// Speed of rest of a joint [rad/s or m/s]; 0 for joints that are not learned.
+    /// Speed [rad/s or m/s] below which a joint counts as at rest; 0 for joints that are not learned.
     #[must_use]
     pub fn rest(&self, joint: usize) -> f64 {
         self.derived[joint].map_or(0.0, |derived| derived.rest)
     }
 }
 
-/// Magnitudes of a joint that limits or data give.
+/// Magnitudes of a joint from limits or data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitudes {
     /// Largest speed [rad/s or m/s].
@@ -290,9 +292,10 @@ pub struct Magnitudes {
 const USUAL: f64 = 0.1;
 
 impl Magnitudes {
-    /// The scale of joint `joint`; `None` if speed or torque is unknown.
+    /// Scale of a joint; `None` if speed or torque is unknown.
     ///
-    /// A drive does not reach a speed at which friction is larger than its effort: the largest speed is then the one below it.
+    /// A drive cannot reach a speed at which friction exceeds its effort; the largest speed is then the one
+    /// below it.
     ///
     /// - `friction`: described friction of the joint at velocities of all joints
     #[must_use]

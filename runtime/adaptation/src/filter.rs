@@ -1,4 +1,4 @@
-//! The causal filter of torques and regressors, and the motion of one instant.
+//! Causal filter of torques and regressors, and the motion at one instant.
 
 use super::law::TERMS;
 
@@ -16,7 +16,7 @@ impl<const S: usize> LowPass<S> {
 
     /// Filters one sample of all signals.
     ///
-    /// - `weight`: of the new sample, T/(T + τ)
+    /// - `weight`: weight of the new sample, T/(T + τ)
     pub(super) fn take(&mut self, signals: &[f64; S], weight: f64) -> [f64; S] {
         let [first, second] = &mut self.states;
         for i in 0..S {
@@ -29,15 +29,16 @@ impl<const S: usize> LowPass<S> {
 
 /// The last three measurements of all joints.
 ///
-/// At the middle one, the velocity is the central difference and the acceleration the second difference of the positions. The
-/// filtered torque of the inertia, `L[M (v⁺ − v⁻)/T]` with the mean velocities v⁻ and v⁺ of two periods, is the momentum form of
-/// Slotine and Li (*Int. J. Robotics Research* 6, 1987) in discrete time: by the product rule of differences,
+/// At the middle measurement the velocity is the central difference of the positions, the acceleration their
+/// second difference. The filtered torque of the inertia, `L[M (v⁺ − v⁻)/T]` with the mean velocities v⁻ and
+/// v⁺ of two periods, is the momentum form of Slotine and Li (*Int. J. Robotics Research* 6, 1987) in
+/// discrete time. By the product rule of differences,
 ///
 /// ```text
 ///     M_k (v⁺ − v⁻) = (M⁺ v⁺ − M⁻ v⁻) − (M⁺ − M⁻) v        M⁺, M⁻ half a period later and earlier, up to O(T³)
 /// ```
 ///
-/// so L takes differences of the momentum, of which only as much passes as the band of L has, and Ṁ is not needed.
+/// so L filters differences of the momentum, which pass only within the bandwidth of L, and Ṁ is not needed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Window<const N: usize> {
     positions: [[f64; N]; 3],
@@ -53,14 +54,15 @@ impl<const N: usize> Window<N> {
         self.length = 0;
     }
 
-    /// Takes a measurement and the torques of the period before it.
+    /// Adds a measurement and the torques of the period before it.
     pub(super) fn push(&mut self, positions: &[f64; N], torques: &[f64; N]) {
         self.positions = [self.positions[1], self.positions[2], *positions];
         self.torques = [self.torques[1], *torques];
         self.length = (self.length + 1).min(3);
     }
 
-    /// Positions, velocities, accelerations and torques one period ago; `None` after fewer than three measurements.
+    /// Positions, velocities, accelerations and torques one period ago; `None` for fewer than three
+    /// measurements.
     pub(super) fn middle(&self, period: f64) -> Option<[[f64; N]; 4]> {
         let [before, middle, after] = &self.positions;
         let [first, second] = &self.torques;

@@ -1,12 +1,13 @@
-//! Joints that inputs load one by one.
+//! Robots whose inputs load joints separately.
 
 use super::settings::AdaptationError;
 use gelenk_dynamics::pseudo_inverse::pseudo_inverse;
 
-/// `B⁺` of an input matrix B that loads each learned joint without the others: `B B⁺ e_k = e_k` for each such joint k.
+/// Pseudo-inverse `B⁺` of an input matrix B whose inputs load each learned joint separately: `B B⁺ e_k = e_k`
+/// for each such joint k.
 ///
 /// # Errors
-/// [`AdaptationError::Inputs`] for other matrices, and for those that are empty, zero or not finite.
+/// [`AdaptationError::Inputs`] for other matrices, and for empty, zero or non-finite ones.
 pub fn input_inverse<const N: usize, const M: usize>(
     matrix: &[[f64; M]; N],
     is_learned: impl Fn(usize) -> bool,

@@ -22,18 +22,18 @@ const STRIDE: f64 = 3.0;
 /// Two-sided 90 % quantile of the normal distribution.
 pub(super) const QUANTILE: f64 = 1.645;
 
-/// Numbers of the settings for one joint.
+/// Settings converted for one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Derived {
     pub bounds: [f64; TERMS],
     pub prior: [f64; TERMS],
-    /// Variances of the terms before the first sample, over the nested laws.
+    /// Variances of the terms before the first sample, averaged over the nested laws.
     pub unknown: [f64; TERMS],
     /// Weight of a new sample in the filter.
     pub weight: f64,
-    /// Weight of the learned law in the acting one, each period.
+    /// Weight of the learned law in the acting law, per period.
     pub blend: f64,
-    /// Periods between samples, and until the filter has forgotten.
+    /// Periods between samples, and periods until the filter has settled.
     pub stride: u32,
     pub settle: u32,
     /// Time between samples (s).
@@ -68,30 +68,31 @@ impl Derived {
     }
 }
 
-/// The motion of a joint at one instant, and its torques.
+/// Motion and torques of a joint at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Instant {
     pub position: f64,
     pub velocity: f64,
     /// Described friction [N m or N].
     pub friction: f64,
-    /// Torque of the drive, and its part that the described robot without friction does not explain [N m or N].
+    /// Drive torque, and its part that the described robot without friction does not explain [N m or N].
     pub applied: f64,
     pub torque: f64,
     /// False in saturation.
     pub is_exact: bool,
 }
 
-/// A sample of the filtered torque, and its prediction by the law that was learned before it.
+/// A sample of the filtered torque, and its prediction by the previously learned law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
     /// Filtered [`terms`].
     pub terms: [f64; TERMS],
-    /// Filtered torque that the described robot does not explain: the error of its prediction [N m or N].
+    /// Filtered torque that the described robot does not explain, which is the error of the described law [N
+    /// m or N].
     pub torque: f64,
     /// Error of the learned law [N m or N].
     pub error: f64,
-    /// False beyond the interval of the prediction: nothing was learned then.
+    /// False if the sample is outside the prediction interval; nothing was learned from it.
     pub is_explained: bool,
 }
 
@@ -103,20 +104,20 @@ pub(super) struct Joint {
     pub comparison: Comparison,
     /// Average of the nested laws.
     pub law: Gaussian,
-    /// δ of the law that acts.
+    /// δ of the acting law.
     pub acting: [f64; TERMS],
     pub trust: Trust,
     /// Time of the last change of trust (s).
     pub since: f64,
-    /// Sign of the last velocity beyond rest.
+    /// Sign of the last velocity that was not at rest.
     pub direction: f64,
-    /// The last torque, and how often it came in a row.
+    /// Last torque, and the number of its repetitions.
     pub torque: f64,
     pub repeated: u32,
-    /// Periods until the filter has forgotten, and until the next sample.
+    /// Periods until the filter has settled, and periods until the next sample.
     pub settling: u32,
     pub waiting: u32,
-    /// The sample of the last period, if it had one.
+    /// Sample of the last period, if any.
     pub prediction: Option<Prediction>,
 }
 
@@ -141,15 +142,15 @@ impl Joint {
         }
     }
 
-    /// The measurement is missing: the filter begins anew.
+    /// Handles a missing measurement: the filter restarts.
     pub(super) fn pause(&mut self, derived: &Derived) {
         self.settling = derived.settle;
         self.bank.pause();
     }
 
-    /// Goes on by a period.
+    /// Advances by a period.
     ///
-    /// - `time`: of the period (s)
+    /// - `time`: time of the period (s)
     pub(super) fn step(
         &mut self,
         (settings, derived, scale): (&AdaptationSettings, &Derived, &JointScale),
@@ -244,7 +245,7 @@ impl Joint {
 
     /// Half of the 90 % interval of the law's friction at a velocity [N m or N].
     ///
-    /// - `phi`: [`terms`] there
+    /// - `phi`: [`terms`] at this velocity
     pub(super) fn half_width(&self, phi: &[f64; TERMS]) -> f64 {
         QUANTILE * root(self.law.variance(phi))
     }

@@ -1,37 +1,37 @@
-//! The learned law of a joint: its difference from the described one.
+//! Learned law of a joint: its difference from the described law.
 
 pub(super) use gelenk_kernels::math::sqrt as root;
 
 /// Number of terms.
 pub const TERMS: usize = 4;
 
-/// Names of the terms, in the order in which laws are nested.
+/// Names of the terms in the order of the nested laws.
 pub const TERM_NAMES: [&str; TERMS] = ["scale", "viscous", "offset", "asymmetry"];
 
-/// Values of the four terms at velocity `v`, for the described friction `shape` at this velocity.
+/// Values of the four terms at velocity `v`; `shape` is the described friction at this velocity.
 ///
 /// ```text
 ///     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|
 /// ```
 ///
-/// s is the described friction τ_d, so the first term scales it and the last one lets it differ by direction. If a joint has no
-/// described friction, s is a smooth Coulomb friction ([`JointScale::shape`]).
+/// s is the described friction τ_d: the first term scales it, the last makes it depend on the direction. If
+/// no friction is described, s is a smooth Coulomb friction ([`JointScale::shape`]).
 #[inline]
 #[must_use]
 pub fn terms(shape: f64, v: f64) -> [f64; TERMS] {
     [shape, v, 1.0, shape.abs()]
 }
 
-/// Magnitudes of a joint, from the description.
+/// Magnitudes of a joint from the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointScale {
     /// Friction at the largest speed [N m or N].
     pub torque: f64,
     /// Largest speed [rad/s or m/s].
     pub speed: f64,
-    /// Least ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
+    /// Smallest ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m].
     pub least_slope: f64,
-    /// Width of the range of positions, in which cells of the position lie [rad or m].
+    /// Width of the range of positions that is divided into cells [rad or m].
     pub range: f64,
     /// Whether the description has friction at this joint.
     pub is_described: bool,
@@ -45,13 +45,13 @@ impl JointScale {
         if self.is_described { described } else { self.torque * smooth_sign(v / rest) }
     }
 
-    /// Largest magnitude of each δ, if friction may change by the share `change` of the described one.
+    /// Largest magnitude of each δ if friction may change by the share `change` of the described friction.
     #[must_use]
     pub fn bounds(&self, change: f64) -> [f64; TERMS] {
         [change, change * self.torque / self.speed, change * self.torque, 0.5 * change]
     }
 
-    /// The closest δ, term by term, within ±`bounds` whose friction dissipates at every velocity.
+    /// The nearest δ, term by term, that is within ±`bounds` and whose friction dissipates at every velocity.
     ///
     /// With β = 1 if friction is described and 0 otherwise, friction without the offset has the power
     ///
@@ -59,8 +59,9 @@ impl JointScale {
     ///     v τ(v) = |v| (|s| (β + δ₁ ± δ₄) + δ₂ |v|) ≥ v² (b (β + δ₁ − |δ₄|) + δ₂)       b = min |s|/|v|
     /// ```
     ///
-    /// since v s ≥ 0. So `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient. They are necessary too if b is
-    /// attained. The bounds are applied one after another, and each is a continuous function of δ.
+    /// since v s ≥ 0. Therefore `δ₁ ≥ −β`, `|δ₄| ≤ β + δ₁` and `δ₂ ≥ −b (β + δ₁ − |δ₄|)` are sufficient, and
+    /// also necessary if b is attained. The bounds are applied in sequence; each is a continuous function of
+    /// δ.
     #[must_use]
     pub fn admissible(&self, mut delta: [f64; TERMS], bounds: &[f64; TERMS]) -> [f64; TERMS] {
         for (delta, bound) in delta.iter_mut().zip(bounds) {
@@ -75,7 +76,7 @@ impl JointScale {
     }
 }
 
-/// `x/√(1 + x²)`: odd, increasing, with limits ±1. Without functions of a platform's library.
+/// `x/√(1 + x²)`: odd and increasing with limits ±1; uses no functions of a platform's library.
 #[inline]
 pub(super) fn smooth_sign(x: f64) -> f64 {
     x / root(1.0 + x * x)

@@ -1,6 +1,7 @@
-//! Recursive estimation of friction while the robot moves.
+//! Recursive estimation of friction during motion.
 //!
-//! Friction changes while gears warm up. [`Adaptation`] estimates, joint by joint, how it differs from the described friction τ_d,
+//! Friction changes while gears warm up. [`Adaptation`] estimates the difference from the described friction
+//! τ_d for each joint,
 //!
 //! ```text
 //!     τ(v) = τ_d(v) + δ₁ s(v) + δ₂ v + δ₃ + δ₄ |s(v)|        s = τ_d        [`terms`]

@@ -1,4 +1,4 @@
-//! Recursive estimation of a load that the robot carries.
+//! Recursive estimation of a load carried by the robot.
 
 use super::bank::Gaussian;
 use super::estimator::Adaptation;
@@ -13,26 +13,28 @@ use super::trust::{Comparison, Trust};
 pub struct LoadState<const P: usize> {
     /// Learned parameters.
     pub learned: [f64; P],
-    /// Half of the 90 % interval of each.
+    /// Half of the 90 % interval of each parameter.
     pub half_widths: [f64; P],
-    /// Parameters that act; zero while the robot without a load predicts better.
+    /// Acting parameters; zero while the robot without load predicts better.
     pub acting: [f64; P],
-    /// Which of both acts.
+    /// Whether the learned parameters act, and the reason.
     pub trust: Trust,
 }
 
-/// Recursive estimator of P parameters θ of a load, in which torques are linear.
+/// Recursive estimator of P parameters θ of a load; torques must be linear in θ.
 ///
 /// ```text
 ///     M ÿ + k − q + τ_acting + Σ_k W_k(y, ẏ, ÿ) θ_k = B u
 /// ```
 ///
-/// The columns W are those of a mass at a known place, or of the ten inertial parameters of a body (Atkeson, An, Hollerbach, *Int. J.
-/// Robotics Research* 5, 1986). They pass the filter of the friction's terms. The samples are those of the friction estimator; the
-/// torque that its acting laws leave is predicted by one Kalman filter over all joints, with the variances of noise and friction of
-/// each joint as noise. A sample beyond four standard deviations is not learned, as in contact. It widens the covariance by
-/// its share of [`AdaptationSettings::patience`](super::AdaptationSettings::patience), so a load that is picked up is learned once it
-/// lasts. θ drifts by the fastest of [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
+/// The columns W are those of a mass at a known position, or of the ten inertial parameters of a body
+/// (Atkeson, An, Hollerbach, *Int. J. Robotics Research* 5, 1986). They pass the same filter as the friction
+/// terms, and the samples are those of the friction estimator. One Kalman filter over all joints predicts the
+/// torque that the acting friction leaves; its noise has the variances of noise and friction of each joint. A
+/// sample beyond four standard deviations is not learned, as in contact. It widens the covariance by its
+/// share of [`AdaptationSettings::patience`](super::AdaptationSettings::patience), so a load is learned if it
+/// lasts. θ drifts with the fastest of
+/// [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
 ///
 /// # Limits
 ///
@@ -50,7 +52,7 @@ pub struct LoadEstimator<const N: usize, const P: usize> {
 }
 
 impl<const N: usize, const P: usize> LoadEstimator<N, P> {
-    /// The estimator of parameters within a box; the prior's standard deviation is half of the largest magnitude.
+    /// Estimator of parameters within a box. The prior's standard deviation is half of the largest magnitude.
     ///
     /// # Errors
     /// [`AdaptationError::Load`].
@@ -71,11 +73,11 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         })
     }
 
-    /// Goes on by a period, after the step of the friction estimator. Allocates nothing.
+    /// Advances by a period, after the step of the friction estimator. Does not allocate.
     ///
-    /// - `columns`: torques at the joints of a unit of each parameter, at the motion for which [`Adaptation::step`] asked for the
-    ///   described forces; `None` if it did not ask
-    /// - `friction`: the estimator, whose described forces had the load that [`acts`](Self::acting)
+    /// - `columns`: joint torques per unit of each parameter, at the motion for which [`Adaptation::step`]
+    ///   requested the described forces; `None` if it did not request them
+    /// - `friction`: the friction estimator, whose described forces included the [acting](Self::acting) load
     pub fn step(&mut self, columns: Option<&[[f64; P]; N]>, friction: &Adaptation<N>) {
         let settings = friction.settings();
         self.law.widen(settings.period / settings.drift_times[2], &self.prior);
@@ -130,7 +132,7 @@ impl<const N: usize, const P: usize> LoadEstimator<N, P> {
         core::array::from_fn(|k| self.law.mean[k].clamp(self.bounds[k][0], self.bounds[k][1]))
     }
 
-    /// Parameters that act.
+    /// Acting parameters.
     #[must_use]
     pub fn acting(&self) -> &[f64; P] {
         &self.acting

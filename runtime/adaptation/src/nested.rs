@@ -1,4 +1,4 @@
-//! The average over nested laws.
+//! Average over nested laws.
 
 use super::bank::{Gaussian, average};
 use super::law::TERMS;
@@ -7,17 +7,18 @@ use libm::log;
 /// Number of nested laws: law j has the first j terms, law 0 is the described one.
 const LAWS: usize = TERMS + 1;
 
-/// Average of the nested laws, with weights by their marginal likelihoods.
+/// Average of the nested laws, weighted by their marginal likelihoods.
 ///
-/// Law j is the full law under `δ_{j+1} = … = 0`. The ratio of the marginal likelihoods of two nested laws is that of the posterior
-/// and the prior density at the restriction (Savage–Dickey: Dickey, *Ann. Math. Stat.* 42, 1971; Verdinelli, Wasserman, *JASA* 90,
-/// 1995), so all follow from one elimination of the covariance from the last term to the first:
+/// Law j is the full law with `δ_{j+1} = … = 0`. The ratio of the marginal likelihoods of two nested laws is
+/// the ratio of the posterior and prior densities at the restriction (Savage–Dickey: Dickey, *Ann. Math.
+/// Stat.* 42, 1971; Verdinelli, Wasserman, *JASA* 90, 1995). Therefore one elimination of the covariance from
+/// the last term to the first gives all ratios:
 ///
 /// ```text
 ///     ln p(law k − 1) − ln p(law k) = ½ ln(V_k/P_kk) − ½ δ_k²/P_kk        P and δ under δ_{k+1} = … = 0
 /// ```
 ///
-/// All laws have the same weight a priori.
+/// All laws have equal prior weights.
 pub(super) fn averaged(full: &Gaussian, prior: &[f64; TERMS]) -> Gaussian {
     let mut laws = [*full; LAWS];
     let mut logarithms = [0.0; LAWS];

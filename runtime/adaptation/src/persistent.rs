@@ -1,4 +1,4 @@
-//! The learned state, as numbers that are kept over a restart.
+//! Saving and restoring of the learned state as numbers.
 
 use super::correlation::CELLS;
 use super::estimator::Adaptation;
@@ -36,10 +36,11 @@ impl<const N: usize> Adaptation<N> {
         Ok(())
     }
 
-    /// Takes what was learned before. Motion and time begin anew; the described law acts until the first period.
+    /// Restores saved laws. Motion and time restart; the described law acts until the first period.
     ///
     /// # Errors
-    /// [`AdaptationError::Length`], [`AdaptationError::Origin`], [`AdaptationError::Number`]; nothing is taken then.
+    /// [`AdaptationError::Length`], [`AdaptationError::Origin`], [`AdaptationError::Number`]; the state is
+    /// then unchanged.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), AdaptationError> {
         self.require_length(numbers.len())?;
         let differs = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();

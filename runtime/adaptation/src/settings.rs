@@ -1,4 +1,4 @@
-//! Settings, and their errors.
+//! Settings and errors.
 
 use gelenk_dynamics::dynamics::Named;
 use thiserror::Error;
@@ -8,35 +8,37 @@ pub const MOST_DELAY: usize = 8;
 
 /// Settings of the recursive estimation.
 ///
-/// The defaults are those of [`AdaptationSettings::new`]. They were chosen on simulated joints
-/// (`runtime/examples/support/warming.rs`); a test varies the times of the drift alone.
+/// [`AdaptationSettings::new`] gives the defaults. They were chosen with simulated joints
+/// (`runtime/examples/support/warming.rs`); a test varies only the drift times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptationSettings {
-    /// Period of the measurements (s).
+    /// Measurement period (s).
     pub period: f64,
-    /// Time constant of each of the two poles of the filter of torques and regressors (s).
+    /// Time constant of each of the filter's two poles (s).
     pub time_constant: f64,
-    /// Periods from the time of an input until it acts, at most [`MOST_DELAY`].
+    /// Periods until an input acts, at most [`MOST_DELAY`].
     pub delay: usize,
-    /// Largest change of friction, as a share of the described one at the largest speed: a parameter at the edge of this box stops
-    /// there. The prior's standard deviation is half of it.
+    /// Largest change of friction as a share of the described friction at the largest speed. Parameters are
+    /// clipped to this box; the prior's standard deviation is half of it.
     pub largest_change: f64,
-    /// Times in which a random walk of the terms reaches the prior's standard deviation (s), from slow to fast.
+    /// Times in which a random walk of the terms reaches the prior's standard deviation (s), from slow to
+    /// fast.
     pub drift_times: [f64; 3],
-    /// Memory of noise, correlation, weights of the rates, and prediction errors (s of motion).
+    /// Memory of noise, correlation, weights of the drift rates, and prediction errors (s of motion).
     pub memory: f64,
-    /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the joint instead of
-    /// a contact.
+    /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a
+    /// change of the joint, not as contact.
     pub patience: f64,
-    /// Time constant with which the acting law follows the learned one (s).
+    /// Time constant with which the acting law follows the learned law (s).
     pub blending: f64,
-    /// Speeds below this share of the largest one are rest.
+    /// Share of the largest speed below which a joint is at rest.
     pub rest: f64,
 }
 
 impl AdaptationSettings {
-    /// Settings for a period (s): poles of 0.04 s or three periods, no delay, changes of at most 90 %, drift within 40000, 4000 or
-    /// 400 s, a memory of 20 s, 20 s of patience, 0.5 s of blending, rest below 1 % of the largest speed.
+    /// Settings for a period (s): poles of 0.04 s or three periods, no delay, changes up to 90 %, drift
+    /// within 40000, 4000 or 400 s, memory of 20 s, patience of 20 s, blending of 0.5 s, rest below 1 % of
+    /// the largest speed.
     #[must_use]
     pub fn new(period: f64) -> Self {
         Self {
@@ -77,38 +79,39 @@ fn require(name: &'static str, value: f64, needed: &'static str, holds: bool) ->
     if holds && value.is_finite() { Ok(()) } else { Err(AdaptationError::Setting { name, value, needed }) }
 }
 
-/// Why friction cannot be learned.
+/// Reasons why friction cannot be learned.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum AdaptationError {
     /// A setting is out of range.
     #[error("setting {name} of the adaptation is {value}; it must be {needed}")]
     Setting {
-        /// Its name.
+        /// Name of the setting.
         name: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
         /// The allowed values.
         needed: &'static str,
     },
-    /// The box of a load's parameter is empty or unlimited, or does not have 0.
-    #[error("parameter {0} of the load is between numbers that are not finite or have no 0 between them")]
+    /// The bounds of a load's parameter are empty or infinite, or exclude 0.
+    #[error("parameter {0} of the load needs finite bounds with 0 between them")]
     Load(usize),
     /// The description lacks the magnitudes of a joint.
     #[error(
-        "joint {} has no finite limit of the speed, or neither friction nor a finite effort: the size of its friction is unknown; describe its limits",
+        "the size of the friction of joint {} is unknown: describe a finite speed limit, and friction or a \
+         finite effort limit",
         Named(.name)
     )]
     Scale {
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
     },
     /// The learned friction cannot be compensated.
     #[error(
-        "learned friction needs drives that load each joint without the others: no inputs at frames, no driven joints, and as many \
-         drives as learned joints"
+        "learned friction needs one drive per learned joint that loads no other joint; inputs at frames and \
+         driven joints are not supported"
     )]
     Inputs,
-    /// The saved state has another length.
+    /// The saved state has a different length.
     #[error("the saved state has {found} numbers; this robot's has {needed}")]
     Length {
         /// Numbers that were given.
@@ -118,10 +121,10 @@ pub enum AdaptationError {
     },
     /// The saved state has another origin.
     #[error(
-        "the saved state belongs to another {0}: start without it, or learn with the same description, period, filter and delay"
+        "the saved state belongs to another {0}: start without it, or use the same description, period, filter and delay"
     )]
     Origin(&'static str),
-    /// A saved number is not possible.
-    #[error("number {0} of the saved state is not possible")]
+    /// A saved number is not valid.
+    #[error("number {0} of the saved state is not valid")]
     Number(usize),
 }

@@ -1,4 +1,4 @@
-//! Which law acts: the prequential comparison.
+//! Choice of the acting law by prequential comparison.
 
 /// Samples before which the described law acts.
 const FEWEST: f64 = 20.0;
@@ -10,22 +10,22 @@ const CONTRADICTED: f64 = 0.5;
 /// law within the box explains much of it.
 const UNEXPLAINED: f64 = 0.5;
 
-/// The law that acts at a joint, with the reason.
+/// Acting law of a joint, and the reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trust {
-    /// Too few samples yet: the described law acts.
+    /// Too few samples: the described law acts.
     Unknown,
     /// The learned law predicts better and acts.
     Learned,
     /// The described law predicts better and acts.
     Described,
-    /// Most residuals are beyond the interval, or the learned law explains less than half of the torque's variance, as in contact
-    /// or with a wrong sensor: the described law acts.
+    /// Most residuals are outside the interval, or the learned law explains less than half of the torque's
+    /// variance, as in contact or with a wrong sensor: the described law acts.
     Contradicted,
 }
 
 impl Trust {
-    /// Its name in logs.
+    /// Name in logs.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -37,24 +37,25 @@ impl Trust {
     }
 }
 
-/// Leaky means of the squared errors of one-step predictions.
+/// Leaky means of the squared one-step prediction errors.
 ///
-/// Each error is that of the law before it took the sample (Dawid, *J. R. Stat. Soc. A* 147, 1984), so a law with more terms has no
-/// advantage that it did not earn.
+/// Each error is that of the law before it learned from the sample (Dawid, *J. R. Stat. Soc. A* 147, 1984),
+/// so additional terms give no unearned advantage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Comparison {
-    /// Sums of squares: described, learned.
+    /// Sums of squared errors: described, learned.
     pub squares: [f64; 2],
     pub taken: f64,
     pub excluded: f64,
-    /// Sums over the samples that were excluded too: squares of the errors of the learned law, squares of torques, torques, samples.
+    /// Sums that include excluded samples: squared errors of the learned law, squared torques, torques,
+    /// number of samples.
     pub all: [f64; 4],
 }
 
 impl Comparison {
     pub(super) const NEW: Self = Self { squares: [0.0; 2], taken: 0.0, excluded: 0.0, all: [0.0; 4] };
 
-    /// Takes any sample: the error of the learned law, and the torque.
+    /// Adds any sample: error of the learned law, and torque.
     pub(super) fn whole(&mut self, [error, torque]: [f64; 2], keep: f64) {
         let sums = self.squares.iter_mut().chain([&mut self.taken, &mut self.excluded]).chain(&mut self.all);
         sums.for_each(|sum| *sum *= keep);
@@ -63,7 +64,7 @@ impl Comparison {
         }
     }
 
-    /// Takes the errors of both laws.
+    /// Adds the errors of both laws.
     pub(super) fn take(&mut self, errors: [f64; 2]) {
         for (square, error) in self.squares.iter_mut().zip(errors) {
             *square += error * error;
@@ -71,7 +72,7 @@ impl Comparison {
         self.taken += 1.0;
     }
 
-    /// Counts a sample beyond the interval.
+    /// Counts a sample outside the interval.
     pub(super) fn exclude(&mut self) {
         self.excluded += 1.0;
     }
@@ -92,7 +93,7 @@ impl Comparison {
         }
     }
 
-    /// Root mean squares of the errors: described, learned [N m or N]; NaN before the first sample.
+    /// Root-mean-square errors: described, learned [N m or N]; NaN before the first sample.
     pub(super) fn errors(&self) -> [f64; 2] {
         self.squares.map(|square| super::law::root(square / self.taken))
     }

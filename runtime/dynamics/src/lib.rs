@@ -1,7 +1,6 @@
-//! Generated robots as types: the traits that control and identification ask for, and the macros that
-//! implement them.
+//! Generated robots as types: traits used by control and identification, and macros that implement them.
 //!
-//! `gelenk-runtime` has the same module and macros under the same names.
+//! `gelenk-runtime` re-exports this crate under the same names.
 
 #![cfg_attr(not(test), no_std)]
 

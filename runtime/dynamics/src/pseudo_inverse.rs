@@ -1,4 +1,4 @@
-//! The pseudo-inverse of a small matrix, without allocation.
+//! Pseudo-inverse of a small matrix, without allocation.
 
 use gelenk_kernels::math::sqrt;
 
@@ -8,8 +8,8 @@ const RANK_TOLERANCE: f64 = 1e-12;
 /// Sweeps after which columns are as orthogonal as they get; five or six are usual.
 const MOST_SWEEPS: usize = 40;
 
-/// `B⁺`: `B⁺ f` is the shortest of the u for which `B u` comes closest to f. None for matrices that are empty,
-/// zero or not finite.
+/// Pseudo-inverse `B⁺`: `B⁺ f` is the shortest u that minimizes `|B u − f|`. `None` for matrices that are
+/// empty, zero or not finite.
 ///
 /// One-sided Jacobi rotations make the columns of B V orthogonal (Hestenes 1958; Golub and Van Loan 2013, section
 /// 8.6.3): `B = U Σ Vᵀ`, `B⁺ = V Σ⁻² (B V)ᵀ`.

@@ -1,4 +1,4 @@
-//! Numbers with the digits that mean something: two significant digits of the standard error decide.
+//! Numbers with significant digits: rounded at the second significant digit of the standard error.
 
 /// Most significant digits of a double.
 const MOST_DIGITS: i32 = 17;
@@ -7,8 +7,8 @@ const MOST_DECIMALS: i32 = 12;
 
 /// `value` rounded to the decimal place of the second significant digit of `error`.
 ///
-/// - `error`: standard error; if it is absent, zero or not finite, the shortest text that reads back as
-///   `value` is returned
+/// - `error`: standard error; if absent, zero or not finite, the result is the shortest text that reads back
+///   as `value`
 ///
 /// 76.5561 with 0.0312 is `76.556`; 12345.0 with 120.0 is `12350`. At most 17 significant digits are written.
 pub fn rounded(value: f64, error: Option<f64>) -> String {
@@ -31,14 +31,14 @@ pub fn rounded(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// [`rounded`] with a point or an exponent, so that formats which tell whole numbers from others read a
-/// floating-point number.
+/// [`rounded`] with a decimal point or exponent, for formats that distinguish integers from floating-point
+/// numbers.
 pub fn literal(value: f64, error: Option<f64>) -> String {
     let text = rounded(value, error);
     if text.contains(['.', 'e', 'N', 'i']) { text } else { text + ".0" }
 }
 
-/// `76.556 ± 0.031`; the value alone if no error is known.
+/// `76.556 ± 0.031`; only the value if no error is known.
 pub fn with_error(value: f64, error: Option<f64>) -> String {
     match error.filter(|_| decimals(error).is_some()) {
         Some(e) => format!("{} ± {}", rounded(value, error), rounded(e, error)),
@@ -46,20 +46,20 @@ pub fn with_error(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// Significant digits that [`rounded`] leaves a value, at least one; `None` if the error is not known.
+/// Significant digits of a value after [`rounded`], at least one; `None` if the error is unknown.
 pub fn significant(value: f64, error: Option<f64>) -> Option<usize> {
     let decimals = decimals(error).filter(|_| value.is_finite())?;
     let digits = if value == 0.0 { 1 } else { magnitude(value) + 1 + decimals };
     Some(digits.clamp(1, MOST_DIGITS).unsigned_abs() as usize)
 }
 
-/// Whether nothing is left of `value` after [`rounded`].
+/// Whether `value` is 0 after [`rounded`].
 pub fn vanishes(value: f64, error: Option<f64>) -> bool {
     rounded(value, error).parse::<f64>() == Ok(0.0)
 }
 
-/// `value` with `digits` significant digits, as a person writes it: `0`, `31.62`, and an exponent if the decimals would
-/// be mostly zeros, or the number longer than its digits.
+/// `value` with `digits` significant digits in short notation: `0`, `31.62`; with an exponent if most
+/// decimals would be zeros or the number would have more digits.
 pub fn plain(value: f64, digits: usize) -> String {
     let digits = digits.clamp(1, MOST_DIGITS.unsigned_abs() as usize);
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
@@ -70,7 +70,7 @@ pub fn plain(value: f64, digits: usize) -> String {
     }
 }
 
-/// A number that is not zero, rounded to two significant digits.
+/// A non-zero number rounded to two significant digits.
 pub fn two_digits(x: f64) -> f64 {
     let scale = 10_f64.powf(x.abs().log10().floor() - 1.0);
     let rounded = (x / scale).round();

@@ -1,20 +1,20 @@
 //! Findings: observations of a stage about a description, a log or a fit, with place and remedy.
 //!
-//! A detector has a [`Rule`] and makes a [`Finding`] of a message that names no subject: [`About`] does. So findings are sorted,
-//! counted and dropped by rule and subject, and their text is made in one place.
+//! A detector has a [`Rule`] and makes [`Finding`]s. A message names no subject; [`About`] does. Therefore
+//! findings can be sorted, counted and removed by rule and subject, and one place formats their text.
 
 pub mod digits;
 
 use std::fmt;
 
-/// How bad it is.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// The input cannot be used, or a result is refused.
+    /// The input cannot be used, or a result is rejected.
     Error,
-    /// The input is used, and probably has a fault.
+    /// The input is used but probably has a fault.
     Warning,
-    /// The input is used; something in it was skipped, changed or is worth knowing.
+    /// The input is used; a part was skipped or changed, or a remark is useful.
     Note,
 }
 
@@ -39,24 +39,24 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// A rule whose findings refuse a result.
+    /// A rule whose findings reject a result.
     pub const fn error(code: &'static str) -> Self {
         Self { code, severity: Severity::Error }
     }
 
-    /// A rule whose findings doubt a result.
+    /// A rule whose findings question a result.
     pub const fn warning(code: &'static str) -> Self {
         Self { code, severity: Severity::Warning }
     }
 
-    /// A rule whose findings are worth knowing.
+    /// A rule whose findings are remarks.
     pub const fn note(code: &'static str) -> Self {
         Self { code, severity: Severity::Note }
     }
 
     /// A finding about the whole input.
     ///
-    /// - `message`: without its subject
+    /// - `message`: message without the subject
     pub fn found(&self, message: impl Into<String>) -> Finding {
         Finding { severity: self.severity, ..Finding::error(self.code, message) }
     }
@@ -73,7 +73,7 @@ pub struct Location {
     pub column: usize,
     /// Marked characters on this line, at least 1.
     pub length: usize,
-    /// The source line, without control characters; a window of it if the line is very long.
+    /// The source line without control characters; a part of it if the line is very long.
     pub excerpt: String,
     /// Marked column within `excerpt`, in characters from 0.
     pub excerpt_column: usize,
@@ -114,7 +114,7 @@ impl fmt::Display for Subject {
     }
 }
 
-/// Where a finding was made.
+/// Place and subject of a finding.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct About {
     /// Place in a description.
@@ -129,7 +129,7 @@ pub struct About {
     pub subject: Subject,
 }
 
-/// A number that a finding rests on.
+/// A number on which a finding is based.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
     /// Quantity.
@@ -147,13 +147,13 @@ pub struct Finding {
     pub severity: Severity,
     /// Code of its rule.
     pub code: &'static str,
-    /// Where.
+    /// Place and subject.
     pub about: About,
-    /// The problem with the offending numbers, without its subject.
+    /// Message with the numbers, without the subject.
     pub message: String,
-    /// The numbers, for programs.
+    /// Numbers, for programs.
     pub values: Vec<Value>,
-    /// Advice to the user.
+    /// Help for the user.
     pub remedy: Option<String>,
 }
 
@@ -174,62 +174,62 @@ impl Finding {
         Rule::note(code).found(message)
     }
 
-    /// The same with a place in a description.
+    /// Adds a place in a description.
     #[must_use]
     pub fn at(mut self, location: Location) -> Self {
         self.about.place = Some(location);
         self
     }
 
-    /// The same with advice.
+    /// Adds help.
     #[must_use]
     pub fn help(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = Some(remedy.into());
         self
     }
 
-    /// The same about a part of the robot.
+    /// Sets the part of the robot.
     #[must_use]
     pub fn of(mut self, subject: Subject) -> Self {
         self.about.subject = subject;
         self
     }
 
-    /// The same about a joint.
+    /// Sets the joint.
     #[must_use]
     pub fn joint(self, name: impl Into<String>) -> Self {
         self.of(Subject::Joint(name.into()))
     }
 
-    /// The same about a log, or about rows of it.
+    /// Sets the log, and rows of it.
     #[must_use]
     pub fn log(mut self, log: impl Into<String>, rows: Option<(usize, usize)>) -> Self {
         (self.about.log, self.about.rows) = (Some(log.into()), rows);
         self
     }
 
-    /// The same about a column of a log.
+    /// Sets the column of a log.
     #[must_use]
     pub fn column(mut self, column: Option<String>) -> Self {
         self.about.column = column;
         self
     }
 
-    /// The same as a warning if it is an error: the user takes it.
+    /// Converts an error to a warning, because the user accepts it.
     #[must_use]
     pub fn accepted(mut self) -> Self {
         self.severity = self.severity.max(Severity::Warning);
         self
     }
 
-    /// The same with a number.
+    /// Adds a number.
     #[must_use]
     pub fn with(mut self, name: &'static str, value: f64, unit: &'static str) -> Self {
         self.values.push(Value { name, value, unit });
         self
     }
 
-    /// A number by its name.
+    /// A number by name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|value| value.name == name).map(|value| value.value)
     }
@@ -244,7 +244,7 @@ impl Finding {
         self.about.place.as_ref()
     }
 
-    /// Log, rows, column and part of the robot, and the message.
+    /// Text of the finding: log, rows, column, part of the robot, and message.
     pub fn sentence(&self) -> String {
         let rows = self.about.rows.map(|(first, last)| match last {
             last if last == first => format!("row {first}"),
@@ -275,7 +275,8 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Findings, equal ones once, without those about a part of the robot that a later one of the same rule and subject replaces.
+/// Removes duplicate findings, and findings about a part of the robot that a later finding of the same rule
+/// and subject replaces.
 pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
     let mut kept: Vec<Finding> = Vec::new();
     for finding in findings {
@@ -288,7 +289,7 @@ pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
     kept
 }
 
-/// Texts of the findings of a level.
+/// Texts of the findings of a severity.
 pub fn texts(findings: &[Finding], severity: Severity) -> Vec<String> {
     findings.iter().filter(|finding| finding.severity == severity).map(ToString::to_string).collect()
 }

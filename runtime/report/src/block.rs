@@ -28,41 +28,40 @@ pub enum Block {
     Heading(Vec<Inline>),
     /// Equations on lines of their own.
     Equations(Vec<Equation>),
-    /// Short equations side by side if there is room: abbreviations.
+    /// Short equations, side by side if there is room: intermediate values.
     Abbreviations(Vec<Equation>),
     /// A table of values.
     Table(Table),
-    /// Statements with verdicts.
+    /// Claims with verdicts.
     Claims(Vec<Claim>),
-    /// Which entries of matrices are there, side by side.
+    /// Sparsity patterns of matrices, side by side.
     Patterns(Vec<Pattern>),
     /// Plots with a caption.
     Figure(Figure),
-    /// The kinematic tree of a robot as a drawing.
+    /// Drawing of the kinematic tree of a robot.
     Tree(Scene),
-    /// The robot to turn and move.
+    /// Interactive 3-D view of the robot.
     Scene(Scene),
-    /// Text as it stands, in letters of one width.
+    /// Preformatted text in a fixed-width font.
     Code(String),
-    /// Blocks that are folded away until asked for; not printed while closed.
+    /// Collapsible blocks; not printed while closed.
     Details {
         /// Text that is shown while closed.
         summary: Vec<Inline>,
-        /// Whether it starts open.
+        /// Whether the blocks are initially open.
         is_open: bool,
         /// The blocks inside.
         blocks: Vec<Block>,
     },
 }
 
-/// A paragraph of the author's own words: `$…$` is LaTeX, `` `…` `` code. Text from elsewhere goes through
-/// [`plain`].
+/// A paragraph with markup: `$…$` is LaTeX, `` `…` `` code. Use [`plain`] for text from elsewhere.
 #[must_use]
 pub fn text(source: &str) -> Block {
     Block::Text(inlines(source))
 }
 
-/// A paragraph in which no sign means anything: for text from descriptions and files.
+/// A paragraph without markup, for text from descriptions and files.
 #[must_use]
 pub fn plain(source: impl Into<String>) -> Block {
     Block::Text(vec![Inline::Text(source.into())])
@@ -89,7 +88,7 @@ impl Section {
         self
     }
 
-    /// All blocks, those that are folded away included, in order.
+    /// All blocks in order, including collapsed ones.
     pub(super) fn all_blocks(&self) -> Vec<&Block> {
         let mut all = Vec::new();
         collect(&self.blocks, &mut all);

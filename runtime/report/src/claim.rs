@@ -1,4 +1,4 @@
-//! Claims and their verdicts, which follow from numbers and thresholds.
+//! Claims with verdicts from numbers and thresholds.
 
 use std::fmt;
 
@@ -6,22 +6,22 @@ use super::number::{DIGITS, rounded};
 
 /// A statement, the measured values, and the verdict.
 ///
-/// The verdict cannot be set: it follows from the criteria. A claim without criteria does not hold.
+/// The verdict follows from the criteria and cannot be set. A claim without criteria does not hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
     /// Anchor on the page and name in the data.
     pub id: String,
-    /// The sentence that is claimed; `$…$` is an equation.
+    /// Claimed sentence; `$…$` is an equation.
     pub statement: String,
-    /// Numbers with their thresholds; all must be met.
+    /// Numbers with thresholds; all must be met.
     pub criteria: Vec<Criterion>,
-    /// The condition under which the claim was found to hold, if it does not hold without.
+    /// Condition under which the claim holds, if it does not hold without it.
     pub condition: Option<String>,
-    /// The change of conditions that would reverse the verdict.
+    /// Change of conditions that would reverse the verdict.
     pub flipped_by: String,
-    /// Further words: result and reason.
+    /// Remark on result and reason.
     pub remark: String,
-    /// Identifier of the figure or table that it stands for.
+    /// Identifier of the figure or table that shows the claim.
     pub shown_in: Option<String>,
 }
 
@@ -34,20 +34,20 @@ pub struct Criterion {
     pub value: f64,
     /// The threshold.
     pub bound: Bound,
-    /// Unit of both, empty if there is none.
+    /// Unit of value and threshold; may be empty.
     pub unit: String,
 }
 
 /// A threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
-    /// Met by this and anything smaller.
+    /// Values up to this number meet it.
     AtMost(f64),
-    /// Met by this and anything larger.
+    /// Values from this number meet it.
     AtLeast(f64),
 }
 
-/// Verdict on a claim, which follows from its criteria.
+/// Verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// All criteria are met.
@@ -69,7 +69,7 @@ impl fmt::Display for Verdict {
 }
 
 impl Claim {
-    /// A claim without criteria yet; `$…$` in the statement is an equation.
+    /// A claim without criteria; `$…$` in the statement is an equation.
     #[must_use]
     pub fn new(id: impl Into<String>, statement: impl Into<String>) -> Self {
         Self {
@@ -83,42 +83,42 @@ impl Claim {
         }
     }
 
-    /// Adds a number that decides.
+    /// Adds a number with its threshold.
     #[must_use]
     pub fn criterion(mut self, criterion: Criterion) -> Self {
         self.criteria.push(criterion);
         self
     }
 
-    /// States the condition under which the claim holds.
+    /// Sets the condition under which the claim holds.
     #[must_use]
     pub fn under(mut self, condition: impl Into<String>) -> Self {
         self.condition = Some(condition.into());
         self
     }
 
-    /// Names the condition that would flip the verdict.
+    /// Sets the change of conditions that would reverse the verdict.
     #[must_use]
     pub fn flipped_by(mut self, cause: impl Into<String>) -> Self {
         self.flipped_by = cause.into();
         self
     }
 
-    /// Adds words of explanation.
+    /// Adds a remark.
     #[must_use]
     pub fn remark(mut self, remark: impl Into<String>) -> Self {
         self.remark = remark.into();
         self
     }
 
-    /// Names the figure or table that it stands for.
+    /// Sets the figure or table that shows the claim.
     #[must_use]
     pub fn shown_in(mut self, id: impl Into<String>) -> Self {
         self.shown_in = Some(id.into());
         self
     }
 
-    /// The verdict that follows from the criteria and the condition.
+    /// The verdict from the criteria and the condition.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let is_met = !self.criteria.is_empty() && self.criteria.iter().all(Criterion::is_met);
@@ -131,19 +131,19 @@ impl Claim {
 }
 
 impl Criterion {
-    /// Met where `value ≤ bound`.
+    /// A number that must satisfy `value ≤ bound`.
     #[must_use]
     pub fn at_most(name: impl Into<String>, value: f64, bound: f64, unit: impl Into<String>) -> Self {
         Self { name: name.into(), value, bound: Bound::AtMost(bound), unit: unit.into() }
     }
 
-    /// Met where `value ≥ bound`.
+    /// A number that must satisfy `value ≥ bound`.
     #[must_use]
     pub fn at_least(name: impl Into<String>, value: f64, bound: f64, unit: impl Into<String>) -> Self {
         Self { bound: Bound::AtLeast(bound), ..Self::at_most(name, value, bound, unit) }
     }
 
-    /// Whether the number keeps its threshold; not-a-number never does.
+    /// Whether the number meets its threshold; NaN never does.
     #[must_use]
     pub fn is_met(&self) -> bool {
         match self.bound {

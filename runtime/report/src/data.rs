@@ -25,7 +25,7 @@ pub(super) fn json(report: &Report) -> Value {
     })
 }
 
-/// Whether data can come from [`json`].
+/// Whether the data may come from [`json`].
 pub(super) fn is_report(value: &Value) -> bool {
     let mut expected = json(&Report::default());
     match (expected.as_object_mut(), value.as_object()) {
@@ -68,7 +68,7 @@ fn drawing_names(id: &str, plots: usize) -> Vec<String> {
     }
 }
 
-/// Name and text of one SVG file for each plot.
+/// Name and text of one SVG file per plot.
 pub(super) fn svg(report: &Report) -> Result<Vec<(String, String)>, ReportError> {
     let mut files = Vec::new();
     for block in report.sections.iter().flat_map(Section::all_blocks) {
@@ -184,7 +184,7 @@ fn figure_json(figure: &Figure) -> Value {
     })
 }
 
-/// A line as text, with equations as they were given.
+/// A line as text, with equations in LaTeX.
 pub(super) fn words(parts: &[Inline]) -> String {
     let word = |part: &Inline| match part {
         Inline::Text(text) | Inline::Code(text) => text.clone(),
@@ -193,7 +193,7 @@ pub(super) fn words(parts: &[Inline]) -> String {
     parts.iter().map(word).collect()
 }
 
-/// One file for each table, each list of claims and each figure.
+/// One CSV file per table, list of claims and figure.
 pub(super) fn csv(report: &Report) -> Result<Vec<(String, String)>, ReportError> {
     let mut files = Vec::new();
     for section in &report.sections {

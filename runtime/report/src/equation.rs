@@ -1,11 +1,11 @@
-//! Equations: LaTeX in, MathML out.
+//! Conversion of equations from LaTeX to MathML.
 
 use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 
 use super::error::ReportError;
 
-/// An equation that can be set.
+/// A typeset equation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Equation {
     latex: String,
@@ -13,21 +13,21 @@ pub struct Equation {
 }
 
 impl Equation {
-    /// An equation on a line of its own.
+    /// A displayed equation.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] if `latex` cannot be set.
+    /// [`ReportError::Equation`] if `latex` cannot be typeset.
     pub fn new(latex: impl Into<String>) -> Result<Self, ReportError> {
         let latex = latex.into();
         let mathml = mathml(&latex, DisplayMode::Block)?;
         Ok(Self { latex, mathml })
     }
 
-    /// An equation on as many lines as it needs: broken before signs of its outermost sum where a line would
-    /// hold more than `letters` letters. Pages scroll wide equations, paper does not.
+    /// An equation broken into lines of at most `letters` letters, before signs of its outermost sum. Pages
+    /// can scroll wide equations, paper cannot.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] if `latex` cannot be set.
+    /// [`ReportError::Equation`] if `latex` cannot be typeset.
     pub fn broken(latex: &str, letters: usize) -> Result<Vec<Self>, ReportError> {
         let mut lines: Vec<String> = Vec::new();
         for summand in summands(latex) {
@@ -40,19 +40,19 @@ impl Equation {
         lines.into_iter().map(Self::new).collect()
     }
 
-    /// The equation as it was given.
+    /// The equation in LaTeX.
     #[must_use]
     pub fn latex(&self) -> &str {
         &self.latex
     }
 
-    /// Rough number of letters of its width, without commands and braces.
+    /// Approximate width in letters, without commands and braces.
     #[must_use]
     pub fn width(&self) -> usize {
         width(&self.latex)
     }
 
-    /// A `math` element.
+    /// The equation as a `math` element.
     #[must_use]
     pub fn mathml(&self) -> &str {
         &self.mathml
@@ -108,7 +108,7 @@ fn summands(latex: &str) -> Vec<&str> {
     parts
 }
 
-/// An equation within a line, as a `math` element.
+/// An inline equation as a `math` element.
 pub(super) fn inline(latex: &str) -> Result<String, ReportError> {
     mathml(latex, DisplayMode::Inline)
 }

@@ -3,11 +3,11 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Reason why a report could not be made.
+/// Errors of a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// An equation that is not LaTeX, or has an unsupported command.
-    #[error("the equation `{latex}` cannot be set: {message}")]
+    #[error("the equation `{latex}` cannot be typeset: {message}")]
     Equation {
         /// The equation.
         latex: String,
@@ -22,7 +22,7 @@ pub enum ReportError {
         /// The fault.
         message: String,
     },
-    /// Two parts with one identifier.
+    /// Two parts with the same identifier.
     #[error("two parts of the report have the identifier `{0}`: rename one")]
     SameId(String),
     /// A table that cannot be written.

@@ -1,4 +1,4 @@
-//! The files of a report: all of them or none, and none over files of others.
+//! Files of a report: written all or none, and never over files of others.
 
 use std::fs;
 use std::io;
@@ -13,7 +13,7 @@ use gelenk_files::Prepared;
 const PAGE: &str = "index.html";
 const DATA: &str = "report.json";
 
-/// Writes files by name into a folder, and removes the tables that its report had and this one has not.
+/// Writes files to a folder, and removes tables of its previous report that this one lacks.
 pub(super) fn write(folder: &Path, files: &[(String, String)]) -> Result<Vec<PathBuf>, ReportError> {
     let old = old_tables(folder);
     if folder.is_file() {
@@ -52,7 +52,7 @@ fn fault(path: &Path) -> impl FnOnce(io::Error) -> ReportError + use<> {
 /// Whether a file may be written: it is new, empty, unchanged or from a report.
 fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result<()> {
     if !is_plain(name) {
-        let why = "an identifier with other signs than letters, digits, `-` and `_` names no file";
+        let why = "an identifier can be a file name only if it has letters, digits, `-` and `_` alone";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     }
     let path = folder.join(name);
@@ -72,7 +72,7 @@ fn check(folder: &Path, name: &str, content: &str, old: &[String]) -> io::Result
     if is_ours || text == content.as_bytes() {
         return Ok(());
     }
-    let why = "no report has written it; name another folder, or remove it first";
+    let why = "it was not written by a report; name another folder, or remove it first";
     Err(io::Error::new(io::ErrorKind::AlreadyExists, why))
 }
 

@@ -11,13 +11,13 @@ pub enum Inline {
     Code(String),
 }
 
-/// A name from code within a line.
+/// An inline name from code.
 #[must_use]
 pub fn code(source: impl Into<String>) -> Inline {
     Inline::Code(source.into())
 }
 
-/// Splits at `$` and backticks; one that is never closed is itself.
+/// Splits text at `$` and backticks; an unclosed one is literal.
 pub(super) fn inlines(source: &str) -> Vec<Inline> {
     let mut parts = Vec::new();
     let mut plain = String::new();

@@ -1,9 +1,9 @@
-//! Reports: values in, page out.
+//! Reports as data, written as HTML pages, JSON and CSV.
 //!
-//! A [`Report`] is data: sections of paragraphs, equations, tables, claims, figures and one view of a robot.
-//! From it come an HTML page that needs no network and no other file, and the same numbers as JSON and CSV.
-//! The page is for screens light and dark, narrow and wide, and for paper; what it shows rounded stands in
-//! the data in full.
+//! A [`Report`] consists of sections with paragraphs, equations, tables, claims, figures and a view of a
+//! robot. It is written as an HTML page that needs no network and no other file, and as JSON and CSV with the
+//! same numbers. The page supports light and dark, narrow and wide screens, and paper. The data have all
+//! digits of numbers that the page rounds.
 //!
 //! ```
 //! use gelenk_report::{Block, Claim, Criterion, Report, Section, text};

@@ -1,9 +1,10 @@
-//! Numbers for people: rounded, with a real minus sign and powers of ten.
+//! Numbers for people: rounded, with a minus sign and powers of ten.
 
 /// Default number of digits.
 pub(super) const DIGITS: usize = 4;
 
-/// `value` with `digits` significant digits; zeros at the end of a fraction stay, because they were measured.
+/// `value` with `digits` significant digits; trailing zeros of a fraction are kept, because they were
+/// measured.
 pub(super) fn rounded(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return unusual(value);
@@ -30,7 +31,7 @@ pub(super) fn rounded(value: f64, digits: usize) -> String {
 /// Largest number of digits shown of a described number; the data hold all.
 const MOST_DIGITS: usize = 9;
 
-/// `value` as described: its own digits, or the first ones of a number that has many.
+/// `value` with its own digits, or the first ones if there are many.
 pub(super) fn exact(value: f64) -> String {
     if !value.is_finite() {
         return unusual(value);

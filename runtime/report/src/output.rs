@@ -1,4 +1,4 @@
-//! The results of a report: its page, its data, its files.
+//! Output of a report: page, data and files.
 
 use std::path::{Path, PathBuf};
 
@@ -8,23 +8,23 @@ use super::report::Report;
 use super::{data, files, page};
 
 impl Report {
-    /// The page: one self-contained HTML file.
+    /// The page as one self-contained HTML file.
     ///
     /// # Errors
-    /// [`ReportError::Equation`] if an equation is not LaTeX that can be set, [`ReportError::Plot`] if a
-    /// figure has values that cannot be drawn, [`ReportError::SameId`] if two parts share an identifier.
+    /// [`ReportError::Equation`] if an equation cannot be typeset, [`ReportError::Plot`] if a figure has
+    /// values that cannot be drawn, [`ReportError::SameId`] if two parts share an identifier.
     pub fn html(&self) -> Result<String, ReportError> {
         self.check_ids()?;
         page::html(self)
     }
 
-    /// All numbers as JSON, unrounded; not-a-number and infinities as text.
+    /// All numbers as unrounded JSON; NaN and infinities are texts.
     #[must_use]
     pub fn json(&self) -> String {
         format!("{:#}\n", data::json(self))
     }
 
-    /// Name and text of one CSV file for each table, list of claims and figure.
+    /// Name and text of one CSV file per table, list of claims and figure.
     ///
     /// # Errors
     /// [`ReportError::Data`] if the writer fails.
@@ -32,7 +32,7 @@ impl Report {
         data::csv(self)
     }
 
-    /// Name and text of one SVG file for each plot, with its legend.
+    /// Name and text of one SVG file per plot, with legend.
     ///
     /// # Errors
     /// [`ReportError::Plot`] if a figure has values that cannot be drawn.
@@ -40,13 +40,13 @@ impl Report {
         data::svg(self)
     }
 
-    /// Writes `index.html`, `report.json`, the CSV and the SVG files into `folder`, which is created if it does not exist;
-    /// returns the files, the page first. A report that was written there before is replaced as a whole: on
-    /// a full disk the old one remains.
+    /// Writes `index.html`, `report.json`, the CSV and SVG files to `folder`, which is created if missing;
+    /// returns the files, the page first. A previous report in the folder is replaced as a whole; if the disk
+    /// is full, it is kept.
     ///
     /// # Errors
-    /// As [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`] if a
-    /// file cannot be written, or exists and was not written by a report.
+    /// The errors of [`Report::html`] and [`Report::csv`], before anything is written; [`ReportError::File`]
+    /// if a file cannot be written, or exists and was not written by a report.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
         let mut files =
             vec![("index.html".to_owned(), self.html()?), ("report.json".to_owned(), self.json())];

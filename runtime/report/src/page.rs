@@ -1,4 +1,4 @@
-//! The page: one HTML file that loads nothing.
+//! The page: one HTML file that loads no other file.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -93,7 +93,7 @@ fn head(report: &Report) -> Rendered {
 /// The link to the numbers of a page.
 const DATA: &str = "<a href=\"report.json\">report.json</a>";
 
-/// Whether a text is the page of a report. No words decide this, so that pages of other versions are known.
+/// Whether a text is the page of a report. The test uses no words, so pages of other versions are recognized.
 pub(super) fn is_page(text: &[u8]) -> bool {
     [POLICY, DATA].iter().all(|part| text.windows(part.len()).any(|window| window == part.as_bytes()))
 }
@@ -362,7 +362,7 @@ fn scene_markup(scene: &Scene) -> Markup {
                 @for (index, joint) in scene.coordinates().into_iter().enumerate() {
                     (slider(index, scene.symbol(index), joint))
                 }
-                button.home type="button" { "All joints to the start" }
+                button.home type="button" { "Reset all joints" }
                 @if !scene.frames.is_empty() {
                     table.frames {
                         thead { tr { th scope="col" { "Frame" } th scope="col" { "Origin in the base frame [m]" } } }
@@ -376,11 +376,11 @@ fn scene_markup(scene: &Scene) -> Markup {
             }
             figcaption {
                 "Grey: links. Coloured: axes of the joints that move. "
-                "The quartered disc marks a centre of mass, its size grows with the mass; red, green and blue are the "
+                "The quartered disc marks the centre of mass, and its size grows with the mass; red, green and blue are the "
                 "axes x, y, z of the base and of the named frames. Drag or use the arrow keys to turn the view, plus and minus to "
                 "zoom, 0 to reset."
             }
-            noscript { p { "The view needs scripts; nothing else on this page does." } }
+            noscript { p { "Only this view needs scripts." } }
         }
     }
 }

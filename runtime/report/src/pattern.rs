@@ -1,4 +1,4 @@
-//! Sparsity patterns: which entries of a matrix are there at all.
+//! Sparsity patterns of matrices.
 
 use maud::{Markup, html};
 
@@ -9,13 +9,13 @@ use super::inline::{Inline, inlines};
 pub struct Pattern {
     /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
     pub id: String,
-    /// The matrix.
+    /// Title: the matrix.
     pub title: Vec<Inline>,
     /// Names of the rows.
     pub rows: Vec<String>,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Whether an entry is other than 0, rows first.
+    /// Whether each entry is non-zero, row-major.
     pub entries: Vec<Vec<bool>>,
 }
 
@@ -32,12 +32,12 @@ impl Pattern {
         Self { id: id.into(), title: inlines(title), rows, columns, entries }
     }
 
-    /// Entries that are there.
+    /// Number of non-zero entries.
     pub(super) fn count(&self) -> usize {
         self.entries.iter().flatten().filter(|entry| **entry).count()
     }
 
-    /// All entries.
+    /// Number of all entries.
     pub(super) fn size(&self) -> usize {
         self.entries.iter().map(Vec::len).sum()
     }
@@ -50,7 +50,7 @@ pub(super) fn svg(pattern: &Pattern) -> Markup {
     let columns = pattern.entries.iter().map(Vec::len).max().unwrap_or(0);
     let (width, height) = (columns * CELL + 2, rows * CELL + 2);
     let label = format!(
-        "{} rows, {} columns, {} of {} entries are there",
+        "{} rows, {} columns, {} of {} entries are non-zero",
         rows,
         columns,
         pattern.count(),

@@ -22,58 +22,58 @@ pub struct Figure {
     pub plots: Vec<Plot>,
 }
 
-/// Curves over one pair of axes.
+/// Curves over a pair of axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
-    /// A few words above the plot, may be empty.
+    /// Short title above the plot; may be empty.
     pub title: String,
     /// Abscissa.
     pub x: Axis,
     /// Ordinate.
     pub y: Axis,
-    /// The curves, at least one with a finite point.
+    /// Curves; at least one must have a finite point.
     pub series: Vec<Series>,
 }
 
 /// An axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// Its quantity.
+    /// Quantity of the axis.
     pub label: String,
     /// Unit, empty if there is none.
     pub unit: String,
-    /// Shown range; by default that of the data. Points outside are left out.
+    /// Shown range; by default that of the data. Points outside are omitted.
     pub range: Option<[f64; 2]>,
-    /// Whether decades are equally long; values that are not positive are left out then.
+    /// Whether the scale is logarithmic; values that are not positive are then omitted.
     pub is_logarithmic: bool,
 }
 
 /// A curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// How it is drawn.
+    /// Style of the curve.
     pub marks: Marks,
-    /// Its points; one that is not finite is a gap.
+    /// Points; a point that is not finite is a gap.
     pub points: Vec<[f64; 2]>,
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marks {
     /// A line through the points.
     Line,
     /// A dashed line.
     Dashed,
-    /// The points alone.
+    /// Points only.
     Points,
-    /// Each value is held until the next, as a controller's output is.
+    /// Each value is held until the next, like a controller's output.
     Steps,
 }
 
 impl Figure {
-    /// A figure without plots yet; `$…$` in the caption is an equation.
+    /// A figure without plots; `$…$` in the caption is an equation.
     #[must_use]
     pub fn new(id: impl Into<String>, caption: &str) -> Self {
         Self { id: id.into(), caption: inlines(caption), plots: Vec::new() }
@@ -88,7 +88,7 @@ impl Figure {
 }
 
 impl Plot {
-    /// A plot without curves yet.
+    /// A plot without curves.
     #[must_use]
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
         Self { title: title.into(), x, y, series: Vec::new() }
@@ -109,14 +109,14 @@ impl Axis {
         Self { label: label.into(), unit: unit.into(), range: None, is_logarithmic: false }
     }
 
-    /// The same with a logarithmic scale.
+    /// Makes the scale logarithmic.
     #[must_use]
     pub fn logarithmic(mut self) -> Self {
         self.is_logarithmic = true;
         self
     }
 
-    /// The same with a fixed range.
+    /// Sets the range.
     #[must_use]
     pub fn over(mut self, low: f64, high: f64) -> Self {
         self.range = Some([low, high]);
@@ -232,9 +232,9 @@ fn colour(series: usize, marks: Marks) -> RGBColor {
     }
 }
 
-/// The plot as an `svg` element that takes its colours from the page.
+/// The plot as an `svg` element with the colours of the page.
 ///
-/// - `id`: of the figure, for the message
+/// - `id`: identifier of the figure, for messages
 pub(super) fn svg(plot: &Plot, id: &str) -> Result<String, ReportError> {
     let fault = |message: &dyn Display| ReportError::Plot { id: id.to_owned(), message: message.to_string() };
     let curves: Vec<Vec<[f64; 2]>> = plot.series.iter().map(|one| scaled(plot, one)).collect();
@@ -243,7 +243,7 @@ pub(super) fn svg(plot: &Plot, id: &str) -> Result<String, ReportError> {
         shown.filter(|point| point.iter().all(|x| x.is_finite())).map(move |point| point[axis])
     };
     let (Some(x), Some(y)) = (plot.x.span(values(0)), plot.y.span(values(1))) else {
-        return Err(fault(&"no finite points, or a range that is empty: give at least one"));
+        return Err(fault(&"the plot has no finite points, or an empty range: give at least one point"));
     };
     let mut text = String::new();
     draw(plot, &curves, x, y, &mut text).map_err(|error| fault(&error))?;
@@ -394,7 +394,7 @@ fn themed(svg: &str, description: &str) -> String {
 
 /// The plot as an SVG file with its legend, in the light colours of the page.
 ///
-/// - `id`: of the figure, for the message
+/// - `id`: identifier of the figure, for messages
 pub(super) fn file(plot: &Plot, id: &str) -> Result<String, ReportError> {
     let drawing = svg(plot, id)?;
     let body = drawing.split_once('>').map_or("", |(_, body)| body).trim_end().trim_end_matches("</svg>");

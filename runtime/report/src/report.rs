@@ -1,21 +1,21 @@
-//! A report as a value.
+//! A report as data.
 
 use super::block::{Block, Section};
 use super::claim::Claim;
 use super::inline::{Inline, inlines};
 
-/// A report: content of its page, its JSON and its CSV.
+/// A report: content of its page, JSON and CSV.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// Title of the page.
     pub title: String,
-    /// A sentence or two below the title.
+    /// One or two sentences below the title.
     pub lead: Vec<Inline>,
-    /// Small facts next to the title: name and value.
+    /// Facts next to the title: name and value.
     pub facts: Vec<(String, String)>,
     /// The body.
     pub sections: Vec<Section>,
-    /// The command that made the report, shown at the foot.
+    /// Command that made the report, shown at the foot.
     pub made_by: String,
 }
 

@@ -1,8 +1,8 @@
-//! A robot as the page's view of it needs it: poses, axes, masses, limits.
+//! Data of the robot for the 3-D view: poses, axes, masses, limits.
 
 use serde_json::{Value, json};
 
-/// A robot to turn and move; lengths in m, masses in kg.
+/// A robot for the 3-D view; lengths in m, masses in kg.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scene {
     /// Name of the robot.
@@ -11,9 +11,9 @@ pub struct Scene {
     pub base: String,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [f64; 3],
-    /// Joints, each with the link that it carries; parents stand before their children.
+    /// Joints with the links that they carry; parents precede children.
     pub joints: Vec<SceneJoint>,
-    /// Symbols of the coordinates, in their order.
+    /// Symbols of the coordinates in order.
     pub symbols: Vec<SceneSymbol>,
     /// Bodies on the links.
     pub bodies: Vec<SceneBody>,
@@ -23,19 +23,19 @@ pub struct Scene {
     pub rods: Vec<SceneRod>,
 }
 
-/// Symbol of a coordinate; numbers count from 0.
+/// Symbol of a coordinate; indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SceneSymbol {
     /// The position yᵢ.
     Position(usize),
-    /// The velocity ẏᵢ of a joint with a quaternion: no position belongs to it alone.
+    /// The velocity ẏᵢ of a joint with a quaternion, which has no single position for it.
     Velocity(usize),
-    /// dᵢ, no unknown of the equations: something else moves it.
+    /// dᵢ of a driven joint; its motion is prescribed.
     Driven(usize),
 }
 
 impl SceneSymbol {
-    /// Letter and number, from 1.
+    /// Letter and index, from 1.
     pub(super) fn letter(self) -> (char, usize) {
         match self {
             Self::Position(index) => ('y', index + 1),
@@ -48,14 +48,14 @@ impl SceneSymbol {
 /// A force between two points, drawn as a line between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneRod {
-    /// Its ends: the index of the joint whose link carries it (`None` for the base), and the point in the link's
-    /// frame (m).
+    /// End points: index of the joint whose link carries the point (`None` for the base), and point in the
+    /// link's frame (m).
     pub ends: [(Option<usize>, [f64; 3]); 2],
-    /// Whether an input acts in it, as in a cylinder.
+    /// Whether an input acts in it, for example a cylinder.
     pub is_input: bool,
 }
 
-/// A joint and its link.
+/// A joint with its link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneJoint {
     /// Name of the joint.
@@ -66,35 +66,35 @@ pub struct SceneJoint {
     pub parent: Option<usize>,
     /// Origin in the parent link's frame.
     pub translation: [f64; 3],
-    /// Rotation matrix in the parent link's frame, rows first.
+    /// Rotation matrix in the parent link's frame, row-major.
     pub rotation: [[f64; 3]; 3],
     /// Axis in the joint frame, unit length.
     pub axis: [f64; 3],
     /// Kind of motion.
     pub kind: SceneKind,
-    /// Whether it moves.
+    /// Motion of the joint.
     pub motion: SceneMotion,
     /// Lowest and highest position (rad or m).
     pub limits: Option<[f64; 2]>,
-    /// Name of the input that drives it.
+    /// Name of its input.
     pub input: Option<String>,
 }
 
-/// Motion of a joint along its axis.
+/// Type of a joint's motion along its axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SceneKind {
-    /// It turns about the axis.
+    /// Rotation about the axis.
     Turns,
-    /// It slides along the axis.
+    /// Translation along the axis.
     Slides,
-    /// It turns about the axis, and slides along it while it turns.
+    /// Rotation about the axis with a proportional translation along it.
     Screws {
         /// Translation for each radian (m/rad).
         pitch: f64,
     },
 }
 
-/// Whether a joint moves.
+/// Motion of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SceneMotion {
     /// A fixed joint.
@@ -103,7 +103,7 @@ pub enum SceneMotion {
     Held(f64),
     /// A coordinate, counted from 0.
     Coordinate(usize),
-    /// It moves with coordinates: `Σ ratio · y[coordinate] + offset`.
+    /// Follower of coordinates: `Σ ratio · y[coordinate] + offset`.
     Follows {
         /// The coordinates, counted from 0, with their ratios.
         terms: Vec<(usize, f64)>,
@@ -112,7 +112,7 @@ pub enum SceneMotion {
     },
 }
 
-/// A body: a point with a mass.
+/// A body as a point with mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneBody {
     /// Name of the body.
@@ -128,13 +128,13 @@ pub struct SceneBody {
 /// A named frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneFrame {
-    /// Its name.
+    /// Name of the frame.
     pub name: String,
     /// Index of the joint whose link carries it; `None` for the base.
     pub joint: Option<usize>,
     /// Origin in the link's frame (m).
     pub translation: [f64; 3],
-    /// Rotation matrix in the link's frame, rows first.
+    /// Rotation matrix in the link's frame, row-major.
     pub rotation: [[f64; 3]; 3],
 }
 
@@ -148,7 +148,7 @@ impl SceneJoint {
         if self.kind == SceneKind::Slides { "m" } else { "rad" }
     }
 
-    /// Lowest and highest position of its slider.
+    /// Range of its slider.
     pub(super) fn range(&self) -> [f64; 2] {
         let free = if self.kind == SceneKind::Slides { SLIDE } else { TURN };
         match self.limits {
@@ -157,7 +157,7 @@ impl SceneJoint {
         }
     }
 
-    /// Where its slider starts: 0 if the limits allow that.
+    /// Start of its slider: 0 if within the limits.
     pub(super) fn start(&self) -> f64 {
         let [low, high] = self.range();
         0.0_f64.clamp(low, high)
@@ -179,12 +179,12 @@ impl Scene {
         moving.into_iter().map(|(_, joint)| joint).collect()
     }
 
-    /// Symbol of a coordinate; its position if none is given.
+    /// Symbol of a coordinate; by default its position.
     pub(super) fn symbol(&self, coordinate: usize) -> SceneSymbol {
         self.symbols.get(coordinate).copied().unwrap_or(SceneSymbol::Position(coordinate))
     }
 
-    /// The scene as the script reads it.
+    /// The scene as JSON for the script.
     pub(super) fn json(&self) -> Value {
         let joint = |joint: &SceneJoint| {
             let (terms, position) = match &joint.motion {

@@ -3,34 +3,34 @@
 use super::inline::{Inline, inlines};
 use super::number;
 
-/// A table: columns with names and units, rows of cells.
+/// A table: columns with names and units, and rows of cells.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
     /// Anchor on the page and name of the CSV file: letters, digits, hyphens and underscores.
     pub id: String,
     /// Sentence above the table.
     pub caption: Vec<Inline>,
-    /// The columns.
+    /// Columns.
     pub columns: Vec<Column>,
-    /// The rows; each has one cell per column.
+    /// Rows with one cell per column.
     pub rows: Vec<Vec<Cell>>,
 }
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Heading on the page; may hold an equation.
+    /// Heading on the page; may contain an equation.
     pub heading: Vec<Inline>,
     /// Name in JSON and CSV.
     pub name: String,
-    /// Unit of its numbers, empty if there is none.
+    /// Unit of the numbers; empty if there is none.
     pub unit: String,
 }
 
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
-    /// Nothing to say.
+    /// An empty cell.
     Empty,
     /// Text, taken literally.
     Text(String),
@@ -40,20 +40,20 @@ pub enum Cell {
     Line(Vec<Inline>),
     /// A measured number, with its number of significant digits.
     Rounded(f64, usize),
-    /// A described number, shown with its own digits, up to nine.
+    /// A described number with its own digits, up to nine.
     Exact(f64),
     /// A count.
     Count(usize),
 }
 
 impl Table {
-    /// A table without columns and rows yet; `$…$` in the caption is an equation.
+    /// A table without columns and rows; `$…$` in the caption is an equation.
     #[must_use]
     pub fn new(id: impl Into<String>, caption: &str) -> Self {
         Self { id: id.into(), caption: inlines(caption), ..Self::default() }
     }
 
-    /// Adds a column; `$…$` in the heading is an equation, the name stands in JSON and CSV.
+    /// Adds a column; `$…$` in the heading is an equation, and the name is used in JSON and CSV.
     #[must_use]
     pub fn column(mut self, heading: &str, name: impl Into<String>, unit: impl Into<String>) -> Self {
         self.columns.push(Column { heading: inlines(heading), name: name.into(), unit: unit.into() });
@@ -74,7 +74,7 @@ impl Table {
         self
     }
 
-    /// Whether the column holds numbers alone, and is set to the right.
+    /// Whether the column has only numbers and is right-aligned.
     pub(super) fn is_numeric(&self, column: usize) -> bool {
         let mut cells = self.rows.iter().filter_map(|row| row.get(column));
         let is_number =
@@ -91,20 +91,20 @@ impl Cell {
         Self::Rounded(value, number::DIGITS)
     }
 
-    /// A described number, or nothing.
+    /// A described number, or an empty cell.
     #[must_use]
     pub fn exact_or_empty(value: Option<f64>) -> Self {
         value.map_or(Self::Empty, Self::Exact)
     }
 
-    /// Text, or nothing if it is empty.
+    /// Text, or an empty cell for empty text.
     #[must_use]
     pub fn text(text: impl Into<String>) -> Self {
         let text = text.into();
         if text.is_empty() { Self::Empty } else { Self::Text(text) }
     }
 
-    /// The author's own words; `$…$` is an equation, `` `…` `` code.
+    /// Text with markup: `$…$` is an equation, `` `…` `` code.
     #[must_use]
     pub fn line(source: &str) -> Self {
         Self::Line(inlines(source))

@@ -1,4 +1,4 @@
-//! A controller whose model follows a learned load.
+//! A controller whose model includes a learned load.
 
 use super::controller::{Adaptive, TakesModel};
 use super::model::LearnedFriction;
@@ -6,10 +6,11 @@ use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate}
 use crate::dynamics::Dynamics;
 use gelenk_adaptation::{AdaptationError, LoadEstimator};
 
-/// A controller that learns friction, and P parameters of a load.
+/// A controller that learns friction and P parameters of a load.
 ///
-/// The parameters are those of the robot's model on which torques depend linearly, e.g. a mass at the tool. The columns
-/// of [`LoadEstimator`] are differences of inverse dynamics, P + 1 in a period. The model takes the load that acts before each step.
+/// Torques must be linear in these parameters of the robot's model, for example a mass at the tool. The
+/// columns for [`LoadEstimator`] are differences of inverse dynamics, P + 1 evaluations per period. Before
+/// each step the model gets the acting load.
 #[derive(Debug, Clone)]
 pub struct Carrying<C, D, const N: usize, const M: usize, const P: usize> {
     adaptive: Adaptive<C, D, N, M>,
@@ -19,10 +20,10 @@ pub struct Carrying<C, D, const N: usize, const M: usize, const P: usize> {
 }
 
 impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize, const P: usize> Carrying<C, D, N, M, P> {
-    /// A controller that learns friction, with a load.
+    /// A controller that learns friction, extended by a load.
     ///
-    /// - `bounds`: least and largest value of each parameter, with 0 between them
-    /// - `loaded`: the robot with a load; friction and input matrix do not depend on it
+    /// - `bounds`: smallest and largest value of each parameter, with 0 between them
+    /// - `loaded`: maps parameters to the robot with load; friction and input matrix must not depend on them
     ///
     /// # Errors
     /// [`AdaptationError::Load`].
@@ -35,12 +36,12 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize, const P: usiz
         Ok(Self { adaptive, load: LoadEstimator::new(bounds)?, empty, loaded })
     }
 
-    /// The controller that learns friction.
+    /// Controller that learns friction.
     pub fn adaptive(&self) -> &Adaptive<C, D, N, M> {
         &self.adaptive
     }
 
-    /// The estimator of the load.
+    /// Estimator of the load.
     pub fn load(&self) -> &LoadEstimator<N, P> {
         &self.load
     }

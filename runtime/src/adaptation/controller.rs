@@ -1,4 +1,4 @@
-//! A controller whose model follows the learned friction.
+//! A controller whose model includes the learned friction.
 
 use super::model::LearnedFriction;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle, Estimate, FeedForwardPd};
@@ -9,12 +9,13 @@ use crate::mpc::{LtvMpc, Nmpc};
 use crate::trajectory::Trajectory;
 use gelenk_adaptation::{Adaptation, AdaptationError, AdaptationSettings, DescribedForces, Measured};
 
-/// A controller that goes on with another model without a new start.
+/// A controller that can change its model without a restart.
 pub trait TakesModel<D> {
-    /// Goes on with `model` from the next step on; estimate and plan stay. Allocates nothing if the input matrix is the same.
+    /// Uses `model` from the next step on; estimate and plan are kept. Does not allocate if the input matrix
+    /// is the same.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    /// [`FeedForwardError::InputMatrix`]; the model is then unchanged.
     fn take_model(&mut self, model: D) -> Result<(), FeedForwardError>;
 }
 
@@ -43,20 +44,20 @@ impl<D: Dynamics<N, M>, R: Trajectory<N>, const N: usize, const M: usize> TakesM
     }
 }
 
-/// Source of the torques of a sample.
+/// Source of the torques of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TorqueSource {
-    /// B u of the inputs that the loop wrote.
+    /// B u of the inputs written by the loop.
     #[default]
     Inputs,
-    /// Torques that the robot measures; periods without them are left out.
+    /// Torques measured by the robot; periods without them are skipped.
     Measured,
 }
 
-/// A controller with a model whose friction is learned while the robot moves.
+/// A controller whose model's friction is learned during motion.
 ///
-/// It is an option of the loop: a controller that is not wrapped learns nothing. Before each step of the inner controller, the
-/// estimator takes the last measurement, and the model takes the laws that act. They change with the time constant
+/// Controllers without this wrapper learn nothing. Before each step of the inner controller the estimator
+/// gets the last measurement, and the model gets the acting laws. These change with the time constant
 /// [`AdaptationSettings::blending`], so the input has no jump.
 ///
 /// ```
@@ -85,10 +86,10 @@ pub struct Adaptive<C, D, const N: usize, const M: usize> {
 }
 
 impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D, N, M> {
-    /// The controller that `make` makes of the robot.
+    /// A learning controller. `make` builds the inner controller from the robot; its result is passed on.
     ///
     /// # Errors
-    /// [`AdaptationError`]; the inner result is that of `make`.
+    /// [`AdaptationError`] as the outer error; the inner error is the error of `make`.
     pub fn new<E>(
         robot: D,
         settings: AdaptationSettings,
@@ -101,7 +102,7 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         Ok(make(robot.clone()).map(|inner| Self { inner, robot, adaptation, source, matrix, limits }))
     }
 
-    /// Takes torques from this source.
+    /// Sets the source of torques.
     #[must_use]
     pub fn with_torques(self, source: TorqueSource) -> Self {
         Self { source, ..self }
@@ -112,33 +113,33 @@ impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D
         &self.adaptation
     }
 
-    /// The estimator, to restore the learned laws.
+    /// The estimator, for restoring learned laws.
     pub fn adaptation_mut(&mut self) -> &mut Adaptation<N> {
         &mut self.adaptation
     }
 
-    /// The controller.
+    /// The inner controller.
     pub fn inner(&self) -> &C {
         &self.inner
     }
 
-    /// The controller, which then steps without learning.
+    /// The inner controller; its own steps do not learn.
     pub fn inner_mut(&mut self) -> &mut C {
         &mut self.inner
     }
 
-    /// The robot with the laws that act.
+    /// The robot with the acting laws.
     #[must_use]
     pub fn robot(&self) -> LearnedFriction<D, N, M> {
         self.robot.clone().with_laws(&self.adaptation)
     }
 
-    /// Goes on with another described robot, whose friction and input matrix are the same.
+    /// Replaces the described robot; friction and input matrix must be the same.
     pub(super) fn set_robot(&mut self, robot: D) {
         self.robot.set_robot(robot);
     }
 
-    /// Takes the last measurement; returns positions, velocities and accelerations of the sample, if there is one.
+    /// Processes the last measurement; returns positions, velocities and accelerations of the sample, if any.
     pub(super) fn learn(&mut self, cycle: &Cycle<N, M>) -> Option<[[f64; N]; 3]> {
         let of_inputs = |row: &[f64; M]| row.iter().zip(&cycle.last_inputs).map(|(b, u)| b * u).sum();
         let torques = match self.source {
@@ -170,7 +171,7 @@ where
     D: Dynamics<N, M> + Clone,
     C: Controller<N, M> + TakesModel<LearnedFriction<D, N, M>>,
 {
-    /// The step of the controller with the laws that act.
+    /// Runs the controller's step with the acting laws.
     pub(super) fn control(&mut self, cycle: &Cycle<N, M>) -> Result<Command<M>, ControllerFault> {
         self.inner.take_model(self.robot()).map_err(|_| ControllerFault::NotFinite)?;
         self.inner.step(cycle)

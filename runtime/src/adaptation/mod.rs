@@ -1,7 +1,7 @@
-//! Friction that is learned while the robot moves: an option of the loop.
+//! Learning of friction during motion, an option of the control loop.
 //!
-//! The estimator, its steps and its limits are those of [`gelenk_adaptation`]. [`Adaptive`] wraps a controller and gives its model the
-//! laws that act, as [`LearnedFriction`]. [`Carrying`] learns a load too. Without it, nothing is learned.
+//! [`gelenk_adaptation`] documents the estimator, its steps and limits. [`Adaptive`] wraps a controller and
+//! passes the acting laws to its model as [`LearnedFriction`]. [`Carrying`] also learns a load.
 
 mod carrying;
 mod controller;

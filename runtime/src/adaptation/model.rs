@@ -9,17 +9,17 @@ use gelenk_adaptation::{Adaptation, AdaptationError, JointScale, TERMS, input_in
 /// Steps of the numerical derivative of friction, as shares of the velocity, of at least 1.
 const STEP: f64 = 1e-6;
 
-/// A robot whose drives feel a learned friction in addition to the described one.
+/// A robot with a learned friction of its drives in addition to the described one.
 ///
-/// The learned part `τ_δ(v)` of [`terms`] acts like an input,
+/// The learned friction `τ_δ(v)` of [`terms`] acts like an input,
 ///
 /// ```text
 ///     M ÿ + k = q − τ_δ + B u = q + B (u − B⁺ τ_δ)
 /// ```
 ///
 /// so forward dynamics and linearization are those of the described robot at the input u − B⁺ τ_δ, with
-/// `∂ÿ/∂ẏ − B_x B⁺ ∂τ_δ/∂ẏ`. This needs joints that inputs can load one by one, as those have that [`Adaptation`] learns. The
-/// offset is part of τ_δ.
+/// `∂ÿ/∂ẏ − B_x B⁺ ∂τ_δ/∂ẏ`. Inputs must load the learned joints separately, which [`Adaptation`] requires.
+/// The offset is part of τ_δ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedFriction<D, const N: usize, const M: usize> {
     robot: D,
@@ -34,11 +34,11 @@ pub struct LearnedFriction<D, const N: usize, const M: usize> {
 impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M> {
     /// The robot with its described friction.
     ///
-    /// - `adaptation`: the estimator whose laws it will follow
+    /// - `adaptation`: estimator whose laws it will use
     ///
     /// # Errors
-    /// [`AdaptationError::Inputs`] for robots with inputs at frames or driven joints, and with a learned joint that the inputs cannot
-    /// load without the others.
+    /// [`AdaptationError::Inputs`] for robots with inputs at frames or driven joints, and if the inputs
+    /// cannot load a learned joint separately.
     pub fn new(robot: D, adaptation: &Adaptation<N>) -> Result<Self, AdaptationError> {
         let inverse = input_inverse(&robot.drive_matrix(), |joint| adaptation.scales()[joint].is_some())?;
         if robot.drives() != M || !robot.driven_motion().is_empty() {
@@ -57,7 +57,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         self.robot = robot;
     }
 
-    /// The same with the laws that act now.
+    /// The robot with the currently acting laws.
     #[must_use]
     pub fn with_laws(mut self, adaptation: &Adaptation<N>) -> Self {
         self.deltas = adaptation.acting();

@@ -1,4 +1,4 @@
-//! Computed torque: feedback through the model of the measured state.
+//! Computed torque: feedback through the model at the measured state.
 
 use super::controller::ControllerFault;
 use super::joint_pd::require_gains;
@@ -9,7 +9,7 @@ use crate::feed_forward::{FeedForward, FeedForwardError, closest_to_neutral};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
-/// Gains of [`ComputedTorque`], by coordinate. They make accelerations, so that they do not depend on the
+/// Gains of [`ComputedTorque`] by coordinate. They produce accelerations, so they do not depend on the
 /// robot's masses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccelerationGains<const N: usize> {
@@ -28,7 +28,7 @@ impl<const N: usize> AccelerationGains<N> {
     }
 }
 
-/// Why there is no computed torque.
+/// Errors of computed torque.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ComputedTorqueError {
     /// Gains that are negative or not finite.
@@ -40,45 +40,45 @@ pub enum ComputedTorqueError {
     /// Inputs cannot accelerate this joint at will: computed torque is for robots with a drive for every
     /// coordinate.
     #[error(
-        "the inputs cannot make every force on joint {}: computed torque needs a drive for every coordinate; `JointPd` does not",
+        "the inputs cannot produce an arbitrary force at joint {}: computed torque needs a drive for every \
+         coordinate; use `JointPd`",
         Named(.name)
     )]
     Underactuated {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
     },
 }
 
-/// The control law, without memory:
+/// Computed-torque law, without memory:
 ///
 /// ```text
 ///     u = B⁻¹ (M(y) (ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)) + k(y, ẏ) − q(y, ẏ))
 /// ```
 ///
-/// that is the inverse dynamics at the measured state, with an acceleration that makes the error e = y_d − y
-/// of an exact model obey `ë + K_d ė + K_p e = 0`, for each coordinate by itself and wherever the robot is
-/// (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.5.2; Craig, *Introduction to
-/// Robotics*, 2005, chapter 10).
+/// This is the inverse dynamics at the measured state. With an exact model the error e = y_d − y of each
+/// coordinate satisfies `ë + K_d ė + K_p e = 0` everywhere (Siciliano, Sciavicco, Villani, Oriolo,
+/// *Robotics*, 2009, section 8.5.2; Craig, *Introduction to Robotics*, 2005, chapter 10).
 ///
-/// Against [`JointPd`](super::JointPd): large errors decay as small ones do, and gains need no tuning to the
-/// masses. In return the model sees every measurement: noise of positions and velocities passes through M, k
-/// and q, and a friction law that is steep at rest is switched back and forth by the sign of a noisy velocity
-/// (take a model with smooth friction, and measured velocities if there are any). As fallback of a loop,
-/// `JointPd` is the quieter choice.
+/// Compared with [`JointPd`](super::JointPd), large errors decay like small ones, and gains need no tuning to
+/// the masses. However, measurement noise of positions and velocities passes through M, k and q, and noise of
+/// the velocity switches the sign of a friction law that is steep at rest. Use a model with smooth friction,
+/// and measured velocities if available. `JointPd` is the quieter fallback of a loop.
 ///
-/// Of robots with quaternions the error is e = y_d ⊖ y, and the desired velocities are those seen from the measured
-/// body, `w = Ad v_d` with the adjoint Ad of exp(e):
+/// For robots with quaternions the error is e = y_d ⊖ y, and the desired velocities are transformed to the
+/// measured body, `w = Ad v_d` with the adjoint Ad of exp(e):
 ///
 /// ```text
 ///     v̇ = Ad v̇_d − ad_v w + K_d (w − v) + K_p e
 /// ```
 ///
-/// for ÿ above. Then w − v obeys `d/dt (w − v) = −K_d (w − v) − K_p e`. Where w − v is parallel to e at the start, and so
-/// from rest near a motion that begins at rest, e decays along one axis like the errors of the other joints, given gains that
-/// are equal for the entries of a joint; from elsewhere an attitude decays too, unless it is 180° off (Bullo and Murray,
-/// "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
+/// replaces ÿ above. Then `d/dt (w − v) = −K_d (w − v) − K_p e`. If w − v is initially parallel to e, for
+/// example at rest at the start of a motion that begins at rest, and the gains within a joint are equal, e
+/// decays along one axis like the errors of other joints. From other states an attitude error also decays,
+/// unless it is 180° (Bullo and Murray, "Tracking for fully actuated mechanical systems: a geometric
+/// framework", Automatica 35, 1999).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};

@@ -1,32 +1,31 @@
-//! Interface between loop and controller.
+//! Interface between control loop and controller.
 
 use crate::dynamics::{AttitudeError, Named};
 use thiserror::Error;
 
-/// The state of the loop at the start of a period, as a controller learns it.
+/// State of the loop at the start of a period, for controllers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle<const N: usize, const M: usize, const NY: usize = N> {
     /// Time on the trajectory at the start of this period (s); 0 at its start.
     pub time: f64,
-    /// Periods since the previous call; 1 unless the loop was stalled. The input stayed the same over all of
-    /// them.
+    /// Periods since the previous call; more than 1 if the loop was stalled. The input was constant during
+    /// these periods.
     pub periods: u32,
-    /// Positions measured at `time` [rad or m], finite and plausible; `None` if nothing arrived, or
-    /// nothing believable.
+    /// Positions measured at `time` [rad or m], finite and plausible; `None` without a plausible measurement.
     pub positions: Option<[f64; NY]>,
-    /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` where
-    /// the robot does not measure them, and if there are no positions.
+    /// Velocities measured with these positions, finite and consistent with them [rad/s or m/s]; `None` if
+    /// not measured, and without positions.
     pub velocities: Option<[f64; N]>,
-    /// Forces of the drives at the joints measured with these positions, finite [N m or N]; `None` as above.
+    /// Drive forces at the joints measured with these positions, finite [N m or N]; `None` if not measured,
+    /// and without positions.
     pub torques: Option<[f64; N]>,
-    /// Input that the loop wrote last, after its limits. Without delay it acted until now; with one period of
-    /// delay it acts from now on, and the input computed now acts from `time + period` on.
+    /// Input that the loop wrote last, after limiting. Without delay it acted until now. With a delay of one
+    /// period it acts from now on, and the input computed now acts from `time + period` on.
     pub last_inputs: [f64; M],
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Default for Cycle<N, M, NY> {
-    /// Time 0, one period after the last, nothing measured, no inputs before: the rest of a literal that
-    /// names what it has.
+    /// Time 0, one period since the previous call, no measurement, zero inputs.
     fn default() -> Self {
         Self {
             time: 0.0,
@@ -39,38 +38,38 @@ impl<const N: usize, const M: usize, const NY: usize> Default for Cycle<N, M, NY
     }
 }
 
-/// The proposal of a controller. The loop checks it before anything is written.
+/// Proposed inputs of a controller. The loop checks them before writing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command<const M: usize> {
     /// Inputs u [N m, N or A: the model's units].
     pub inputs: [f64; M],
-    /// Iterations of an optimizer, for the log; 0 if there is none.
+    /// Iterations of an optimizer, for the log; 0 without one.
     pub iterations: u32,
 }
 
-/// Why a controller proposes nothing in this period. The loop then goes down its fallback chain.
+/// Reason why a controller proposes no input in a period. The loop then uses its fallbacks.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum ControllerFault {
     /// The measurement is missing, and this controller cannot predict the state without it.
-    #[error("no measurement to control by")]
+    #[error("there is no measurement to control the robot with")]
     NoMeasurement,
     /// The optimizer ended without a usable input.
-    #[error("no usable input after {iterations} iterations")]
+    #[error("the solver found no usable input after {iterations} iterations")]
     NoSolution {
         /// Iterations that it took.
         iterations: u32,
     },
-    /// The state or the model's equations gave numbers that are not finite.
-    #[error("state or equations of motion are not finite")]
+    /// The state or the model's equations are not finite.
+    #[error("the state or the equations of motion are not finite")]
     NotFinite,
-    /// A joint of the model is too fast to be predicted over a period.
+    /// A joint of the model is too fast to predict over a period.
     #[error("{0}")]
     TooFast(TooFast),
     /// A measured quaternion is not an attitude.
     #[error("a measurement cannot be: {0}")]
     Attitude(AttitudeError),
-    /// Too many periods went by since the last step for a prediction.
-    #[error("{periods} periods went by since the last step, too many to predict over")]
+    /// Too many periods passed since the last step for a prediction.
+    #[error("{periods} periods passed since the last step, which is too many to predict over")]
     Stalled {
         /// How many.
         periods: u32,
@@ -81,24 +80,24 @@ pub enum ControllerFault {
 /// [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "joint {} is too fast to be predicted over a period of {period} s: its force has a slope of {slope:.3e} N m s/rad (or N s/m) \
-     over its speed, which gives a rate of {rate:.1e} 1/s; take a model whose friction is less steep",
+    "joint {} is too fast to predict over a period of {period} s: its force has a slope of {slope:.3e} N m \
+     s/rad (or N s/m) over its speed, a rate of {rate:.1e} 1/s; use a model with less steep friction",
     Named(.name)
 )]
 pub struct TooFast {
-    /// Which coordinate.
+    /// Index of the coordinate.
     pub joint: usize,
-    /// Its name.
+    /// Name of the coordinate.
     pub name: &'static str,
-    /// Slope of its force over its own speed [N m s/rad or N s/m], friction above all.
+    /// Slope of its force over its own speed [N m s/rad or N s/m], mainly from friction.
     pub slope: f64,
-    /// Its rate ν [1/s].
+    /// Rate ν [1/s].
     pub rate: f64,
-    /// The period (s).
+    /// Period (s).
     pub period: f64,
 }
 
-/// A state as a controller estimates it.
+/// State estimated by a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate<const N: usize, const NY: usize = N> {
     /// y [rad or m].
@@ -107,44 +106,41 @@ pub struct Estimate<const N: usize, const NY: usize = N> {
     pub velocities: [f64; N],
 }
 
-/// A controller of a robot with `N` coordinates and `M` inputs. It knows its model and its trajectory; the
-/// loop knows clock, transport, limits and faults.
+/// A controller of a robot with `N` coordinates and `M` inputs. It has the model and the trajectory; the loop
+/// handles clock, transport, limits and faults.
 ///
-/// No method may allocate, block, or run for longer than its budget: a real-time thread calls them.
+/// Methods are called by a real-time thread: they must not allocate, block or exceed their time budget.
 pub trait Controller<const N: usize, const M: usize, const NY: usize = N> {
-    /// Begins at rest at `positions`, at time 0 of the trajectory, with nothing carried over. `inputs` is
-    /// what the loop writes until the first step.
+    /// Starts at rest at `positions` and time 0 of the trajectory, without memory of earlier runs. The loop
+    /// writes `inputs` until the first step.
     fn reset(&mut self, positions: &[f64; NY], inputs: &[f64; M]);
 
-    /// Takes in what happened since the last call and proposes the input of this period. Called once for
-    /// every period that the loop sees, also if the measurement is missing or an earlier proposal was not
-    /// used.
+    /// Processes the events since the last call and proposes the input of this period. The loop calls it in
+    /// every period, also if the measurement is missing or an earlier proposal was not used.
     ///
     /// # Errors
-    /// [`ControllerFault`] if there is no input to propose. The controller must remain able to go on with
-    /// the next period.
+    /// [`ControllerFault`] if no input can be proposed. The controller must be able to continue in the next
+    /// period.
     fn step(&mut self, cycle: &Cycle<N, M, NY>) -> Result<Command<M>, ControllerFault>;
 
-    /// Input that the plan of the last successful step holds for `periods` ≥ 1 periods after that step;
-    /// `None` beyond its end, and for controllers without a plan.
+    /// Input planned by the last successful step for `periods` ≥ 1 periods after it; `None` beyond the end of
+    /// the plan, and for controllers without a plan.
     fn planned(&self, periods: u32) -> Option<[f64; M]> {
         let _ = periods;
         None
     }
 
-    /// Estimate of the state after the last step, for the log; `None` for controllers without one.
+    /// State estimate after the last step, for the log; `None` without an estimator.
     fn estimate(&self) -> Option<Estimate<N, NY>> {
         None
     }
 
-    /// Brings the code and the data of the next step into the caches: computes what the step will compute,
-    /// about the state that `next` expects, and throws the result away. The loop calls it while it waits for
-    /// the next period, once at most, and not at all if there is no time for it (see
+    /// Warms up the caches: computes the next step at the state expected in `next`, and discards the result.
+    /// The loop calls it at most once while it waits for the next period, and only if there is time (see
     /// [`LoopSettings::warm_up`](super::LoopSettings::warm_up)).
     ///
-    /// What any later call returns must be the same to the last bit, whether this was called or not: change
-    /// scratch memory alone. A test that drives the controller with and without these calls and compares is
-    /// short. The default does nothing.
+    /// The call must not change the results of later calls in any bit: change only scratch memory. Test this
+    /// by comparing a controller with and without these calls. The default does nothing.
     fn warm_up(&mut self, next: &Cycle<N, M, NY>) {
         let _ = next;
     }

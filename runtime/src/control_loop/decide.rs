@@ -1,5 +1,4 @@
-//! Decisions of the loop in a period: whether to accept a measurement, which controller to follow, when to
-//! stop.
+//! Decisions of the loop in a period: plausibility of the measurement, choice of controller, and stop.
 
 use super::controller::{Controller, ControllerFault, Cycle};
 use super::guard::EncoderFault;
@@ -16,20 +15,20 @@ use crate::trajectory::{Sample, Trajectory};
 use crate::transport::{Brakes, Reading, Transport, TransportError};
 use std::time::Duration;
 
-/// A reading and the verdict of the guard.
+/// A reading with the verdict of the guard.
 pub(super) struct Judged<const N: usize, const NY: usize> {
-    /// As read; positions are NaN if nothing arrived.
+    /// Reading; positions are NaN without one.
     pub reading: Reading<N, NY>,
-    /// The same, if it is believed.
+    /// The plausible part of the reading.
     pub believed: Option<Measured<N, NY>>,
 }
 
-/// The part of a reading that is believed.
+/// Plausible part of a reading.
 #[derive(Clone, Copy)]
 pub(super) struct Measured<const N: usize, const NY: usize> {
     pub positions: [f64; NY],
     pub velocities: Option<[f64; N]>,
-    /// None too where one is not finite: nothing here depends on them.
+    /// Torques; `None` if missing or not finite, because the loop runs without them.
     pub torques: Option<[f64; N]>,
 }
 
@@ -48,7 +47,7 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// Reads and judges a measurement. Too long without a believable one, and it brakes.
+    /// Reads and checks a measurement; brakes after too long without a plausible one.
     pub(super) fn read(&mut self, periods: u32) -> Judged<N, NY> {
         let missing = Judged { reading: Reading::of([f64::NAN; NY], Brakes::Unknown), believed: None };
         let reading = match self.transport.read() {
@@ -120,7 +119,7 @@ where
         }
     }
 
-    /// Inputs from the controller, or from its fallback. Always finite.
+    /// Inputs from the controller or its fallbacks; always finite.
     pub(super) fn propose(
         &mut self,
         desired: &Sample<N, NY>,
@@ -195,7 +194,7 @@ where
         Proposal { inputs: self.state.inputs, source: Source::Held, iterations: 0 }
     }
 
-    /// Limits the inputs, and brakes if the state is outside its limits or the motion has ended.
+    /// Limits the inputs; brakes if the state is outside its limits or the motion has ended.
     pub(super) fn check(&mut self, mut inputs: [f64; M]) -> [f64; M] {
         let limited = limit_inputs(&mut inputs, &self.settings.input_limits);
         let beyond = limit_torques(
@@ -237,7 +236,7 @@ where
         (standing >= 0.0 && (at_rest || standing >= self.settings.stop_time)).then_some(end)
     }
 
-    /// Begins a controlled stop on the path.
+    /// Starts a controlled stop along the path.
     pub(super) fn slow_down(&mut self, reason: StopReason) {
         if self.state.phase == Phase::Running {
             self.state.phase = Phase::Stopping(reason);

@@ -1,4 +1,4 @@
-//! Is a measurement believable?
+//! Plausibility check of measurements.
 
 use crate::dynamics::{AttitudeError, Named, numbered};
 use thiserror::Error;
@@ -11,7 +11,7 @@ pub enum EncoderFault {
     NotFinite {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
     },
     /// The quaternion of a joint is not an attitude.
@@ -19,14 +19,14 @@ pub enum EncoderFault {
     Attitude(AttitudeError),
     /// Further from the last believed position than the joint can have moved.
     #[error(
-        "encoder of joint {} jumped by {distance:.4} rad (or m); the joint can move {possible:.4} in that time by `guard.jump_speed` \
-         and `guard.jump_margin`",
+        "encoder of joint {} jumped by {distance:.4} rad (or m); `guard.jump_speed` and `guard.jump_margin` \
+         allow {possible:.4} in this time",
         Named(.name)
     )]
     Jump {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Distance from the last believed position [rad or m].
         distance: f64,
@@ -35,14 +35,15 @@ pub enum EncoderFault {
     },
     /// The reading stayed the same while the desired position moved on: a joint that sticks, or an encoder that fails.
     #[error(
-        "reading of joint {} stayed the same while {desired:.4} rad (or m) of motion was desired, more than `guard.frozen_motion` \
-         allows: the joint sticks (friction, a brake, an input without effect), or its encoder fails",
+        "the reading of joint {} did not change during {desired:.4} rad (or m) of desired motion, above the \
+         limit `guard.frozen_motion`: the joint sticks (friction, a brake, an input without effect), or its \
+         encoder fails",
         Named(.name)
     )]
     Frozen {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Distance that the desired position moved meanwhile [rad or m].
         desired: f64,
@@ -50,14 +51,15 @@ pub enum EncoderFault {
     /// The measured velocity is not finite, or not that with which the positions change: a wrong sign, unit
     /// or gear ratio, or a sensor that fails.
     #[error(
-        "velocity {measured:.4} rad/s (or m/s) measured at joint {} is off by {mismatch:.4} from the change of its position, more \
-         than `guard.velocity_mismatch` of {possible:.4}: check its sign and unit",
+        "the measured velocity {measured:.4} rad/s (or m/s) of joint {} differs by {mismatch:.4} from the \
+         change of its position, above the limit {possible:.4} of `guard.velocity_mismatch`: check its sign \
+         and unit",
         Named(.name)
     )]
     Velocity {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// The measured velocity [rad/s or m/s].
         measured: f64,
@@ -69,18 +71,18 @@ pub enum EncoderFault {
     },
 }
 
-/// The deviations that the guard tolerates, by coordinate.
+/// Tolerances of the guard by coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardSettings<const N: usize> {
-    /// Speed above which a change of position is a jump [rad/s or m/s].
+    /// Speed above which a change of position counts as a jump [rad/s or m/s].
     pub jump_speed: [f64; N],
-    /// Change that is always believed: noise and a few encoder steps [rad or m].
+    /// Change of position that is always accepted: noise and a few encoder steps [rad or m].
     pub jump_margin: [f64; N],
-    /// Desired motion during which a reading may stay the same: stiction, backlash and following error [rad
-    /// or m].
+    /// Desired motion during which a reading may be constant: stiction, backlash and following error [rad or
+    /// m].
     pub frozen_motion: [f64; N],
-    /// Difference between a measured velocity and that of the positions that is believed: noise, and the
-    /// delay of the drive's filter times the acceleration [rad/s or m/s]. Infinite: they are not compared.
+    /// Accepted difference between the measured velocity and that of the positions: noise, and the delay of
+    /// the drive's filter times the acceleration [rad/s or m/s]. If infinite, velocities are not compared.
     pub velocity_mismatch: [f64; N],
 }
 
@@ -89,9 +91,9 @@ const NO_DISTANCE: f64 = 1e100;
 /// Time over which measured velocities are compared with positions (s): differences of positions are noisy.
 const MISMATCH_TIME: f64 = 0.1;
 
-/// Judges measurements by the ones before.
+/// Compares measurements with earlier ones.
 ///
-/// A joint that sticks looks like a frozen encoder, and is as good a reason to stop.
+/// A sticking joint looks like a frozen encoder, and is an equally good reason to stop.
 #[derive(Debug, Clone)]
 pub struct EncoderGuard<const N: usize> {
     settings: GuardSettings<N>,
@@ -109,7 +111,7 @@ pub struct EncoderGuard<const N: usize> {
 }
 
 impl<const N: usize> EncoderGuard<N> {
-    /// Begins with a position that is believed, and with numbers as the names of the joints.
+    /// Starts with an accepted position; joints are named by numbers.
     #[must_use]
     pub fn new(settings: GuardSettings<N>, positions: [f64; N], desired: [f64; N]) -> Self {
         Self {
@@ -124,29 +126,29 @@ impl<const N: usize> EncoderGuard<N> {
         }
     }
 
-    /// Sets the names of the joints for its faults.
+    /// Sets the names of the joints for messages.
     #[must_use]
     pub fn with_names(mut self, names: [&'static str; N]) -> Self {
         self.names = names;
         self
     }
 
-    /// Notes that `span` seconds went by; what is not positive counts as none.
+    /// Advances the time by `span` seconds; values that are not positive count as 0.
     pub fn elapse(&mut self, span: f64) {
         self.age += span.max(0.0);
     }
 
-    /// Last position that was believed [rad or m], and its age (s).
+    /// Last accepted position [rad or m] and its age (s).
     #[must_use]
     pub fn believed(&self) -> ([f64; N], f64) {
         (self.believed, self.age)
     }
 
-    /// Judges one reading, given the position that is desired at the same time; velocities where they were
-    /// measured with it [rad/s or m/s].
+    /// Checks a reading against the desired position at the same time; velocities are given if measured
+    /// [rad/s or m/s].
     ///
     /// # Errors
-    /// The first [`EncoderFault`]; the reading then is not taken over.
+    /// The first [`EncoderFault`]; the reading is then not accepted.
     pub fn check(
         &mut self,
         reading: &[f64; N],

@@ -1,4 +1,4 @@
-//! LQR as a law of the loop: feed-forward, and the regulator of the robot linearized at rest.
+//! LQR as a law of the control loop: feed-forward, and the regulator of the robot linearized at rest.
 
 use super::controller::ControllerFault;
 use super::joint_pd::{require_gains, sum};
@@ -23,8 +23,8 @@ pub struct LqrWeights<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> LqrWeights<N, M> {
-    /// Weights `1/x²` of deviations x that cost the same: positions [rad or m], velocities [rad/s or m/s] and inputs
-    /// (Bryson, Ho, *Applied Optimal Control*, 1975, section 5.2).
+    /// Weights `1/x²` for deviations x of equal cost: positions [rad or m], velocities [rad/s or m/s] and
+    /// inputs (Bryson, Ho, *Applied Optimal Control*, 1975, section 5.2).
     #[must_use]
     pub fn from_deviations(position: [f64; N], velocity: [f64; N], input: [f64; M]) -> Self {
         let weight = |x: f64| 1.0 / (x * x);
@@ -32,27 +32,27 @@ impl<const N: usize, const M: usize> LqrWeights<N, M> {
     }
 }
 
-/// Why there is no LQR of a robot.
+/// Errors of the LQR of a robot.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum JointLqrError {
-    /// A weight or the period is out of its range.
+    /// A weight or the period is out of range.
     #[error(transparent)]
     Setting(#[from] SettingError),
     /// A quaternion of the given positions is not an attitude.
-    #[error("positions to linearize at: {0}")]
+    #[error("the positions for the linearization are not valid: {0}")]
     Attitude(#[from] AttitudeError),
     /// The model has no feed-forward.
     #[error(transparent)]
     FeedForward(#[from] FeedForwardError),
     /// The linearization at the given positions has no zero-order hold.
-    #[error("no linearization at the given positions: {0}")]
+    #[error("the robot cannot be linearized at the given positions: {0}")]
     Model(ControllerFault),
     /// The Riccati equation has no stabilizing solution.
     #[error(transparent)]
     Regulator(#[from] LqrError),
 }
 
-/// The control law, without memory:
+/// LQR law, without memory:
 ///
 /// ```text
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + K x        x = (y − y_d, ẏ − ẏ_d)
@@ -89,8 +89,8 @@ impl<D, const N: usize, const M: usize, const NX: usize, const NY: usize> JointL
 where
     D: Discretizable<N, M, NY>,
 {
-    /// The law of a model that is linearized at rest at `positions` [rad or m] and time 0, for inputs that are held over
-    /// `period` (s).
+    /// Law of a model linearized at rest at `positions` [rad or m] and time 0, for inputs held for `period`
+    /// (s).
     ///
     /// # Errors
     /// [`JointLqrError`].
@@ -103,7 +103,7 @@ where
     where
         D: PhaseSpace<NX>,
     {
-        const { assert!(NX == 2 * N, "a state is positions and velocities") }
+        const { assert!(NX == 2 * N, "a state has positions and velocities") }
         require("period", period, "positive and finite", |x| x.is_finite() && x > 0.0)?;
         let names = model.joint_names();
         require_gains("weights.position", &names, &weights.position)?;
@@ -136,7 +136,7 @@ where
         Ok(Self { feed_forward, regulator: Lqr::new(&a, &b, &q, &r)? })
     }
 
-    /// The regulator, with K and its stability margins.
+    /// Regulator with K and its stability margins.
     pub fn regulator(&self) -> &Lqr<NX, M> {
         &self.regulator
     }

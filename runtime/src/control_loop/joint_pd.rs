@@ -1,4 +1,4 @@
-//! Feed-forward with joint PD: the simplest law, and the usual fallback of the loop.
+//! Feed-forward with joint PD: the simplest law, and the usual fallback of the control loop.
 
 use super::controller::ControllerFault;
 use super::law::{JointLaw, finite, of_the_model};
@@ -20,8 +20,8 @@ pub struct JointGains<const N: usize> {
 impl<const N: usize> JointGains<N> {
     /// Gains that make each joint, with the others at rest, an oscillator of natural frequency `omega`
     /// [rad/s] and damping ratio `damping`: `K_p = M_ii ω²`, `K_d = 2 ζ M_ii ω` with the mass matrix at
-    /// `positions`, at time 0 (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). Friction of the
-    /// joint damps in addition.
+    /// `positions` and time 0 (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). Joint
+    /// friction adds damping.
     #[must_use]
     pub fn from_bandwidth<const M: usize, const NY: usize>(
         model: &impl Dynamics<N, M, NY>,
@@ -37,7 +37,7 @@ impl<const N: usize> JointGains<N> {
     }
 }
 
-/// Why there is no joint PD.
+/// Errors of joint PD.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum JointPdError {
     /// Gains that are negative or not finite.
@@ -48,15 +48,16 @@ pub enum JointPdError {
     FeedForward(#[from] FeedForwardError),
 }
 
-/// The control law, without memory:
+/// Joint PD law, without memory:
 ///
 /// ```text
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + B⁺ (K_p (y_d − y) + K_d (ẏ_d − ẏ))
 /// ```
 ///
-/// with the [`FeedForward`] u_ff and its B⁺. What the model says is taken along the desired motion, so that
-/// noise of the measurement reaches the inputs through the gains alone. An alternative is
-/// [`ComputedTorque`](super::ComputedTorque). Of robots with quaternions y_d − y is `y_d ⊖ y`, and v stands for ẏ.
+/// with the [`FeedForward`] u_ff and its B⁺. The model is evaluated along the desired motion, so measurement
+/// noise reaches the inputs only through the gains. The alternative is
+/// [`ComputedTorque`](super::ComputedTorque). For robots with quaternions y_d − y is `y_d ⊖ y`, and v
+/// replaces ẏ.
 #[derive(Debug, Clone)]
 pub struct JointPd<D, const N: usize, const M: usize, const NY: usize = N> {
     feed_forward: FeedForward<D, N, M, NY>,
@@ -75,10 +76,10 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         Ok(Self { feed_forward: FeedForward::new(model)?, gains })
     }
 
-    /// Goes on with another model; the gains stay. Allocates nothing if the input matrix is the same.
+    /// Replaces the model; the gains are kept. Does not allocate if the input matrix is the same.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`]; the model then stays.
+    /// [`FeedForwardError::InputMatrix`]; the model is then unchanged.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         self.feed_forward.set_model(model)
     }
@@ -109,10 +110,10 @@ pub(super) fn sum<const M: usize>(
     finite(inputs)
 }
 
-/// Checks that gains are in their range.
+/// Checks that gains are in range.
 ///
 /// # Errors
-/// [`SettingError`] for the first that is not.
+/// [`SettingError`] for the first gain out of range.
 pub(super) fn require_gains<const N: usize>(
     setting: &'static str,
     joints: &[&'static str; N],

@@ -4,14 +4,14 @@ use super::controller::ControllerFault;
 use crate::dynamics::{AttitudeError, DependentJoint, QuaternionJoint, numbered};
 use crate::trajectory::Sample;
 
-/// A feedback law without memory: inputs from a desired state and the measured one. The loop falls back on
-/// one where its controller fails, and makes the controlled stop with it; [`LawController`](super::LawController) follows a
-/// trajectory by one.
+/// A feedback law without memory: maps desired and measured state to inputs. The control loop uses one as
+/// fallback and for the controlled stop. [`LawController`](super::LawController) follows a trajectory with
+/// one.
 ///
 /// [`JointPd`](super::JointPd) and [`JointLqr`](super::JointLqr) evaluate the model along the desired motion,
 /// [`ComputedTorque`](super::ComputedTorque) at the measured state.
 pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
-    /// Inputs [the model's units] for a desired state, given the measured positions [rad or m] and velocities
+    /// Inputs [the model's units] for a desired state, from the measured positions [rad or m] and velocities
     /// [rad/s or m/s].
     ///
     /// # Errors
@@ -23,12 +23,13 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         velocities: &[f64; N],
     ) -> Result<[f64; M], ControllerFault>;
 
-    /// The same at `time` (s) of the loop, which began the trajectory at 0: the loop asks here. Laws over robots with driven
-    /// joints need it ([`Dynamics::at_time`](crate::dynamics::Dynamics::at_time)); for others time changes nothing, and so
-    /// says this body. While the loop slows down on the path, `desired` is that of an earlier time.
+    /// Inputs at `time` (s) of the loop, which started the trajectory at 0. The control loop calls this
+    /// method. Only laws for robots with driven joints depend on the time
+    /// ([`Dynamics::at_time`](crate::dynamics::Dynamics::at_time)); the default ignores it. While the loop
+    /// slows down along the path, `desired` is from an earlier time.
     ///
     /// # Errors
-    /// As [`Self::inputs`].
+    /// See [`Self::inputs`].
     fn inputs_at_time(
         &self,
         time: f64,
@@ -40,9 +41,9 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         self.inputs(desired, positions, velocities)
     }
 
-    /// Position and velocity at `time` (s) of a joint that follows coordinates, given theirs: the loop keeps its limits.
-    /// Laws over robots with driven joints know the motion of those; by this body, a joint that follows one has no number,
-    /// and the loop brakes where such a joint has limits.
+    /// Position and velocity of a follower at `time` (s), from those of the coordinates; the loop keeps its
+    /// limits. Laws for robots with driven joints know their motion. The default gives NaN for followers of
+    /// driven joints, so the loop brakes if they have limits.
     fn dependent_motion_at_time(
         &self,
         time: f64,
@@ -53,7 +54,7 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         joint.motion(coordinates, velocities, &[])
     }
 
-    /// Names of the joints, for the loop's messages: those of the model.
+    /// Names of the joints of the model, for messages of the loop.
     fn joint_names(&self) -> [&'static str; N] {
         numbered()
     }
@@ -63,25 +64,25 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         numbered()
     }
 
-    /// The joints with a quaternion: those of the model, none for arms. For other robots this, [`Self::difference`]
-    /// and [`Self::check_attitudes`] do not compile without bodies of their own.
+    /// Joints of the model with quaternions; empty for arms. For other robots the defaults of this method,
+    /// [`Self::difference`] and [`Self::check_attitudes`] do not compile.
     fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
-        const { assert!(NY == N, "a law for a robot with quaternions says which joints have them") }
+        const { assert!(NY == N, "a law for a robot with quaternions must list its joints with quaternions") }
         &[]
     }
 
-    /// `to ⊖ from`: that of the model, by which the loop measures distances.
+    /// `to ⊖ from` of the model, which the loop uses for distances.
     fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
-        const { assert!(NY == N, "a law for a robot with quaternions knows their differences") }
+        const { assert!(NY == N, "a law for a robot with quaternions must compute their differences") }
         core::array::from_fn(|i| to[i] - from[i])
     }
 
-    /// Whether the quaternions of positions are attitudes, as the model does.
+    /// Checks that the quaternions of positions are attitudes, like the model.
     ///
     /// # Errors
-    /// The first one that is none.
+    /// The first quaternion that is not an attitude.
     fn check_attitudes(&self, positions: &[f64; NY]) -> Result<(), AttitudeError> {
-        const { assert!(NY == N, "a law for a robot with quaternions checks them") }
+        const { assert!(NY == N, "a law for a robot with quaternions must check them") }
         let _ = positions;
         Ok(())
     }
@@ -123,7 +124,7 @@ macro_rules! of_the_model {
 }
 pub(super) use of_the_model;
 
-/// The inputs, if they are numbers.
+/// The inputs, or an error if they are not finite.
 pub(super) fn finite<const M: usize>(inputs: [f64; M]) -> Result<[f64; M], ControllerFault> {
     if inputs.iter().all(|u| u.is_finite()) { Ok(inputs) } else { Err(ControllerFault::NotFinite) }
 }

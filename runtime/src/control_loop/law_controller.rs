@@ -1,4 +1,4 @@
-//! The controller that follows a trajectory by a feedback law without memory.
+//! Controller that follows a trajectory with a feedback law without memory.
 
 use super::controller::{Command, Controller, ControllerFault, Cycle, Estimate};
 use super::joint_pd::JointPd;
@@ -9,8 +9,8 @@ use super::velocity_filter::VelocityFilter;
 use crate::trajectory::Trajectory;
 use core::hint::black_box;
 
-/// A [`JointLaw`] along a trajectory, with velocities as the robot measures them, or else from differences of
-/// positions ([`VelocityFilter`]). Fails in periods without a measurement.
+/// A [`JointLaw`] along a trajectory. Velocities are measured, or else differences of positions
+/// ([`VelocityFilter`]). Fails in periods without a measurement.
 #[derive(Debug, Clone)]
 pub struct LawController<L, R, const N: usize, const M: usize, const NY: usize = N> {
     law: L,
@@ -33,11 +33,11 @@ where
     L: JointLaw<N, M, NY>,
     R: Trajectory<N, NY>,
 {
-    /// The controller for periods of `period` seconds; velocities that are not measured are smoothed with
-    /// `time_constant` (s).
+    /// Controller with this period (s). Velocities that are not measured are filtered with `time_constant`
+    /// (s).
     ///
     /// # Errors
-    /// [`SettingError`] for a period that is not positive and finite, a time constant that is not 0 to 60 s.
+    /// [`SettingError`] for a period that is not positive and finite, or a time constant outside 0 to 60 s.
     pub fn new(law: L, trajectory: R, period: f64, time_constant: f64) -> Result<Self, SettingError> {
         require("period", period, "positive and finite", |x| x.is_finite() && x > 0.0)?;
         require("time_constant", time_constant, "0 to 60 s", |x| (0.0..=60.0).contains(&x))?;
@@ -53,7 +53,7 @@ where
         })
     }
 
-    /// The law, to change its model while the robot moves.
+    /// The law, for changing its model during the motion.
     pub fn law_mut(&mut self) -> &mut L {
         &mut self.law
     }

@@ -1,4 +1,4 @@
-//! The log: a lock-free queue from the loop to a thread that writes CSV.
+//! The log: a lock-free queue from the control loop to a thread that writes CSV.
 
 use super::report::Source;
 use crate::dynamics::Dynamics;
@@ -18,25 +18,25 @@ const IDLE: Duration = Duration::from_millis(5);
 /// One period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
-    /// Time since the trajectory began, by the clock, which goes on while a stop slows the trajectory down
-    /// (s).
+    /// Time since the start of the trajectory (s), by the clock, which continues while a stop slows the
+    /// trajectory down.
     pub time: f64,
-    /// Positions as read, also where they were not believed [rad or m]; NaN if nothing arrived.
+    /// Positions as read, also implausible ones [rad or m]; NaN without a reading.
     pub positions: [f64; NY],
-    /// Estimated velocities: the controller's, or else the loop's [rad/s or m/s].
+    /// Estimated velocities of the controller, or else of the loop [rad/s or m/s].
     pub velocities: [f64; N],
-    /// Velocities as read [rad/s or m/s], NaN if nothing arrived; None in all records of a robot that does
-    /// not measure them.
+    /// Velocities as read [rad/s or m/s]; NaN without a reading; `None` in all records if the robot does not
+    /// measure them.
     pub measured_velocities: Option<[f64; N]>,
-    /// Forces of the drives at the joints as read [N m or N]; NaN and None as above.
+    /// Drive forces at the joints as read [N m or N]; NaN or `None` like the velocities.
     pub measured_torques: Option<[f64; N]>,
     /// Desired positions [rad or m].
     pub desired: [f64; NY],
-    /// Inputs that the robot has from now on, in their units.
+    /// Inputs that the robot has from now on, in the model's units.
     pub inputs: [f64; M],
-    /// Where they came from.
+    /// Source of the inputs.
     pub source: Source,
-    /// True if the reading was believed.
+    /// Whether the reading was plausible.
     pub believed: bool,
     /// Iterations of the controller's optimizer.
     pub iterations: u32,
@@ -54,7 +54,7 @@ pub struct LogSink<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> LogSink<N, M, NY> {
-    /// Hands a record over; never waits. Where the queue is full, the record is dropped and counted.
+    /// Adds a record without waiting. If the queue is full, the record is dropped and counted.
     pub fn push(&mut self, record: LogRecord<N, M, NY>) {
         if self.producer.push(record).is_err() {
             self.dropped.fetch_add(1, Ordering::Relaxed);
@@ -62,12 +62,12 @@ impl<const N: usize, const M: usize, const NY: usize> LogSink<N, M, NY> {
     }
 }
 
-/// The outcome of writing a log.
+/// Counts of a written log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LogSummary {
     /// Records in the file.
     pub written: u64,
-    /// Records that found the queue full.
+    /// Records dropped because the queue was full.
     pub dropped: u64,
 }
 
@@ -79,7 +79,7 @@ pub struct LogWriter {
 }
 
 impl LogWriter {
-    /// Waits until everything is in the file. Drop the loop (and with it its [`LogSink`]) first.
+    /// Waits until all records are in the file. Drop the loop (and with it its [`LogSink`]) first.
     ///
     /// # Errors
     /// [`io::Error`] of the file.
@@ -89,22 +89,28 @@ impl LogWriter {
     }
 }
 
-/// Most records between two looks of the writer: all their memory is taken at once.
+/// Largest capacity of the queue; its memory is allocated at the beginning.
 pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 
-/// A log into a CSV file, for `capacity` records between two looks of the writer (every 5 ms; 1000 is
-/// plenty). Call it before real-time scheduling is requested, so that the writer does not inherit it.
+/// A log to a CSV file, with a queue of `capacity` records. The writer empties it every 5 ms, so 1000 is
+/// enough. Call this before requesting real-time scheduling, so that the writer does not inherit it.
 ///
-/// Columns, where `NAME` is that of the joint or input in `model`: `time`, `q_NAME` … (positions as read, NaN
-/// where nothing arrived), `dq_NAME` … (estimated velocities), `measured_dq_NAME` … and `measured_tau_NAME` …
-/// (velocities and forces of the drives as read, of robots that measure them), `desired_NAME` …, `u_NAME` …,
-/// where `q` and `desired` have the names of positions, of which robots with quaternions have more than velocities,
-/// `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`. Names
-/// with commas or quotation marks are quoted.
+/// Columns; `NAME` is the name of a joint or input in `model`:
+///
+/// - `time`
+/// - `q_NAME` …: positions as read, NaN without a reading
+/// - `dq_NAME` …: estimated velocities
+/// - `measured_dq_NAME` …, `measured_tau_NAME` …: velocities and forces measured by the drives, if any
+/// - `desired_NAME` …: desired positions
+/// - `u_NAME` …: inputs
+/// - `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`
+///
+/// `q` and `desired` have one column per position entry; robots with quaternions have more positions than velocities.
+/// Names with commas or quotation marks are quoted.
 ///
 /// # Errors
-/// [`io::Error`] if the file cannot be made or no thread can be started, and for a capacity that is 0 or
-/// above [`MAX_LOG_CAPACITY`].
+/// [`io::Error`] if the file cannot be created or no thread can be started, or if the capacity is 0 or above
+/// [`MAX_LOG_CAPACITY`].
 pub fn log_to_file<const N: usize, const M: usize, const NY: usize>(
     path: &Path,
     model: &impl Dynamics<N, M, NY>,
@@ -114,10 +120,10 @@ pub fn log_to_file<const N: usize, const M: usize, const NY: usize>(
     log_to(BufWriter::new(File::create(path)?), model, capacity)
 }
 
-/// As [`log_to_file`], into anything that can be written to.
+/// [`log_to_file`] for any writer.
 ///
 /// # Errors
-/// As [`log_to_file`].
+/// See [`log_to_file`].
 pub fn log_to<const N: usize, const M: usize, const NY: usize>(
     output: impl Write + Send + 'static,
     model: &impl Dynamics<N, M, NY>,

@@ -14,17 +14,17 @@
 //!        log: a queue without locks, a thread that writes CSV
 //! ```
 //!
-//! [`ControlLoop`] joins a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`];
-//! [`write_a_controller`] is the guide to your own. The limits and guards are the loop's own and do not trust
-//! the controller. What it does on each fault is listed in
-//! [`attaching_hardware`](crate::transport::attaching_hardware); the [`LoopReport`] says what happened.
+//! [`ControlLoop`] connects a [`Controller`], a [`Transport`](crate::transport::Transport) and a [`Clock`].
+//! The guide to your own controller is [`write_a_controller`]. Limits and guards belong to the loop and do
+//! not rely on the controller. [`attaching_hardware`](crate::transport::attaching_hardware) lists the
+//! reaction to each fault, and the [`LoopReport`] counts the faults of a run.
 //!
-//! Velocities, for the speed limit, the braking distance, the fallback and the log, are those that the robot
-//! measures where it does, after the guard has compared them with the positions; else low-pass filtered
+//! The speed limit, braking distance, fallback and log use velocities measured by the robot, after the guard
+//! has compared them with the positions. If the robot does not measure velocities, they are low-pass filtered
 //! differences of positions ([`VelocityFilter`]).
 //!
-//! In real time, call [`RealtimeRequest::apply`] in the loop's thread, after everything is made. In tests, a
-//! [`VirtualClock`] makes a run exact and quick:
+//! For real time call [`RealtimeRequest::apply`] in the loop's thread after all objects are constructed. In
+//! tests a [`VirtualClock`] makes a run exact and fast:
 //!
 //! ```
 //! use gelenk_runtime::control_loop::{

@@ -1,10 +1,10 @@
-//! Limits outside the optimizer: of the inputs that are written, and of the positions.
+//! Limits outside the optimizer: of written inputs, and of positions.
 
 use super::settings::{LoopSettings, SPEED_MARGIN};
 use crate::dynamics::{DependentJoint, Named};
 use std::fmt;
 
-/// A limit that the robot has reached, or would before its brakes could stop it.
+/// A limit that the robot violates, or would violate before its brakes stop it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LimitFault {
     /// The position is outside its limits, or would be after braking.
@@ -12,7 +12,7 @@ pub enum LimitFault {
         /// Index of the coordinate; from N on joints that follow, in the order of
         /// [`LoopSettings::dependent_joints`](super::LoopSettings).
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Position [rad or m].
         position: f64,
@@ -27,7 +27,7 @@ pub enum LimitFault {
     Speed {
         /// As of a position.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Speed [rad/s or m/s].
         speed: f64,
@@ -36,11 +36,11 @@ pub enum LimitFault {
         /// The setting that it comes from.
         setting: &'static str,
     },
-    /// The robot is too far from where it should be.
+    /// The robot is too far from its desired position.
     FollowingError {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Measured minus desired position [rad or m].
         error: f64,
@@ -59,21 +59,22 @@ impl fmt::Display for LimitFault {
             ),
             Self::Speed { name, speed, limit, setting, .. } => write!(
                 f,
-                "joint {} moves at {speed:.4}, faster than {limit:.4} rad/s (or m/s) of `{setting}`",
+                "joint {} moves at {speed:.4} rad/s (or m/s), faster than the limit {limit:.4} of `{setting}`",
                 Named(name)
             ),
             Self::FollowingError { name, error, limit, .. } => write!(
                 f,
-                "joint {} is {error:.4} rad (or m) away from its desired position, more than {limit:.4} of `following_error`: right after the start, check signs and \
-                 order of inputs and encoders; later, check that inputs and soft limits allow the trajectory (`notes` of a predictive \
-                 controller, `limits::violations`)",
+                "joint {} is {error:.4} rad (or m) away from its desired position, above the limit \
+                 {limit:.4} of `following_error`; right after the start check signs and order of inputs and \
+                 encoders; later check that inputs and soft limits allow the trajectory (`notes` of a \
+                 predictive controller, `limits::violations`)",
                 Named(name)
             ),
         }
     }
 }
 
-/// Cuts inputs off at their limits; returns how many were. The inputs must be finite.
+/// Cuts inputs off at their limits; returns the number of changed inputs. The inputs must be finite.
 pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limits: &[[f64; 2]; M]) -> u64 {
     let mut limited = 0;
     for (u, [low, high]) in inputs.iter_mut().zip(limits) {
@@ -85,7 +86,7 @@ pub(super) fn limit_inputs<const M: usize>(inputs: &mut [f64; M], limits: &[[f64
     limited
 }
 
-/// Position limits, without looking ahead; `names` are those of the joints.
+/// Checks position limits without braking distance; `names` are those of the joints.
 ///
 /// # Errors
 /// [`LimitFault::Position`].
@@ -99,22 +100,22 @@ pub(super) fn check_positions<const N: usize, const M: usize>(
     check_dependent(settings.dependent_joints, [positions, positions], &[0.0; N], dependent)
 }
 
-/// Position and velocity of a joint that follows, given those of the coordinates.
+/// Position and velocity of a follower, from those of the coordinates.
 pub(super) type DependentMotion<'a, const N: usize> =
     &'a dyn Fn(&DependentJoint<N>, (&[f64; N], &[f64; N])) -> [f64; 2];
 
-/// Where and how fast the robot is, and how far from where it should be.
+/// Position and speed of the robot, and distance from the desired position.
 pub(super) struct Situation<'a, const N: usize> {
     pub positions: &'a [f64; N],
     pub velocities: &'a [f64; N],
     /// Time since the positions were measured (s).
     pub age: f64,
-    /// Distance from where it should be, y ⊖ y_d.
+    /// Following error y ⊖ y_d.
     pub error: &'a [f64; N],
     pub dependent: DependentMotion<'a, N>,
 }
 
-/// All limits of the state. Comparisons are written so that NaN is beyond each limit.
+/// Checks all limits of the state. NaN violates each limit.
 ///
 /// # Errors
 /// The first [`LimitFault`].
@@ -252,7 +253,7 @@ mod tests {
         let fault = at(0.0, 2.21).unwrap_err();
         assert_eq!(
             fault.to_string(),
-            "joint \"upper arm\" moves at 2.2100, faster than 2.2000 rad/s (or m/s) of `speed_limit`"
+            "joint \"upper arm\" moves at 2.2100 rad/s (or m/s), faster than the limit 2.2000 of `speed_limit`"
         );
     }
 

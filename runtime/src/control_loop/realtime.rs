@@ -1,18 +1,18 @@
-//! Real-time scheduling and locked memory, as far as the system permits.
+//! Real-time scheduling and locked memory, as far as permitted by the system.
 
 use std::fmt;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
 };
 
-/// The outcome of a request.
+/// Result of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Grant {
-    /// The system does it.
+    /// The request was granted.
     Granted,
-    /// Nobody asked.
+    /// There was no request.
     NotRequested,
-    /// The system refused, and says why.
+    /// The system rejected the request, with the reason.
     Refused(String),
 }
 
@@ -26,25 +26,25 @@ impl fmt::Display for Grant {
     }
 }
 
-/// A request of the loop's thread to the system.
+/// Requests of the loop's thread to the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RealtimeRequest {
-    /// Priority 1 to 98 of `SCHED_FIFO`; None: the usual scheduling.
+    /// Priority 1 to 98 of `SCHED_FIFO`; `None` keeps the usual scheduling.
     pub priority: Option<u8>,
     /// Keep all memory of the process in RAM.
     pub lock_memory: bool,
 }
 
 impl Default for RealtimeRequest {
-    /// Priority 80, memory locked: above interrupt threads of disks and network cards (50), below the
-    /// kernel's own.
+    /// Priority 80 and locked memory: above the interrupt threads of disks and network cards (50), below
+    /// those of the kernel.
     fn default() -> Self {
         Self { priority: Some(80), lock_memory: true }
     }
 }
 
-/// The requests that were granted. Show them to the operator: a loop without real-time scheduling runs, but
-/// misses deadlines on a busy machine.
+/// Results of the requests. Show them to the operator: a loop without real-time scheduling runs, but misses
+/// deadlines on a busy machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RealtimeReport {
     /// `SCHED_FIFO` for the calling thread.
@@ -60,9 +60,9 @@ impl fmt::Display for RealtimeReport {
 }
 
 impl RealtimeRequest {
-    /// Asks for both on behalf of the calling thread. Call it after everything is constructed, in the thread
-    /// that runs the loop: threads started later would inherit the priority, and only memory that exists now
-    /// is locked, which is all that the loop touches.
+    /// Makes both requests for the calling thread. Call it in the loop's thread after everything is
+    /// constructed: threads started later would inherit the priority, and only existing memory is locked,
+    /// which is all that the loop uses.
     ///
     /// Needs `CAP_SYS_NICE` and `CAP_IPC_LOCK`, or limits (`rtprio`, `memlock` in
     /// `/etc/security/limits.conf`).
@@ -100,7 +100,7 @@ fn request_scheduling(priority: u8) -> Grant {
 
 #[cfg(not(target_os = "linux"))]
 fn request_scheduling(_: u8) -> Grant {
-    Grant::Refused("only known on Linux".into())
+    Grant::Refused("available only on Linux".into())
 }
 
 /// `MCL_CURRENT` alone: with `MCL_FUTURE` and a small limit, the first allocation of another thread would end
@@ -115,7 +115,7 @@ fn lock_memory() -> Grant {
 
 #[cfg(not(target_os = "linux"))]
 fn lock_memory() -> Grant {
-    Grant::Refused("only known on Linux".into())
+    Grant::Refused("available only on Linux".into())
 }
 
 #[cfg(test)]

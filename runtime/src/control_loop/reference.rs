@@ -1,33 +1,34 @@
-//! Where on the trajectory the loop is, and how it slows down.
+//! Time of the loop on the trajectory, and the controlled stop.
 
 use crate::trajectory::{Sample, Trajectory};
 
-/// Time on the trajectory. It runs with the clock until a controlled stop, which lets it run down to a stand:
+/// Time on the trajectory. It follows the clock until a controlled stop, during which it slows down to
+/// standstill:
 ///
 /// ```text
 ///     s(t) = s_0 + t − t²/(2 T_s)        0 ≤ t ≤ T_s
 ///     y_d = y(s),  ẏ_d = y'(s) ṡ,  ÿ_d = y''(s) ṡ² + y'(s) s̈
 /// ```
 ///
-/// The robot so stays on its path (Dahl, Nielsen, *Torque-limited path following by on-line trajectory time
-/// scaling*, IEEE Trans. Robotics and Automation 6 (1990)).
+/// Therefore the robot stays on its path (Dahl, Nielsen, *Torque-limited path following by on-line trajectory
+/// time scaling*, IEEE Trans. Robotics and Automation 6 (1990)).
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reference {
-    /// As planned, at this time (s).
+    /// Running at this time (s).
     Running { time: f64 },
-    /// Slowing down since `since` (s), for `elapsed` of `span` (s).
+    /// Stopping since `since` (s), for `elapsed` of `span` (s).
     Stopping { since: f64, elapsed: f64, span: f64 },
 }
 
 impl Reference {
-    /// Begins to slow down, within `span` seconds.
+    /// Starts a stop of `span` seconds.
     pub fn stop(&mut self, span: f64) {
         if let Self::Running { time } = *self {
             *self = Self::Stopping { since: time, elapsed: 0.0, span };
         }
     }
 
-    /// Lets `step` seconds of a stop pass; without a stop, sets the time to `time`.
+    /// During a stop advances it by `step` seconds; otherwise sets the time to `time`.
     pub fn advance(&mut self, time: f64, step: f64) {
         match self {
             Self::Running { time: now } => *now = time,
@@ -47,7 +48,7 @@ impl Reference {
         }
     }
 
-    /// Time since the trajectory came to its stand (s); None before.
+    /// Time since the trajectory stopped (s); `None` before.
     pub fn standing(&self) -> Option<f64> {
         match *self {
             Self::Stopping { elapsed, span, .. } if elapsed >= span => Some(elapsed - span),

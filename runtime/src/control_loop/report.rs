@@ -1,4 +1,4 @@
-//! Record of a run, and the reason for its end.
+//! Record of a run, with the reason for its end.
 
 use super::controller::ControllerFault;
 use super::guard::EncoderFault;
@@ -11,18 +11,18 @@ use std::fmt;
 use std::time::Duration;
 use thiserror::Error;
 
-/// Where the inputs of a period came from.
+/// Source of the inputs of a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// The controller.
     Controller,
     /// The controller's last plan, shifted.
     Plan,
-    /// The law that the loop falls back on.
+    /// The fallback law of the loop.
     Fallback,
-    /// The period before: nothing better was there.
+    /// The previous input, because nothing better was available.
     Held,
-    /// Nothing was written: the deadline was missed, and the robot holds its inputs.
+    /// Nothing was written, because the deadline was missed; the robot holds its inputs.
     Late,
     /// The brakes.
     Brake,
@@ -43,49 +43,49 @@ impl Source {
     }
 }
 
-/// Why the loop stopped the robot.
+/// Reason why the loop stopped the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum StopReason {
     /// A signal or another thread asked for it.
     #[error("asked to stop")]
     Requested,
-    /// The controller failed for too long.
+    /// The controller failed for too many periods.
     #[error("controller: {0}")]
     Controller(ControllerFault),
     /// Too many periods in a row without a reading.
-    #[error("no measurement arrived for more than `hold_periods`")]
+    #[error("no measurement arrived for more than `hold_periods` periods")]
     NoMeasurement,
-    /// Too many periods in a row in which the transport could neither read nor write.
+    /// The transport failed to read or write for too many periods in a row.
     #[error("{0}")]
     Transport(TransportError),
-    /// Too many periods in a row without a believable reading.
+    /// No plausible reading for too many periods in a row.
     #[error("{0}")]
     Encoder(EncoderFault),
     /// Too many deadlines in a row were missed.
-    #[error("more than `hold_periods` deadlines missed in a row")]
+    #[error("more than `hold_periods` deadlines in a row were missed")]
     DeadlineMissed,
     /// A limit was reached.
     #[error("{0}")]
     Limit(LimitFault),
     /// The robot's side restarted.
-    #[error("the robot's side restarted during the motion, or has another controller")]
+    #[error("the robot's side restarted during the motion, or another controller is connected")]
     Restarted,
     /// The brakes were engaged, but not by this loop.
     #[error("the robot engaged its brakes by itself")]
     BrakedByRobot,
 }
 
-/// Why the loop did not start; the brakes stay engaged.
+/// Reason why the loop did not start; the brakes stay engaged.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Refusal {
-    /// Nothing was read.
-    #[error("no measurement arrived within `start_periods`: check that the robot is on, and its connection")]
+    /// No measurement arrived.
+    #[error("no measurement arrived within `start_periods`: check that the robot is on and connected")]
     NoMeasurement,
-    /// Nothing believable was read.
+    /// No plausible measurement arrived.
     #[error("{0}")]
     Encoder(EncoderFault),
-    /// Somebody asked to stop before the start.
-    #[error("asked to stop before the start")]
+    /// A stop was requested before the start.
+    #[error("a stop was requested before the start")]
     Requested,
     /// The robot is outside its limits.
     #[error("{0}")]
@@ -98,7 +98,7 @@ pub enum Refusal {
     Start {
         /// Index of the coordinate.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
         /// Measured position [rad or m].
         position: f64,
@@ -107,34 +107,34 @@ pub enum Refusal {
     },
     /// The inputs cannot hold the robot where it is.
     #[error(
-        "input {} would need {needed:.4} to hold the robot, more than its limit {limit:.4}",
+        "input {} needs {needed:.4} to hold the robot, above its limit {limit:.4}",
         Named(.name)
     )]
     Torque {
         /// Index of the input.
         input: usize,
-        /// Its name.
+        /// Name of the input.
         name: &'static str,
         /// The input that would hold the robot, in the input's unit; NaN if the model has no answer.
         needed: f64,
         /// The largest input that is allowed.
         limit: f64,
     },
-    /// The robot could not be reached.
+    /// The robot was not reachable.
     #[error("{0}")]
     Transport(TransportError),
 }
 
-/// How the loop ended.
+/// End of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
-    /// Not yet.
+    /// The loop is still running.
     Running,
-    /// At the end of the trajectory.
+    /// The trajectory was completed.
     Finished,
-    /// Before it.
+    /// The loop stopped before the end of the trajectory.
     Stopped(StopReason),
-    /// It never started.
+    /// The loop did not start.
     Refused(Refusal),
 }
 
@@ -144,7 +144,7 @@ impl fmt::Display for End {
             Self::Running => write!(f, "running"),
             Self::Finished => write!(f, "finished"),
             Self::Stopped(reason) => write!(f, "stopped: {reason}"),
-            Self::Refused(refusal) => write!(f, "refused to start: {refusal}"),
+            Self::Refused(refusal) => write!(f, "the start was refused: {refusal}"),
         }
     }
 }
@@ -152,20 +152,20 @@ impl fmt::Display for End {
 /// Counts of one run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Counts {
-    /// Periods that the loop saw, braking included.
+    /// Periods of the loop, including braking.
     pub periods: u64,
-    /// Periods controlled by the controller.
+    /// Periods with inputs from the controller.
     pub controller: u64,
-    /// Periods on the shifted plan.
+    /// Periods with inputs from the shifted plan.
     pub plan: u64,
-    /// Periods of the law that the loop falls back on.
+    /// Periods with inputs from the fallback law.
     pub fallback: u64,
-    /// Periods with the inputs of the period before.
+    /// Periods with the previous inputs.
     pub held: u64,
-    /// Deadlines missed: periods whose inputs were not written before the next began, slept through ones
-    /// included.
+    /// Missed deadlines: periods whose inputs were not written before the next period, including skipped
+    /// ones.
     pub deadline_misses: u64,
-    /// The longest row of missed deadlines.
+    /// Longest run of missed deadlines.
     pub longest_miss: u64,
     /// Readings that did not arrive.
     pub missing: u64,
@@ -173,18 +173,17 @@ pub struct Counts {
     pub not_finite: u64,
     /// Readings that jumped.
     pub jumps: u64,
-    /// Readings that stayed the same while motion was desired.
+    /// Readings that were constant during desired motion.
     pub frozen: u64,
-    /// Readings whose measured velocities contradicted their positions, or were no numbers.
+    /// Readings whose velocities contradicted their positions or were not finite.
     pub velocity_faults: u64,
-    /// Inputs that were cut off at their limit.
+    /// Inputs cut off at their limit.
     pub limited_inputs: u64,
-    /// Steps of the controller that failed or gave numbers that are not finite. Those that lacked a measurement are
-    /// not among them.
+    /// Controller steps that failed or gave non-finite numbers, without those that lacked a measurement.
     pub controller_faults: u64,
-    /// Writes, readings and brake commands that the transport could not do.
+    /// Failed writes, readings and brake commands of the transport.
     pub transport_errors: u64,
-    /// Stages that took longer than their budget, by [`Stage`](super::Stage).
+    /// Stages that exceeded their budget, by [`Stage`](super::Stage).
     pub budget_overruns: [u64; STAGES],
     /// Longest time of each stage.
     pub longest: [Duration; STAGES],
@@ -192,22 +191,22 @@ pub struct Counts {
     pub latest_wake: Duration,
     /// Lateness of all wake-ups.
     pub lateness: Lateness,
-    /// Periods before which the controller was computed once for the caches.
+    /// Periods before which the controller was warmed up.
     pub warm_ups: u64,
-    /// Warm-ups that took longer than their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)):
-    /// at most one, since the loop then leaves them out.
+    /// Warm-ups that exceeded their time ([`LoopSettings::warm_up`](super::LoopSettings::warm_up)): at most
+    /// one, because the loop then skips them.
     pub late_warm_ups: u64,
 }
 
 /// Result of [`ControlLoop::run`](super::ControlLoop::run), or counts so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopReport {
-    /// How it ended.
+    /// End of the run.
     pub end: End,
-    /// Brakes as the robot reported them after the loop's last command for them. Anything but engaged after a run
-    /// needs a look at the robot.
+    /// Brakes reported by the robot after the loop's last brake command. If they are not engaged after a run,
+    /// check the robot.
     pub brakes: Brakes,
-    /// The counts of the run.
+    /// Counts of the run.
     pub counts: Counts,
 }
 
@@ -215,7 +214,7 @@ impl fmt::Display for LoopReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let c = &self.counts;
         let is_sure = self.brakes == Brakes::Engaged || self.end == End::Running;
-        let look = if is_sure { "" } else { ": look at the robot" };
+        let look = if is_sure { "" } else { "; check the robot" };
         writeln!(f, "{}; brakes {}{look}", self.end, self.brakes)?;
         writeln!(
             f,
@@ -238,7 +237,7 @@ impl fmt::Display for LoopReport {
         if c.late_warm_ups > 0 {
             write!(
                 f,
-                "\nwarm-ups of the controller's caches took too long, and were left out after {}",
+                "\nwarm-ups of the controller's caches took too long and were skipped after {}",
                 c.warm_ups
             )?;
         }

@@ -1,4 +1,4 @@
-//! The loop itself: when things happen.
+//! The control loop: timing and order of its steps.
 
 use super::controller::Controller;
 use super::guard::EncoderGuard;
@@ -16,54 +16,54 @@ use crate::trajectory::Trajectory;
 use crate::transport::{Brakes, Reading, Transport};
 use std::time::Duration;
 
-/// Where the loop is in its life.
+/// Phase of the loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Phase {
-    /// Not started; brakes engaged as far as the loop had a say.
+    /// Not started; the loop has engaged the brakes, if it commanded them.
     Idle,
-    /// Along the trajectory.
+    /// Following the trajectory.
     Running,
-    /// Slowing down on the path, then braking for this reason.
+    /// Slowing down along the path, then braking for this reason.
     Stopping(StopReason),
-    /// Asking for the brakes, for at most `left` periods more.
+    /// Commanding the brakes for at most `left` more periods.
     Braking { end: End, left: u32 },
-    /// Over.
+    /// The run has ended.
     Ended(End),
 }
 
-/// The state that changes while the loop runs.
+/// State that changes during a run.
 #[derive(Debug, Clone)]
 pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub phase: Phase,
-    /// Clock at the start of period 0.
+    /// Clock time at the start of period 0.
     pub origin: Duration,
     /// Number of the period.
     pub index: u64,
     pub reference: Reference,
     pub guard: EncoderGuard<N>,
-    /// The last positions that the guard believed, and the last desired ones.
+    /// Last plausible positions and last desired ones.
     pub believed: Unwrapped<N, NY>,
     pub desired: Unwrapped<N, NY>,
     pub filter: VelocityFilter<N>,
-    /// The inputs that the robot holds.
+    /// Inputs held by the robot.
     pub inputs: [f64; M],
-    /// Periods in a row without a believable measurement.
+    /// Consecutive periods without a plausible measurement.
     pub unmeasured: u32,
-    /// Periods in a row without a good step of the controller.
+    /// Consecutive periods without a successful controller step.
     pub failures: u32,
-    /// Periods in a row in which nothing was written.
+    /// Consecutive periods without a write.
     pub unwritten: u64,
     pub brakes: Brakes,
-    /// Quantities that the robot measured in addition to positions at the start, and so has a column for in the log.
+    /// Whether velocities and torques were measured at the start; each then has columns in the log.
     pub(super) measures: [bool; 2],
-    /// False once a warm-up took longer than its time.
+    /// Whether warm-ups are used; false after one exceeded its time.
     pub(super) warms_up: bool,
     pub counts: Counts,
 }
 
-/// Drives a robot along a trajectory at a fixed rate; the [module](super) describes each case.
+/// Drives a robot along a trajectory at a fixed rate; the [module](super) documents each case.
 ///
-/// It owns its parts; a transport or controller that is needed afterwards is passed as `&mut`.
+/// It owns its parts. To keep a transport or controller, pass it as `&mut`.
 pub struct ControlLoop<L, R, C, T, K, const N: usize, const M: usize, const NY: usize = N>
 where
     L: JointLaw<N, M, NY>,
@@ -74,7 +74,7 @@ where
 {
     pub(super) settings: LoopSettings<N, M>,
     pub(super) period: Duration,
-    /// The same (s).
+    /// Period (s).
     pub(super) seconds: f64,
     /// Names of joints and inputs.
     pub(super) joints: [&'static str; N],
@@ -97,12 +97,12 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// A loop that has not touched the robot yet. `fallback` takes over where the controller fails, and makes
-    /// the controlled stop: usually a [`JointPd`](super::JointPd).
+    /// A loop that has not accessed the robot yet. `fallback` is used if the controller fails and for the
+    /// controlled stop; it is usually a [`JointPd`](super::JointPd).
     ///
     /// # Errors
-    /// [`SettingError`] for settings out of their range, and for a trajectory whose duration is not a number. It
-    /// may be infinite: such a loop ends when it is asked to.
+    /// [`SettingError`] for settings out of range, and for a trajectory whose duration is not a number. The
+    /// duration may be infinite; the loop then runs until a stop is requested.
     pub fn new(
         settings: LoopSettings<N, M>,
         fallback: L,
@@ -153,21 +153,21 @@ where
         })
     }
 
-    /// Writes a record of every period to this log.
+    /// Sets a log that gets a record of every period.
     #[must_use]
     pub fn with_log(mut self, log: LogSink<N, M, NY>) -> Self {
         self.log = Some(log);
         self
     }
 
-    /// Stops when this is raised.
+    /// Sets a request that stops the loop.
     #[must_use]
     pub fn with_stop_request(mut self, stop: StopRequest) -> Self {
         self.stop = stop;
         self
     }
 
-    /// The transport, e.g. to look at a simulated robot.
+    /// The transport, for example to inspect a simulated robot.
     pub fn transport(&self) -> &T {
         &self.transport
     }
@@ -177,7 +177,7 @@ where
         &self.controller
     }
 
-    /// Starts, runs period after period, brakes, and says how it went.
+    /// Starts, runs all periods, brakes, and reports the run.
     pub fn run(&mut self) -> LoopReport {
         if self.start().is_ok() {
             while self.period() {}
@@ -195,7 +195,7 @@ where
         LoopReport { end, brakes: self.state.brakes, counts: self.state.counts }
     }
 
-    /// Sleeps until the next period begins and runs it. False once the loop has ended.
+    /// Sleeps until the next period and runs it. Returns false after the end.
     pub fn period(&mut self) -> bool {
         if matches!(self.state.phase, Phase::Idle | Phase::Ended(_)) {
             return false;
@@ -315,7 +315,7 @@ where
         }
     }
 
-    /// Engages the brakes now, and asks for them again in the periods that follow. Does nothing if already
+    /// Engages the brakes now and commands them again in the following periods. Has no effect if already
     /// done.
     pub(super) fn engage(&mut self, end: End) {
         if self.is_driving() {
@@ -367,7 +367,7 @@ where
         self.state.measures[quantity].then(|| values.unwrap_or([f64::NAN; N]))
     }
 
-    /// True while inputs are written: brakes neither engaged nor asked for.
+    /// Whether inputs are written: brakes are neither engaged nor commanded.
     pub(super) fn is_driving(&self) -> bool {
         matches!(self.state.phase, Phase::Running | Phase::Stopping(_))
     }
@@ -377,12 +377,12 @@ where
         self.state.origin.saturating_add(Duration::from_nanos(nanos))
     }
 
-    /// Time since the trajectory began, negative while the brakes release (s).
+    /// Time since the start of the trajectory, negative while the brakes release (s).
     pub(super) fn time(&self) -> f64 {
         self.state.index as f64 * self.seconds - self.release_time()
     }
 
-    /// In whole periods, so that time 0 of the trajectory is the beginning of one (s).
+    /// Release time in whole periods, so that the trajectory starts at the beginning of a period (s).
     pub(super) fn release_time(&self) -> f64 {
         (self.settings.release_time / self.seconds).ceil() * self.seconds
     }

@@ -9,88 +9,88 @@ use crate::no_std::*;
 use core::fmt;
 use core::time::Duration;
 
-/// The loop brakes at this multiple of a described speed limit. Predictive controllers ride on the limit itself, which is soft
-/// to them.
+/// Factor on described speed limits at which the loop brakes. Predictive controllers use the limit itself as
+/// a soft limit.
 pub const SPEED_MARGIN: f64 = 1.1;
 
-/// Rates that the loop accepts (Hz).
+/// Allowed rates of the loop (Hz).
 pub const RATES: core::ops::RangeInclusive<f64> = 50.0..=1000.0;
 
-/// Settings of a [`ControlLoop`](super::ControlLoop). Start from [`for_robot`](Self::for_robot) and change
+/// Settings of a [`ControlLoop`](super::ControlLoop). Start with [`for_robot`](Self::for_robot) and change
 /// what differs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopSettings<const N: usize, const M: usize> {
     /// Periods per second, 50 to 1000 (Hz).
     pub rate: f64,
-    /// Periods in a row that are bridged without a believable measurement, or with a missed deadline; the
-    /// robot then holds its inputs or follows the controller's prediction. One more and the loop brakes.
+    /// Consecutive periods without a plausible measurement, or with a missed deadline, that are bridged; the
+    /// robot then holds its inputs or follows the controller's prediction. In the next such period the loop
+    /// brakes.
     pub hold_periods: u32,
-    /// Periods in a row for which the plan of the last good step is followed when the controller fails.
+    /// Consecutive periods for which the plan of the last successful step is used if the controller fails.
     pub plan_periods: u32,
-    /// Periods in a row without a good step of the controller, plan and joint PD together, after which the
-    /// loop stops.
+    /// Consecutive periods without a successful controller step, on plan or fallback, after which the loop
+    /// stops.
     pub fallback_periods: u32,
-    /// Positions in which the robot may be [rad or m].
+    /// Allowed positions of the robot [rad or m].
     pub position_limits: [[f64; 2]; N],
     /// Speeds at which the loop brakes [rad/s or m/s].
     pub speed_limit: [f64; N],
-    /// Joints that follow coordinates, whose limits apply in addition to `position_limits` and `speed_limit`, the speeds times
-    /// [`SPEED_MARGIN`].
+    /// Followers, whose limits apply in addition to `position_limits` and `speed_limit`; their speed limits
+    /// are multiplied by [`SPEED_MARGIN`].
     pub dependent_joints: &'static [DependentJoint<N>],
-    /// Deceleration that the brakes are sure to reach [rad/s² or m/s²]: the loop brakes where the robot would
-    /// otherwise come to rest outside `position_limits`. Infinite: no looking ahead.
+    /// Guaranteed deceleration of the brakes [rad/s² or m/s²]. The loop brakes if the robot would otherwise
+    /// stop outside `position_limits`. If infinite, the braking distance is ignored.
     pub braking_deceleration: [f64; N],
-    /// Distance from the desired position at which the loop brakes [rad or m]. This is what stops a drive
-    /// with a wrong sign.
+    /// Distance from the desired position at which the loop brakes [rad or m]. This limit stops a drive with
+    /// the wrong sign.
     pub following_error: [f64; N],
-    /// Distance from the start of the trajectory at which the loop refuses to start [rad or m].
+    /// Largest distance from the start of the trajectory at which the loop starts [rad or m].
     pub start_tolerance: [f64; N],
-    /// Lowest and highest value of each input, in its unit; what is beyond is cut off, whatever the controller
-    /// says. 0 is between the two.
+    /// Lowest and highest value of each input, in its unit. Inputs of any controller are cut off there. 0
+    /// must be between them.
     pub input_limits: [[f64; 2]; M],
-    /// Torque–speed lines of motors: what is beyond them at the controller's estimate of the speeds, or at the loop's own, is cut
-    /// off too, because the motor does not give it.
+    /// Torque–speed lines of motors. Inputs beyond them are cut off, at the controller's or the loop's
+    /// estimate of the speeds, because the motor cannot produce them.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
-    /// The guard's tolerances for encoders.
+    /// Tolerances of the encoder guard.
     pub guard: GuardSettings<N>,
-    /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). Without
-    /// meaning for a robot that measures its velocities: they are used as they are.
+    /// Time constant of the velocity estimate from positions, for speed check, fallback and log (s). It has
+    /// no effect if the robot measures velocities.
     pub velocity_time_constant: f64,
-    /// Speed below which a robot stands [rad/s or m/s].
+    /// Speed below which a robot is at rest [rad/s or m/s].
     pub standstill_speed: [f64; N],
-    /// Time in which a controlled stop slows the trajectory down to a stand (s).
+    /// Duration of a controlled stop of the trajectory (s).
     pub stop_time: f64,
-    /// Time after the end of the trajectory before the brakes are engaged (s).
+    /// Time between the end of the trajectory and the engagement of the brakes (s).
     pub settling_time: f64,
-    /// Time that the brakes need to release, in which the start position is held (s).
+    /// Release time of the brakes, during which the start position is held (s).
     pub release_time: f64,
-    /// Periods to wait for a first reading before the loop refuses to start.
+    /// Number of periods without a first reading after which the loop refuses to start.
     pub start_periods: u32,
-    /// Periods in which the loop asks for the brakes until they are confirmed.
+    /// Number of periods in which the loop commands the brakes until they are confirmed.
     pub brake_periods: u32,
-    /// Time before each period in which the controller's step, and the fallback's, are computed once for the
-    /// caches alone (s); 0: not at all. A step after a pause otherwise waits for memory. At most half a
-    /// period; the loop measures what it takes before the brakes are released, and leaves it out for good
-    /// once it takes longer than this. It costs the time of a step in every period, and a second wake-up of
-    /// the thread. Measured at 50 Hz (`benches/warm_up.rs`): the first step of a joint PD or of computed
-    /// torque for six joints becomes twice as fast, that of an LTV-MPC 1.2 to 1.7 times; the long one of an
-    /// NMPC gains nothing.
+    /// Time before each period (s) in which the steps of controller and fallback are computed once to warm up
+    /// the caches; 0 disables it. Otherwise a step after a pause waits for memory. The time is at most half a
+    /// period. The loop measures a warm-up before the brakes are released, and disables warm-ups if one takes
+    /// longer. The cost is the time of a step and a second wake-up of the thread per period. Measured at 50
+    /// Hz (`benches/warm_up.rs`): the first step of joint PD or computed torque for six joints is twice as
+    /// fast, that of an LTV-MPC 1.2 to 1.7 times, the long step of an NMPC equally fast.
     pub warm_up: f64,
-    /// Budget of each stage; overruns are counted. A missed deadline is what the loop acts on.
+    /// Time budget of each stage; overruns are only counted. The loop reacts to missed deadlines.
     pub budgets: [Duration; STAGES],
 }
 
 impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// Settings for a robot with the limits of `model`: inputs up to the peak of motor and joint
-    /// ([`Dynamics::input_limits`]), positions up to their limits, speeds up to a tenth above theirs ([`SPEED_MARGIN`]), those of
-    /// joints that follow coordinates too.
+    /// ([`Dynamics::input_limits`]), positions up to their limits, speeds (also of followers) up to a tenth
+    /// above theirs ([`SPEED_MARGIN`]).
     ///
-    /// Bridges 3 periods, falls back for 25 at most, of which 5 on the plan; brakes at a following error of
-    /// 0.1 rad (or m), starts within 0.05, believes jumps up to twice the highest speed and 0.001, stillness
-    /// over 0.02 of desired motion, and measured velocities that differ from those of the positions by a
-    /// tenth of the highest; computes for the caches within a tenth of the period; reckons with brakes that
-    /// stop the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres, and for robots
-    /// without speed limits, set your own.
+    /// Bridges 3 periods; falls back for at most 25 periods, 5 of them on the plan; brakes at a following
+    /// error of 0.1 rad (or m); starts within 0.05; accepts jumps up to twice the highest speed and 0.001,
+    /// constant readings during 0.02 of desired motion, and measured velocities that differ from those of the
+    /// positions by a tenth of the highest; warms up within a tenth of the period; assumes brakes that stop
+    /// the highest speed within 0.2 s; slows down within 0.5 s. For joints in metres, and for robots without
+    /// speed limits, set your own values.
     #[must_use]
     pub fn for_robot<const NY: usize>(rate: f64, model: &impl Dynamics<N, M, NY>) -> Self {
         Self::within(rate, &model.limits(), model.input_limits().peak)
@@ -141,10 +141,10 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         Duration::from_nanos((1e9 / self.rate).round() as u64)
     }
 
-    /// - `joints`: those with a quaternion
+    /// - `joints`: joints with quaternions
     ///
     /// # Errors
-    /// [`SettingError`] for limits of their positions.
+    /// [`SettingError`] for limits of the positions of these joints.
     pub(super) fn check_quaternions(&self, joints: &[QuaternionJoint]) -> Result<(), SettingError> {
         for joint in joints {
             let entries = joint.velocity..joint.angular_velocity() + 3;
@@ -163,10 +163,10 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         Ok(())
     }
 
-    /// - `joints`, `inputs`: their names, for messages
+    /// - `joints`, `inputs`: names for messages
     ///
     /// # Errors
-    /// [`SettingError`] for the first setting out of its range.
+    /// [`SettingError`] for the first setting out of range.
     pub(super) fn check(
         &self,
         joints: &[&'static str; N],
@@ -206,16 +206,16 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     }
 }
 
-/// A setting out of its range.
+/// A setting out of range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SettingError {
     /// Name of the setting.
     pub name: &'static str,
-    /// Name of the joint or input that it is for; None for settings of the whole loop.
+    /// Name of its joint or input; `None` for settings of the whole loop.
     pub of: Option<&'static str>,
-    /// The value that was given.
+    /// Given value.
     pub value: f64,
-    /// The range that is allowed.
+    /// Allowed range.
     pub range: &'static str,
 }
 
@@ -243,7 +243,7 @@ pub(super) fn require(
     Err(SettingError { name, of: None, value, range })
 }
 
-/// As [`require`], for one value for each of `names`.
+/// [`require`] for one value per name in `names`.
 pub(super) fn require_each<const L: usize>(
     name: &'static str,
     names: &[&'static str; L],

@@ -1,17 +1,17 @@
 //! Parts of a period.
 
-/// Parts of a period, in their order.
+/// Parts of a period in order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Reading positions and judging them.
+    /// Reading of positions and plausibility check.
     Read,
-    /// The controller, and its fallback.
+    /// Controller and its fallback.
     Control,
     /// Limits of inputs and states.
     Check,
     /// Writing inputs.
     Write,
-    /// Handing the record over to the log.
+    /// Adding a record to the log.
     Log,
 }
 

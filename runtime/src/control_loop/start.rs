@@ -1,4 +1,4 @@
-//! The start of the loop: where the robot is, whether it may start there, and the release of its brakes.
+//! Start of the loop: first reading, check of the start position, and release of the brakes.
 
 use super::controller::Controller;
 use super::guard::{EncoderFault, EncoderGuard};
@@ -22,11 +22,11 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// Reads where the robot is, checks that it may start there, writes the inputs that hold it, and releases
-    /// the brakes. [`run`](Self::run) does it; call it only to make the periods yourself.
+    /// Reads the position, checks that the robot may start there, writes the inputs that hold it, and
+    /// releases the brakes. [`run`](Self::run) calls it; call it only if you run the periods yourself.
     ///
     /// # Errors
-    /// [`Refusal`]; the brakes then are engaged.
+    /// [`Refusal`]; the brakes are then engaged.
     pub fn start(&mut self) -> Result<(), Refusal> {
         let started = self.try_start();
         if let Err(refusal) = started {

@@ -3,11 +3,11 @@
 use super::law::JointLaw;
 use crate::dynamics::plain_positions;
 
-/// Positions, and coordinates with which they can be told apart joint by joint.
+/// Positions, and unwrapped coordinates of each joint that can be subtracted.
 ///
-/// The coordinates of joints without quaternion are their positions. Those of a joint with one are the sum of the
-/// differences `y ⊖ y_before` from one pose to the next: their rate is v, and no turn makes them jump. They say nothing of
-/// where the joint is, only of how it moves.
+/// For joints without quaternions the coordinates are the positions. For a joint with a quaternion they are
+/// the sum of the differences `y ⊖ y_before` between consecutive poses: their rate is v, and they never jump.
+/// They describe only the motion, not the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unwrapped<const N: usize, const NY: usize> {
     pub positions: [f64; NY],
@@ -15,12 +15,12 @@ pub(super) struct Unwrapped<const N: usize, const NY: usize> {
 }
 
 impl<const N: usize, const NY: usize> Unwrapped<N, NY> {
-    /// Coordinates of joints with a quaternion begin at 0.
+    /// Initial value; the coordinates of joints with quaternions are 0.
     pub fn at<const M: usize>(positions: [f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         Self { positions, coordinates: plain_positions(law.quaternion_joints(), &positions) }
     }
 
-    /// The same at other positions, where the robot or its reference has moved.
+    /// Value at other positions, after a motion of the robot or its reference.
     pub fn moved_to<const M: usize>(&self, positions: &[f64; NY], law: &impl JointLaw<N, M, NY>) -> Self {
         let mut coordinates: [f64; N] = plain_positions(law.quaternion_joints(), positions);
         if N != NY {

@@ -1,12 +1,13 @@
-//! Velocities from positions, or as the drives measure them.
+//! Velocities from positions, or as measured.
 
-/// Velocities of joints: as measured where they are, else by low-pass filtered differences of positions,
+/// Velocities of joints: as measured, or else low-pass filtered differences of positions,
 ///
 /// ```text
 ///     v̂ += Δt/(Δt + T_v) ((y − y_before)/Δt − v̂)
 /// ```
 ///
-/// The delay of a difference is Δt/2, that of the filter T_v. With T_v = 0 it is the difference alone.
+/// The delay of a difference is Δt/2, that of the filter T_v. With T_v = 0 the velocity is the unfiltered
+/// difference.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::VelocityFilter;
@@ -25,15 +26,16 @@ pub struct VelocityFilter<const N: usize> {
 }
 
 impl<const N: usize> VelocityFilter<N> {
-    /// At rest at `positions` [rad or m]; `time_constant` is T_v (s), where what is not positive counts as 0.
+    /// A filter at rest at `positions` [rad or m]; `time_constant` is T_v (s), and values that are not
+    /// positive count as 0.
     #[must_use]
     pub fn new(time_constant: f64, positions: [f64; N]) -> Self {
         Self { time_constant: time_constant.max(0.0), positions, velocities: [0.0; N] }
     }
 
-    /// Takes positions [rad or m], `span` seconds after the last ones. False if these numbers give no
-    /// velocity (a span that is not positive, numbers that are not finite or overflow): nothing then is
-    /// taken.
+    /// Updates with positions [rad or m], `span` seconds after the previous ones. Returns false and changes
+    /// nothing if the velocity is undefined: a span that is not positive, or numbers that are not finite or
+    /// overflow.
     pub fn update(&mut self, positions: &[f64; N], span: f64) -> bool {
         let weight = span / (span + self.time_constant);
         let velocities: [f64; N] = core::array::from_fn(|i| {
@@ -47,8 +49,8 @@ impl<const N: usize> VelocityFilter<N> {
         possible
     }
 
-    /// Takes positions with the velocities that were measured with them [rad/s or m/s]: these are the
-    /// velocities now, without a filter. False, and nothing is taken, if a number is not finite.
+    /// Updates with positions and measured velocities [rad/s or m/s], which are not filtered. Returns false
+    /// and changes nothing if a number is not finite.
     pub fn update_measured(&mut self, positions: &[f64; N], velocities: &[f64; N]) -> bool {
         let possible = positions.iter().chain(velocities).all(|x| x.is_finite());
         if possible {
@@ -57,13 +59,13 @@ impl<const N: usize> VelocityFilter<N> {
         possible
     }
 
-    /// The last positions [rad or m].
+    /// Last positions [rad or m].
     #[must_use]
     pub fn positions(&self) -> &[f64; N] {
         &self.positions
     }
 
-    /// The velocities [rad/s or m/s].
+    /// Velocities [rad/s or m/s].
     #[must_use]
     pub fn velocities(&self) -> &[f64; N] {
         &self.velocities

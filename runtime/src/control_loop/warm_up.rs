@@ -1,4 +1,4 @@
-//! Steps of the controller that are computed for the caches alone.
+//! Warm-up of the caches by steps of the controller whose results are discarded.
 
 use super::controller::{Controller, Cycle};
 use super::law::JointLaw;
@@ -17,8 +17,8 @@ where
     T: Transport<N, M, NY>,
     K: Clock,
 {
-    /// Computes the first step for the caches while the brakes are engaged, where its time costs nothing: if
-    /// it takes longer than it may later, there will be none later.
+    /// First warm-up, while the brakes are engaged and time does not matter. If it exceeds the time of later
+    /// warm-ups, these are disabled.
     pub(super) fn first_warm_up(&mut self, positions: &[f64; NY]) {
         if self.state.warms_up {
             let begin = self.clock.now();
@@ -27,8 +27,7 @@ where
         }
     }
 
-    /// Computes the step of the period that begins at `wake` for the caches, if there still is the time that
-    /// is set aside for it.
+    /// Warms up for the period that begins at `wake`, if the time set aside for it is still available.
     pub(super) fn warm_up_before(&mut self, wake: Duration) {
         if !(self.state.warms_up && self.is_driving()) {
             return;

@@ -1,14 +1,14 @@
-//! The zero-order hold of a model as matrices, for controllers that predict or regulate.
+//! Zero-order hold of a model as matrices, for predictive controllers and regulators.
 
 use super::controller::{ControllerFault, TooFast};
 use crate::dynamics::{Discretizable, Discretization};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// The zero-order hold at a state.
+/// Zero-order hold at a state.
 ///
 /// # Errors
-/// [`ControllerFault::TooFast`] names the joint where it does not exist; [`ControllerFault::NotFinite`] if
+/// [`ControllerFault::TooFast`] with the joint for which it does not exist; [`ControllerFault::NotFinite`] if
 /// state or model are not finite.
 pub(crate) fn discretize<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
@@ -56,7 +56,7 @@ pub(crate) fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
     row.iter().map(|x| x.abs()).sum()
 }
 
-/// Blocks as one matrix.
+/// The blocks of A_d as one matrix.
 pub(crate) fn flat_state<const N: usize, const NX: usize>(
     blocks: &[[[[f64; N]; N]; 2]; 2],
     flat: &mut [[f64; NX]; NX],
@@ -69,7 +69,7 @@ pub(crate) fn flat_state<const N: usize, const NX: usize>(
     }
 }
 
-/// Blocks as one matrix.
+/// The blocks of B_d as one matrix.
 pub(crate) fn flat_input<const N: usize, const M: usize, const NX: usize>(
     blocks: &[[[f64; M]; N]; 2],
     flat: &mut [[f64; M]; NX],

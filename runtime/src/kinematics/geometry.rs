@@ -9,31 +9,33 @@ const TOLERANCE: f64 = 1e-9;
 /// Turn of one joint that shows its axis (rad).
 const PROBE: f64 = 1.0;
 
-/// Why a pose function is not that of an arm that can be inverted here.
+/// Reasons why a pose function is not that of a supported arm.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum GeometryError {
-    /// A joint does not turn its frame about an axis by its coordinate.
-    #[error("joint {} is not revolute with the frame turning by its coordinate", .joint + 1)]
+    /// A joint does not rotate its frame about an axis by its coordinate.
+    #[error("joint {} is not a revolute joint whose frame turns with its coordinate", .joint + 1)]
     NotRevolute {
         /// Index of the joint; messages count from 1.
         joint: usize,
     },
     /// The pose is not a product of turns about six axes.
     #[error(
-        "the pose function differs by {error} from that of six revolute joints in series, the last of which carries the frame"
+        "the pose function differs by {error} from six revolute joints in series with the frame on the last"
     )]
     NotSerial {
         /// The largest difference found [m, 1].
         error: f64,
     },
     /// The last three axes do not meet in one point, with the middle one across.
-    #[error("the axes of the last three joints miss a common point by {distance} m: no spherical wrist")]
+    #[error(
+        "the axes of the last three joints miss a common point by {distance} m, so there is no spherical wrist"
+    )]
     NoSphericalWrist {
         /// Largest distance of an axis from the point (m).
         distance: f64,
     },
-    /// The second and third axes are not parallel, or the first is parallel to them.
-    #[error("the arm before the wrist is not of the kind that is solved here: {condition}")]
+    /// The second and third axes are not parallel, or the first axis is parallel to them.
+    #[error("the arm before the wrist has an unsupported geometry: {condition}")]
     NotSolved {
         /// The condition that does not hold.
         condition: &'static str,
@@ -46,13 +48,13 @@ pub enum GeometryError {
 ///     T(y) = exp(ξ_1 y_1) … exp(ξ_6 y_6) T(0)
 /// ```
 ///
-/// each joint a rotation about an axis that is fixed at y = 0 (Murray, Li, Sastry, *A Mathematical
+/// where each joint rotates about an axis that is fixed at y = 0 (Murray, Li, Sastry, *A Mathematical
 /// Introduction to Robotic Manipulation*, 1994, section 3.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screws {
     /// Unit vectors along the axes at y = 0, in the base frame.
     pub(super) axes: [Vector3<f64>; 6],
-    /// A point on each.
+    /// A point on each axis.
     pub(super) points: [Vector3<f64>; 6],
     /// Pose of the frame at y = 0.
     pub(super) home_position: Vector3<f64>,
@@ -60,12 +62,12 @@ pub struct Screws {
 }
 
 impl Screws {
-    /// Reads the axes off a pose function: the pose with one joint turned, seen from the pose at zero, is a
-    /// rotation about its axis.
+    /// Finds the axes from a pose function: the pose with one joint turned, relative to the pose at zero, is
+    /// a rotation about the joint's axis.
     ///
     /// # Errors
-    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] if other configurations are not the
-    /// product of these rotations.
+    /// [`GeometryError::NotRevolute`]; [`GeometryError::NotSerial`] if poses at other configurations are not
+    /// the product of these rotations.
     pub fn from_poses(pose: impl Fn(&[f64; 6]) -> Pose) -> Result<Self, GeometryError> {
         let (home_position, home_rotation) = pose(&[0.0; 6]);
         let mut screws = Self {
@@ -101,7 +103,7 @@ impl Screws {
         (unit && no_slide).then_some((axis.normalize(), point))
     }
 
-    /// Over configurations in which every joint is turned, by amounts without a pattern.
+    /// Largest error over configurations with irregular angles at all joints.
     fn largest_error(&self, pose: impl Fn(&[f64; 6]) -> Pose) -> f64 {
         (1..=5).fold(0.0_f64, |largest, k| {
             let y = core::array::from_fn(|j| (f64::from(k) * (2.7 + j as f64 * 1.9)).sin() * 3.0);
@@ -120,7 +122,7 @@ impl Screws {
         (position.into(), rows(&(r * self.home_rotation)))
     }
 
-    /// exp(ξ_i y_i) … over a range of joints, as displacement and rotation.
+    /// Product exp(ξ_i y_i) … over a range of joints, as displacement and rotation.
     pub(super) fn transform(
         &self,
         y: &[f64; 6],
@@ -135,9 +137,8 @@ impl Screws {
         (p, r)
     }
 
-    /// Velocities and accelerations of the joints that move the frame's origin with `velocity` and
-    /// `acceleration`, linear parts first, in the base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. None if J
-    /// is singular.
+    /// Joint velocities and accelerations for a given `velocity` and `acceleration` of the frame's origin,
+    /// linear parts first, in the base frame: `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. `None` if J is singular.
     #[must_use]
     pub fn rates(
         &self,

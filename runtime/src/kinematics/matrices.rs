@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Position (m) and rotation matrix (columns are the frame's axes) of a frame in the base frame: what
-/// generated pose functions return.
+/// Pose of a frame in the base frame: position (m) and rotation matrix whose columns are the frame's axes.
+/// Generated pose functions return it.
 pub type Pose = ([f64; 3], [[f64; 3]; 3]);
 
 pub(super) fn vector(p: &[f64; 3]) -> Vector3<f64> {

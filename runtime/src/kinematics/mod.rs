@@ -1,8 +1,8 @@
 //! Kinematics of six-axis arms with a spherical wrist: geometry from a pose function, and analytic inverse
 //! kinematics.
 //!
-//! A generated module has the pose of its frames as a function, `frame_tool_pose(y)`; all that is needed here
-//! is found by calling it.
+//! A generated module has a pose function for each frame, for example `frame_tool_pose(y)`. The geometry is
+//! found by calling it.
 
 mod geometry;
 mod matrices;

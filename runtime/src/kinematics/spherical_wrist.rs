@@ -1,9 +1,10 @@
 //! Analytic inverse kinematics of six-axis arms with a spherical wrist.
 //!
-//! The wrist's centre does not depend on the last three joints, the rotation beyond the third not on the
-//! position. With parallel second and third axes each part is a chain of the equation `a cos y + b sin y = c`
-//! (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968; the subproblems of Paden and Kahan
-//! in Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section 3.3).
+//! The wrist's centre does not depend on the last three joints, and the rotation of the wrist does not depend
+//! on the position. With parallel second and third axes each part is a sequence of equations `a cos y + b sin
+//! y = c` (Pieper, *The Kinematics of Manipulators under Computer Control*, 1968; the subproblems of Paden
+//! and Kahan in Murray, Li, Sastry, *A Mathematical Introduction to Robotic Manipulation*, 1994, section
+//! 3.3).
 
 use super::geometry::{GeometryError, Screws};
 use super::{Pose, matrix, rotation, vector};
@@ -19,41 +20,42 @@ const SINGULAR: f64 = 1e-6;
 /// Part by which a target may lie beyond the reach from rounding; it is then stretched out to.
 const REACH: f64 = 1e-12;
 
-/// A configuration in which joints cannot move the frame in every direction.
+/// A configuration in which the frame cannot move in every direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Singularity {
-    /// The wrist's centre lies on the first axis: that joint is free.
+    /// The wrist's centre is on the first axis, so the first joint is free.
     Shoulder,
-    /// The arm is stretched out or folded: its two elbow solutions are one.
+    /// The arm is stretched or folded, so its two elbow solutions coincide.
     Elbow,
-    /// The fourth and sixth axes are in line: only the sum or difference of these joints matters.
+    /// The fourth joint's axis and the sixth's are aligned, so only the sum or difference of these joints
+    /// matters.
     Wrist,
 }
 
-/// One of the eight ways to reach a pose.
+/// One of the eight solution branches of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Branch {
-    /// Which of the two solutions for the first joint.
+    /// Solution of the first joint, one of two.
     pub shoulder: bool,
-    /// Which of the two for the third.
+    /// Solution of the third joint, one of two.
     pub elbow: bool,
-    /// Which of the two for the fifth.
+    /// Solution of the fifth joint, one of two.
     pub wrist: bool,
 }
 
-/// Joint angles that reach a pose.
+/// Joint angles for a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solution {
-    /// The angles (rad), each the nearest to the given ones among those that differ by full turns.
+    /// Angles (rad); among those that differ by full turns, the nearest to the given ones.
     pub positions: [f64; 6],
-    /// Its branch.
+    /// Branch of the solution.
     pub branch: Branch,
-    /// Singular in the shoulder, elbow, wrist. A free joint then has the given angle.
+    /// Whether the shoulder, elbow and wrist are singular. A free joint has the given angle.
     pub singular: [bool; 3],
 }
 
 impl Solution {
-    /// The singularities it lies in.
+    /// Singularities of the solution.
     pub fn singularities(&self) -> impl Iterator<Item = Singularity> + '_ {
         let all = [Singularity::Shoulder, Singularity::Elbow, Singularity::Wrist];
         all.into_iter().zip(self.singular).filter_map(|(s, on)| on.then_some(s))
@@ -63,44 +65,45 @@ impl Solution {
 /// Angles beyond have lost the digits that a pose needs (rad).
 const FARTHEST: f64 = 1e6;
 
-/// Why a pose cannot be reached.
+/// Reasons why a pose cannot be reached.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum KinematicsError {
     /// The wrist's centre would be too close to the first axis.
     #[error(
-        "the wrist's centre would lie {distance} m from the first axis; the arm cannot come closer than {least} m"
+        "the wrist's centre would be {distance} m from the first axis; the arm requires at least {least} m"
     )]
     TooCloseToFirstAxis {
-        /// Its distance (m).
+        /// Distance of the wrist's centre from the first axis (m).
         distance: f64,
         /// The least distance, which the arm's sideways offset demands (m).
         least: f64,
     },
     /// The wrist's centre would be too far from, or too close to, the second axis.
     #[error(
-        "the wrist's centre would lie {distance} m from the second axis; the arm reaches {least} to {most} m"
+        "the wrist's centre would be {distance} m from the second axis; the arm reaches {least} to {most} m"
     )]
     OutOfReach {
-        /// Its distance across that axis (m).
+        /// Distance of the wrist's centre, across the second axis (m).
         distance: f64,
         /// The shortest (m).
         least: f64,
         /// The longest (m).
         most: f64,
     },
-    /// No fifth angle gives the orientation: axes of the wrist that are not at right angles cannot turn
-    /// everywhere.
+    /// No fifth angle gives the orientation; wrists whose axes are not perpendicular do not reach every
+    /// orientation.
     #[error("the wrist cannot turn to this orientation")]
     Orientation,
     /// Position, rotation or the given angles are not finite, an angle is beyond 1e6 rad, or the rotation
     /// matrix is not one.
     #[error(
-        "the pose is not valid: it has numbers that are not finite, angles beyond 1e6 rad, or a matrix that is not a rotation (off by {0})"
+        "the pose is not valid: it has non-finite numbers, angles beyond 1e6 rad, or a matrix that is not a \
+         rotation (error {0})"
     )]
     NotAPose(f64),
     /// All solutions violate the limits.
     #[error(
-        "no solution keeps within the joint limits; the closest is {excess} rad beyond that of joint {}",
+        "no solution is within the joint limits; the closest exceeds the limit of joint {} by {excess} rad",
         .joint + 1
     )]
     Limits {
@@ -111,9 +114,9 @@ pub enum KinematicsError {
     },
 }
 
-/// An arm whose inverse kinematics is solved here: second and third axes parallel, the first not parallel to
-/// them, the last three meeting in a point. The six-axis PowerCube and the Puma 560 are of this kind, as are
-/// most industrial arms.
+/// An arm with supported inverse kinematics: the second and third axes are parallel, the first axis is not
+/// parallel to them, and the last three axes meet in a point. Most industrial arms are of this kind, for
+/// example the six-axis PowerCube and the Puma 560.
 ///
 /// ```
 /// use gelenk_generated::puma560;
@@ -134,7 +137,7 @@ pub struct SphericalWrist {
     center: Vector3<f64>,
 }
 
-/// The solutions for a pose; at least one.
+/// Solutions for a pose, at least one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InverseKinematics {
     solutions: [Option<Solution>; 8],
@@ -142,12 +145,12 @@ pub struct InverseKinematics {
 }
 
 impl InverseKinematics {
-    /// All of them, in the order of their branches: up to eight, all different.
+    /// All solutions in the order of their branches: up to eight, all different.
     pub fn all(&self) -> impl Iterator<Item = &Solution> {
         self.solutions.iter().flatten()
     }
 
-    /// The one whose largest distance from `positions`, over the joints, is smallest.
+    /// The solution with the smallest maximum joint distance from `positions`.
     #[must_use]
     pub fn closest(&self, positions: &[f64; 6]) -> Solution {
         let mut best = self.first;
@@ -159,11 +162,11 @@ impl InverseKinematics {
         best
     }
 
-    /// The closest to `positions` among those within `limits` (rad); angles may be moved by full turns to get
-    /// there.
+    /// The solution within `limits` (rad) that is closest to `positions`; angles may be changed by full
+    /// turns.
     ///
     /// # Errors
-    /// [`KinematicsError::Limits`]; a limit that is not a number holds nowhere.
+    /// [`KinematicsError::Limits`]; a NaN limit is never satisfied.
     pub fn within(&self, limits: &[[f64; 2]; 6], positions: &[f64; 6]) -> Result<Solution, KinematicsError> {
         let no_number = |limits: &[f64; 2]| limits.iter().any(|l| l.is_nan());
         if let Some(joint) = limits.iter().position(no_number) {
@@ -206,8 +209,8 @@ impl InverseKinematics {
 }
 
 impl SphericalWrist {
-    /// Reads the geometry off a pose function, at y = 0 and with single joints turned, and checks it in other
-    /// configurations.
+    /// Finds the geometry from a pose function, at y = 0 and with single joints turned, and checks it in
+    /// other configurations.
     ///
     /// # Errors
     /// [`GeometryError`] for other kinds of arms.
@@ -215,7 +218,7 @@ impl SphericalWrist {
         Self::new(Screws::from_poses(pose)?)
     }
 
-    /// Checks that the axes are of the kind that is solved here.
+    /// Checks that the axes have the supported geometry.
     ///
     /// # Errors
     /// [`GeometryError::NoSphericalWrist`], [`GeometryError::NotSolved`].
@@ -244,13 +247,13 @@ impl SphericalWrist {
         let lengths = [arm.upper_arm().norm(), arm.forearm().norm()];
         if lengths.iter().any(|l| *l < SINGULAR) {
             return Err(GeometryError::NotSolved {
-                condition: "its third axis must lie apart from the second, and the wrist's centre apart from the third",
+                condition: "its third axis must be apart from the second, and the wrist's centre apart from the third",
             });
         }
         Ok(arm)
     }
 
-    /// Its joint axes.
+    /// Joint axes of the arm.
     #[must_use]
     pub fn screws(&self) -> &Screws {
         &self.screws
@@ -266,11 +269,11 @@ impl SphericalWrist {
         off_axis(&self.screws, 2, &self.center)
     }
 
-    /// All joint angles that reach `pose`. `near` decides between full turns, and for joints that a
+    /// All joint angles for `pose`. `near` selects among full turns, and gives the angles of joints that a
     /// singularity leaves free.
     ///
     /// # Errors
-    /// [`KinematicsError`] if there is none.
+    /// [`KinematicsError`] if there is no solution.
     pub fn solve(&self, pose: &Pose, near: &[f64; 6]) -> Result<InverseKinematics, KinematicsError> {
         let (position, target) = (vector(&pose.0), matrix(&pose.1));
         let off =

@@ -1,21 +1,21 @@
-//! Dry friction and brakes, exactly: joints that slide, and joints that stick.
+//! Dry friction and brakes without approximation: sliding and sticking joints.
 //!
-//! Friction with `sign ẏ` jumps at ẏ = 0. A method with error control grinds to a halt there, and a joint at
-//! rest would chatter. Here each joint with a jump is in one of three modes. Sliding forward or backward, its
-//! friction is continued smoothly beyond ẏ = 0, and the integration stops where ẏ changes its sign. Sticking,
-//! ÿ = 0 and the friction is what holds the joint; it must lie between the friction of either direction, and
-//! the integration stops where it leaves that range:
+//! Friction with `sign ẏ` is discontinuous at ẏ = 0. There a method with error control would need ever
+//! smaller steps, and a joint at rest would chatter. Therefore each joint with a discontinuity has one of
+//! three modes. If it slides forward or backward, its friction is continued smoothly beyond ẏ = 0, and the
+//! integration stops at a sign change of ẏ. If it sticks, ÿ = 0 and the friction is the force that holds the
+//! joint. This force must be between the friction of both directions; the integration stops when it leaves
+//! this range:
 //!
 //! ```text
 //!     M ÿ + k = q + B u − σ        ẏ_i = ÿ_i = 0 and τ_i(0−) ≤ σ_i + τ_i(0) ≤ τ_i(0+) for joints that stick,  σ_i = 0 for others
 //! ```
 //!
-//! Where friction grows with the load τ_l of a joint (what its drive would exert without friction, here
-//! `B u` less all friction), the range of a joint that sticks does too: `|τ_l| s₁(0−)` and `|τ_l| s₁(0+)` are
-//! added to its ends.
+//! With load-dependent friction, the range of a sticking joint depends on the load τ_l (the drive's force
+//! without friction, here `B u` minus all friction): `|τ_l| s₁(0−)` and `|τ_l| s₁(0+)` are added to its ends.
 //!
-//! An engaged brake is more of the same friction. Which joints at rest stick is a linear complementarity
-//! problem, solved by exchanging the worst violation (Pfeiffer, Glocker, *Multibody Dynamics with Unilateral
+//! An engaged brake adds to the friction. Finding the joints that stick is a linear complementarity problem,
+//! solved by exchanging the worst violation (Pfeiffer, Glocker, *Multibody Dynamics with Unilateral
 //! Contacts*, 1996, section 5; Filippov, *Differential Equations with Discontinuous Righthand Sides*, 1988,
 //! chapter 2).
 
@@ -26,10 +26,10 @@ use nalgebra::{SMatrix, SVector};
 /// Part of the friction's range by which a sticking joint must be overloaded to break loose.
 const BREAK_LOOSE: f64 = 1e-9;
 
-/// How a joint moves.
+/// Mode of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mode {
-    /// No jump in its friction.
+    /// Friction without a discontinuity.
     Smooth,
     Forward,
     Backward,
@@ -46,22 +46,22 @@ impl Mode {
     }
 }
 
-/// Generalized forces from outside at given positions.
+/// External generalized forces at given positions.
 pub(super) type PushForce<const N: usize, const NY: usize> = dyn Fn(&[f64; NY]) -> [f64; N] + Send + Sync;
 
 /// Equations of motion with the mode of each joint.
 pub(super) struct Joints<'d, D, const N: usize, const M: usize, const NY: usize> {
     pub model: &'d D,
-    /// When the integration's time is 0 (s).
+    /// Time at which the integration's time is 0 (s).
     pub start: f64,
     pub inputs: &'d [f64; M],
     /// Torques of the engaged brakes.
     pub brakes: &'d [f64; N],
-    /// Forces from outside.
+    /// External forces.
     pub push: Option<&'d PushForce<N, NY>>,
     pub modes: [Mode; N],
-    /// Speed that the integration cannot resolve. A joint has turned beyond it, and rests below twice as
-    /// much: where it turned, it rests.
+    /// Speed that the integration cannot resolve. A joint's direction changes beyond it, and a joint is at
+    /// rest below twice this speed.
     pub rest: f64,
 }
 
@@ -74,7 +74,8 @@ impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>
         Joints { model, ..*self }
     }
 
-    /// Sets the modes for a motion at a time of the integration (s), and speeds of joints at rest to zero.
+    /// Sets the modes for a motion at a time of the integration (s), and sets speeds of joints at rest to
+    /// zero.
     pub fn settle_at(&mut self, time: f64, motion: &mut Motion<N, NY>) {
         self.modes = self.model.at_time(self.start + time, |model| {
             let mut joints = self.of(model);

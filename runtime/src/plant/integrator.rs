@@ -1,8 +1,9 @@
 //! Integration with error control, up to the end of a period or to the first event.
 //!
 //! The method is DOP853, order 8(5,3) with dense output of order 7 (Hairer, Nørsett, Wanner, *Solving
-//! Ordinary Differential Equations I*, 1993, sections II.5 and II.6), of the crate `differential-equations`.
-//! Its parts for one step are driven here, because its own loop collects solutions in vectors.
+//! Ordinary Differential Equations I*, 1993, sections II.5 and II.6), from the crate
+//! `differential-equations`. Only its functions for one step are used, because its own loop collects
+//! solutions in vectors.
 
 use differential_equations::interpolate::Interpolation;
 use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
@@ -16,11 +17,11 @@ const MAX_STEPS: usize = 20_000;
 /// Steps in one period, over all of its events.
 pub(super) const MAX_PERIOD_STEPS: usize = 100_000;
 const TOO_SMALL: &str =
-    "its steps became too small: accelerations that are not finite, or a stiff or jumping model";
+    "its steps became too small, because accelerations are not finite or the model is stiff or discontinuous";
 /// Halvings that locate an event: to the last bit of a period.
 const BISECTIONS: usize = 60;
 
-/// Positions and velocities; also their derivatives, in the same places.
+/// Positions and velocities, or their derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Motion<const N: usize, const NY: usize = N> {
     pub positions: [f64; NY],
@@ -75,15 +76,15 @@ impl<const N: usize, const NY: usize> State<f64> for Motion<N, NY> {
     }
 }
 
-/// A motion that is smooth until an event. Times are those between `start` and `end` of an integration (s).
+/// A motion that is smooth until an event. Times are from `start` to `end` of an integration (s).
 pub(super) trait Flow<const N: usize, const NY: usize> {
-    /// ẏ.
+    /// Rates ẏ.
     fn rates(&self, motion: &Motion<N, NY>) -> [f64; NY];
 
-    /// v̇.
+    /// Accelerations v̇.
     fn accelerations(&self, time: f64, motion: &Motion<N, NY>) -> [f64; N];
 
-    /// True once an event has happened.
+    /// Whether an event has happened.
     fn has_ended(&self, time: f64, motion: &Motion<N, NY>) -> bool;
 }
 
@@ -96,7 +97,7 @@ impl<const N: usize, const NY: usize, F: Flow<N, NY>> ODE<f64, Motion<N, NY>> fo
     }
 }
 
-/// Where an integration ended.
+/// End of an integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Arrival<const N: usize, const NY: usize> {
     pub time: f64,
@@ -127,11 +128,11 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
         Self { method, step: FIRST_STEP }
     }
 
-    /// From `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps, which it takes
-    /// off.
+    /// Integrates from `start` to `end` (s), or to the first event of `flow`, in at most `budget` steps;
+    /// reduces the budget.
     ///
     /// # Errors
-    /// Why it cannot go on.
+    /// The reason why the integration stopped.
     pub fn advance(
         &mut self,
         flow: &impl Flow<N, NY>,

@@ -1,16 +1,16 @@
-//! A simulated robot to try controllers on: exact motion, imperfect inputs and measurements.
+//! A simulated robot for testing controllers: exact motion, imperfect inputs and measurements.
 //!
 //! ```text
 //!     M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u_applied        u_applied constant over a period
 //! ```
 //!
-//! Positions of robots with quaternions are integrated as `ẏ = T(y) v` with the same error control; after every
-//! period their quaternions regain unit length.
+//! Positions of robots with quaternions are integrated as `ẏ = T(y) v` with the same error control;
+//! quaternions are normalized after every period.
 //!
-//! The model of the plant is its own: any [`Dynamics`], with other masses or friction than the controller's,
-//! with exact `sign` where the controller's is smooth. See [`PlantOptions`] for what happens to inputs and
-//! measurements. A robot with driven joints is a [`DrivenRobot`](crate::driven::DrivenRobot) here, with the motion of these;
-//! its time is that of the plant, 0 at the last [`reset`](Plant::reset).
+//! The plant has its own model: any [`Dynamics`], with other masses or friction than the controller's, and
+//! with exact `sign` instead of a smooth one. [`PlantOptions`] lists the imperfections of inputs and
+//! measurements. For driven joints use a [`DrivenRobot`](crate::driven::DrivenRobot) with their motion; its
+//! time is that of the plant, 0 at the last [`reset`](Plant::reset).
 
 mod dry_friction;
 mod integrator;
@@ -34,18 +34,17 @@ const MAX_EVENTS: usize = 1000;
 /// Brakes hold this many times the peak effort of their joint, where the options do not say.
 const BRAKE_RESERVE: f64 = 2.0;
 
-/// The last measurement of the encoders.
+/// Last measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement<const N: usize, const NY: usize = N> {
-    /// When it was measured (s). Older than the plant's time where a measurement was lost.
+    /// Time of the measurement (s), earlier than the plant's time if measurements were lost.
     pub time: f64,
-    /// Positions of the joints [rad or m], rounded and noisy as the encoders make them; attitudes as
-    /// quaternions.
+    /// Positions of the joints [rad or m] with rounding and noise of the encoders; attitudes are quaternions.
     pub positions: [f64; NY],
-    /// Velocities of the joints [rad/s or m/s], where [`PlantOptions::velocity_noise`] makes them measured.
+    /// Velocities of the joints [rad/s or m/s], if measured ([`PlantOptions::velocity_noise`]).
     pub velocities: Option<[f64; N]>,
-    /// Forces of the drives at their joints over the last period, B u_applied [N m or N], where
-    /// [`PlantOptions::torque_noise`] makes them measured.
+    /// Drive forces B u_applied at the joints over the last period [N m or N], if measured
+    /// ([`PlantOptions::torque_noise`]).
     pub torques: Option<[f64; N]>,
 }
 
@@ -56,15 +55,15 @@ struct Push<const N: usize, const NY: usize> {
     force: Arc<PushForce<N, NY>>,
 }
 
-/// `Jᵀ w`: generalized forces of a force and a moment [N, N m] at the origin of a frame.
+/// Generalized forces `Jᵀ w` of a force and a moment [N, N m] at the origin of a frame.
 ///
-/// - `jacobian`: of this origin in the axes of `wrench`, linear before angular
+/// - `jacobian`: Jacobian of this origin in the axes of `wrench`, linear part first
 #[must_use]
 pub fn wrench_forces<const N: usize>(jacobian: &[[f64; N]; 6], wrench: &[f64; 6]) -> [f64; N] {
     core::array::from_fn(|i| jacobian.iter().zip(wrench).map(|(row, w)| row[i] * w).sum())
 }
 
-/// A robot that moves in periods with constant inputs.
+/// A simulated robot that moves in periods with constant inputs.
 ///
 /// ```
 /// use gelenk_runtime::plant::{Plant, PlantOptions};
@@ -103,7 +102,8 @@ pub struct Plant<D, const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Plant<D, N, M, NY> {
-    /// A plant at y = 0 (attitudes at the identity), at rest, its brakes released. All memory is allocated here.
+    /// A plant at y = 0 (attitudes at the identity), at rest, with released brakes. All memory is allocated
+    /// here.
     ///
     /// # Errors
     /// [`PlantError::Option`].
@@ -142,8 +142,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(plant)
     }
 
-    /// Puts the plant at positions and velocities at time 0, brakes released, inputs under way zero, and
-    /// measures there. The random streams go on.
+    /// Sets positions and velocities at time 0 with released brakes and no delayed inputs, and measures
+    /// there. The random streams continue.
     ///
     /// # Errors
     /// [`PlantError::Start`] and [`PlantError::StartEntry`] for values that are not finite,
@@ -185,25 +185,25 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         }
     }
 
-    /// Makes `inputs` what is under way and what was received last, for a start in the middle of a motion.
+    /// Sets delayed and last received inputs to `inputs`, for a start during a motion.
     pub fn preload(&mut self, inputs: [f64; M]) {
         self.received = inputs;
         self.queue.clear();
         self.queue.extend((0..self.options.delay).map(|_| inputs));
     }
 
-    /// The last measurement that arrived. Calling twice in a period gives the same.
+    /// The last measurement that arrived. Repeated calls in a period return the same.
     #[must_use]
     pub fn measure(&self) -> Measurement<N, NY> {
         self.measurement
     }
 
-    /// Sends `inputs` and moves on by `period` (s) with the ones that arrive: the same, or with a delay those
+    /// Sends `inputs` and advances by `period` (s) with the inputs that arrive: these, or with a delay those
     /// sent `delay` periods ago. While brakes are engaged the drives are off.
     ///
     /// # Errors
-    /// [`PlantError::Input`], [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not
-    /// moved.
+    /// [`PlantError::Input`], [`PlantError::Period`], [`PlantError::Integration`]; the plant is then
+    /// unchanged.
     pub fn apply(&mut self, inputs: &[f64; M], period: f64) -> Result<(), PlantError> {
         if let Some(input) = inputs.iter().position(|u| !u.is_finite()) {
             return Err(PlantError::Input {
@@ -221,11 +221,11 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.advance(period)
     }
 
-    /// Moves on by `period` (s) without a new input: what was received last is held. Inputs under way stay
-    /// under way.
+    /// Advances by `period` (s) without a new input; the last received input is held, and delayed inputs stay
+    /// delayed.
     ///
     /// # Errors
-    /// [`PlantError::Period`], [`PlantError::Integration`]; the plant then has not moved.
+    /// [`PlantError::Period`], [`PlantError::Integration`]; the plant is then unchanged.
     pub fn hold(&mut self, period: f64) -> Result<(), PlantError> {
         require_period(period)?;
         self.advance(period)
@@ -236,15 +236,16 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.brakes_engaged = true;
     }
 
-    /// Releases the brakes; inputs act again.
+    /// Releases the brakes and switches the drives on.
     pub fn release(&mut self) {
         self.brakes_engaged = false;
     }
 
-    /// Pushes the robot from outside, over the whole periods that are nearest to `duration` (s), in place of an
-    /// earlier push. Brakes and friction withstand it as they do in reality.
+    /// Applies an external force for the number of whole periods nearest to `duration` (s); replaces an
+    /// earlier one. Brakes and friction resist it.
     ///
-    /// - `force`: generalized forces at given positions [N m or N]; of a force at a frame [`wrench_forces`]
+    /// - `force`: generalized forces at given positions [N m or N]; use [`wrench_forces`] for a force at a
+    ///   frame
     ///
     /// ```
     /// use gelenk_runtime::plant::{Plant, PlantOptions, wrench_forces};
@@ -264,13 +265,13 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.push = Some(Push { end: self.time + duration, force: Arc::new(force) });
     }
 
-    /// True while the brakes are engaged.
+    /// Whether the brakes are engaged.
     #[must_use]
     pub fn is_braked(&self) -> bool {
         self.brakes_engaged
     }
 
-    /// True positions and velocities, which no controller sees.
+    /// True positions and velocities, which controllers do not get.
     #[must_use]
     pub fn state(&self) -> ([f64; NY], [f64; N]) {
         (self.motion.positions, self.motion.velocities)
@@ -282,7 +283,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self.time
     }
 
-    /// Inputs that acted in the last period, after noise, rounding and limit; zero while braked.
+    /// Inputs that acted in the last period, after noise, rounding and limits; zero while braked.
     #[must_use]
     pub fn applied(&self) -> [f64; M] {
         self.applied
@@ -294,8 +295,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         &self.model
     }
 
-    /// Makes another model the true one from now on, as wear, load and temperature do. State and inputs under
-    /// way stay.
+    /// Replaces the true model from now on, for example after wear, or by another load or temperature. State
+    /// and delayed inputs are kept.
     pub fn set_model(&mut self, model: D) {
         self.model = model;
     }

@@ -1,50 +1,50 @@
-//! Disturbances of inputs and measurements, and errors of a plant.
+//! Imperfections of inputs and measurements, and errors of a plant.
 
 use crate::dynamics::{AttitudeError, Named, QuaternionJoint, TorqueSpeedLine, plain_entries};
 use crate::input_limits;
 use thiserror::Error;
 
 /// Imperfections of a [`Plant`](super::Plant). The default has none: exact encoders, exact and unlimited
-/// inputs, no delay, nothing lost.
+/// inputs, no delay, no losses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantOptions<const N: usize, const M: usize> {
-    /// Step of each encoder at its joint [rad or m]; measured positions are rounded to its multiples. 0:
-    /// exact, and all that joints with a quaternion may have.
+    /// Encoder step at the joint [rad or m]; measured positions are rounded to multiples. 0 is exact, and
+    /// required for joints with a quaternion.
     pub encoder_resolution: [f64; N],
-    /// Standard deviation of the normal noise on each position, before rounding [rad or m]; of joints with a
-    /// quaternion by velocity entry, the noise moves them by ⊕.
+    /// Standard deviation of the normal noise on each position, before rounding [rad or m]. Joints with a quaternion
+    /// have one entry per velocity; their noise is applied by ⊕.
     pub encoder_noise: [f64; N],
-    /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]. None: the drives do
-    /// not measure velocities.
+    /// Standard deviation of the normal noise on each measured velocity [rad/s or m/s]; `None` if velocities
+    /// are not measured.
     pub velocity_noise: Option<[f64; N]>,
-    /// Standard deviation of the normal noise on each measured force of a drive at its joint [N m or N].
-    /// None: they are not measured.
+    /// Standard deviation of the normal noise on each measured drive force at the joint [N m or N]; `None` if
+    /// forces are not measured.
     pub torque_noise: Option<[f64; N]>,
-    /// Step of each input, in its unit; what is applied is rounded to its multiples. 0: exact.
+    /// Step of each input, in its unit; applied inputs are rounded to multiples. 0 is exact.
     pub input_resolution: [f64; M],
-    /// Lowest and highest value of each input, in its unit; what is beyond is cut off. 0 is between the two. Infinite:
-    /// no limit.
+    /// Lowest and highest value of each input, in its unit. Inputs are limited to this range, which must contain 0;
+    /// infinite values mean no limit.
     pub input_limits: [[f64; 2]; M],
-    /// Torque–speed lines of motors, `model.limits().torque_speed`: an input beyond what its line leaves at the speed with which
-    /// the period begins is cut off, within `input_limits`. Empty: none.
+    /// Torque–speed lines of motors, `model.limits().torque_speed`. Inputs are cut off at their line for the
+    /// speed at the start of the period, within `input_limits`. May be empty.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
     /// Standard deviation of the normal noise on each input, drawn once a period, before the limit.
     pub input_noise: [f64; M],
-    /// Periods between [`Plant::apply`](super::Plant::apply) and the effect of its input.
+    /// Periods until an input has an effect, see [`Plant::apply`](super::Plant::apply).
     pub delay: usize,
-    /// Probability that an input is lost; the one before is then held.
+    /// Probability that an input is lost; the previous input is then held.
     pub input_loss: f64,
-    /// Probability that a measurement is lost; [`Plant::measure`](super::Plant::measure) then returns the one
-    /// before.
+    /// Probability that a measurement is lost; [`Plant::measure`](super::Plant::measure) then returns the
+    /// previous one.
     pub measurement_loss: f64,
-    /// Friction torque of each engaged brake [N m or N]. Infinite: the joint locks at once. None: twice the
-    /// peak effort of the model for joints that an input acts on (infinite if the model gives no effort),
-    /// no brake on the others. Joints that inputs at frames move, as cylinders do, have none by themselves: where the
-    /// valves of the real robot hold it, give them one.
+    /// Friction torque of each engaged brake [N m or N]; if infinite, the joint locks at once. `None` means
+    /// twice the peak effort of the model for joints with a drive (infinite without a described effort), and
+    /// no brake for others. Joints moved by inputs at frames, for example cylinders, have no brake by
+    /// default; set one if the valves of the real robot hold it.
     pub brake_torque: Option<[f64; N]>,
-    /// Relative error that the integration allows in one of its steps.
+    /// Relative error tolerance of an integration step.
     pub relative_tolerance: f64,
-    /// Absolute error that the integration allows in one of its steps [rad, m, rad/s or m/s].
+    /// Absolute error tolerance of an integration step [rad, m, rad/s or m/s].
     pub absolute_tolerance: f64,
     /// Seed of all randomness: the same seed and inputs give the same motion.
     pub seed: u64,
@@ -76,10 +76,10 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
 const MAX_DELAY: usize = 1000;
 
 impl<const N: usize, const M: usize> PlantOptions<N, M> {
-    /// - `joints`, `inputs`: their names, for messages
+    /// - `joints`, `inputs`: names for messages
     ///
     /// # Errors
-    /// [`PlantError::Option`] for the first value out of its range.
+    /// [`PlantError::Option`] for the first value out of range.
     pub(super) fn check(
         &self,
         joints: &[&'static str; N],
@@ -123,10 +123,10 @@ impl<const N: usize, const M: usize> PlantOptions<N, M> {
 }
 
 impl<const N: usize, const M: usize> PlantOptions<N, M> {
-    /// - `quaternions`: the joints with one, for which nothing has steps and no brake holds
+    /// - `quaternions`: joints with quaternions, which have neither encoder steps nor brakes
     ///
     /// # Errors
-    /// [`PlantError::Option`] for steps of an encoder, and for brakes, of such a joint.
+    /// [`PlantError::Option`] for encoder steps and brakes of such a joint.
     pub(super) fn check_quaternions(
         &self,
         joints: &[&'static str; N],
@@ -160,10 +160,10 @@ fn require(
     }
 }
 
-/// Why a plant could not be made or moved. After an error the plant stands where it stood before the call.
+/// Errors of a plant. After an error of a call, the plant is unchanged.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlantError {
-    /// An option is out of its range.
+    /// An option is out of range.
     #[error("plant option {option}{} is {value}; it must be {range}", bracketed(*.of))]
     Option {
         /// Name of the option.
@@ -182,11 +182,11 @@ pub enum PlantError {
     Start {
         /// Index of the coordinate.
         coordinate: usize,
-        /// Its name.
+        /// Name of the joint.
         name: &'static str,
-        /// Its position [rad or m].
+        /// Start position [rad or m].
         position: f64,
-        /// Its speed [rad/s or m/s].
+        /// Start speed [rad/s or m/s].
         velocity: f64,
     },
     /// A start position of a robot with quaternions is NaN or infinite.
@@ -194,17 +194,18 @@ pub enum PlantError {
     StartEntry {
         /// Name of the position entry.
         name: &'static str,
-        /// Its value.
+        /// Value of the position entry.
         value: f64,
     },
-    /// A start attitude is none.
-    #[error("the plant cannot start there: {0}")]
+    /// A quaternion of the start position is not an attitude.
+    #[error("the plant cannot start: {0}")]
     Attitude(#[from] AttitudeError),
     /// Dry friction acts on several joints at once, as on the shaft of a motor that moves two: what holds it at rest is not
     /// known joint by joint.
     #[error(
-        "friction that jumps at rest acts on joints {} and {} together, as on the shaft of a motor that moves both or at a joint that follows both: the plant does not \
-         know when it sticks; generate its model with smooth friction (`--smooth-sign 100`)", Named(.first), Named(.second)
+        "friction with a jump at rest acts on joints {} and {} together (a motor that moves both, or a \
+         joint that follows both): the plant cannot tell when it sticks; generate its model with smooth \
+         friction (`--smooth-sign 100`)", Named(.first), Named(.second)
     )]
     SharedFriction {
         /// Name of one joint.
@@ -213,20 +214,20 @@ pub enum PlantError {
         second: &'static str,
     },
     /// An input is NaN or infinite.
-    #[error("input {} is {value}; only finite inputs can be applied", Named(.name))]
+    #[error("input {} is {value}; inputs must be finite", Named(.name))]
     Input {
         /// Index of the input.
         input: usize,
-        /// Its name.
+        /// Name of the input.
         name: &'static str,
-        /// Its value.
+        /// Value of the input.
         value: f64,
     },
     /// A period is not positive and finite.
     #[error("period is {0} s; it must be positive and finite")]
     Period(f64),
-    /// The integration cannot go on: the model's accelerations are not finite, or the steps became too many
-    /// or too small.
+    /// The integration cannot continue: accelerations are not finite, or the steps became too many or too
+    /// small.
     #[error("the integration stopped at {time} s: {reason}")]
     Integration {
         /// Time of the plant (s).

@@ -1,12 +1,12 @@
-//! One motion for several coordinates.
+//! One scalar motion for several coordinates.
 
 use super::{Sample, Trajectory, TrajectoryError, require_finite};
 
-/// All coordinates follow one motion s(t), each in its own direction and share: `y(t) = y_0 + d s(t)`.
+/// All coordinates follow one motion s(t), each with its own factor: `y(t) = y_0 + d s(t)`.
 ///
-/// With d = (1, −1), two parallel axes turn against each other and whatever the second carries keeps its
-/// orientation: the compensated motion β = −γ, in which gravity on the second joint stays almost constant.
-/// See [`Along::compensated`].
+/// With d = (1, −1), two parallel axes turn in opposite directions, and the link carried by the second keeps
+/// its orientation. This is the compensated motion β = −γ, in which gravity at the second joint is almost
+/// constant. See [`Along::compensated`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Along<T, const N: usize> {
     offset: [f64; N],
@@ -15,7 +15,7 @@ pub struct Along<T, const N: usize> {
 }
 
 impl<T: Trajectory<1>, const N: usize> Along<T, N> {
-    /// `offset` is y_0 [rad or m], `direction` d.
+    /// `offset` is y_0 [rad or m], `direction` is d.
     ///
     /// # Errors
     /// Numbers that are not finite.
@@ -27,7 +27,7 @@ impl<T: Trajectory<1>, const N: usize> Along<T, N> {
 }
 
 impl<T: Trajectory<1>> Along<T, 2> {
-    /// The compensated motion β = β_0 + s(t), γ = γ_0 − s(t): β + γ is constant.
+    /// Compensated motion β = β_0 + s(t), γ = γ_0 − s(t); β + γ is constant.
     ///
     /// # Errors
     /// Numbers that are not finite.

@@ -1,4 +1,4 @@
-//! Poses one after the other, for arms with a spherical wrist.
+//! Sequences of poses for arms with a spherical wrist.
 
 use super::polynomial::RestToRest;
 use super::{PointSequence, Sample, Sampled, Trajectory, TrajectoryError, require_periods, require_positive};
@@ -10,10 +10,10 @@ use thiserror::Error;
 /// passage by a singularity.
 const LARGEST_STEP: f64 = 0.2;
 
-/// Why a sequence of poses cannot be driven.
+/// Errors of a sequence of poses.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CartesianError {
-    /// Not enough poses, a duration that is not positive, …
+    /// Invalid number of poses, duration or similar.
     #[error(transparent)]
     Trajectory(#[from] TrajectoryError),
     /// A pose cannot be reached.
@@ -24,8 +24,8 @@ pub enum CartesianError {
         /// Why not.
         source: KinematicsError,
     },
-    /// The straight way to a pose leaves the arm's workspace.
-    #[error("on the way to pose {}, after {time} s: {source}", .pose + 1)]
+    /// The straight path to a pose leaves the arm's workspace.
+    #[error("at {time} s on the path to pose {}: {source}", .pose + 1)]
     WayUnreachable {
         /// Index of the pose at its end; messages count from 1.
         pose: usize,
@@ -36,7 +36,8 @@ pub enum CartesianError {
     },
     /// The straight way to a pose runs into a singularity.
     #[error(
-        "on the way to pose {}, after {time} s, the arm is singular in {singularity:?}; choose another way or a motion in joint space",
+        "at {time} s on the path to pose {} the arm is singular in {singularity:?}; choose another path or \
+         a motion in joint space",
         .pose + 1
     )]
     Singular {
@@ -49,7 +50,8 @@ pub enum CartesianError {
     },
     /// A joint would have to jump on the straight way to a pose: the way passes close by a singularity.
     #[error(
-        "on the way to pose {}, after {time} s, joint {} would turn by {step} rad in one sample; the way passes close by a singularity",
+        "at {time} s on the path to pose {} joint {} would turn by {step} rad in one sample, because the \
+         path is close to a singularity",
         .pose + 1,
         .joint + 1
     )]
@@ -60,17 +62,16 @@ pub enum CartesianError {
         time: f64,
         /// Index of the joint; messages count from 1.
         joint: usize,
-        /// Its step (rad).
+        /// Step of the joint (rad).
         step: f64,
     },
 }
 
-/// Joint angles for `poses`, each the closest solution to the one before and within `limits` (rad); the first
-/// the closest to `start`.
+/// Joint angles for `poses` within `limits` (rad), each the closest solution to the previous one; the first
+/// is closest to `start`.
 ///
 /// # Errors
-/// [`CartesianError::Unreachable`]. Singular poses are not errors: the joints that are free stay where they
-/// were.
+/// [`CartesianError::Unreachable`]. Singular poses are allowed: free joints keep their angles.
 pub fn joint_points(
     arm: &SphericalWrist,
     poses: &[Pose],
@@ -90,10 +91,10 @@ pub fn joint_points(
     Ok(points)
 }
 
-/// Rest to rest from pose to pose, straight in joint space between them.
+/// Motion from pose to pose with rest at each, straight in joint space.
 ///
 /// # Errors
-/// As [`joint_points`] and [`PointSequence::within`].
+/// See [`joint_points`] and [`PointSequence::within`].
 pub fn pose_sequence(
     arm: &SphericalWrist,
     poses: &[Pose],
@@ -106,14 +107,14 @@ pub fn pose_sequence(
     Ok(PointSequence::within(&points, speeds, accelerations, 0.0)?)
 }
 
-/// Rest to rest from pose to pose, straight in space: the frame's origin moves on a line and the frame turns
-/// about one axis, both with the course s(t/T) of [`RestToRest`], in `durations` (s). Joint positions every
-/// `period` (s) come from the inverse kinematics, velocities and accelerations from the Jacobian:
-/// `ẏ = J⁻¹ V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. The first pose is the one of `start`.
+/// Motion from pose to pose with rest at each, straight in space: the frame's origin moves on a line and the
+/// frame turns about one axis, both with the profile s(t/T) of [`RestToRest`], in `durations` (s). Inverse
+/// kinematics gives joint positions every `period` (s), the Jacobian velocities and accelerations: `ẏ = J⁻¹
+/// V`, `ÿ = J⁻¹ (A − J̇ ẏ)`. The first pose is that of `start`.
 ///
 /// # Errors
-/// [`CartesianError`]; half a turn or more between two poses turns the shorter way, exactly half a turn about
-/// an axis that rounding decides.
+/// [`CartesianError`]. A turn by half a turn or more takes the shorter direction; for exactly half a turn
+/// rounding decides it.
 pub fn straight_ways(
     arm: &SphericalWrist,
     start: &[f64; 6],

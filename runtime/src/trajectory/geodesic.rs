@@ -1,4 +1,4 @@
-//! Motions of robots with quaternions: smooth ways through poses.
+//! Motions of robots with quaternions: smooth paths through poses.
 
 use super::{Sample, Trajectory, TrajectoryError};
 use crate::dynamics::{Dynamics, Named};
@@ -8,24 +8,24 @@ use crate::no_std::*;
 /// Turns this close to half a turn have no shortest way (rad).
 const HALF_TURN: f64 = core::f64::consts::PI - 1e-6;
 
-/// A motion through positions at given times, attitudes turning on the shortest way; C².
+/// A C² motion through positions at given times; attitudes turn in the shortest direction.
 ///
-/// Between two points y_k, y_{k+1} it is a Bézier curve on the manifold (Kim, Kim and Shin, *A general construction
-/// scheme for unit quaternion curves with simple high order derivatives*, SIGGRAPH 1995) with the velocities v_k,
-/// v_{k+1} and without accelerations at its ends:
+/// Between two points y_k, y_{k+1} it is a Bézier curve on the manifold (Kim, Kim and Shin, *A general
+/// construction scheme for unit quaternion curves with simple high order derivatives*, SIGGRAPH 1995) with
+/// velocities v_k, v_{k+1} and zero accelerations at its ends:
 ///
 /// ```text
 ///     y(t) = y_k ⊕ β₁(s) d₁ ⊕ β₂(s) d₂ ⊕ β₃(s) d₃,    s = (t − t_k)/T_k,    d₁ = 2 v_k T_k/5,    d₃ = 2 v_{k+1} T_k/5
 /// ```
 ///
-/// with sums β of Bernstein polynomials of degree 5 that go from 0 to 1, and d₂ such that it ends in y_{k+1}. Where samples have
-/// accelerations a_k ([`Self::sampled`]), `⊕ T_k² γ(s) a_k` behind the first way and `⊕ T_k² γ(1 − s) a_{k+1}` behind the last
-/// one give them to its ends, with γ(s) = s² (1 − s)³/2.
-/// Velocities v and accelerations v̇ are the exact derivatives along ⊕. Coordinates of joints without quaternions
-/// follow polynomials of degree 5. Two points make a motion from rest to rest along a geodesic,
-/// `y_0 ⊕ β₂ (y_1 ⊖ y_0)`: a screw for a floating joint.
+/// where β are sums of Bernstein polynomials of degree 5 from 0 to 1, and d₂ is such that the curve ends in
+/// y_{k+1}. For samples with accelerations a_k ([`Self::sampled`]), the factors `⊕ T_k² γ(s) a_k` after the
+/// first and `⊕ T_k² γ(1 − s) a_{k+1}` after the last add these accelerations at the ends, with γ(s) = s² (1
+/// − s)³/2. Velocities v and accelerations v̇ are the exact derivatives along ⊕. Coordinates of joints
+/// without quaternions are polynomials of degree 5. Two points give a motion from rest to rest along a
+/// geodesic, `y_0 ⊕ β₂ (y_1 ⊖ y_0)`: a screw for a floating joint.
 ///
-/// Before its start and after its end it rests.
+/// Before its start and after its end the motion is at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GeodesicMotion<D, const N: usize, const M: usize, const NY: usize = N> {
     robot: D,
@@ -45,10 +45,10 @@ struct Piece<const N: usize, const NY: usize> {
 }
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> GeodesicMotion<D, N, M, NY> {
-    /// From rest to rest in `duration` (s).
+    /// Motion from rest to rest in `duration` (s).
     ///
     /// # Errors
-    /// As [`Self::through`].
+    /// See [`Self::through`].
     pub fn between(
         robot: D,
         start: [f64; NY],
@@ -58,12 +58,12 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::through(robot, &[(0.0, start), (duration, end)])
     }
 
-    /// Through points at their times (s), the first at 0; at rest at both ends. Velocities between are the means of
-    /// those of the neighbouring ways, weighted so that a parabola keeps its own.
+    /// Motion through points at their times (s), the first at 0, with rest at both ends. Velocities at inner
+    /// points are weighted means of those of the neighbouring segments; the weights reproduce a parabola.
     ///
     /// # Errors
-    /// [`TrajectoryError`]: fewer than two points, times that do not grow from 0, numbers that are not finite, a
-    /// quaternion that is not an attitude, a turn of half a turn or more between two points.
+    /// [`TrajectoryError`]: fewer than two points, times that do not increase from 0, numbers that are not
+    /// finite, a quaternion that is not an attitude, or a turn by half a turn or more between two points.
     pub fn through(robot: D, points: &[(f64, [f64; NY])]) -> Result<Self, TrajectoryError> {
         let (times, positions) = checked(&robot, points)?;
         let ways: Vec<[f64; N]> =
@@ -74,12 +74,12 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::of_pieces(robot, (&times, &positions, &velocities), &|_| None)
     }
 
-    /// Through samples with their velocities and accelerations, a period T (s) apart: it has these at the samples. Between
-    /// them it is the polynomial of degree 5 where all turns are about one axis; the order of others changes accelerations by
-    /// a part of T |ω × ω̇|.
+    /// Motion through samples with velocities and accelerations at the period T (s), which it has at the
+    /// samples. If all turns are about one axis, it is the polynomial of degree 5 between them; otherwise the
+    /// order of turns changes accelerations by the relative amount T |ω × ω̇|.
     ///
     /// # Errors
-    /// As [`Self::through`].
+    /// See [`Self::through`].
     pub fn sampled(robot: D, samples: &[Sample<N, NY>], period: f64) -> Result<Self, TrajectoryError> {
         let points: Vec<(f64, [f64; NY])> =
             samples.iter().enumerate().map(|(k, sample)| (k as f64 * period, sample.positions)).collect();
@@ -95,7 +95,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::of_pieces(robot, (&times, &positions, &velocities), &|k| Some([bend(k), bend(k + 1)]))
     }
 
-    /// The robot that it was made for.
+    /// The robot of the motion.
     pub(super) fn into_robot(self) -> D {
         self.robot
     }

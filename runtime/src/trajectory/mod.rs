@@ -1,7 +1,7 @@
 //! Desired motions: positions, velocities and accelerations over time.
 //!
-//! Everything here is C²: positions, velocities and accelerations are continuous, and each is the derivative
-//! of the one before. Feed-forward and model predictive control rely on it.
+//! All motions are C²: positions, velocities and accelerations are continuous, and velocities and
+//! accelerations are the exact derivatives. Feed-forward and model predictive control rely on this.
 
 mod along;
 #[cfg(feature = "std")]

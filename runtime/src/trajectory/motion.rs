@@ -5,25 +5,25 @@ use crate::dynamics::{AttitudeError, DependentJoint, Limits, Named};
 use crate::no_std::*;
 use thiserror::Error;
 
-/// A desired state with its accelerations; of a robot with quaternions with NY position entries.
+/// A desired state with accelerations; for a robot with quaternions it has NY position entries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample<const N: usize, const NY: usize = N> {
     /// y [rad or m].
     pub positions: [f64; NY],
-    /// ẏ [rad/s or m/s], or v where they are not the same.
+    /// ẏ [rad/s or m/s]; v for a robot with quaternions.
     pub velocities: [f64; N],
-    /// ÿ [rad/s² or m/s²], or v̇.
+    /// ÿ [rad/s² or m/s²]; v̇ for a robot with quaternions.
     pub accelerations: [f64; N],
 }
 
 impl<const N: usize, const NY: usize> Sample<N, NY> {
-    /// At rest at `positions`.
+    /// A sample at rest at `positions`.
     #[must_use]
     pub fn at_rest(positions: [f64; NY]) -> Self {
         Self { positions, velocities: [0.0; N], accelerations: [0.0; N] }
     }
 
-    /// True if no number is NaN or infinite.
+    /// Whether all numbers are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let mut all = self.positions.iter().chain(&self.velocities).chain(&self.accelerations);
@@ -31,7 +31,7 @@ impl<const N: usize, const NY: usize> Sample<N, NY> {
     }
 }
 
-/// The limits that a motion must keep, by coordinate. The default has no limits.
+/// Limits of a motion by coordinate. By default there are none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionLimits<const N: usize> {
     /// Lowest and highest position [rad or m].
@@ -40,12 +40,13 @@ pub struct MotionLimits<const N: usize> {
     pub speeds: [f64; N],
     /// Largest acceleration [rad/s² or m/s²].
     pub accelerations: [f64; N],
-    /// Largest jerk [rad/s³ or m/s³]. [`ViaPoints`](super::ViaPoints) has none.
+    /// Largest jerk [rad/s³ or m/s³]; not used by [`ViaPoints`](super::ViaPoints).
     pub jerks: [f64; N],
-    /// Joints that follow several coordinates and have limits of position or speed. [`ViaPoints`](super::ViaPoints) keeps them. Those that
-    /// follow one coordinate count by its limits, and those that follow driven joints are not known here.
+    /// Followers of several coordinates with limits of position or speed, which
+    /// [`ViaPoints`](super::ViaPoints) keeps. Followers of one coordinate are included in that coordinate's
+    /// limits. Followers of driven joints are not included.
     pub dependent: &'static [DependentJoint<N>],
-    /// Share (0 to 1) of the speeds of these joints.
+    /// Share (0 to 1) of the followers' speeds that may be used.
     pub dependent_share: f64,
 }
 
@@ -63,9 +64,10 @@ impl<const N: usize> Default for MotionLimits<N> {
 }
 
 impl<const N: usize> MotionLimits<N> {
-    /// A model's limits of positions, a share (0 to 1) of its speeds, and accelerations: few models have `ACCELERATION_LIMITS`.
-    /// Limits of joints that follow one coordinate narrow its own, and those of joints that follow several are
-    /// taken over. Whether joints that follow driven ones keep theirs says [`violations`](crate::limits::violations).
+    /// Position limits of a model, a share (0 to 1) of its speeds, and given accelerations, because few
+    /// models have `ACCELERATION_LIMITS`. Limits of followers of one coordinate narrow the limits of this
+    /// coordinate; followers of several are copied. [`violations`](crate::limits::violations) checks the
+    /// limits of followers of driven joints.
     #[must_use]
     pub fn of<const M: usize>(limits: &Limits<N, M>, share: f64, accelerations: [f64; N]) -> Self {
         let Limits { position, velocity, .. } = limits.narrowed();
@@ -79,7 +81,7 @@ impl<const N: usize> MotionLimits<N> {
         }
     }
 
-    /// - `point`: its index, for messages
+    /// - `point`: index of the point, for messages
     ///
     /// # Errors
     /// A position that is not finite or outside its limits.
@@ -125,19 +127,19 @@ impl<const N: usize> MotionLimits<N> {
 
 /// A motion from time 0 to [`duration`](Self::duration).
 ///
-/// Of a robot with quaternions (NY ≠ N) velocities are v, and accelerations are v̇: positions move by
-/// `ẏ = T(y) v`. [`GeodesicMotion`](super::GeodesicMotion) makes such motions.
+/// For a robot with quaternions (NY ≠ N) velocities are v and accelerations v̇; positions change by `ẏ = T(y)
+/// v`. [`GeodesicMotion`](super::GeodesicMotion) is such a motion.
 pub trait Trajectory<const N: usize, const NY: usize = N> {
-    /// Its length (s).
+    /// Duration (s).
     fn duration(&self) -> f64;
 
-    /// Desired state at `t` (s). Before the start and after the end the robot rests at the first or last
-    /// position; a time that is NaN counts as before the start.
+    /// Desired state at `t` (s). Before the start and after the end the motion is at rest at the first or
+    /// last position; NaN counts as before the start.
     fn sample(&self, t: f64) -> Sample<N, NY>;
 
-    /// The loop begins a period at `time` (s): what is earlier will not be asked for again. A motion that
-    /// changes while it runs takes its changes over here, and nowhere else, so that a period sees one motion.
-    /// The default does nothing.
+    /// Begins a period of the loop at `time` (s); earlier times are not requested afterwards. A motion that
+    /// changes at run time must apply changes only here, so that a period sees one motion. The default does
+    /// nothing.
     fn begin_period(&self, time: f64) {
         let _ = time;
     }
@@ -163,26 +165,26 @@ macro_rules! as_what_it_points_to {
 
 as_what_it_points_to!(&T, Box<T>);
 
-/// Why there is no such trajectory.
+/// Errors of a trajectory.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TrajectoryError {
     /// A number is NaN or infinite.
     #[error("{what} is {value}; it must be finite")]
     NotFinite {
-        /// Which number.
+        /// Name of the quantity.
         what: String,
-        /// Its value.
+        /// Value of the number.
         value: f64,
     },
-    /// A duration, speed or other number that must be positive is not.
+    /// A duration, speed or other quantity is not positive.
     #[error("{what} is {value}; it must be positive")]
     NotPositive {
-        /// Which number.
+        /// Name of the quantity.
         what: String,
-        /// Its value.
+        /// Value of the number.
         value: f64,
     },
-    /// Not enough points or samples.
+    /// Too few points or samples.
     #[error("{given} {what} given; at least {needed} are needed")]
     TooFew {
         /// The kind of entries that are too few: points or samples.
@@ -192,12 +194,12 @@ pub enum TrajectoryError {
         /// How many there are.
         given: usize,
     },
-    /// A number lies outside its range.
+    /// A number is out of range.
     #[error("{what} is {value}; it must be {range}")]
     OutOfRange {
-        /// Which number.
+        /// Name of the quantity.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
         /// The range that is allowed.
         range: &'static str,
@@ -212,7 +214,7 @@ pub enum TrajectoryError {
         point: usize,
         /// Index of the joint; messages count from 1.
         joint: usize,
-        /// Its position [rad or m].
+        /// Position of the joint [rad or m].
         position: f64,
         /// Limits [rad or m].
         limits: [f64; 2],
@@ -234,8 +236,8 @@ pub enum TrajectoryError {
     },
     /// Between two points, a joint that follows several coordinates leaves its position limits.
     #[error(
-        "joint {}, which follows several coordinates, would reach {position} between points {} and {}, outside its limits \
-         {} to {}: put a point between that leads its coordinates inside",
+        "joint {}, which follows several coordinates, would reach {position} between points {} and {}, \
+         outside its limits {} to {}: insert a point that keeps it within them",
         Named(.joint), .point + 1, .point + 2, .limits[0], .limits[1]
     )]
     DependentOvershoot {
@@ -250,8 +252,9 @@ pub enum TrajectoryError {
     },
     /// A joint that follows several coordinates has limits, which a motion cannot keep that knows limits of coordinates alone.
     #[error(
-        "joint {} follows several coordinates, and a target that changes keeps limits of single ones alone: narrow these, so \
-         that it stays within its own, and leave it out of `MotionLimits::dependent`; or move by `ViaPoints`",
+        "joint {} follows several coordinates, but motions to a changing target keep only limits of single \
+         coordinates: narrow these limits and remove the joint from `MotionLimits::dependent`, or use \
+         `ViaPoints`",
         Named(.joint)
     )]
     DependentNotKept {
@@ -260,7 +263,7 @@ pub enum TrajectoryError {
     },
     /// Two points in a row are the same: a motion that does not stop cannot pass both.
     #[error(
-        "points {} and {} are the same: leave one out, or stop there with a sequence of points", .point, .point + 1
+        "points {} and {} are equal: remove one, or stop there with a sequence of points", .point, .point + 1
     )]
     RepeatedPoint {
         /// Index of the second one; messages count from 1.
@@ -271,13 +274,13 @@ pub enum TrajectoryError {
     Attitude {
         /// Index of the point; messages count from 1.
         point: usize,
-        /// Its joint, and its fault.
+        /// Joint and fault of the quaternion.
         error: AttitudeError,
     },
     /// Between two points a joint turns by half a turn, which has no shortest way.
     #[error(
-        "joint {} turns by {angle} rad between points {} and {}: from half a turn on it is not clear which way is the \
-         shortest; put a point between", Named(.joint), .point, .point + 1
+        "joint {} turns by {angle} rad between points {} and {}; from half a turn the shortest direction is \
+         ambiguous: insert a point", Named(.joint), .point, .point + 1
     )]
     HalfTurn {
         /// Name of the joint.
@@ -287,8 +290,8 @@ pub enum TrajectoryError {
         /// The angle (rad).
         angle: f64,
     },
-    /// Nothing limits how fast a joint moves.
-    #[error("joint {} moves, but neither its speed nor its acceleration has a limit", .joint + 1)]
+    /// Neither speed nor acceleration of a joint is limited.
+    #[error("joint {} moves, but neither its speed nor its acceleration is limited", .joint + 1)]
     Unlimited {
         /// Index of the joint; messages count from 1.
         joint: usize,
@@ -324,12 +327,12 @@ pub(super) fn require_periods(duration: f64, period: f64) -> Result<usize, Traje
     })
 }
 
-/// Most samples that a trajectory is asked for at once: more are a mistake in a duration or a period, and
-/// would fill the memory.
+/// Largest number of samples of a trajectory. A larger number indicates a wrong duration or period, and would
+/// fill the memory.
 pub const MAX_SAMPLES: usize = 10_000_000;
 
-/// Periods until a motion of this duration is over; None for more than [`MAX_SAMPLES`], and for durations
-/// that are not numbers.
+/// Number of periods in a motion of this duration; `None` for more than [`MAX_SAMPLES`] and for NaN
+/// durations.
 pub(crate) fn whole_periods(duration: f64, period: f64) -> Option<usize> {
     let periods = (duration / period).ceil();
     // Written so that NaN is refused.

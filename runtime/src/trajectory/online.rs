@@ -1,4 +1,4 @@
-//! A target that may change while the robot moves, approached with limited jerk.
+//! A target that may change at run time, approached with limited jerk.
 
 use super::sums;
 use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
@@ -7,20 +7,19 @@ use rsruckig::trajectory::Trajectory as Profile;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A motion to rest at a target that may be changed at any time, also while it runs: by an operator, a
-/// camera, a planner. All joints arrive at the same time, as soon as positions, speeds, accelerations and
-/// jerks within their limits allow. A new target begins a new motion from the state of the old one, so that
-/// positions, velocities and accelerations stay continuous.
+/// A motion to rest at a target that may change at any time, also during the motion. All joints arrive at the
+/// same time, as early as the limits of positions, speeds, accelerations and jerks allow. A new target starts
+/// a new motion from the current state, so positions, velocities and accelerations are continuous.
 ///
-/// The motion is computed by the crate `rsruckig` (Berscheid, Kröger, *Jerk-limited Real-time Trajectory
-/// Generation with Arbitrary Target States*, RSS 2021), in some 10 µs for seven joints, in the thread of the
-/// loop and without allocation.
+/// The crate `rsruckig` computes the motion (Berscheid, Kröger, *Jerk-limited Real-time Trajectory Generation
+/// with Arbitrary Target States*, RSS 2021) in about 10 µs for seven joints, in the loop's thread and without
+/// allocation.
 ///
-/// Clones share the target and the motion: give one to the loop and one to its controller, and keep one to
-/// [`set`](Self::set) targets from any thread. The loop takes a new target over at the beginning of a period
-/// ([`Trajectory::begin_period`]; call it yourself if there is no loop). Its duration is infinite: the
-/// loop ends when it is asked to stop. A predictive controller sees the motion to the present target ahead of
-/// it; its terminal weights are those of the start.
+/// Clones share target and motion: use one in the loop, one in its controller, and one to [`set`](Self::set)
+/// targets from any thread. The loop applies a new target at the start of a period
+/// ([`Trajectory::begin_period`]; call it yourself without a loop). The duration is infinite: the loop runs
+/// until a stop is requested. A predictive controller predicts with the motion to the current target; its
+/// terminal weights are those of the start.
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, OnlineTarget, Trajectory};
@@ -61,23 +60,23 @@ struct Requests<const N: usize> {
     status: TargetStatus<N>,
 }
 
-/// The outcome of the last target.
+/// Status of the last target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TargetStatus<const N: usize> {
-    /// The motion leads to this target and is there at this time of the trajectory (s).
+    /// The motion leads to this target and arrives at this time of the trajectory (s).
     Followed {
         /// Target [rad or m].
         target: [f64; N],
         /// Time of arrival (s).
         arrival: f64,
     },
-    /// The loop has not seen this target yet.
+    /// The loop has not applied this target yet.
     Waiting {
         /// Target [rad or m].
         target: [f64; N],
     },
-    /// There is no motion to this target that keeps the limits, from where and how fast the robot was; it
-    /// goes on to the one before.
+    /// No motion from the current state to this target keeps the limits; the motion to the previous target
+    /// continues.
     Refused {
         /// Target [rad or m].
         target: [f64; N],
@@ -121,12 +120,12 @@ const LARGEST: f64 = 1e4;
 const ATTEMPTS: u32 = 5;
 
 impl<const N: usize> OnlineTarget<N> {
-    /// At rest at `start` [rad or m] until there is another target.
+    /// A motion at rest at `start` [rad or m] until a target is set.
     ///
     /// # Errors
-    /// Limits of speed, acceleration or jerk that are not 1e-4 to 1e4, with which the generator's equations
-    /// are well scaled; a joint among [`MotionLimits::dependent`] that follows several coordinates, whose limits this motion
-    /// does not keep; a start that is not finite, outside the position limits, or beyond 1e4.
+    /// Limits of speed, acceleration or jerk outside 1e-4 to 1e4, for which the generator's equations are
+    /// well scaled; a follower of several coordinates in [`MotionLimits::dependent`], whose limits this
+    /// motion does not keep; a start that is not finite, outside the position limits, or beyond 1e4.
     pub fn new(start: [f64; N], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
         if let Some(joint) = sums::of(limits).next() {
@@ -159,12 +158,11 @@ impl<const N: usize> OnlineTarget<N> {
         })
     }
 
-    /// Asks for another target [rad or m], from any thread. What was asked for before and not taken over yet
-    /// is forgotten.
+    /// Sets a target [rad or m], from any thread. It replaces a target that was not applied yet.
     ///
     /// # Errors
-    /// A target that is not finite, outside the position limits, or beyond 1e4; the motion then goes on as it
-    /// was.
+    /// A target that is not finite, outside the position limits, or beyond 1e4; the motion then continues
+    /// unchanged.
     pub fn set(&self, target: [f64; N]) -> Result<(), TrajectoryError> {
         check_target(&self.limits, &target)?;
         let mut requests = lock(&self.requests);
@@ -173,7 +171,7 @@ impl<const N: usize> OnlineTarget<N> {
         Ok(())
     }
 
-    /// The outcome of the last target.
+    /// Status of the last target.
     #[must_use]
     pub fn status(&self) -> TargetStatus<N> {
         lock(&self.requests).status
@@ -181,8 +179,8 @@ impl<const N: usize> OnlineTarget<N> {
 }
 
 impl<const N: usize> Plan<N> {
-    /// State at `time` (s) of the trajectory: at rest in the target at the end, and what was before the last
-    /// change of the target is forgotten.
+    /// State at `time` (s) of the trajectory; at rest at the target in the end. The motion before the last
+    /// change of target is not stored.
     fn sample(&self, time: f64) -> Sample<N> {
         let t = time - self.begin;
         if t >= self.profile.get_duration() {
@@ -266,7 +264,7 @@ fn require_scaled(what: &'static str, values: &[f64], least: f64) -> Result<(), 
         Some(value) => Err(TrajectoryError::OutOfRange {
             what,
             value: *value,
-            range: "at most 1e4, limits of motions also at least 1e-4",
+            range: "at most 1e4; limits of motions also at least 1e-4",
         }),
     }
 }

@@ -1,4 +1,4 @@
-//! Point after point, with a stop at each.
+//! Sequences of points with rest at each.
 
 use super::{RestToRest, Sample, Trajectory, TrajectoryError, require_positive, require_representable};
 #[cfg(not(feature = "std"))]
@@ -13,11 +13,11 @@ pub struct PointSequence<const N: usize> {
 }
 
 impl<const N: usize> PointSequence<N> {
-    /// A motion through `points` [rad or m], each part as fast as `speeds` and `accelerations` allow (see
-    /// [`RestToRest::within`]), resting `dwell` ≥ 0 (s) at every point between.
+    /// Motion through `points` [rad or m]. Each segment is as fast as `speeds` and `accelerations` allow (see
+    /// [`RestToRest::within`]); the motion rests for `dwell` ≥ 0 (s) at each inner point.
     ///
     /// # Errors
-    /// Fewer than two points; as [`RestToRest::within`]; a dwell that is negative or not finite.
+    /// Fewer than two points; the errors of [`RestToRest::within`]; a dwell that is negative or not finite.
     pub fn within(
         points: &[[f64; N]],
         speeds: &[f64; N],
@@ -31,11 +31,11 @@ impl<const N: usize> PointSequence<N> {
         Self::chain(pieces, points.len(), dwell)
     }
 
-    /// Through `points`, each way in the time of `durations` (s).
+    /// Motion through `points`, each segment in the time of `durations` (s).
     ///
     /// # Errors
-    /// Fewer than two points, not one duration for each way; as [`RestToRest::new`]; a dwell that is negative
-    /// or not finite.
+    /// Fewer than two points, or a wrong number of durations; the errors of [`RestToRest::new`]; a dwell that
+    /// is negative or not finite.
     pub fn timed(points: &[[f64; N]], durations: &[f64], dwell: f64) -> Result<Self, TrajectoryError> {
         if durations.len() + 1 != points.len() {
             return Err(TrajectoryError::TooFew {
@@ -70,7 +70,7 @@ impl<const N: usize> PointSequence<N> {
         Ok(Self { pieces, times })
     }
 
-    /// When the way to each point begins, and the end (s).
+    /// Start time of each segment, and end time (s).
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times

@@ -8,7 +8,7 @@ use crate::no_std::*;
 /// Position, velocity and acceleration of one coordinate.
 pub(super) type End = [f64; 3];
 
-/// One coordinate: the polynomial of degree five between two ends.
+/// Polynomial of degree five between two ends, for one coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Quintic {
     /// Coefficients of 1, t, … t⁵.
@@ -42,8 +42,9 @@ impl Quintic {
         Self { coefficients: core::array::from_fn(sum) }
     }
 
-    /// Least and largest position, velocity and acceleration between 0 and `duration`, to rounding: between
-    /// two roots of its derivative a polynomial is monotone and has one root at most, which bisection finds.
+    /// Smallest and largest position, velocity and acceleration between 0 and `duration`, up to rounding.
+    /// Between two roots of its derivative a polynomial is monotonic and has at most one root, which
+    /// bisection finds.
     pub fn extremes(&self, duration: f64) -> [[f64; 2]; 3] {
         let c = &self.coefficients;
         let snap = |t: f64| 24.0 * c[4] + 120.0 * c[5] * t;
@@ -66,8 +67,7 @@ impl Quintic {
         [p, v, a]
     }
 
-    /// Bounds of what is summed up in position, velocity and acceleration until `duration`; infinite if it
-    /// overflows.
+    /// Bounds of the terms in position, velocity and acceleration until `duration`; infinite on overflow.
     pub fn bounds(&self, duration: f64) -> End {
         let absolute = Self { coefficients: self.coefficients.map(f64::abs) };
         absolute.at(duration)
@@ -141,7 +141,7 @@ fn root(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Straight in joint space from rest to rest, all coordinates at once:
+/// Straight motion in joint space from rest to rest, for all coordinates at once:
 ///
 /// ```text
 ///     y(t) = y_0 + (y_1 − y_0) s(t/T)        s(x) = 10 x³ − 15 x⁴ + 6 x⁵
@@ -162,10 +162,11 @@ const PEAK_SPEED: f64 = 15.0 / 8.0;
 const PEAK_ACCELERATION: f64 = 5.773_502_691_896_258; // 10/√3
 
 impl<const N: usize> RestToRest<N> {
-    /// From `start` to `end` [rad or m] in `duration` (s).
+    /// Motion from `start` to `end` [rad or m] in `duration` (s).
     ///
     /// # Errors
-    /// Numbers that are not finite, a duration that is not positive, or so short that accelerations overflow.
+    /// Numbers that are not finite, or a duration that is not positive or so short that accelerations
+    /// overflow.
     pub fn new(start: [f64; N], end: [f64; N], duration: f64) -> Result<Self, TrajectoryError> {
         require_finite("start", &start)?;
         require_finite("end", &end)?;
@@ -179,11 +180,11 @@ impl<const N: usize> RestToRest<N> {
         Ok(Self { start, end, duration })
     }
 
-    /// The fastest one that keeps within speeds and accelerations (infinite: no limit), and takes at least
+    /// Fastest motion within limits of speeds and accelerations (infinite: none) that takes at least
     /// `shortest` (s).
     ///
     /// # Errors
-    /// As [`RestToRest::new`]; limits that are not positive.
+    /// The errors of [`RestToRest::new`]; limits that are not positive.
     pub fn within(
         start: [f64; N],
         end: [f64; N],
@@ -212,11 +213,11 @@ impl<const N: usize> RestToRest<N> {
         Self::new(start, end, duration)
     }
 
-    /// The fastest one within a share (0 to 1) of a model's speed limits, those of joints that follow coordinates among
-    /// them, and within `accelerations`. Whether its ends are within the limits says [`violations`](crate::limits::violations).
+    /// Fastest motion within a share (0 to 1) of a model's speed limits, including followers, and within
+    /// `accelerations`. [`violations`](crate::limits::violations) checks the position limits.
     ///
     /// # Errors
-    /// As [`RestToRest::within`].
+    /// See [`RestToRest::within`].
     pub fn within_limits<const M: usize>(
         start: [f64; N],
         end: [f64; N],

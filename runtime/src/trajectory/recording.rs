@@ -1,4 +1,4 @@
-//! Samples from a file: reading, and finding those whose positions contradict their velocities.
+//! Samples from a file: reading, and detection of positions that contradict velocities.
 
 use super::{GeodesicMotion, Sample, Sampled, TrajectoryError, require_finite, require_positive};
 use crate::dynamics::Dynamics;
@@ -8,7 +8,7 @@ use std::path::Path;
 /// Part of the period by which a time in a file may be off.
 const TIME_TOLERANCE: f64 = 1e-3;
 
-/// Names of the columns of a file, one position and at most one velocity for each coordinate.
+/// Column names of a file: one position and at most one velocity per coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Columns<'c, const N: usize> {
     /// Times (s).
@@ -19,8 +19,7 @@ pub struct Columns<'c, const N: usize> {
     pub velocities: Option<[&'c str; N]>,
 }
 
-/// Positions, and velocities where known, at times 0, T, 2T, …, as recorded or as somebody else computed
-/// them. They need not agree.
+/// Recorded or computed positions, and velocities if known, at times 0, T, 2T, …. They may be inconsistent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording<const N: usize> {
     period: f64,
@@ -28,25 +27,25 @@ pub struct Recording<const N: usize> {
     velocities: Option<Vec<[f64; N]>>,
 }
 
-/// A step over which positions change by something else than their velocities say.
+/// A step over which the change of position contradicts the velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inconsistency {
     /// The sample before the step.
     pub sample: usize,
-    /// Its time (s).
+    /// Time of the step (s).
     pub time: f64,
     /// The coordinate.
     pub coordinate: usize,
-    /// How far the position goes beyond the integral of the velocities [rad or m].
+    /// Change of position minus the integral of the velocities [rad or m].
     pub defect: f64,
 }
 
 impl<const N: usize> Recording<N> {
-    /// Checks and keeps samples `period` (s) apart.
+    /// A recording of samples with this `period` (s), after checks.
     ///
     /// # Errors
-    /// Fewer than three samples, another number of velocities than of positions, numbers that are not finite,
-    /// a period that is not positive.
+    /// Fewer than three samples, a number of velocities that differs from that of positions, numbers that are
+    /// not finite, or a period that is not positive.
     pub fn new(
         period: f64,
         positions: Vec<[f64; N]>,
@@ -71,10 +70,10 @@ impl<const N: usize> Recording<N> {
         Ok(Self { period, positions, velocities })
     }
 
-    /// Reads a CSV file with a head. Times must be evenly spaced; the first counts as 0.
+    /// Reads a CSV file with a header. Times must be evenly spaced; the first counts as 0.
     ///
     /// # Errors
-    /// [`TrajectoryError::File`] with the row for unreadable values; as [`Recording::new`].
+    /// [`TrajectoryError::File`] with the row for unreadable values; the errors of [`Recording::new`].
     pub fn open(path: impl AsRef<Path>, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
         let path = path.as_ref();
         let file = std::fs::File::open(path).map_err(|e| TrajectoryError::File {
@@ -84,10 +83,10 @@ impl<const N: usize> Recording<N> {
         Self::read(file, &path.display().to_string(), columns)
     }
 
-    /// As [`Recording::open`], from any reader; `place` names it in errors.
+    /// [`Recording::open`] for any reader; `place` is its name in errors.
     ///
     /// # Errors
-    /// As [`Recording::open`].
+    /// See [`Recording::open`].
     pub fn read(reader: impl Read, place: &str, columns: &Columns<N>) -> Result<Self, TrajectoryError> {
         let fault = |row: usize, message: String| TrajectoryError::File {
             place: if row == 0 { place.to_owned() } else { format!("{place}, row {row}") },
@@ -99,7 +98,7 @@ impl<const N: usize> Recording<N> {
             let found = head.iter().position(|h| h == name);
             found.ok_or_else(|| {
                 let names: Vec<&str> = head.iter().collect();
-                fault(0, format!("no column {name}; there are {}", names.join(", ")))
+                fault(0, format!("there is no column {name}; the file has {}", names.join(", ")))
             })
         };
         let time = find(columns.time)?;
@@ -143,13 +142,13 @@ impl<const N: usize> Recording<N> {
         self.period
     }
 
-    /// Positions as recorded.
+    /// Recorded positions.
     #[must_use]
     pub fn positions(&self) -> &[[f64; N]] {
         &self.positions
     }
 
-    /// Velocities as recorded.
+    /// Recorded velocities.
     #[must_use]
     pub fn velocities(&self) -> Option<&[[f64; N]]> {
         self.velocities.as_deref()
@@ -161,8 +160,8 @@ impl<const N: usize> Recording<N> {
     ///     d_k = y_{k+1} − y_k − T/2 (v_k + v_{k+1})
     /// ```
     ///
-    /// exceeds `tolerance` [rad or m] in magnitude. Samples of one smooth motion have defects of T³/12 times
-    /// its jerk. Empty if no velocities were recorded.
+    /// exceeds `tolerance` [rad or m] in magnitude. Samples of a smooth motion have defects of T³/12 times
+    /// its jerk. Empty without recorded velocities.
     #[must_use]
     pub fn inconsistencies(&self, tolerance: f64) -> Vec<Inconsistency> {
         let Some(v) = &self.velocities else {
@@ -188,12 +187,12 @@ impl<const N: usize> Recording<N> {
         found
     }
 
-    /// The recording as it is: its velocities if it has them, else central differences; accelerations by
-    /// central differences, at the ends by one-sided ones. What is inconsistent stays so; compare
+    /// The recording without smoothing. Velocities are the recorded ones or else central differences;
+    /// accelerations are central differences, one-sided at the ends. Inconsistencies remain; see
     /// [`Recording::smoothed`].
     ///
     /// # Errors
-    /// None that [`Recording::new`] lets through.
+    /// None for a recording from [`Recording::new`].
     pub fn raw(&self) -> Result<Sampled<N>, TrajectoryError> {
         let velocities = match &self.velocities {
             Some(v) => v.clone(),
@@ -210,14 +209,14 @@ impl<const N: usize> Recording<N> {
         Sampled::new(samples, self.period)
     }
 
-    /// The motion of a robot with quaternions through all recorded positions, the columns being its NY position entries
-    /// in their order, quaternions as x, y, z, w. It begins and ends at rest; velocities between follow from the
-    /// neighbouring positions, see [`GeodesicMotion::through`], and recorded ones are not used. Accelerations are 0 at the
-    /// samples: a recording that is followed with its accelerations is [`Self::smoothed_poses`].
+    /// Motion of a robot with quaternions through all recorded positions. The columns are its NY position
+    /// entries in order, quaternions as x, y, z, w. It begins and ends at rest. Velocities follow from
+    /// neighbouring positions, see [`GeodesicMotion::through`]; recorded ones are not used. Accelerations are
+    /// 0 at the samples; to follow a recording with its accelerations use [`Self::smoothed_poses`].
     ///
     /// # Errors
-    /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length, with its sample as the point;
-    /// others as [`GeodesicMotion::through`].
+    /// [`TrajectoryError::Attitude`] for a quaternion that is zero or not of unit length, with its sample as
+    /// the point; the errors of [`GeodesicMotion::through`].
     pub fn through_poses<D: Dynamics<V, M, N>, const V: usize, const M: usize>(
         &self,
         robot: D,
@@ -244,7 +243,7 @@ fn even_period(
         Some(k) => {
             let (time, due) = (times[k], expected(k));
             let message = format!(
-                "time is {time} s but an even spacing of {period} s gives {due} s; resample the file"
+                "time is {time} s, but an even spacing of {period} s requires {due} s; resample the file"
             );
             Err(fault(k + 1, message))
         }

@@ -1,4 +1,4 @@
-//! Samples at a fixed period with polynomials between them.
+//! Samples at a fixed period, with polynomials between them.
 
 use super::polynomial::Quintic;
 use super::{
@@ -8,8 +8,8 @@ use super::{
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A motion given by samples at times 0, T, 2T, …; between them polynomials of degree five that meet
-/// positions, velocities and accelerations of both neighbours, so that the whole is C².
+/// A motion through samples at times 0, T, 2T, …. Between them it is a polynomial of degree five with
+/// positions, velocities and accelerations of both samples, so the motion is C².
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled<const N: usize> {
     samples: Vec<Sample<N>>,
@@ -17,12 +17,12 @@ pub struct Sampled<const N: usize> {
 }
 
 impl<const N: usize> Sampled<N> {
-    /// The motion through `samples`, `period` (s) apart. Positions, velocities and accelerations must already
-    /// agree; see the smoothing of this module for those that do not.
+    /// Motion through `samples` with this `period` (s). Positions, velocities and accelerations must be
+    /// consistent; otherwise use [`Recording::smoothed`](super::Recording::smoothed).
     ///
     /// # Errors
-    /// Fewer than two samples, numbers that are not finite, a period that is not positive, or numbers with
-    /// which what lies between two samples overflows.
+    /// Fewer than two samples, numbers that are not finite, a period that is not positive, or an overflow
+    /// between two samples.
     pub fn new(samples: Vec<Sample<N>>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         if samples.len() < 2 {
@@ -51,10 +51,10 @@ impl<const N: usize> Sampled<N> {
         Quintic::new(end(a), end(b), self.period)
     }
 
-    /// Another trajectory, sampled at `period` (s); its last sample is at or after the end.
+    /// Samples of another trajectory at `period` (s); the last sample is at or after its end.
     ///
     /// # Errors
-    /// As [`Sampled::new`]; more than [`MAX_SAMPLES`](super::MAX_SAMPLES), and a duration that is not a number.
+    /// The errors of [`Sampled::new`]; more than [`MAX_SAMPLES`](super::MAX_SAMPLES), or a NaN duration.
     pub fn of(trajectory: &impl Trajectory<N>, period: f64) -> Result<Self, TrajectoryError> {
         require_positive("period", period)?;
         let last = require_periods(trajectory.duration(), period)?.max(1);

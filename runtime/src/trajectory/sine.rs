@@ -1,22 +1,23 @@
-//! The identification sine: it excites a joint over speeds and directions, and begins and ends at rest.
+//! Identification sine: excites a joint over speeds and directions, and begins and ends at rest.
 
 use super::polynomial::{End, Quintic};
 use super::{Sample, Trajectory, TrajectoryError, require_finite, require_positive, require_representable};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A sine of variable frequency with polynomial run-in and run-out, each coordinate with its own:
+/// A sine of variable frequency with polynomial run-in and run-out, for each coordinate:
 ///
 /// ```text
 ///     y(t) = y_c + â sin(ω(t) t)        ω(t) = ω_0 + (ω_1 − ω_0) t/T,   0 ≤ t ≤ T
 /// ```
 ///
-/// Before it, a polynomial of degree five leads from rest to the position, velocity and acceleration of the
-/// sine at t = 0, after it another from those at t = T to rest, so that the whole is C². The rest positions
-/// lie back by half of what the sine's speed would cover in the run-in, y_c − ½ â ω_0 T_in, and ahead
-/// accordingly at the end: the speed then rises and falls without turning back.
+/// Before it, a polynomial of degree five goes from rest to the position, velocity and acceleration of the
+/// sine at t = 0; after it, another goes from those at t = T to rest. The motion is therefore C². The initial
+/// rest position is behind the sine's start by half of the distance of the sine's speed in the run-in, y_c −
+/// ½ â ω_0 T_in, the final one correspondingly ahead, so the speed rises and falls without changing
+/// direction.
 ///
-/// The speed is â cos(ω(t) t) (ω_0 + 2 (ω_1 − ω_0) t/T): at the end the frequency that is felt has changed by
+/// The speed is â cos(ω(t) t) (ω_0 + 2 (ω_1 − ω_0) t/T): at the end the effective frequency has changed by
 /// twice ω_1 − ω_0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IdentificationSine<const N: usize> {
@@ -28,9 +29,9 @@ pub struct IdentificationSine<const N: usize> {
     pub first_frequency: [f64; N],
     /// ω_1 [rad/s].
     pub last_frequency: [f64; N],
-    /// T, length of the sine (s).
+    /// T, duration of the sine (s).
     pub sine_duration: f64,
-    /// T_in, length of the run-in, and of the run-out (s).
+    /// T_in, duration of the run-in and of the run-out (s).
     pub run_in: f64,
 }
 
@@ -47,8 +48,7 @@ impl<const N: usize> IdentificationSine<N> {
     /// The motion; it lasts `sine_duration` + 2 `run_in`.
     ///
     /// # Errors
-    /// Numbers that are not finite, durations that are not positive, or numbers with which accelerations
-    /// overflow.
+    /// Numbers that are not finite, durations that are not positive, or an overflow of accelerations.
     pub fn motion(self) -> Result<IdentificationMotion<N>, TrajectoryError> {
         require_finite("center", &self.center)?;
         require_finite("amplitude", &self.amplitude)?;

@@ -1,46 +1,46 @@
-//! A smooth motion through samples that contradict each other.
+//! Smooth motions through inconsistent samples.
 
 use super::polynomial::Quintic;
 use super::{GeodesicMotion, Recording, Sample, Sampled, TrajectoryError};
 use crate::dynamics::Dynamics;
 use nalgebra::{Matrix3, Vector3};
 
-/// How [`Recording::smoothed`] weighs samples and smoothness.
+/// Weights of [`Recording::smoothed`] for samples and smoothness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smoothing {
-    /// τ (s): faster motion is smoothed away; 1 to 20 periods.
+    /// τ (s): motion faster than this is smoothed; 1 to 20 periods.
     pub time_constant: f64,
-    /// ρ (s): time in which the motion, following the velocities, returns to positions that contradict them;
-    /// at least τ. Without meaning for a recording without velocities.
+    /// ρ (s): time in which the motion, which follows the velocities, returns to positions that contradict
+    /// them; at least τ. Not used without recorded velocities.
     pub correction_time: f64,
 }
 
 impl Smoothing {
-    /// Two periods, and half a second: for samples that were computed, and contradict each other but carry no
-    /// noise. Measured ones want a longer time constant.
+    /// Two periods, and half a second: for computed samples, which may be inconsistent but have no noise. Use
+    /// a longer time constant for measured samples.
     #[must_use]
     pub fn of(period: f64) -> Self {
         Self { time_constant: 2.0 * period, correction_time: 0.5_f64.max(2.0 * period) }
     }
 }
 
-/// A smoothed recording, and how far it went from it.
+/// A smoothed recording with its deviation from the original.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed<const N: usize> {
     /// The motion, from rest to rest, at the period of the recording.
     pub trajectory: Sampled<N>,
     /// Largest distance from a recorded position [rad or m].
     pub position_deviation: [f64; N],
-    /// Largest distance from a recorded velocity [rad/s or m/s]; 0 if there are none.
+    /// Largest distance from a recorded velocity [rad/s or m/s]; 0 without recorded velocities.
     pub velocity_deviation: [f64; N],
 }
 
-/// A smoothed recording of a robot with quaternions, and how far it went from it.
+/// A smoothed recording of a robot with quaternions, with its deviation from the original.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SmoothedPoses<D, const N: usize, const M: usize, const NY: usize> {
     /// The motion, from rest to rest.
     pub trajectory: GeodesicMotion<D, N, M, NY>,
-    /// Largest distance `y ⊖ p` from a recorded position [rad or m], for each velocity.
+    /// Largest distance `y ⊖ p` from a recorded position [rad or m], by velocity entry.
     pub position_deviation: [f64; N],
 }
 
@@ -58,15 +58,14 @@ impl<const N: usize> Recording<N> {
     ///     Σ_k T (y(t_k) − p_k)² + τ⁶ ∫ y‴² dt                              without
     /// ```
     ///
-    /// among all that begin in the first position and begin and end at rest (ẏ = ÿ = 0; a recording that ends
-    /// moving is slowed down within the last τ). It is a spline of degree five with its knots at the samples,
-    /// so positions, velocities and accelerations agree exactly. Velocities pass a low-pass filter without
-    /// delay, 1/(1 + (ωτ)⁴), positions alone 1/(1 + (ωτ)⁶). (Wahba, *Spline Models for Observational Data*,
-    /// 1990, chapter 1.)
+    /// among all motions that begin in the first position and begin and end at rest (ẏ = ÿ = 0; a recording
+    /// that ends in motion is slowed down within the last τ). It is a spline of degree five with knots at the
+    /// samples, so positions, velocities and accelerations are consistent. The smoothing is a low-pass filter
+    /// without delay: 1/(1 + (ωτ)⁴) with velocities, 1/(1 + (ωτ)⁶) with positions alone (Wahba, *Spline
+    /// Models for Observational Data*, 1990, chapter 1).
     ///
     /// # Errors
-    /// A time constant that is not 1 to 20 periods, a correction time that is not τ to 1000 s, or a recording
-    /// whose numbers overflow.
+    /// A time constant outside 1 to 20 periods, a correction time outside τ to 1000 s, or an overflow.
     pub fn smoothed(&self, smoothing: &Smoothing) -> Result<Smoothed<N>, TrajectoryError> {
         let ratio = smoothing.time_constant / self.period();
         if !(1.0..=MAX_PERIODS).contains(&ratio) {
@@ -118,16 +117,17 @@ impl<const N: usize> Recording<N> {
         })
     }
 
-    /// The smoothed motion of a robot with quaternions, the columns being its NY position entries in their order, quaternions
-    /// as x, y, z, w.
+    /// Smoothed motion of a robot with quaternions. The columns are its NY position entries in order,
+    /// quaternions as x, y, z, w.
     ///
-    /// It is [`Self::smoothed`] of the ways: the sums of the steps `y_k ⊖ y_{k−1}` from sample to sample, in the bodies' own
-    /// frames, which know neither the signs of quaternions nor whole turns. Their first and second derivatives are the
-    /// velocities v and accelerations v̇. A smoothed pose is the recorded one, moved by how far the smoothed way is from the
-    /// recorded way: the order of two such small motions matters to the second order in what is smoothed away. Recorded velocities are not used.
+    /// [`Self::smoothed`] is applied to unwrapped coordinates: the sums of the steps `y_k ⊖ y_{k−1}` between
+    /// samples, in the bodies' own frames. They depend neither on the signs of quaternions nor on full turns.
+    /// Their first and second derivatives are the velocities v and accelerations v̇. A smoothed pose is the
+    /// recorded pose moved by the change of the unwrapped coordinates; the error is of second order in this
+    /// change. Recorded velocities are not used.
     ///
     /// # Errors
-    /// As [`Self::through_poses`] and [`Self::smoothed`].
+    /// See [`Self::through_poses`] and [`Self::smoothed`].
     pub fn smoothed_poses<D: Dynamics<V, M, N>, const V: usize, const M: usize>(
         &self,
         robot: D,

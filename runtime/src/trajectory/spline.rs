@@ -1,4 +1,4 @@
-//! Polynomials through points: cubic splines that begin and end at rest, and monotone ones.
+//! Polynomials through points: cubic splines that begin and end at rest, and monotonic ones.
 
 use super::TrajectoryError;
 use super::polynomial::{End, Quintic};
@@ -8,8 +8,8 @@ use crate::no_std::*;
 /// Polynomials of all joints over one span.
 pub(super) type Piece<const N: usize> = [Quintic; N];
 
-/// Lengths of the polynomials: the ways between the points, the first and the last of which have one more
-/// knot in their middle; a single way has two.
+/// Durations of the polynomials: those of the segments, with an additional knot in the middle of the first
+/// and last segment; a single segment has two additional knots.
 pub(super) fn spans(ways: &[f64]) -> Vec<f64> {
     if let [way] = ways {
         return vec![way / 3.0; 3];
@@ -26,16 +26,16 @@ pub(super) fn spans(ways: &[f64]) -> Vec<f64> {
     spans
 }
 
-/// The way of a polynomial.
+/// Segment of a polynomial.
 pub(super) fn way_of(span: usize, ways: usize) -> usize {
     span.saturating_sub(1).min(ways - 1)
 }
 
-/// Polynomials of all joints through `points`, in the times of `ways` and `spans`: cubic splines, or, for
-/// joints whose spline leaves their limits and those of `is_monotone`, monotone ones.
+/// Polynomials of all joints through `points`, with the durations `ways` and `spans`. They are cubic splines;
+/// for joints whose spline leaves their limits, and for those in `is_monotone`, they are monotonic.
 ///
 /// # Errors
-/// Times and distances with which numbers overflow.
+/// Durations and distances for which numbers overflow.
 pub(super) fn through<const N: usize>(
     points: &[[f64; N]],
     ways: &[f64],

@@ -1,4 +1,4 @@
-//! Joints that follow several coordinates, along polynomials of these.
+//! Followers of several coordinates along polynomials of the coordinates.
 
 use super::polynomial::Quintic;
 use super::spline::{Piece, way_of};
@@ -7,7 +7,7 @@ use crate::dynamics::DependentJoint;
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// The joints that limit sums of coordinates.
+/// The followers of several coordinates that have limits.
 pub(super) fn of<const N: usize>(
     limits: &MotionLimits<N>,
 ) -> impl Iterator<Item = &'static DependentJoint<N>> {
@@ -16,7 +16,7 @@ pub(super) fn of<const N: usize>(
 }
 
 /// # Errors
-/// A point at which such a joint is outside its limits.
+/// A point at which such a follower is outside its limits.
 pub(super) fn check_points<const N: usize>(
     points: &[[f64; N]],
     limits: &MotionLimits<N>,
@@ -35,7 +35,7 @@ pub(super) fn check_points<const N: usize>(
     Ok(())
 }
 
-/// The first polynomial over which a joint leaves its limits of position, and how far it goes.
+/// First polynomial over which a follower leaves its position limits, with its extreme position.
 pub(super) fn first_outside<const N: usize>(
     joint: &DependentJoint<N>,
     pieces: &[Piece<N>],
@@ -55,7 +55,7 @@ pub(super) fn first_outside<const N: usize>(
 }
 
 /// # Errors
-/// A joint that leaves its limits between two points.
+/// A follower that leaves its limits between two points.
 pub(super) fn check<const N: usize>(
     pieces: &[Piece<N>],
     spans: &[f64],
@@ -71,7 +71,7 @@ pub(super) fn check<const N: usize>(
     Ok(())
 }
 
-/// Largest speed of such a joint over its limit, along one polynomial.
+/// Largest ratio of the speed of such a follower to its limit along one polynomial.
 pub(super) fn largest_ratio<const N: usize>(piece: &Piece<N>, span: f64, limits: &MotionLimits<N>) -> f64 {
     let ratio = |joint: &DependentJoint<N>| {
         let [_, [low, high], _] = sum(joint, piece).extremes(span);

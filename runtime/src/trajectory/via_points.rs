@@ -1,4 +1,4 @@
-//! Through points without stopping, within limits.
+//! Motion through points without stopping, within limits.
 
 use super::polynomial::Quintic;
 use super::spline::{self, Piece};
@@ -7,25 +7,23 @@ use super::{MotionLimits, Sample, Trajectory, TrajectoryError};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 
-/// A motion through points in joint space that passes those between the first and the last without a stop,
-/// and keeps within limits of positions, speeds and accelerations. It begins and ends at rest, and positions,
-/// velocities and accelerations are continuous everywhere.
+/// A motion in joint space that passes inner points without stopping and keeps limits of positions, speeds
+/// and accelerations. It begins and ends at rest; positions, velocities and accelerations are continuous.
 ///
-/// Each joint follows a cubic spline, with one more knot in the first and in the last interval, so that
+/// Each joint follows a cubic spline with an additional knot in the first and in the last segment, so that
 /// velocity and acceleration vanish at both ends (Lin, Chang, Luo, *Formulation and optimization of cubic
 /// polynomial joint trajectories for industrial robots*, IEEE Trans. Automatic Control 28 (1983); Biagiotti,
 /// Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, 2008, section 4.4.4). Splines
-/// overshoot. A joint whose spline would leave its position limits between two points takes polynomials of
-/// degree five instead, which do not: they are monotone between two points, turn around in a point at the
-/// earliest, and have no acceleration in the points (velocities by the weighted harmonic mean of Fritsch,
-/// Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), at most 5/4 of either slope, with which the derivative's
-/// Bézier points have one sign).
+/// overshoot. A joint whose spline would leave its position limits between two points uses polynomials of
+/// degree five that are monotonic between points and have zero acceleration in the points. Their velocities
+/// are the weighted harmonic mean of Fritsch, Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), limited to 5/4
+/// of either slope, for which the derivative's Bézier points have one sign.
 ///
-/// Times are shared out among the ways in a few rounds, and then stretched by one factor, so that a limit is
-/// reached somewhere and exceeded nowhere: extremes are found from the roots of the derivatives, not by
-/// sampling. Joints that follow several coordinates ([`MotionLimits::dependent`]) keep their limits likewise: all their
-/// coordinates take the monotone polynomials where splines lead them outside. The result is not the fastest possible. To stop in each point, take a
-/// [`PointSequence`](super::PointSequence).
+/// Durations are distributed over the segments in a few iterations and then scaled by one factor, so that one
+/// limit is reached and none is exceeded. Extremes are computed from the roots of the derivatives, not by
+/// sampling. Followers of several coordinates ([`MotionLimits::dependent`]) also keep their limits: if
+/// splines violate them, all their coordinates use the monotonic polynomials. The result is not time-optimal.
+/// To stop in each point use a [`PointSequence`](super::PointSequence).
 ///
 /// ```
 /// use gelenk_runtime::trajectory::{MotionLimits, Trajectory, ViaPoints};
@@ -55,13 +53,13 @@ const ROUNDS: usize = 16;
 const MARGIN: f64 = 1e-10;
 
 impl<const N: usize> ViaPoints<N> {
-    /// Through `points` [rad or m] within `limits`.
+    /// Motion through `points` [rad or m] within `limits`.
     ///
     /// # Errors
-    /// Fewer than two points; two equal ones in a row; a point that is not finite or outside the position
-    /// limits, or leads a dependent joint outside its own; a dependent joint that leaves its limits between two points also
-    /// along monotone polynomials; limits that are not positive; no finite limit of speed or acceleration for a joint that moves;
-    /// numbers with which times overflow.
+    /// Fewer than two points; two equal consecutive points; a point that is not finite, is outside the
+    /// position limits, or puts a follower outside its limits; a follower that leaves its limits between two
+    /// points even with monotonic polynomials; limits that are not positive; no finite limit of speed or
+    /// acceleration for a joint that moves; durations that overflow.
     pub fn within(points: &[[f64; N]], limits: &MotionLimits<N>) -> Result<Self, TrajectoryError> {
         limits.check()?;
         check_points(points, limits)?;
@@ -116,7 +114,7 @@ impl<const N: usize> ViaPoints<N> {
         Ok(Self { knots, pieces, times, first: points[0], last: points[points.len() - 1] })
     }
 
-    /// When each point is passed (s): 0 first, the duration last.
+    /// Time at each point (s), from 0 to the duration.
     #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times

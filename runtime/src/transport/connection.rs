@@ -1,17 +1,17 @@
-//! The trait of connections to a robot, its readings and errors.
+//! Trait of connections to a robot, with readings and errors.
 
 use std::{fmt, io};
 use thiserror::Error;
 
-/// Where the brakes are, as far as the robot tells.
+/// State of the brakes reported by the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Brakes {
-    /// The robot does not say.
+    /// The robot does not report it.
     #[default]
     Unknown,
-    /// All are released.
+    /// All brakes are released.
     Released,
-    /// At least one is engaged.
+    /// At least one brake is engaged.
     Engaged,
 }
 
@@ -25,24 +25,23 @@ impl fmt::Display for Brakes {
     }
 }
 
-/// A measurement that arrived from the robot.
+/// A measurement from the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading<const N: usize, const NY: usize = N> {
-    /// Positions in the order, units and sense of the model's coordinates [rad or m]; not yet checked in any
-    /// way.
+    /// Positions in the order, units and directions of the model's coordinates [rad or m]; unchecked.
     pub positions: [f64; NY],
-    /// Velocities of the coordinates at the same instant, if the drives measure them [rad/s or m/s]. The
-    /// loop compares them with the positions, and then uses them instead of differences.
+    /// Velocities of the coordinates at the same instant [rad/s or m/s], if the drives measure them. The loop
+    /// compares them with the positions and then uses them instead of differences.
     pub velocities: Option<[f64; N]>,
-    /// Forces of the drives at their joints, after the gear and positive as B u is, if they are measured
-    /// [N m or N]. For controllers and the log; the loop itself decides nothing by them.
+    /// Drive forces at the joints, after the gear and with the sign of B u [N m or N], if measured. They are
+    /// for controllers and the log; the loop does not use them.
     pub torques: Option<[f64; N]>,
     /// Brakes at the time of the measurement.
     pub brakes: Brakes,
 }
 
 impl<const N: usize, const NY: usize> Reading<N, NY> {
-    /// The reading of a robot that measures positions alone.
+    /// A reading with only positions.
     #[must_use]
     pub fn of(positions: [f64; NY], brakes: Brakes) -> Self {
         Self { positions, velocities: None, torques: None, brakes }
@@ -52,22 +51,22 @@ impl<const N: usize, const NY: usize> Reading<N, NY> {
 /// Error of a transport.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum TransportError {
-    /// The robot's side started anew since the last reading, or another controller has connected to it: its brakes,
-    /// positions and inputs are not what they were.
-    #[error("the robot's side restarted, or has another controller")]
+    /// The robot's side restarted since the last reading, or another controller connected to it: brakes,
+    /// positions and inputs may have changed.
+    #[error("the robot's side restarted, or another controller is connected")]
     Restarted,
     /// Nobody answers where the robot should be.
     #[error(
-        "nobody answers: check that the robot's side runs, its address, and that it has the same version"
+        "the robot's side does not answer: check that it runs, its address, and that it has the same version"
     )]
     NoAnswer,
     /// The operating system failed to send or receive.
     #[error("transport: {0}")]
     Io(io::ErrorKind),
-    /// The simulated robot cannot go on.
-    #[error("the simulated robot cannot go on")]
+    /// The simulated robot cannot continue.
+    #[error("the simulated robot cannot continue")]
     Simulation,
-    /// An input is not finite, or too large to be encoded; nothing was sent.
+    /// An input is not finite or too large to be encoded; nothing was sent.
     #[error("input {} cannot be encoded", .input + 1)]
     Input {
         /// Index of the input; messages count from 1.
@@ -95,37 +94,38 @@ impl From<io::ErrorKind> for TransportError {
     }
 }
 
-/// Connection to a robot with `N` measured coordinates and `M` inputs; of one with quaternions with `NY` measured
+/// Connection to a robot with `N` measured coordinates and `M` inputs; with quaternions `NY` measured
 /// positions.
 ///
-/// No method may allocate, or block for longer than a fraction of the period: a real-time thread calls them.
+/// Methods are called by a real-time thread: they must not allocate, or block for longer than a fraction of
+/// the period.
 pub trait Transport<const N: usize, const M: usize, const NY: usize = N> {
-    /// Positions now. `None` if nothing arrived in time, or nothing new; a reading is never returned
-    /// twice.
+    /// Current positions. `None` if nothing, or nothing new, arrived in time; a reading is returned only
+    /// once.
     ///
     /// # Errors
-    /// [`TransportError::Restarted`] once after each restart of the robot's side; others where the connection
-    /// fails. The loop treats those like a missing reading and goes on asking.
+    /// [`TransportError::Restarted`] once after each restart of the robot's side; others if the connection
+    /// fails. The loop treats these like a missing reading and continues.
     fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError>;
 
-    /// Sends inputs; the robot holds them until the next ones. Never releases a brake.
+    /// Sends inputs, which the robot holds until the next ones. Never releases a brake.
     ///
     /// # Errors
-    /// The connection fails. The loop goes on: the robot holds its inputs.
+    /// The connection fails. The loop continues; the robot holds its inputs.
     fn write(&mut self, inputs: &[f64; M]) -> Result<(), TransportError>;
 
-    /// Releases the brakes and switches the drives on. The loop writes the inputs that hold the robot before
-    /// it calls this.
+    /// Releases the brakes and switches the drives on. Before it calls this, the loop writes inputs that hold
+    /// the robot.
     ///
     /// # Errors
-    /// Where the connection fails.
+    /// The connection fails.
     fn release(&mut self) -> Result<(), TransportError>;
 
-    /// Engages the brakes and switches the drives off, in this order where both take time. The loop calls it
-    /// again every period until [`Reading::brakes`] confirms it.
+    /// Engages the brakes, then switches the drives off. The loop repeats the call every period until
+    /// [`Reading::brakes`] confirms it.
     ///
     /// # Errors
-    /// Where the connection fails.
+    /// The connection fails.
     fn brake(&mut self) -> Result<(), TransportError>;
 }
 

@@ -6,12 +6,12 @@ use crate::dynamics::Dynamics;
 use crate::plant::Plant;
 use std::time::Duration;
 
-/// A [`Plant`] that moves with a clock. On a [`VirtualClock`](crate::control_loop::VirtualClock) that it
-/// shares with the loop, a run takes no longer than its computations, and a stall of the loop is one for the
-/// plant too: the robot moves on with the inputs that it has.
+/// A [`Plant`] that moves with a clock. With a [`VirtualClock`](crate::control_loop::VirtualClock) shared
+/// with the loop, a run takes only its computing time. If the loop stalls, the plant moves on with its last
+/// inputs.
 ///
-/// Inputs act from the end of the period of the plant in which they are written. A measurement that the
-/// plant's options lose does not arrive.
+/// Inputs act from the end of the plant's period in which they are written. Lost measurements of the plant do
+/// not arrive.
 pub struct InProcess<D, K, const N: usize, const M: usize, const NY: usize = N> {
     plant: Plant<D, N, M, NY>,
     clock: K,
@@ -29,8 +29,8 @@ where
     D: Dynamics<N, M, NY>,
     K: Clock,
 {
-    /// A plant that moves in steps of `period` from now on; less than a microsecond counts as one. Give it
-    /// the period of the loop.
+    /// A plant that moves in steps of `period` (at least a microsecond) from now on. Use the period of the
+    /// loop.
     #[must_use]
     pub fn new(plant: Plant<D, N, M, NY>, clock: K, period: Duration) -> Self {
         Self {
@@ -43,7 +43,7 @@ where
         }
     }
 
-    /// The plant, as far as it has moved.
+    /// The plant at its last step.
     pub fn plant(&self) -> &Plant<D, N, M, NY> {
         &self.plant
     }

@@ -1,5 +1,5 @@
-//! How positions come from a robot and inputs get there: in process, over UDP, over a CAN bus, or through
-//! your own [`Transport`]. Read [`attaching_hardware`] before an arm moves.
+//! Connections to robots: in process, over UDP, over a CAN bus, or with your own [`Transport`]. Read
+//! [`attaching_hardware`] before an arm moves.
 
 #[doc = include_str!("attaching_hardware.md")]
 pub mod attaching_hardware {}

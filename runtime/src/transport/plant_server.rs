@@ -15,10 +15,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// The clock that makes time pass for the plant.
+/// Time base of the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
-    /// Each query: a period. A slow machine makes no difference; nothing moves without a controller.
+    /// Each query advances the plant by a period, independently of the machine's speed. Without a controller
+    /// nothing moves.
     LockStep,
     /// The monotonic clock.
     RealTime,
@@ -31,34 +32,34 @@ pub struct ServerOptions {
     pub period: f64,
     /// The clock of the plant.
     pub pace: Pace,
-    /// Periods in a row without inputs that the plant bears; then it brakes by itself, as drives do when the
-    /// bus falls silent.
+    /// Consecutive periods without inputs after which the plant brakes by itself, like drives on a silent
+    /// bus.
     pub watchdog_periods: u32,
     /// Probability that a datagram is lost, in either direction.
     pub loss: f64,
-    /// Periods in which nothing arrives and nothing is answered, counted from the first query.
+    /// Periods without communication, counted from the first query.
     pub silence: Range<u64>,
     /// Seed of the losses.
     pub seed: u64,
 }
 
 impl Default for ServerOptions {
-    /// 20 ms in real time, a watchdog of 5 periods, nothing lost.
+    /// 20 ms in real time, a watchdog of 5 periods, no losses.
     fn default() -> Self {
         Self { period: 0.02, pace: Pace::RealTime, watchdog_periods: 5, loss: 0.0, silence: 0..0, seed: 0 }
     }
 }
 
-/// Why a plant process ended.
+/// Errors of a plant process.
 #[derive(Debug, Error)]
 pub enum ServerError {
     /// The socket.
     #[error("socket: {0}")]
     Io(#[from] io::Error),
-    /// The plant could not be taken up again after its simulation had failed.
+    /// The plant could not be restarted after its simulation failed.
     #[error(transparent)]
     Plant(#[from] PlantError),
-    /// An option is out of its range.
+    /// An option is out of range.
     #[error("server option {option} is {value}; it must be {range}")]
     Option {
         /// Name of the option.
@@ -115,14 +116,14 @@ impl ServerOptions {
     }
 }
 
-/// A plant that answers controllers over UDP. It begins with its brakes engaged. It obeys the controller that connected
-/// last, and each of its commands once, see [`datagram`](super::datagram). Whoever reaches its port can
-/// connect: bind it to this machine (`127.0.0.1`) or to a network of its own.
+/// A plant that answers controllers over UDP. It starts with engaged brakes. It obeys the controller that
+/// connected last, and each command once, see [`datagram`](super::datagram). Any program that reaches its
+/// port can connect: bind it to this machine (`127.0.0.1`) or to a separate network.
 ///
-/// No datagram ends it. Inputs that the simulation cannot go on with (1e308 N m) are a breakdown of the
-/// robot: it is taken up again at rest where it was, its brakes engaged and without a controller, which controllers
-/// learn as [`TransportError::Restarted`](super::TransportError::Restarted). [`breakdowns`](Self::breakdowns)
-/// counts them.
+/// No datagram ends it. Inputs for which the simulation fails (1e308 N m) count as a breakdown of the robot.
+/// The plant then restarts at rest at its last position, with engaged brakes and without a controller;
+/// controllers get [`TransportError::Restarted`](super::TransportError::Restarted).
+/// [`breakdowns`](Self::breakdowns) counts them.
 pub struct PlantServer<D, const N: usize, const M: usize, const NY: usize = N> {
     plant: Plant<D, N, M, NY>,
     socket: UdpSocket,
@@ -180,9 +181,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         })
     }
 
-    /// Adds a frame for [`Push::Frame`], numbered from 0 in the order of these calls.
+    /// Adds a frame for [`Push::Frame`]; frames are numbered from 0 in the order of calls.
     ///
-    /// - `jacobian`: of the frame's origin in the axes of the world, the module's `frame_…_jacobian`
+    /// - `jacobian`: Jacobian of the frame's origin in the axes of the world, the module's `frame_…_jacobian`
     #[must_use]
     pub fn with_frame(
         mut self,
@@ -192,7 +193,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         self
     }
 
-    /// Where it listens.
+    /// Address of the server's socket.
     ///
     /// # Errors
     /// [`io::Error`].
@@ -205,17 +206,17 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         &self.plant
     }
 
-    /// How often the simulation could not go on and was taken up again.
+    /// Number of restarts after a failed simulation.
     pub fn breakdowns(&self) -> u64 {
         self.breakdowns
     }
 
-    /// Why it could not, the last time.
+    /// Error of the last breakdown.
     pub fn last_breakdown(&self) -> Option<&PlantError> {
         self.last_breakdown.as_ref()
     }
 
-    /// Answers until nothing arrived for `idle`.
+    /// Answers until no datagram arrives for `idle`.
     ///
     /// # Errors
     /// [`ServerError`].
@@ -229,7 +230,7 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(())
     }
 
-    /// Waits a period at most for a datagram, and answers it. True if a valid one arrived.
+    /// Waits at most a period for a datagram, and answers it. Returns true if a valid one arrived.
     ///
     /// # Errors
     /// [`ServerError`].
@@ -263,8 +264,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Pla
         Ok(true)
     }
 
-    /// Takes in a message and answers it, if it is a question: for connections other than this
-    /// server's socket.
+    /// Processes a message and returns the answer to a query, for connections other than this server's
+    /// socket.
     ///
     /// # Errors
     /// [`ServerError`].

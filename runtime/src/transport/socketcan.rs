@@ -18,11 +18,11 @@ pub struct CanTransport<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> CanTransport<N, M, NY> {
-    /// Opens an interface, e.g. `can0`, that `ip link` has set up. The queue of the interface must hold the
-    /// frames of a period: `ip link set can0 txqueuelen 64`.
+    /// Opens an interface, for example `can0`, after its setup with `ip link`. Its queue must hold the frames
+    /// of a period: `ip link set can0 txqueuelen 64`.
     ///
     /// # Errors
-    /// [`io::Error`] if there is no such interface.
+    /// [`io::Error`] if the interface does not exist.
     pub fn open(interface: &str, codec: CanCodec<N, M, NY>) -> io::Result<Self> {
         let socket = CanSocket::open(interface)?;
         socket.set_nonblocking(true)?;
@@ -42,7 +42,7 @@ impl<const N: usize, const M: usize, const NY: usize> CanTransport<N, M, NY> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Transport<N, M, NY> for CanTransport<N, M, NY> {
-    /// The newest complete set of measurements that has arrived.
+    /// Newest complete set of measurements.
     fn read(&mut self) -> Result<Option<Reading<N, NY>>, TransportError> {
         let mut newest = None;
         for _ in 0..MAX_FRAMES {

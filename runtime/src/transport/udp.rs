@@ -13,11 +13,11 @@ const LONGEST_TIMEOUT: Duration = Duration::from_secs(3600);
 /// Attempts to release the brakes: the one command that is neither repeated by the loop nor harmless to lose.
 const RELEASE_ATTEMPTS: u32 = 20;
 
-/// A robot behind a UDP socket, in the datagrams of [`datagram`](super::datagram).
+/// A robot connected over UDP with the datagrams of [`datagram`](super::datagram).
 ///
-/// A reading is a question and its answer: old, foreign, damaged and doubled datagrams do not fit the
-/// question and are dropped, so that the robot's positions are always those of this period. The first command or
-/// reading connects, and takes the robot, brakes engaged, from whoever controlled it before.
+/// A reading is a query with its answer. Old, foreign, damaged and duplicate datagrams do not match the query
+/// and are dropped, so positions are always those of this period. The first command or reading connects; the
+/// robot, with engaged brakes, then obeys this controller instead of the previous one.
 #[derive(Debug)]
 pub struct UdpTransport<const N: usize, const M: usize, const NY: usize = N> {
     socket: UdpSocket,
@@ -28,11 +28,11 @@ pub struct UdpTransport<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
-    /// Connects to a plant process, which need not run yet. `timeout` is how long a reading waits for its
-    /// answer: a quarter of the period in real time; seconds in lock-step, where nothing moves meanwhile.
+    /// Connects to a plant process, which may start later. `timeout` is the waiting time for an answer: a
+    /// quarter of the period in real time; seconds in lock-step, where the plant waits.
     ///
     /// # Errors
-    /// [`io::Error`] if the address or socket cannot be had, `timeout` is zero or above an hour, or the
+    /// [`io::Error`] if address or socket are not available, if `timeout` is zero or above an hour, or if the
     /// robot has more coordinates than fit in a datagram.
     pub fn connect(address: impl ToSocketAddrs, timeout: Duration) -> io::Result<Self> {
         if timeout.is_zero() || timeout > LONGEST_TIMEOUT {
@@ -58,8 +58,8 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         Ok(transport)
     }
 
-    /// True state of a simulated robot; for tests and displays, not for control. None if no answer came in
-    /// time.
+    /// True state of a simulated robot, for tests and displays, not for control. `None` if no answer arrived
+    /// in time.
     ///
     /// # Errors
     /// [`TransportError::Io`].
@@ -71,8 +71,8 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         }))
     }
 
-    /// Pushes a simulated robot. From a transport that does not control it, the push leaves its controller connected. False
-    /// where no answer came in time.
+    /// Pushes a simulated robot. If another transport controls the robot, its controller stays connected.
+    /// Returns false if no answer arrived in time.
     ///
     /// # Errors
     /// [`TransportError::NoAnswer`], [`TransportError::Io`].

@@ -65,11 +65,11 @@ fn quaternions_that_are_no_attitudes_name_their_joint() {
         Quadrotor.check_attitudes(&y).map_err(|error| error.to_string())
     };
     let message = |text: &str| Err(format!("the quaternion of joint base, {text}"));
-    assert_eq!(with([0.0; 4]), message("x 0 y 0 z 0 w 0, is zero, which is not an attitude"));
+    assert_eq!(with([0.0; 4]), message("x 0 y 0 z 0 w 0, is zero, so it is not an attitude"));
     assert_eq!(with([0.0, f64::NAN, 0.0, 1.0]), message("x 0 y NaN z 0 w 1, is not finite"));
     assert_eq!(
         with([0.0, 0.0, 0.0, 1.1]),
-        message("x 0 y 0 z 0 w 1.1, has the length 1.1; an attitude has length 1: normalize it")
+        message("x 0 y 0 z 0 w 1.1, has length 1.1; normalize it to length 1")
     );
     // A file with seven digits is precise enough.
     assert_eq!(with([0.6000001, 0.0, 0.0, 0.8]), Ok(()));

@@ -91,7 +91,7 @@ fn starts_that_are_no_states_are_refused_by_name() {
     let zero = refused([0.0; 7], THROWN);
     assert_eq!(
         zero,
-        "the plant cannot start there: the quaternion of joint base, x 0 y 0 z 0 w 0, is zero, which is not an attitude"
+        "the plant cannot start: the quaternion of joint base, x 0 y 0 z 0 w 0, is zero, so it is not an attitude"
     );
     let long = refused([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], THROWN);
     assert!(long.contains("joint base") && long.contains("length 2"), "{long}");

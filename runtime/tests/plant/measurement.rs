@@ -105,7 +105,7 @@ fn errors_name_the_numbers_and_leave_the_plant() {
     plant.reset([0.1, 0.2], [0.3, 0.4]).unwrap();
     let before = (plant.state(), plant.time());
     let error = plant.apply(&[0.0, f64::NAN], 0.02).unwrap_err();
-    assert_eq!(error.to_string(), "input gamma is NaN; only finite inputs can be applied");
+    assert_eq!(error.to_string(), "input gamma is NaN; inputs must be finite");
     assert_eq!(plant.hold(0.0).unwrap_err(), PlantError::Period(0.0));
     assert!(plant.apply(&[0.0; 2], f64::INFINITY).is_err());
     assert!(plant.reset([f64::NAN, 0.0], [0.0; 2]).is_err());

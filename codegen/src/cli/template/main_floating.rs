@@ -68,7 +68,7 @@ fn missing(home: &Positions) -> Option<String> {
     let missed = hold.residual;
     if length(&missed) > 1e-6 {
         return Some(format!(
-            "At rest they miss a force of {:.4?} N and a moment of {:.4?} N m, in the axes of the base.",
+            "At rest the inputs lack a force of {:.4?} N and a moment of {:.4?} N m, in the axes of the base.",
             &missed[..3],
             &missed[3..6]
         ));

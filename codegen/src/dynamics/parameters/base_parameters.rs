@@ -1,14 +1,15 @@
-//! Base parameters: the combinations of the inertial parameters that the inverse dynamics show (Khalil and
-//! Kleinfinger 1987; Gautier 1991).
+//! Base parameters: the identifiable combinations of the inertial parameters (Khalil and Kleinfinger 1987;
+//! Gautier 1991).
 //!
-//! The regressor at random states, stacked, is factorized by Gram–Schmidt from the first column to the last.
-//! A column that depends on those before it joins their groups, so that parameters move towards the base.
-//! Numerically and not by rules, since the rules know neither branches with special axes nor gravity along an
-//! axis. The states come from a fixed seed, and sums are plain loops: the same description gives the same
+//! The regressor at random states is stacked and factorized by Gram–Schmidt from the first column to the
+//! last. A column that depends on earlier columns joins their groups, so parameters move towards the base.
+//! The method is numerical, because the known rules cover neither branches with special axes nor gravity
+//! along an axis. The states come from a fixed seed and sums are plain loops, so a description gives the same
 //! groups on every platform.
 //!
-//! Free lengths, gear ratios and gravity enter the regressor. Then groups are formed at several values of
-//! them, and what differs is not a number: i² J of a rotor is another one for every gear ratio i.
+//! If free lengths, gear ratios or gravity enter the regressor, groups are formed at several of their values.
+//! A coefficient that differs between values is not a number, for example i² J of a rotor with a free gear
+//! ratio i.
 
 use crate::dynamics::parameters::regressor::inertial_regressor;
 use crate::dynamics::recursion::motion::MotionInput;
@@ -43,13 +44,13 @@ const VALUES: usize = 3;
 /// relative to the larger one where that is above 1: some hundred times the rounding of the factorization.
 const SAME: f64 = 1e-9;
 
-/// The base parameters of a model, for almost all values of its free parameters: where such a value makes a
-/// length zero, say, there may be fewer.
+/// Base parameters of a model for almost all values of its free parameters. Special values, for example a
+/// length of zero, may have fewer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
     /// Parameters that lead a group, ascending; their columns are the base regressor.
     pub leaders: Vec<usize>,
-    /// The members of the groups, leaders included, in the order of the groups.
+    /// Members of the groups including leaders, in the order of the groups.
     pub terms: Vec<Term>,
 }
 
@@ -60,7 +61,7 @@ pub struct Term {
     pub group: usize,
     /// The parameter.
     pub parameter: usize,
-    /// The factor of the parameter; `None` if it changes with the free parameters.
+    /// Factor of the parameter; `None` if it depends on free parameters.
     pub coefficient: Option<f64>,
 }
 
@@ -253,7 +254,7 @@ struct Basis {
 enum Projection {
     /// A new direction.
     Independent,
-    /// Its coefficients over the independent columns.
+    /// A dependent direction: coefficients over the independent columns.
     Dependent(Vec<f64>),
 }
 

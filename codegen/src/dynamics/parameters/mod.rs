@@ -1,4 +1,4 @@
-//! Inertial parameters: their regressor, and those that enter the motion.
+//! Inertial parameters, their regressor, and base parameters.
 
 pub mod base_parameters;
 pub mod regressor;

@@ -1,16 +1,16 @@
 //! Regressor of the inertial parameters: `W π = M ÿ + k − q_gravity`.
 //!
-//! Each link has ten parameters in its own described frame, everything fixed to it or held on it included: m,
-//! m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the frame's origin (the order of Pinocchio).
-//! A unit of each needs the force and moment
+//! Each link has ten parameters in its described frame; objects fixed to the link or held on it are included:
+//! m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the frame's origin (order of Pinocchio).
+//! A unit of each parameter requires the force and moment
 //!
 //! ```text
 //! m: F = a          m c: F = U e, n = e × a          I: n = E ω̇ + ω × E ω
 //! ```
 //!
-//! with the acceleration a of the origin, minus gravity, and U = ω̇× + ω× ω× (Atkeson, An and Hollerbach
-//! 1986). The row of a joint is their power at a unit of its velocity, so that no wrench is carried towards
-//! the base: the screws of the joints are carried outwards instead. Rotors add one column each.
+//! with the acceleration a of the origin minus gravity, and U = ω̇× + ω× ω× (Atkeson, An and Hollerbach
+//! 1986). The row of a joint is the power of these at unit velocity of the joint, so the screws of joints are
+//! passed outwards and no wrench towards the base. Each rotor adds one column.
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::matrix::Matrix;
@@ -23,13 +23,14 @@ use crate::model::{Drive, Input, Model, RotorCoupling};
 use crate::spatial::{Matrix3, Motion, Vector3, rotate};
 use gelenk_formula::Formula;
 
-/// Parameters of a link.
+/// Number of parameters per link.
 pub const PER_LINK: usize = 10;
 
-/// Their symbols.
+/// Symbols of the parameters of a link.
 pub const SYMBOLS: [&str; PER_LINK] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
-/// Drives with a rotor, in the order of the inputs, then those without an input: all but ideal ones.
+/// Drives with a rotor (all except ideal ones): those of the inputs in their order, then those without an
+/// input.
 pub fn drives_with_rotor(model: &Model) -> impl Iterator<Item = &Drive> {
     let inputless = model.moving_drives().filter(|drive| drive.input == Input::None);
     model.input_drives().chain(inputless).filter(|drive| !is_ideal(drive))
@@ -39,7 +40,7 @@ fn is_ideal(drive: &Drive) -> bool {
     drive.gear_ratio == Formula::ONE && drive.rotor_inertia == Formula::ZERO
 }
 
-/// Names of all parameters: those of the links by moving joint, then those of the rotors.
+/// Names of all parameters: links by moving joint, then rotors.
 pub fn parameter_names(model: &Model) -> Vec<String> {
     let joints = model.carrying_joints().into_iter();
     let links = joints.flat_map(|joint| SYMBOLS.map(|symbol| format!("{symbol}_{}", joint.name)));
@@ -47,7 +48,7 @@ pub fn parameter_names(model: &Model) -> Vec<String> {
     links.chain(rotors).collect()
 }
 
-/// π: values of all parameters, in the order of [`parameter_names`].
+/// Values π of all parameters, in the order of [`parameter_names`].
 pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
     let links = described_moments(graph, model).into_iter().flat_map(|link| {
         let (h, s) = (link.first, link.second);
@@ -58,8 +59,8 @@ pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g
     links.chain(rotors).collect()
 }
 
-/// `W`, rows by coordinate, columns in the order of [`parameter_names`]. The mechanism is in metres and not
-/// regrouped.
+/// Regressor `W`; rows by coordinate, columns in the order of [`parameter_names`]. The mechanism is in metres
+/// and not regrouped.
 pub fn inertial_regressor<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     model: &Model,

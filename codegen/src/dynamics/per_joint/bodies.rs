@@ -6,22 +6,22 @@ use super::setup::Setup;
 use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 
-/// The motion of all bodies, their inertia, and the forces for their velocities.
+/// Motion of all bodies, their inertia, and the forces from their velocities.
 pub(super) struct Motions {
-    /// Velocity that each joint adds.
+    /// Velocity contributed by each joint.
     pub joint_velocity: ArrayId,
     pub velocity: ArrayId,
-    /// Ṡ, which is Ψ̇ too where joints have no quaternions.
+    /// Ṡ; equal to Ψ̇ for joints without quaternions.
     pub screw_rate: ArrayId,
-    /// a with gravity, of the velocities and, in the inverse dynamics, of the accelerations.
+    /// Acceleration a with gravity, from the velocities and, in the inverse dynamics, from the accelerations.
     pub acceleration: ArrayId,
-    /// Acceleration that each joint adds.
+    /// Acceleration contributed by each joint.
     pub joint_acceleration: ArrayId,
     pub inertia: ArrayId,
     pub force: ArrayId,
 }
 
-/// Sums over all that a joint carries.
+/// Sums over all bodies beyond each joint.
 pub(super) struct Composites {
     pub inertia: ArrayId,
     pub flow: ArrayId,
@@ -52,7 +52,7 @@ fn body_in_motion<'g>(
     ]
 }
 
-/// Velocities, accelerations and forces, body by body; also 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm.
+/// Computes velocities, accelerations and forces of the bodies, and 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm.
 pub(super) fn move_bodies(
     builder: &mut ArrayBuilder,
     setup: &Setup,

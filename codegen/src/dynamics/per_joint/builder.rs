@@ -1,4 +1,4 @@
-//! Builds array forms step by step.
+//! Builder of array forms.
 
 use crate::graph::{Edge, Graph, Scalar};
 use crate::layout::{Dimension, Extent};
@@ -10,7 +10,7 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_
 /// Rows of an array at one joint.
 pub(super) type Rows<'g> = [Scalar<'g>];
 
-/// An array form in the making.
+/// An array form under construction.
 pub(super) struct ArrayBuilder {
     form: Arrays,
     /// Rows that the setup computes.
@@ -18,8 +18,8 @@ pub(super) struct ArrayBuilder {
 }
 
 impl ArrayBuilder {
-    /// - `coordinates`: how the joints follow coordinates, if they are not these
-    /// - `chains`: the velocities of each joint with a quaternion
+    /// - `coordinates`: how the joints follow coordinates; `None` if each joint is a coordinate
+    /// - `chains`: velocities of each joint with a quaternion
     pub(super) fn new(joints: Tree, coordinates: Option<Coordinates>, chains: Vec<Vec<usize>>) -> Self {
         Self {
             form: Arrays {
@@ -36,7 +36,7 @@ impl ArrayBuilder {
         }
     }
 
-    /// An entry for each coordinate.
+    /// Extent with an entry per coordinate.
     pub(super) fn each_coordinate(&self) -> Extent {
         Extent::new(Dimension::Velocities, self.form.coordinates().len())
     }
@@ -70,7 +70,7 @@ impl ArrayBuilder {
         self.of_coordinates(name, self.form.coordinates().len())
     }
 
-    /// Rows over joints from straight-line code; before all steps.
+    /// Computes rows over joints by straight-line code before all steps.
     pub(super) fn set_up(&mut self, name: &str, rows: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         self.set_up.push(GraphOutput {
             name: name.to_owned(),
@@ -80,7 +80,7 @@ impl ArrayBuilder {
         self.array(name, rows.len())
     }
 
-    /// A matrix over coordinates from straight-line code, if each joint is one.
+    /// Computes a matrix over coordinates by straight-line code, if each joint is a coordinate.
     pub(super) fn set_up_matrix(&mut self, name: &str, matrix: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         let array = self.set_up(name, matrix);
         let n = self.each_coordinate();
@@ -88,7 +88,7 @@ impl ArrayBuilder {
         array
     }
 
-    /// The same for each joint by itself.
+    /// Computes rows for each joint by the same code.
     pub(super) fn map<const R: usize, const W: usize>(
         &mut self,
         (name, about): (&str, &str),
@@ -153,7 +153,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// Sums an array over joints into one over coordinates; returns the array itself if each joint is a
+    /// Sums an array over joints to an array over coordinates; returns the array itself if each joint is a
     /// coordinate.
     pub(super) fn collect(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
@@ -164,7 +164,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// The same for a matrix over pairs.
+    /// Sums a matrix over pairs of joints to a matrix over pairs of coordinates.
     pub(super) fn project(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -174,7 +174,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// Expands an array over coordinates into one over joints.
+    /// Expands an array over coordinates to an array over joints.
     pub(super) fn spread(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -189,14 +189,15 @@ impl ArrayBuilder {
         !self.form.chains.is_empty()
     }
 
-    /// Copies to each joint the entry of the joint that carries it; zero at the base.
+    /// Copies to each joint the entry of its carrier joint; zero at the base.
     pub(super) fn gather_carriers(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::GatherCarriers { from, to });
         to
     }
 
-    /// The values at the last velocity of each velocity's joint: the array itself if joints have no quaternions.
+    /// Copies the value of each joint's last velocity to all velocities of the joint. Returns the array itself for
+    /// robots without quaternions.
     pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if !self.has_quaternions() {
             return from;
@@ -206,7 +207,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// `matrix − other`, if the other one has as many rows as there are coordinates, and none beyond.
+    /// `matrix − other`; `other` must have exactly one row per coordinate.
     pub(super) fn subtract(
         &mut self,
         (matrix, other): (ArrayId, ArrayId),
@@ -221,7 +222,7 @@ impl ArrayBuilder {
         difference
     }
 
-    /// The inverse of a matrix with the zeros of a mass matrix.
+    /// Inverse of a matrix with the zeros of a mass matrix.
     pub(super) fn invert(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::Invert { from, to });
@@ -235,24 +236,24 @@ impl ArrayBuilder {
         to
     }
 
-    /// A symmetric matrix times a vector.
+    /// Product of a symmetric matrix and a vector.
     pub(super) fn apply(&mut self, matrix: ArrayId, vector: ArrayId, name: &str) -> ArrayId {
         let to = self.of_coordinates(name, 1);
         self.form.steps.push(Step::Apply { matrix, vector, to });
         to
     }
 
-    /// Makes an array a result.
+    /// Declares an array as a result.
     pub(super) fn output(&mut self, name: &str, shape: Shape, array: ArrayId) {
         self.form.outputs.push(ArrayOutput { name: name.to_owned(), shape, array });
     }
 
-    /// The array form; the setup is lowered from the graph of its scalars.
+    /// Finishes the array form; lowers the setup from the graph of its scalars.
     pub(super) fn finish(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower(graph, inputs, &self.set_up), ..self.form }
     }
 
-    /// The same with a setup of many values, in which what concerns a branch stands together.
+    /// Finishes an array form with a long setup; values of a branch are computed together.
     pub(super) fn finish_from_leaves(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower_from_leaves(graph, inputs, &self.set_up), ..self.form }
     }

@@ -1,4 +1,4 @@
-//! Loads of the joints from the bodies they carry: forces, mass matrix, Jacobians.
+//! Forces, mass matrix and Jacobians at the joints, from the bodies beyond them.
 
 use super::builder::{ArrayBuilder, Rows};
 use super::moving::Moving;
@@ -35,7 +35,7 @@ fn forces_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     forces
 }
 
-/// The forces that are left to accelerate the coordinates.
+/// Forces that accelerate the coordinates.
 pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let remaining = remaining_at_joints(builder, moving);
     builder.collect(remaining, "remaining_at_coordinates")
@@ -202,7 +202,7 @@ fn disturbances_on_carriers(
     )
 }
 
-/// ∂/∂y and ∂/∂ẏ
+/// Jacobians ∂/∂y and ∂/∂ẏ.
 pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
     let Moving { setup, rotors, .. } = moving;
     let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] =

@@ -1,10 +1,9 @@
-//! Jacobians of the inverse and forward dynamics in array form, with spatial vectors in the frame of the
-//! base.
+//! Jacobians of the inverse and forward dynamics in array form, with spatial vectors in the base frame.
 //!
-//! There every sum along a path or over a subtree is a sum of arrays, and what two joints have in common is a
-//! product of two columns of six or nine entries. With the screw S of a joint, the spatial velocity v and
-//! acceleration a of its body, Ψ̇ = v × S and Ψ̈ = a × S + v × Ψ̇, the composite inertia I, 2B s = Σ 2 ∫ r ∧
-//! (ω_s × ṙ) dm and force f of all that it carries, and for j before i
+//! In this frame every sum along a path or over a subtree is a sum of arrays, and every entry for two joints
+//! is a product of two columns with six or nine entries. Notation: screw S of a joint; spatial velocity v and
+//! acceleration a of its body; Ψ̇ = v × S and Ψ̈ = a × S + v × Ψ̇; composite inertia I, 2B s = Σ 2 ∫ r ∧ (ω_s
+//! × ṙ) dm and force f of all bodies beyond the joint. For j before i
 //!
 //! ```text
 //! M_ji = S_jᵀ I_i S_i = M_ij
@@ -12,12 +11,13 @@
 //! ∂τ_j/∂y_i = S_jᵀ (2B_i Ψ̇_i + I_i Ψ̈_i + S_i ×* f_i)   ∂τ_i/∂y_j = S_iᵀ (2B_i Ψ̇_j + I_i Ψ̈_j)
 //! ```
 //!
-//! The velocities of a joint with a quaternion are columns of one S that stands in its body. For them, and for all joints
-//! next to them, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ with the motion of the joint's carrier λ; Ṡ = v × S with that of its
-//! body stands for one of the two Ψ̇ in the derivatives by ẏ, and their pairs are those of j before i in both orders.
+//! The velocities of a joint with a quaternion are columns of one S that is fixed in its body. For these
+//! joints and their neighbours, Ψ̇ = v_λ × S and Ψ̈ = a_λ × S + v_λ × Ψ̇ use the motion of the joint's
+//! carrier λ. Ṡ = v × S with the motion of the body replaces one of the two Ψ̇ in the derivatives by ẏ, and
+//! pairs within one joint use the formulas of j before i in both orders.
 //!
-//! (Singh, Russell and Wensing 2022; 2B in the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of `derivatives/`, which
-//! act on the angular part alone.)
+//! (Singh, Russell and Wensing 2022. B is computed from the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of
+//! `derivatives/`, which act only on the angular part.)
 
 mod bodies;
 mod builder;
@@ -44,8 +44,8 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether there are loops over joints for a mechanism without driven joints: if no joint follows another one or has a
-/// quaternion, no rotor sits further from its joint than on the joint's parent.
+/// Whether loops over joints support a mechanism without driven joints. If no joint follows another or has a
+/// quaternion, each rotor must be on the parent of its joint.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
         && (mechanism.is_coupled() || mechanism.has_quaternions() || mechanism.rotors_are_neighbours())

@@ -1,4 +1,4 @@
-//! The robot in motion, as the joints meet it.
+//! Motion of the robot as arrays over joints.
 
 use super::bodies::{Composites, Motions, move_bodies};
 use super::builder::ArrayBuilder;
@@ -7,17 +7,17 @@ use super::rows::{flat, force_of, moments_of, motion_of};
 use super::setup::Setup;
 use crate::program::arrays::ArrayId;
 
-/// The robot in motion.
+/// Arrays of the robot in motion.
 pub(super) struct Moving {
     pub setup: Setup,
     pub motions: Motions,
-    /// `None` if no moving body carries a rotor.
+    /// Rotors; `None` if no moving body carries a rotor.
     pub rotors: Option<Rotors>,
-    /// Composites including the rotors.
+    /// Composite bodies including rotors.
     pub composites: Composites,
 }
 
-/// The robot moving with the accelerations of the setup, or steadily.
+/// Sets up the motion, with the accelerations of the setup or with constant velocities.
 pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerated: bool) -> Moving {
     let (motions, flow) = move_bodies(builder, &setup, is_accelerated);
     let rotors = Rotors::new(builder, &setup, &motions);
@@ -37,7 +37,7 @@ pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerate
     Moving { setup, motions, rotors, composites }
 }
 
-/// Adds the accelerations to a steady motion.
+/// Adds the accelerations to a motion with constant velocities.
 pub(super) fn accelerate(builder: &mut ArrayBuilder, steady: Moving, accelerations: ArrayId) -> Moving {
     let Moving { setup, motions, rotors, composites } = steady;
     let [gained] = builder.map(

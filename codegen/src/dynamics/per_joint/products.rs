@@ -1,8 +1,8 @@
-//! Jacobians of the forward dynamics whose products with M⁻¹ alone are loops.
+//! Jacobians of the forward dynamics in which only the products with M⁻¹ are loops.
 //!
-//! Where branches are short most pairs of joints have nothing in common, and straight-line code leaves them out: M, the
-//! accelerations, M⁻¹ and the Jacobians of the inverse dynamics are computed by it. M⁻¹ is dense where the base moves, and what is
-//! multiplied with it is left to loops.
+//! With short branches most pairs of joints have no common entries, and straight-line code omits them. It
+//! computes M, the accelerations, M⁻¹ and the Jacobians of the inverse dynamics. M⁻¹ is dense if the base
+//! moves, so products with it are loops.
 
 use super::builder::ArrayBuilder;
 use super::tree::LoopJoints;
@@ -39,7 +39,7 @@ pub fn forward_dynamics_derivatives_by_products<'g>(
 
 /// The results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and `M⁻¹`.
 ///
-/// - `forces`: ∂n/∂y and ∂n/∂ẏ of the forces n that the accelerations need
+/// - `forces`: derivatives ∂n/∂y and ∂n/∂ẏ of the forces n that the accelerations require
 pub(super) fn put_derivatives(
     builder: &mut ArrayBuilder,
     (accelerations, inverse): (ArrayId, ArrayId),

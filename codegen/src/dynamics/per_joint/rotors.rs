@@ -1,8 +1,8 @@
-//! Rotors on the parents of the joints that they drive.
+//! Rotors on the parents of their joints.
 //!
-//! Such a rotor's momentum i J a couples its joint i with every joint before it, but not with itself: so do
-//! the columns of the Jacobians. With ω and ω̇ of the parent, the sums of `rotor.rs` over subtrees are those
-//! of all bodies beyond, without the rotor of the joint itself.
+//! The momentum i J a of such a rotor couples its joint i with every joint before it, but not with itself;
+//! the columns of the Jacobians do the same. With ω and ω̇ of the parent, the sums of `rotor.rs` over
+//! subtrees include all bodies beyond, without the rotor of the joint itself.
 
 use super::bodies::{Composites, Motions};
 use super::builder::ArrayBuilder;
@@ -94,7 +94,7 @@ impl Rotors {
         force
     }
 
-    /// Forces, and the angular momentum of the bodies, rotors included.
+    /// Forces and angular momentum of the bodies, rotors included.
     pub fn complete(&self, builder: &mut ArrayBuilder, bodies: Composites, moments: ArrayId) -> Composites {
         let force = Self::add_moments(builder, bodies.force, moments);
         let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");
@@ -111,7 +111,7 @@ impl Rotors {
         Composites { force, flow, ..bodies }
     }
 
-    /// `h · ω̇`: forces on the joints by the angular accelerations of the bodies before them.
+    /// Forces `h · ω̇` on the joints from the angular accelerations of the bodies before them.
     pub fn carried(&self, builder: &mut ArrayBuilder, motions: &Motions) -> ArrayId {
         let [carried] = builder.map(
             ("carried_rotors", "Force on each joint by the acceleration of the body that carries its rotor."),
@@ -125,7 +125,7 @@ impl Rotors {
         carried
     }
 
-    /// Adds `h` to the moments that a unit acceleration of each joint needs at the joints before it.
+    /// Adds `h` to the moments that a unit acceleration of each joint requires at the joints before it.
     pub fn add_momentum(&self, builder: &mut ArrayBuilder, needed: ArrayId) -> ArrayId {
         let [needed] = builder.map(
             ("unit_accelerations_with_rotors", "What a unit acceleration of each joint and its rotor needs."),
@@ -136,8 +136,8 @@ impl Rotors {
         needed
     }
 
-    /// Adds to the columns of the Jacobians: `ω × h` to what δω does, `h` to what δω̇ does, `ω × h` to the
-    /// damping.
+    /// Adds the rotors to the columns of the Jacobians: `ω × h` to the effect of δω, `h` to the effect of
+    /// δω̇, `ω × h` to the damping.
     pub fn add_to_columns(
         &self,
         builder: &mut ArrayBuilder,

@@ -1,4 +1,4 @@
-//! Setup of the loops: straight-line code, joint by joint.
+//! Setup of the loops: straight-line code for each joint.
 
 use super::builder::ArrayBuilder;
 use super::rows::entries_of;
@@ -13,7 +13,7 @@ use crate::kinematics::{JointAxis, Mechanism};
 use crate::program::arrays::ArrayId;
 use crate::spatial::{MassMoments, Motion, Vector3};
 
-/// Arrays that the setup computes joint by joint.
+/// Arrays that the setup computes for each joint.
 pub(super) struct Setup {
     pub screws: ArrayId,
     pub axes: ArrayId,
@@ -21,35 +21,35 @@ pub(super) struct Setup {
     pub moments: ArrayId,
     pub rates: ArrayId,
     pub gravity: ArrayId,
-    /// Gravity as the acceleration of the base, where the base carries a joint; `None` without quaternions.
+    /// Gravity as acceleration of the base, for joints carried by the base; `None` without quaternions.
     pub base_acceleration: Option<ArrayId>,
     /// i² J of rotors.
     pub rotors: ArrayId,
-    /// Accelerations, or the forces that cause them.
+    /// Accelerations, or the driving forces.
     pub last: ArrayId,
-    /// Springs and friction: by y, by ẏ, and their force.
+    /// Springs and friction: derivatives by y and ẏ, and force.
     pub joint_forces: ArrayId,
     /// Springs and friction that depend on the motion of other coordinates.
     pub coupled_forces: Option<CoupledForces>,
-    /// i J a of the rotors on the parent of each joint that they drive; `None` without such rotors.
+    /// Momenta i J a of rotors on the parents of their joints; `None` without such rotors.
     pub momenta: Option<ArrayId>,
 }
 
-/// Derivatives of springs and friction by other coordinates: matrices whose rows are those of the coordinates.
+/// Derivatives of springs and friction by other coordinates, as matrices over coordinates.
 pub(super) struct CoupledForces {
     pub by_coordinates: ArrayId,
     pub by_velocities: ArrayId,
 }
 
-/// The last argument of a function.
+/// Last argument of a function.
 pub(super) enum Last<'g> {
-    /// Accelerations of the coordinates: joints that follow one have it too.
+    /// Accelerations of the coordinates; followers have those of their coordinate.
     Accelerations(Vec<Scalar<'g>>),
-    /// Driving forces of the coordinates. They act at the joints of these coordinates alone.
+    /// Driving forces of the coordinates; they act only at the joints of these coordinates.
     DrivingForces(Vec<Scalar<'g>>),
 }
 
-/// Straight-line code: poses, and values of single joints.
+/// Straight-line code for poses and values of single joints.
 pub(super) fn set_up<'g>(
     builder: &mut ArrayBuilder,
     equations: &Equations<'_, 'g>,
@@ -115,7 +115,7 @@ impl<'g> Rows<'_, 'g> {
         self.builder.set_up(name, rows)
     }
 
-    /// The same by the entries of each coordinate, at the joint that is its own.
+    /// Fills an array by coordinate, at the joint that moves by this coordinate.
     fn fill_own(&mut self, name: &str, count: usize, entries: impl Fn(usize) -> Vec<Scalar<'g>>) -> ArrayId {
         let loops = self.loops;
         self.fill(name, count, |joint| match loops.is_own(joint) {

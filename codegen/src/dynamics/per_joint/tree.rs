@@ -1,17 +1,17 @@
-//! The joints that the loops run over: each of them follows one coordinate.
+//! Joints of the loops. Each follows exactly one coordinate.
 //!
-//! A joint that follows several coordinates is a row of joints along one axis, one for each of them, of which the last
-//! carries the mass. The ratio is part of the joint's screw, so that the sums over the joints of a coordinate have no
-//! factors:
+//! A joint that follows several coordinates is a series of joints along one axis, one per coordinate; the
+//! last carries the mass. The ratio is part of the joint's screw, so sums over the joints of a coordinate
+//! have no factors:
 //!
 //! ```text
 //! τ_c = Σ_{i of c} τ_i      M_cd = Σ_{i of c, j of d} M_ij      (∂τ/∂y)_cd = Σ_{i of c, j of d} ∂τ_i/∂y_j
 //! ```
 //!
-//! A joint with a quaternion is a row of joints, one for each of its velocities.
+//! A joint with a quaternion is a series of joints, one per velocity.
 //!
-//! A rotor whose momentum is not added at a neighbouring joint is a joint too: it turns about its axis on its carrier,
-//! with its axial inertia alone.
+//! A rotor whose momentum is not added at a neighbouring joint is also a joint: it turns about its axis on
+//! its carrier and has only its axial inertia.
 
 use crate::kinematics::{Followed, Mechanism, Numbers, Rotor};
 use crate::program::arrays::{Coordinates, Tree};
@@ -21,13 +21,13 @@ use crate::program::arrays::{Coordinates, Tree};
 pub(super) struct LoopJoint<S> {
     /// Object that the joint moves.
     pub moved: Moved,
-    /// The coordinate that it follows, and its motion for a unit of that.
+    /// Followed coordinate, and motion per unit of it.
     pub follows: Followed<S>,
-    /// It is true if it carries the mass: the last of several in a row.
+    /// Whether the joint carries the mass: the last in a series.
     pub is_last: bool,
 }
 
-/// Object that a joint of the loops moves.
+/// Object moved by a joint of the loops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Moved {
     /// A body of the mechanism.
@@ -38,13 +38,13 @@ pub(super) enum Moved {
 
 /// All joints of the loops.
 pub(super) struct LoopJoints<S> {
-    /// Parents first.
+    /// Joints, parents first.
     pub list: Vec<LoopJoint<S>>,
-    /// For each of them its place in the rows of arrays.
+    /// Row of each joint in arrays.
     pub places: Vec<usize>,
-    /// How they carry each other, by place.
+    /// Tree of the joints, by row.
     pub tree: Tree,
-    /// For each rotor the neighbouring joint in the list that turns it: it sits on that joint's parent.
+    /// For each rotor the neighbouring joint that turns it, if the rotor is on that joint's parent.
     pub beside: Vec<Option<usize>>,
 }
 
@@ -81,7 +81,7 @@ impl<S: Numbers> LoopJoints<S> {
         Self { list, places, tree, beside }
     }
 
-    /// How they follow coordinates; `None` if each is one.
+    /// Coordinates of the joints; `None` if each joint is a coordinate.
     pub(super) fn coordinates(&self, mechanism: &Mechanism<S>) -> Option<Coordinates> {
         let mut of_joints = vec![0; self.list.len()];
         for (joint, &place) in self.list.iter().zip(&self.places) {
@@ -90,7 +90,7 @@ impl<S: Numbers> LoopJoints<S> {
         (of_joints.len() > mechanism.coordinates).then(|| Coordinates::new(&self.tree, of_joints))
     }
 
-    /// The velocities of each joint with a quaternion, by place.
+    /// Velocities of each joint with a quaternion, by row.
     pub(super) fn chains(&self, mechanism: &Mechanism<S>) -> Vec<Vec<usize>> {
         let mut chains: Vec<Vec<usize>> = Vec::new();
         for (joint, &place) in self.list.iter().zip(&self.places) {
@@ -110,7 +110,7 @@ impl<S: Numbers> LoopJoints<S> {
         self.list[joint].follows.coordinate
     }
 
-    /// Whether a joint is that of its coordinate itself.
+    /// Whether a joint is the joint of its coordinate.
     pub(super) fn is_own(&self, joint: usize) -> bool {
         self.places[joint] == self.coordinate(joint)
     }
@@ -137,7 +137,7 @@ impl<S: Numbers> Collected<S> {
     }
 }
 
-/// Whether a rotor adds to the diagonal of M alone.
+/// Whether a rotor only adds to the diagonal of M.
 pub(super) fn is_on_diagonal<S: Numbers>(rotor: &Rotor<S>) -> bool {
     rotor.carrier.is_none() && rotor.transmission.single().is_some()
 }

@@ -1,15 +1,15 @@
-//! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3), with the joint's own
-//! accelerations.
+//! Forward dynamics by articulated bodies (Featherstone 2008, section 7.3), with accelerations relative to
+//! the joints' own frames.
 //!
-//! With ω̇ and the acceleration a of its origin, minus gravity, a body and all that it carries freely need
+//! With ω̇ and the acceleration a of its origin minus gravity, a body with all bodies beyond it requires
 //!
 //! ```text
 //! n = J ω̇ + C a + n₀          F = Cᵀ ω̇ + M a + F₀
 //! ```
 //!
-//! Beginning at the leaves, a joint's equation gives its acceleration from those of its parent, which leaves
-//! an articulated body with fewer inertia terms to the parent. The work grows with the number of joints,
-//! where that of the mass matrix and its factorization grows with its square and its cube.
+//! From the leaves on, a joint's equation gives its acceleration in terms of its parent's and passes an
+//! articulated body with fewer inertia terms to the parent. The work grows linearly with the number of
+//! joints; that of the mass matrix and its factorization grows quadratically and cubically.
 
 use crate::dynamics::formulation::Formulation;
 use crate::dynamics::recursion::placement::{Placement, Turn, place};
@@ -17,7 +17,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, Followed, JointAxis, Mechanism};
 use crate::spatial::{Matrix3, Twist, Vector3};
 
-/// Accelerations that joint forces cause, by coordinate; the mechanism is in metres, it is not
+/// Accelerations from joint forces, by coordinate. The mechanism is in metres, not
 /// [coupled](Mechanism::is_coupled), and its [rotors are neighbours](Mechanism::rotors_are_neighbours).
 pub fn forward_dynamics<'g>(
     mechanism: &Mechanism<Scalar<'g>>,

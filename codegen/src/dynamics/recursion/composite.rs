@@ -1,8 +1,8 @@
 //! Mass matrix by composite rigid bodies.
 //!
-//! Column j of M is what joint j needs to accelerate the composite body beyond it by 1, passed on to the
-//! joints before it (Walker and Orin 1982; Featherstone 2008, ch. 6), with moments of mass in place of
-//! spatial inertias.
+//! Column j of M is the force that accelerates the composite body beyond joint j by 1, passed on to the
+//! joints before j (Walker and Orin 1982; Featherstone 2008, ch. 6). Moments of mass replace spatial
+//! inertias.
 
 use crate::dynamics::formulation::{Formulation, RunLink};
 use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
@@ -11,7 +11,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, MassMoments, Vector3};
 
-/// Mass matrix `M(y)`, rows first, both triangles filled.
+/// Mass matrix `M(y)`, row-major, both triangles filled.
 pub fn mass_matrix<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -33,8 +33,8 @@ pub fn mass_matrix<'g>(
     matrix
 }
 
-/// One triangle of M serves both where joints follow others: sums of the same terms in two orders would differ in
-/// their last bits.
+/// Copies one triangle of M to the other if joints follow others: sums of the same terms in two orders would
+/// differ in their last bits.
 pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Scalar<'g>>]) {
     if !mechanism.is_coupled() {
         return;
@@ -46,16 +46,16 @@ pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Sc
     }
 }
 
-/// A body together with all that it carries.
+/// Composite of a body and all bodies beyond it.
 #[derive(Clone, Copy)]
 pub(in crate::dynamics) struct Composite<'g> {
     /// Moments in the body's working frame.
     pub moments: MassMoments<Scalar<'g>>,
-    /// Σ_xx + Σ_yy, which turning about z leaves alone.
+    /// Σ_xx + Σ_yy, which is invariant under rotation about z.
     pub polar: Scalar<'g>,
 }
 
-/// Each body together with all that it carries.
+/// Composite of each body and all bodies beyond it.
 pub(in crate::dynamics) fn composites<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -85,7 +85,7 @@ impl<'g> Composite<'g> {
         Self { moments, polar: moments.second.xx + moments.second.yy }
     }
 
-    /// `(tr Σ − Σ) v`: the inertia tensor about the origin times a vector.
+    /// `(tr Σ − Σ) v`: product of the inertia tensor about the origin and a vector.
     pub fn inertia_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let s = self.moments.second;
         Vector3([
@@ -211,7 +211,7 @@ fn couple<'g>(
     }
 }
 
-/// First moment of all moving masses in the base frame [kg m]. The mechanism is in metres.
+/// First moment of all moving masses in the base frame [kg m]. The mechanism must be in metres.
 pub fn first_moment<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,

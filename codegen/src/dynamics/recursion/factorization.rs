@@ -1,12 +1,12 @@
 //! `M = Lᵀ D L` along the branches of the tree, and solutions with it.
 //!
-//! Eliminated from the leaves to the base, the factor keeps the zeros of M between branches (Featherstone
-//! 2005; 2008, section 6.5).
+//! Elimination from the leaves to the base keeps the zeros of M between branches (Featherstone 2005; 2008,
+//! section 6.5).
 
 use crate::graph::{Graph, Scalar};
 use crate::kinematics::{Mechanism, Numbers};
 
-/// The factors of a mass matrix; rows and columns in the order of the bodies whose joints are coordinates.
+/// Factors of a mass matrix. Rows and columns are in the order of the bodies whose joints are coordinates.
 #[derive(Debug, Clone)]
 pub struct Factorization<'g> {
     /// Unit lower triangle L: `lower[i][j]` for each ancestor j of i.
@@ -15,12 +15,12 @@ pub struct Factorization<'g> {
     reciprocals: Vec<Scalar<'g>>,
     /// Earlier entries that M couples with each of them, nearest first.
     ancestors: Vec<Vec<usize>>,
-    /// Their coordinates.
+    /// Coordinates of the ancestors.
     coordinates: Vec<usize>,
 }
 
 impl<'g> Factorization<'g> {
-    /// Factorizes a mass matrix given by coordinates.
+    /// Factorizes a mass matrix by coordinates.
     pub fn new<S: Numbers>(mechanism: &Mechanism<S>, mass_matrix: &[Vec<Scalar<'g>>]) -> Self {
         let coordinates: Vec<_> = mechanism.independent().map(|body| body.joint).collect();
         let names: Vec<_> = mechanism.independent().map(|body| &body.identifier).collect();
@@ -62,7 +62,7 @@ impl<'g> Factorization<'g> {
         inverse
     }
 
-    /// The solution of `M x = right`, by coordinates.
+    /// Solution of `M x = right`, by coordinates.
     pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut x: Vec<_> = self.coordinates.iter().map(|&coordinate| right[coordinate]).collect();
         for i in (0..x.len()).rev() {
@@ -90,9 +90,9 @@ impl<'g> Factorization<'g> {
     }
 }
 
-/// Coordinates before each coordinate that M couples it with, nearest first. Beyond the ancestors these are
-/// those of bodies that carry the rotor of another branch, and those of joints that follow the same
-/// coordinates.
+/// Lists, for each coordinate, the earlier coordinates with non-zero entries in M, nearest first. In addition to the
+/// ancestors these are the coordinates of bodies that carry a rotor of another branch, and the coordinates of joints
+/// that follow a common coordinate.
 fn couplings(coordinates: &[usize], mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
     let count = coordinates.len();
     let entry = |i: usize, j: usize| mass_matrix[coordinates[i]][coordinates[j]];

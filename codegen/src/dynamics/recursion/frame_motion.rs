@@ -26,7 +26,8 @@ pub struct BasePoses<'g> {
 }
 
 impl<'g> BasePoses<'g> {
-    /// At the coordinates `y`; the mechanism is in metres and its working frames are the bodies' own.
+    /// Poses at the coordinates `y`. The mechanism is in metres, with the bodies' own frames as working
+    /// frames.
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
         let base = FramePose::base(mechanism.graph.constant(1.0));
@@ -61,7 +62,7 @@ impl<'g> BasePoses<'g> {
         FramePose { origin, ..body.twisted(&pose.rotation) }
     }
 
-    /// Jacobian of a frame: linear rows first, columns by coordinate.
+    /// Jacobian of a frame: rows linear first, columns by coordinate.
     pub fn jacobian(&self, link: usize, frame: &Pose<Scalar<'g>>) -> Vec<Vec<Scalar<'g>>> {
         let origin = self.pose(link, frame).origin;
         let zero = self.mechanism.graph.constant(0.0);
@@ -107,7 +108,7 @@ impl<'g> BasePoses<'g> {
         }
     }
 
-    /// Acceleration of a frame, linear part first: `J̇ ẏ` where nothing is accelerated.
+    /// Acceleration of a frame, linear part first; `J̇ ẏ` if all accelerations are 0.
     pub fn acceleration(
         &self,
         link: usize,

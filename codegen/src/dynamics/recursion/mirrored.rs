@@ -1,15 +1,15 @@
-//! Branches of a body that have levers in common, as those which lie as in a mirror: the legs of a quadruped, the arms of a
+//! Branches of a body with equal levers, for example mirror-symmetric legs of a quadruped or arms of a
 //! humanoid.
 //!
-//! Components of their origins p are ±c with the same c. On the way outwards the products of c are formed once, and what the
-//! origins share is added first. On the way inwards sums of the forces f with the signs s = ±1 of a component come before its
-//! product,
+//! The components of their origins p are ±c with the same c. Outwards, products with c are computed once, and
+//! common parts of the origins are added first. Inwards, sums of the forces f with the signs s = ±1 of a
+//! component are computed before the product,
 //!
 //! ```text
 //! Σ p × f = Σ_k Σ_c c e_k × Σ s f          over the branches with |p_k| = c
 //! ```
 //!
-//! and what these sums have in common with each other and with Σ f is added once.
+//! and common parts of these sums and of Σ f are added once.
 
 use crate::dynamics::recursion::motion::BodyMotion;
 use crate::dynamics::recursion::placement::Placement;
@@ -17,8 +17,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Vector3};
 
-/// The constant origin of a body in its parent's frame, along its axis included; `None` if no other branch of the parent
-/// shares a lever with it.
+/// Constant origin of a body in its parent's frame, including the translation along its axis; `None` if no
+/// other branch of the parent has an equal lever.
 pub(super) fn mirrored<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -61,7 +61,7 @@ fn branch_origin<'g>(
     ((on_chain || asked) && turns && origin.values().is_some()).then_some(origin)
 }
 
-/// The acceleration of a branch's origin: what more branches share is added first.
+/// Acceleration of a branch's origin; common parts of several branches are added first.
 pub(super) fn carried<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -77,7 +77,7 @@ pub(super) fn carried<'g>(
     axes.iter().fold(parent.acceleration, |sum, &k| sum + parent.spread.column(k).scaled(origin[k]))
 }
 
-/// The branches of a body that have levers in common, with the forces that it exerts on them.
+/// Branches of a body with equal levers, and the forces of the body on them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Branches<'g> {
     origins: Vec<[f64; 3]>,
@@ -90,7 +90,7 @@ impl<'g> Branches<'g> {
         self.forces.push(force);
     }
 
-    /// `own` with the forces of all branches, moved to the body's origin.
+    /// `own` plus the forces of all branches, about the body's origin.
     pub fn added_to(&self, own: Force<'g>) -> Force<'g> {
         let mut result = own;
         if self.forces.is_empty() {

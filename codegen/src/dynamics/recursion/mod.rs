@@ -1,4 +1,4 @@
-//! The recursive equations over the bodies of a mechanism.
+//! Recursive equations over the bodies of a mechanism.
 
 pub mod articulated;
 pub mod composite;

@@ -1,4 +1,4 @@
-//! Motions of the bodies, and the states at which the equations are evaluated.
+//! Motions of the bodies, and the states at which equations are evaluated.
 
 use crate::dynamics::formulation::Diagonal;
 use crate::graph::Scalar;
@@ -10,19 +10,19 @@ use crate::spatial::{Matrix3, Vector3};
 pub(in crate::dynamics) struct BodyMotion<'g> {
     /// Angular velocity ω.
     pub omega: Vector3<Scalar<'g>>,
-    /// Components of the angular acceleration ω̇ that were needed for U.
+    /// Components of the angular acceleration ω̇ that U required.
     pub(super) angular: [Option<Scalar<'g>>; 3],
     /// U = ω̇× + ω× ω×.
     pub spread: Matrix3<'g>,
-    /// U_zz − U_yy, U_xx − U_zz and U_yy − U_xx, if they do not come from U.
+    /// U_zz − U_yy, U_xx − U_zz and U_yy − U_xx, if they are computed separately from U.
     pub(super) differences: Option<[Scalar<'g>; 3]>,
-    /// Acceleration of the origin, minus gravity.
+    /// Acceleration of the origin minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
-    /// Motion of the chain, for bodies of joints with quaternions.
+    /// Motion of the chain, for a body of a joint with a quaternion.
     pub chain: Option<ChainMotion<'g>>,
 }
 
-/// The motion that the inverse dynamics are evaluated for.
+/// State and accelerations at which the inverse dynamics are evaluated.
 #[derive(Debug, Clone, Copy)]
 pub struct MotionInput<'a, 'g> {
     /// Coordinates.
@@ -33,20 +33,20 @@ pub struct MotionInput<'a, 'g> {
     pub a: &'a [Scalar<'g>],
 }
 
-/// The motion of the last body of a chain, with its intermediate values.
+/// Motion of the last body of a chain, with intermediate values.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct ChainMotion<'g> {
-    /// Angular velocity ω_c that the joint's parent gives.
+    /// Angular velocity ω_c from the joint's parent.
     pub(super) carried_omega: Vector3<Scalar<'g>>,
-    /// ω̇_c
+    /// Angular acceleration ω̇_c from the parent.
     pub(super) carried_angular: Vector3<Scalar<'g>>,
-    /// U_c
+    /// U_c of the parent.
     pub(super) carried_spread: Matrix3<'g>,
-    /// a_c, minus gravity.
+    /// Acceleration a_c from the parent, minus gravity.
     pub(super) carried_acceleration: Vector3<Scalar<'g>>,
-    /// l
+    /// Linear velocity l of the joint.
     pub(super) linear: Vector3<Scalar<'g>>,
-    /// ν
+    /// Angular velocity ν of the joint.
     pub(super) turning: Vector3<Scalar<'g>>,
 }
 
@@ -63,7 +63,7 @@ impl<'g> BodyMotion<'g> {
         }
     }
 
-    /// That of a joint with a quaternion.
+    /// Motion of the body of a joint with a quaternion.
     pub(super) fn of_chain(
         omega: Vector3<Scalar<'g>>,
         angular: Vector3<Scalar<'g>>,
@@ -74,7 +74,7 @@ impl<'g> BodyMotion<'g> {
         Self { omega, angular, spread, differences: None, acceleration, chain: Some(chain) }
     }
 
-    /// Takes a way to the diagonal of U and its differences.
+    /// Computes the diagonal of U and its differences by the chosen method.
     pub(super) fn find_diagonal(&mut self, diagonal: Diagonal) {
         let (u, squares) = (&mut self.spread.0, |w: Vector3<Scalar<'g>>| w.0.map(Scalar::squared));
         let across = |[first, second]: [Scalar<'g>; 2]| Some([first, second, -(first + second)]);
@@ -103,7 +103,7 @@ impl<'g> BodyMotion<'g> {
         self
     }
 
-    /// Angular acceleration ω̇, if it is not known from the antisymmetric part of U.
+    /// Angular acceleration ω̇; taken from the antisymmetric part of U if not known.
     pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];

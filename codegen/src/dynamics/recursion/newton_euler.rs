@@ -1,14 +1,14 @@
 //! Recursive Newton–Euler equations with moments of mass.
 //!
-//! With U = ω̇× + ω× ω× the points r of a body accelerate by a + U r. Hence, with the moments m, h, Σ of its
-//! mass,
+//! With U = ω̇× + ω× ω×, a point r of a body has the acceleration a + U r. With the moments m, h, Σ of the
+//! body's mass
 //!
 //! ```text
 //! F = m a + U h            n = h × a + vee(U Σ − Σ Uᵀ)
 //! ```
 //!
-//! (Luh, Walker and Paul 1980; Balafoutis and Patel 1989 for the second moments; Khalil and Dombre 2002, ch.
-//! 9, for the frames.)
+//! (Luh, Walker and Paul 1980; second moments: Balafoutis and Patel 1989; frames: Khalil and Dombre 2002, ch.
+//! 9.)
 
 use crate::dynamics::formulation::{AngularRoute, BodyChoices, Formulation, RunLink};
 use crate::dynamics::recursion::mirrored::{Branches, carried as carried_to_branch, mirrored};
@@ -21,13 +21,13 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 
-/// The inverse dynamics with their intermediate values.
+/// Inverse dynamics with intermediate values.
 pub(super) struct InverseDynamicsParts<'g> {
     /// Working frames.
     pub placements: Vec<Placement<'g>>,
-    /// BodyMotion of each body.
+    /// Motion of each body.
     pub motions: Vec<BodyMotion<'g>>,
-    /// The force that moves each body and all beyond it.
+    /// Force that accelerates each body and all bodies beyond it.
     pub wrenches: Vec<Force<'g>>,
     /// Generalized forces by coordinate.
     pub generalized: Vec<Scalar<'g>>,
@@ -42,9 +42,9 @@ pub fn inverse_dynamics<'g>(
     inverse_dynamics_parts(mechanism, formulation, input).generalized
 }
 
-/// For each body the force that moves it and all beyond it, gravity balanced, about its origin and in its working
-/// frame. The mechanism is in metres and not regrouped, and the formulation without shortcuts: base parameters have
-/// other forces.
+/// Force that accelerates each body and all bodies beyond it, gravity included, about the body's origin and
+/// in its working frame. The mechanism must be in metres and not regrouped, and the formulation without
+/// shortcuts, because base parameters give other forces.
 pub fn wrenches<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -53,7 +53,7 @@ pub fn wrenches<'g>(
     inverse_dynamics_parts(mechanism, formulation, input).wrenches
 }
 
-/// The inverse dynamics with their intermediate values.
+/// Inverse dynamics with intermediate values.
 pub(super) fn inverse_dynamics_parts<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -69,8 +69,8 @@ pub(super) fn inverse_dynamics_parts<'g>(
     InverseDynamicsParts { placements, motions, wrenches, generalized }
 }
 
-/// Linear and angular acceleration of a point fixed to a body, in the body's own frame; without gravity. The
-/// mechanism is in metres.
+/// Linear and angular acceleration of a point fixed to a body, in the body's own frame, without gravity. The
+/// mechanism must be in metres.
 pub fn frame_acceleration<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     input: MotionInput<'_, 'g>,
@@ -322,7 +322,7 @@ fn add_rotors<'g>(
     }
 }
 
-/// From the leaves to the base: each body passes its force on to its parent.
+/// Adds the force of each body to the force of its parent, from the leaves to the base.
 fn gather<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,

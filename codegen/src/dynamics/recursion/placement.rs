@@ -1,4 +1,4 @@
-//! Working frames: where the equations of each body are written, and how they are reached from the parent's.
+//! Working frames: the frame of each body's equations, and its pose relative to the parent's.
 
 use crate::dynamics::formulation::{Formulation, WorkingFrame};
 use crate::graph::Scalar;
@@ -12,29 +12,29 @@ pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
 /// The working frame of one body.
 #[derive(Debug, Clone, Copy)]
 pub struct Placement<'g> {
-    /// Turn about z from the parent's working frame, after the twist; `None` if the frames coincide.
+    /// Turn about z relative to the parent's working frame, after the twist; `None` if the frames coincide.
     pub turn: Option<Turn<'g>>,
     /// Rotation by a quaternion after that turn.
     pub attitude: Option<Attitude<Scalar<'g>>>,
     /// Origin in the parent's working frame (m).
     pub translation: Vector3<Scalar<'g>>,
-    /// Displacement along z: constant for revolute joints, with the coordinate for prismatic ones.
+    /// Displacement along z: constant for revolute joints; includes the coordinate for prismatic ones.
     pub extension: Scalar<'g>,
-    /// First body of the run of parallel revolute joints that this one belongs to.
+    /// First body of this body's run of parallel revolute joints.
     pub run: usize,
-    /// Turn about z from the frame before the run's first joint.
+    /// Turn about z relative to the frame before the run's first joint.
     pub turn_from_run: Option<Turn<'g>>,
     /// Moments of mass in the working frame.
     pub moments: MassMoments<Scalar<'g>>,
     /// Turn about z from the working frame to the body's own frame.
     pub to_body: Option<Turn<'g>>,
-    /// The parent's unit of length over this body's.
+    /// Parent's unit of length divided by this body's.
     pub unit_ratio: f64,
     /// Body whose own frame is parallel to the working frame; `None`: the frame before the run's first joint.
     aligned: Option<usize>,
 }
 
-/// Places every body at the coordinates `y`.
+/// Computes the placement of each body at the coordinates `y`.
 pub fn place<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -127,8 +127,8 @@ fn turn_between<'g>(
     Some(offset.advance((sine, cosine)))
 }
 
-/// Whether a body's parent is a revolute joint on the base with another direction: nothing but its own
-/// torque then needs what arrives there.
+/// Whether a body's parent is a revolute joint on the base with another direction. Only that joint's own
+/// torque then needs the quantities passed to it.
 pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
     let child = &mechanism.bodies[body];
     let root = child.parent.map(|parent| &mechanism.bodies[parent]);
@@ -157,19 +157,21 @@ fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
 }
 
 impl<'g> Placement<'g> {
-    /// An angular velocity, angular acceleration or moment from the parent's working frame to this one.
+    /// Transforms an angular velocity, angular acceleration or moment from the parent's working frame to this
+    /// one.
     pub fn to_child(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = twist.to_child(v);
         let v = self.turn.map_or(v, |turn| v.turned_back(turn));
         self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
-    /// An angular velocity, angular acceleration or moment from this working frame to the parent's.
+    /// Transforms an angular velocity, angular acceleration or moment from this working frame to the
+    /// parent's.
     pub fn to_parent(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         twist.to_parent(self.before_joint(v))
     }
 
-    /// The same from this working frame to the frame before the joint.
+    /// Transforms such a vector from this working frame to the frame before the joint.
     pub fn before_joint(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = self.before_attitude(v);
         self.turn.map_or(v, |turn| v.turned(turn))
@@ -179,33 +181,33 @@ impl<'g> Placement<'g> {
         self.attitude.map_or(v, |attitude| attitude.to_parent(v))
     }
 
-    /// A matrix `R A Rᵀ` in the frame before the joint.
+    /// Transforms a matrix to the frame before the joint, `R A Rᵀ`.
     pub fn matrix_before_joint(&self, a: &Matrix3<'g>) -> Matrix3<'g> {
         let a = self.attitude.map_or(*a, |attitude| attitude.matrix_to_parent(a));
         self.turn.map_or(a, |turn| a.turned(turn))
     }
 
-    /// A second moment in the frame before the joint.
+    /// Transforms a second moment to the frame before the joint.
     pub fn second_before_joint(&self, second: Symmetric3<Scalar<'g>>) -> Symmetric3<Scalar<'g>> {
         let second = self.attitude.map_or(second, |attitude| attitude.symmetric_to_parent(second));
         self.turn.map_or(second, |turn| second.turned(turn))
     }
 
-    /// An acceleration from the parent's working frame and unit to this one's.
+    /// Transforms an acceleration from the parent's working frame and unit to this one's.
     pub fn to_child_unit(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn));
         self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
-    /// A force or first moment from this working frame and unit to the frame before the joint and the
-    /// parent's unit.
+    /// Transforms a force or first moment from this working frame and unit to the frame before the joint and
+    /// the parent's unit.
     pub fn before_joint_unit(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.scaled_turn(self.before_attitude(v), |v, turn| v.turned(turn))
     }
 
-    /// The motion of this body at a unit of the parent's angular velocity about its z axis: angular velocity,
-    /// and velocity of the origin, in this working frame and unit. Their products with a moment and a force
-    /// are the parent's share along z, in fewer operations than passing both on.
+    /// Motion of this body per unit of the parent's angular velocity about z: angular velocity and velocity
+    /// of the origin, in this working frame and unit. Its products with moment and force give the parent's
+    /// component along z in fewer operations than transforming both.
     pub fn parent_screw(&self, twist: &Twist) -> Motion<'g> {
         let zero = self.extension.constant(0.0);
         let z = Vector3([zero, zero, zero.constant(1.0)]);

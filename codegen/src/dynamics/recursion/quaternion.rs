@@ -1,20 +1,21 @@
-//! Motion of spherical and floating joints, whose velocities are those of the body in its own frame.
+//! Motion of spherical and floating joints. Their velocities are those of the body in its own frame.
 //!
-//! With R the rotation of the joint, ω_c, ω̇_c and a_c what its parent gives to the body (`ω̇_c = Rᵀ ω̇_p` is the carried
-//! acceleration, not the rate of the components of ω_c), l and ν the joint's linear and angular velocity:
+//! Notation: rotation R of the joint; ω_c, ω̇_c and a_c from the parent, where `ω̇_c = Rᵀ ω̇_p` is not the
+//! rate of the components of ω_c; linear and angular velocity l and ν of the joint:
 //!
 //! ```text
 //! ω = ω_c + ν          ω̇ = ω̇_c + ν̇ + ω_c × ν          a = a_c + l̇ + (ω + ω_c) × l
 //! ```
 //!
-//! A small motion δ of the joint along its own velocities disturbs this by, for a turning column e,
+//! A small motion δ of the joint along its own velocities changes these for a rotational column e by
 //!
 //! ```text
 //! by the velocity:    δω = e           β = (2 ω − ν) × e                                   δa = e × l
 //! by the position:    δω = ω_c × e     β = ω̇_c × e + (ω_c × e) × ν + ω × (ω_c × e)         δa = a_c × e + 2 (ω_c × e) × l
 //! ```
 //!
-//! and for a sliding one by `δa = (ω + ω_c) × e` and `δa = U_c e`, with β and U as elsewhere.
+//! and for a translational column e by `δa = (ω + ω_c) × e` and `δa = U_c e`; β and U are defined in
+//! `derivatives/`.
 
 use super::motion::{BodyMotion, ChainMotion, MotionInput, spread_of};
 use super::placement::Placement;
@@ -22,7 +23,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{ChainPlace, Mechanism};
 use crate::spatial::{Force, Motion, Vector3};
 
-/// The velocities of a chain's joint: l and ν in the frame of its last body.
+/// Velocities l and ν of a chain's joint, in the frame of its last body.
 pub(super) fn own_motion<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     place: ChainPlace,
@@ -38,7 +39,7 @@ pub(super) fn own_motion<'g>(
     motion
 }
 
-/// A vector of the parent in the frame of the chain's last body, and back.
+/// Transforms vectors between the parent's frame and the frame of the chain's last body.
 pub(super) struct Passage<'a, 'g> {
     pub mechanism: &'a Mechanism<Scalar<'g>>,
     pub placements: &'a [Placement<'g>],
@@ -53,7 +54,7 @@ impl<'g> Passage<'_, 'g> {
         v
     }
 
-    /// In the axes of the joint's parent.
+    /// Transforms a vector to the axes of the joint's parent.
     pub fn to_parent(&self, mut v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         for index in (self.place.first..=self.place.last).rev() {
             v = self.placements[index].to_parent(&self.mechanism.bodies[index].twist, v);
@@ -61,7 +62,8 @@ impl<'g> Passage<'_, 'g> {
         v
     }
 
-    /// The motion of the last body, which stands for those of the whole chain: the bodies before it have no mass.
+    /// Motion of the last body. It replaces the motion of the whole chain, because the bodies before it have
+    /// no mass.
     pub fn motion(&self, parent: &BodyMotion<'g>, input: MotionInput<'_, 'g>) -> BodyMotion<'g> {
         let translation = self.placements[self.place.first].translation;
         let carried_omega = self.to_last(parent.omega);
@@ -84,17 +86,17 @@ impl<'g> Passage<'_, 'g> {
     }
 }
 
-/// Changes by a small motion along one velocity of a joint, or by that velocity.
+/// Changes from a small motion along one velocity of a joint, or from that velocity.
 pub(super) struct ChainDisturbance<'g> {
-    /// δω, β and δa by the position.
+    /// δω, β and δa from the position.
     pub by_position: [Vector3<Scalar<'g>>; 3],
-    /// The same by the velocity.
+    /// δω, β and δa from the velocity.
     pub by_velocity: [Vector3<Scalar<'g>>; 3],
 }
 
 impl<'g> ChainMotion<'g> {
-    /// - `omega`: that of the last body
-    /// - `screw`: the unit motion of the velocity
+    /// - `omega`: angular velocity of the last body
+    /// - `screw`: unit motion of the velocity
     pub(super) fn disturbance(
         &self,
         omega: Vector3<Scalar<'g>>,
@@ -120,7 +122,7 @@ impl<'g> ChainMotion<'g> {
     }
 }
 
-/// The unit motion of a velocity in the frame of the chain's last body.
+/// Unit motion of a velocity in the frame of the chain's last body.
 pub(super) fn unit_motion<'g>(turns: bool, place: ChainPlace, any: Scalar<'g>) -> Motion<'g> {
     let mut e = Vector3::zero(any);
     e.0[place.axis] = any.constant(1.0);

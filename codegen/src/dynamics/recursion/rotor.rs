@@ -1,39 +1,39 @@
-//! Rotors: what an evenly shaped body that spins in another one does, beyond the inertia that it adds to its
+//! Rotors: forces of an axisymmetric body that spins in its carrier, beyond the inertia that it adds to the
 //! carrier.
 //!
-//! A rotor of axial inertia J whose gear turns it by i ẏ about the axis a of the body that carries it, with
-//! the angular velocity ω of that body, needs the moment n on its carrier and the force f on its coordinate,
-//! or on the sum of coordinates that stands for y:
+//! A rotor of axial inertia J turns by i ẏ about the axis a of its carrier, which has the angular velocity ω;
+//! y is a coordinate or a sum of coordinates. It requires the moment n on the carrier and the force f on the
+//! coordinate:
 //!
 //! ```text
 //! n = i J (ÿ a + ẏ ω × a)          f = i J (a · ω̇ + i ÿ)
 //! ```
 //!
-//! (Featherstone 2008, section 9.6, on gears.) Its mass and its inertia J a aᵀ are part of its carrier.
+//! (Featherstone 2008, section 9.6, on gears.) The rotor's mass and its inertia J a aᵀ belong to the carrier.
 
 use crate::dynamics::recursion::placement::Placement;
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Rotor};
 use crate::spatial::{Matrix3, Vector3};
 
-/// A rotor in the working frame of its carrier.
+/// Rotor in the working frame of its carrier.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gyrostat<'g> {
-    /// Its axis a.
+    /// Axis a of the rotor.
     axis: Vector3<Scalar<'g>>,
     /// i J
     coupling: Scalar<'g>,
 }
 
 impl<'g> Gyrostat<'g> {
-    /// - `placement`: that of the carrier
+    /// - `placement`: placement of the carrier
     pub(super) fn new(rotor: &Rotor<Scalar<'g>>, placement: &Placement<'g>) -> Self {
         let coupling = rotor.coupling_inertia();
         let axis = placement.to_body.map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
         Self { axis, coupling }
     }
 
-    /// `i J a`: moment on the carrier at a unit of the coordinate's acceleration.
+    /// `i J a`: moment on the carrier per unit of the coordinate's acceleration.
     pub(super) fn momentum(&self) -> Vector3<Scalar<'g>> {
         self.axis.scaled(self.coupling)
     }
@@ -48,7 +48,7 @@ impl<'g> Gyrostat<'g> {
         self.axis.scaled(self.coupling * acceleration) + omega.cross(self.axis).scaled(self.coupling * rate)
     }
 
-    /// `i J a · ω̇`: force on the coordinate by the carrier's angular acceleration.
+    /// `i J a · ω̇`: force on the coordinate from the carrier's angular acceleration.
     pub(super) fn carried(&self, angular: Vector3<Scalar<'g>>) -> Scalar<'g> {
         self.coupling * self.axis.dot(angular)
     }
@@ -84,7 +84,7 @@ impl<'g> Gyrostat<'g> {
     }
 }
 
-/// `M += i² J`: on the diagonal, where a rotor follows one coordinate.
+/// Adds `i² J` to the diagonal of M for rotors that follow one coordinate.
 pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
     rotors: impl IntoIterator<Item = &'a Rotor<Scalar<'g>>>,
     matrix: &mut [Vec<Scalar<'g>>],
@@ -97,7 +97,7 @@ pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
     }
 }
 
-/// Adds the entries of M that couple the rotors on moving bodies with the joints before these.
+/// Adds the entries of M that couple rotors on moving bodies with the joints before these bodies.
 pub(super) fn add_coupling<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],

@@ -1,9 +1,10 @@
-//! Joints that follow a coordinate by the same ratio: their forces are added before the ratio multiplies them.
+//! Joints that follow a coordinate with equal ratios: their forces are added before the multiplication by the
+//! ratio.
 
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Transmission};
 
-/// Sums of forces by coordinate and ratio, of ratios that several bodies have.
+/// Sums of forces by coordinate and ratio, for ratios that occur several times.
 pub(super) struct SharedRatios<'g> {
     sums: Vec<SharedRatio<'g>>,
 }
@@ -15,7 +16,7 @@ struct SharedRatio<'g> {
 }
 
 impl<'g> SharedRatios<'g> {
-    /// Those of a mechanism; ±1 takes no product and is left out.
+    /// Shared ratios of a mechanism, without ±1, which require no product.
     pub(super) fn of(mechanism: &Mechanism<Scalar<'g>>) -> Self {
         let zero = mechanism.graph.constant(0.0);
         let terms = mechanism.bodies.iter().flat_map(|body| &body.transmission.terms);
@@ -35,7 +36,7 @@ impl<'g> SharedRatios<'g> {
         Self { sums: several }
     }
 
-    /// Adds the generalized forces of a force along the motion to the coordinates, immediately or in [`finish`](Self::finish).
+    /// Adds the generalized forces of a force along the motion, immediately or in [`finish`](Self::finish).
     pub(super) fn add_force(
         &mut self,
         moved: &Transmission<Scalar<'g>>,
@@ -55,7 +56,7 @@ impl<'g> SharedRatios<'g> {
         }
     }
 
-    /// Adds the sums.
+    /// Multiplies the sums by their ratios and adds them.
     pub(super) fn finish(self, generalized: &mut [Scalar<'g>]) {
         for SharedRatio { coordinate, ratio, force } in self.sums {
             generalized[coordinate] = generalized[coordinate] + force * ratio;

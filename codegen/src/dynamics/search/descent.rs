@@ -1,11 +1,11 @@
-//! The search for the cheapest formulation.
+//! Search for the cheapest formulation.
 
 use crate::dynamics::formulation::{
     AngularRoute, BodyChoices, Diagonal, Formulation, LeafAlignment, Lift, RunLink, WorkingFrame,
 };
 use crate::kinematics::{Body, JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
-/// The choices that one mechanism offers.
+/// Choices available for a mechanism.
 #[derive(Debug, Clone)]
 pub struct SearchSpace {
     has_quaternions: bool,
@@ -91,7 +91,7 @@ impl BodyOptions {
 }
 
 impl SearchSpace {
-    /// The space of a mechanism.
+    /// Choices for a mechanism.
     pub fn new(mechanism: &Mechanism<Number>) -> Self {
         let children = mechanism.children();
         let parallel = |index: usize| {
@@ -163,7 +163,7 @@ fn nonzero_length(x: Number) -> Option<f64> {
     x.value().map(f64::abs).filter(|length| *length >= SHORTEST_LEVER)
 }
 
-/// Descends further from a formulation, by choices that only the recursion of forces has.
+/// Continues the descent with choices that exist only in the recursion of forces.
 ///
 /// Robots without quaternions keep the formulation.
 pub fn refined(
@@ -192,10 +192,10 @@ const REFINING_NODES: usize = 12_000_000;
 /// Formulations are compared by this many visited nodes at most, so that generating stays quick.
 const VISITED_NODES: usize = 600_000;
 
-/// Descends to a formulation that no single change makes cheaper.
+/// Descends to a formulation that no single change improves.
 ///
-/// `evaluate` gives the weight of a formulation and the number of nodes that it took. Deterministic: changes
-/// are tried in order and every improvement is kept.
+/// `evaluate` returns the weight of a formulation and the number of its nodes. The search is deterministic:
+/// changes are tried in a fixed order, and every improvement is kept.
 pub fn cheapest(space: &SearchSpace, evaluate: impl Fn(&Formulation) -> (u64, usize)) -> Formulation {
     let plain = Formulation::plain(space.bodies.len());
     let (weight, nodes) = evaluate(&plain);

@@ -1,4 +1,4 @@
-//! The search for the cheapest way to write each quantity.
+//! Search for the cheapest formulation of each quantity.
 
 pub mod descent;
 pub mod routes;

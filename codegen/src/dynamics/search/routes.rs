@@ -1,4 +1,4 @@
-//! The cheapest way to each quantity of a model, searched for where it is first needed.
+//! Cheapest derivation of each quantity of a model, searched at its first use.
 
 use std::cell::OnceCell;
 
@@ -16,7 +16,7 @@ use crate::graph::{Cost, Edge, Graph, Scalar, substitute};
 use crate::kinematics::{Mechanism, Number};
 use crate::model::Model;
 
-/// The cheapest formulations of a model, each searched for when it is first needed.
+/// Cheapest formulations of a model, each searched at its first use.
 #[derive(Debug)]
 pub struct Formulations<'m> {
     model: &'m Model,
@@ -33,7 +33,7 @@ pub struct Formulations<'m> {
     forward_dynamics: OnceCell<ForwardRoute>,
 }
 
-/// How the accelerations are solved for.
+/// Method of computing the accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
     /// Factorization of M.
@@ -43,9 +43,9 @@ pub enum ForwardRoute {
 }
 
 impl ForwardRoute {
-    /// The accelerations under joint forces and gravity, in motion.
+    /// Accelerations under joint forces and gravity.
     ///
-    /// - `input`: with the accelerations that are known, those of driven coordinates, and 0 for the others
+    /// - `input`: known accelerations of driven coordinates, and 0 for the others
     pub fn accelerations<'g>(
         self,
         graph: &'g Graph,
@@ -67,7 +67,7 @@ impl ForwardRoute {
         }
     }
 
-    /// The sentence about this route in the documentation of a function.
+    /// Sentence about this method for the documentation of a function.
     pub fn description(self) -> &'static str {
         match self {
             Self::Factorization => {
@@ -80,17 +80,17 @@ impl ForwardRoute {
     }
 }
 
-/// How the inverse dynamics are differentiated.
+/// Method of differentiating the inverse dynamics.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DerivativeRoute {
-    /// The program of the inverse dynamics in forward order.
+    /// Forward differentiation of the program of the inverse dynamics.
     Forward,
     /// Composite bodies.
     Composite(Formulation, PairFrame),
 }
 
 impl<'m> Formulations<'m> {
-    /// Makes the formulations of a model and its mechanism, with nothing searched for yet.
+    /// Creates the formulations of a model and its mechanism, before any search.
     pub fn new(model: &'m Model, mechanism: &'m Mechanism<Number>) -> Self {
         Self {
             model,
@@ -113,7 +113,7 @@ impl<'m> Formulations<'m> {
         self.mechanism
     }
 
-    /// The cheaper way to the accelerations.
+    /// Cheaper method of computing the accelerations.
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
@@ -187,13 +187,13 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The formulations of M and the bias forces that are cheapest together: common terms are computed once.
+    /// Jointly cheapest formulations of M and the bias forces; common terms are computed once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
         self.mass_and_bias
             .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
     }
 
-    /// `M(y)` and `k − q_gravity` in the formulations that cost least together.
+    /// `M(y)` and `k − q_gravity` in the jointly cheapest formulations.
     pub fn mass_matrix_and_bias<'g>(
         &self,
         graph: &'g Graph,
@@ -214,7 +214,7 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// The formulations of M and the bias forces that are cheapest together with the derivatives of the inverse
+    /// Formulations of M and the bias forces that are cheapest together with the derivatives of the inverse
     /// dynamics.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
@@ -255,7 +255,7 @@ impl<'m> Formulations<'m> {
         )
     }
 
-    /// The cheapest route to the derivatives of the inverse dynamics.
+    /// Cheapest method for the derivatives of the inverse dynamics.
     pub fn derivatives(&self) -> &DerivativeRoute {
         self.derivatives.get_or_init(|| self.cheapest_derivatives())
     }
@@ -296,7 +296,7 @@ const LARGEST_SEARCHED: usize = 12;
 const LARGEST_FORWARD: usize = 4;
 
 impl DerivativeRoute {
-    /// The inverse dynamics with their derivatives.
+    /// Inverse dynamics with derivatives.
     pub fn derive<'g>(
         &self,
         graph: &'g Graph,
@@ -315,7 +315,7 @@ impl DerivativeRoute {
         }
     }
 
-    /// The sentence about this route in the documentation of a function.
+    /// Sentence about this method for the documentation of a function.
     pub fn description(&self) -> &'static str {
         match self {
             Self::Forward => "Forward differentiation of the inverse dynamics was cheapest.",

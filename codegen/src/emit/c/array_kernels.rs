@@ -1,4 +1,4 @@
-//! The loops of array forms, pasted into modules that need them.
+//! Loops of array forms, included in modules that use them.
 
 use super::arrays::{MEETINGS, RELATIONS};
 use super::context::Context;
@@ -6,7 +6,7 @@ use crate::emit::arrays::Row;
 use crate::emit::options::Scalar;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
-/// The loops that the functions call, after the relations of a tree's joints.
+/// The loops that the functions call, after the tables of the joint tree.
 pub(super) fn text(context: &Context<'_>) -> String {
     let functions = context.module.functions.iter();
     let forms: Vec<&ArrayForm> = functions.filter_map(|function| function.arrays.as_ref()).collect();

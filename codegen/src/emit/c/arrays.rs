@@ -17,7 +17,7 @@ pub(super) const MEETINGS: &str = "meetings";
 /// The value of arrays of which some entries are not written.
 const CLEARED: &str = " = {0}";
 
-/// The setup and the loops, then the public function.
+/// Setup, loops, and public function.
 pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, name: &str) -> Vec<String> {
     let face = function.program.face();
     let body = Body::new(context, &face);
@@ -27,7 +27,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, n
     items
 }
 
-/// Numbers in the arrays of a function that are local.
+/// Numbers in the local arrays of a function.
 pub(super) fn local_numbers(context: &Context<'_>, function: &Function, form: &Arrays) -> usize {
     let face = function.program.face();
     let body = Body::new(context, &face);

@@ -1,4 +1,4 @@
-//! The values of a function: their names, and how operands and results are written.
+//! Values of a function: their names, and the printing of operands and results.
 
 use super::context::Context;
 use super::group;
@@ -6,19 +6,19 @@ use crate::emit::names::ProgramNames;
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// One function's program with the names of its values.
+/// The program of a function with the names of its values.
 pub(super) struct Body<'a> {
     pub(super) context: &'a Context<'a>,
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     pub(super) names: ProgramNames,
-    /// It is true if a value is that of several states, and arguments hold [`group::COUNT`] states.
+    /// Whether values are those of several states, and arguments hold [`group::COUNT`] states.
     pub(super) over_lanes: bool,
-    /// Where inputs and results are rows of a loop over joints: how long these are.
+    /// Row length, if inputs and results are rows of a loop over joints.
     pub(super) row: Option<usize>,
-    /// Where results are matrices over rows that are padded: how long these are.
+    /// Row length, if results are matrices with padded rows.
     pub(super) stride: Option<usize>,
-    /// The entries of results that each value is stored into: result, entry.
+    /// Result entries that store each value: result, entry.
     pub(super) stored: Vec<Vec<(usize, usize)>>,
 }
 
@@ -26,12 +26,12 @@ pub(super) struct Body<'a> {
 pub(super) const JOINT: &str = "joint";
 
 impl<'a> Body<'a> {
-    /// A body whose results are arguments; a single number is returned instead.
+    /// A body with results as arguments; a single number is returned instead.
     pub(super) fn new(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self::with_results(context, program, !returns_number(program))
     }
 
-    /// Over several states, with all results as arguments.
+    /// A body over several states, with all results as arguments.
     pub(super) fn over_lanes(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self { over_lanes: true, ..Self::with_results(context, program, true) }
     }
@@ -60,7 +60,7 @@ impl<'a> Body<'a> {
         body
     }
 
-    /// The same body, whose statements do not store into the results.
+    /// The same body without stores to the results.
     pub(super) fn without_stores(mut self) -> Self {
         self.stored = vec![];
         self
@@ -71,7 +71,7 @@ impl<'a> Body<'a> {
         &self.names.values[self.flow.canonical(index)]
     }
 
-    /// Names that are different from all others in the function.
+    /// Names that are unused in the function.
     pub(super) fn fresh<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
         let ProgramNames { arguments, results, values } = &self.names;
         let mut taken: Vec<String> = [arguments.as_slice(), results, values].concat();
@@ -87,7 +87,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// An operand that is a value of the function's type: an argument of a call, or an entry of a result.
+    /// An operand with the type of the function: argument of a call, or entry of a result.
     pub(super) fn value(&self, operand: Operand) -> String {
         let text = self.operand(operand);
         match (self.over_lanes, operand) {
@@ -96,7 +96,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// An operand of an operator; over several states a number among them counts for all.
+    /// An operand of an operator; in code over several states a number is valid for all states.
     pub(super) fn operand(&self, operand: Operand) -> String {
         match operand {
             Operand::Value(index) => self.name(index).to_owned(),
@@ -113,7 +113,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The value that an entry is, if it is one.
+    /// Value of an entry, if it is a value.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
@@ -121,7 +121,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The return statement, if the function returns a single number.
+    /// Return statement, if the function returns a single number.
     pub(super) fn return_statement(&self) -> Option<String> {
         let returns = returns_number(self.program) && !self.over_lanes;
         let number = self.program.outputs.first().filter(|_| returns)?;
@@ -129,7 +129,7 @@ impl<'a> Body<'a> {
         Some(format!("return {};", entry.unwrap_or_else(|| self.context.literal(0.0))))
     }
 
-    /// Arguments that no statement reads.
+    /// Arguments that no statement uses.
     pub(super) fn unused(&self) -> Vec<String> {
         let made = self.program.instructions.iter().enumerate();
         let made = made.filter(|(index, _)| self.flow.is_made(*index));
@@ -156,12 +156,12 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Whether a program has one number as its only result.
+/// Whether the only result of a program is one number.
 pub(super) fn returns_number(program: &Program) -> bool {
     matches!(program.outputs.as_slice(), [Output { shape: Shape::Scalar, .. }])
 }
 
-/// An entry of a row in a loop over joints.
+/// Entry of a row in a loop over joints.
 pub(super) fn in_row(name: &str, row: usize, len: usize) -> String {
     match row {
         0 => format!("{name}[{JOINT}]"),

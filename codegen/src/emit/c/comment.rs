@@ -1,4 +1,4 @@
-//! Comments: plain text behind `//`, from which no text of a description can escape.
+//! Comments: plain text after `//` from which no text of a description can escape.
 
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};
@@ -29,7 +29,7 @@ pub(super) fn paragraph(text: &str) -> String {
     documentation(&[Block::Paragraph(text.to_owned())])
 }
 
-/// A line that is a comment already, safely ended.
+/// Ends a comment line safely.
 pub(super) fn ended(line: &str) -> String {
     let line = line.replace("??", "? ?");
     // A backslash would take the next line into the comment.

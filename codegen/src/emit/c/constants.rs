@@ -1,4 +1,4 @@
-//! Constants of a module: lengths as macros, all else as constant objects.
+//! Constants of a module: lengths as macros, all others as constant objects.
 
 use super::context::Context;
 use super::literal::string;
@@ -7,7 +7,7 @@ use crate::emit::documentation::{Block, of_constant};
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
-/// How long the arrays of a robot are.
+/// Lengths of the robot's arrays.
 pub(super) fn sizes(context: &Context<'_>) -> Vec<String> {
     let size = |name: &str, about: &str, count: usize| {
         format!("{}#define {} {count}\n", comment::paragraph(about), context.constant(name))
@@ -25,7 +25,7 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
     let text = match object(context, constant) {
         Object::Macro(value) => format!("#define {name} {value}\n"),
         Object::Empty => {
-            blocks.push(Block::Paragraph("Not declared, since it has no entries.".to_owned()));
+            blocks.push(Block::Paragraph("Not declared, because it has no entries.".to_owned()));
             format!("// {name}\n")
         }
         Object::Array { ty, lengths, .. } => format!("extern const {ty}{name}{lengths};\n"),
@@ -33,7 +33,8 @@ pub(super) fn declaration(context: &Context<'_>, constant: &Constant) -> String 
     [comment::documentation(&blocks), text].concat()
 }
 
-/// The definition of a constant; none if its declaration is all. That of a hash compares header and source.
+/// Definition of a constant, or `None` if its declaration is complete. For a hash it compares header and
+/// source.
 pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<String> {
     let name = context.constant(constant.name);
     match object(context, constant) {
@@ -49,7 +50,7 @@ pub(super) fn definition(context: &Context<'_>, constant: &Constant) -> Option<S
     }
 }
 
-/// The type that sparse matrices have as entries, if the module has such a matrix.
+/// Type for entries of sparse matrices, if the module has one.
 pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
     let module = context.module;
     let constants = module.functions.iter().flat_map(|function| &function.constants);
@@ -65,7 +66,7 @@ pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
 /// C form of a constant.
 enum Object {
     Macro(String),
-    /// C has no arrays without entries.
+    /// An empty array, which C does not have.
     Empty,
     Array {
         /// The type before the name, a space or a star at its end.

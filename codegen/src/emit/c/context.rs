@@ -1,4 +1,4 @@
-//! Context shared by all parts of a module while it is printed.
+//! State shared by all parts of a module during printing.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,33 +11,33 @@ use crate::emit::names::Spelling;
 use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
-/// A module while it is printed.
+/// A module during printing.
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
-    /// Name of the files.
+    /// Base name of the files.
     pub(super) name: String,
     /// Prefix of the names of functions and types, e.g. `ur5`.
     prefix: String,
-    /// How names inside functions are spelled.
+    /// Rules for names inside functions.
     pub(super) spelling: Spelling,
     /// Field names of the free parameters.
     pub(super) parameters: Vec<String>,
     /// Names of the functions.
     pub(super) functions: Vec<String>,
-    /// Elementary functions that were called so far.
+    /// Elementary functions called so far.
     pub(super) kernels: RefCell<BTreeSet<Kernel>>,
-    /// Those among them that were called over several states.
+    /// Elementary functions called over several states so far.
     pub(super) lanes_kernels: RefCell<BTreeSet<Kernel>>,
-    /// It is true if the sign of a number was called.
+    /// Whether the sign function was called.
     pub(super) sign: Cell<bool>,
-    /// It is true if a fused sum was negated.
+    /// Whether a fused sum was negated.
     pub(super) negation: Cell<bool>,
-    /// Private functions of array forms, which several functions call.
+    /// Private functions of array forms, shared by several functions.
     pub(super) shared: Shared,
-    /// Private constants of array forms, which the loops read.
+    /// Private constants of array forms for the loops.
     pub(super) tables: Shared,
-    /// Private functions of numbers, written for several states.
+    /// Private elementary functions over several states.
     pub(super) of_lanes: Shared,
     /// Names of the functions over several states, by those of their functions.
     lanes: BTreeMap<&'a str, String>,
@@ -75,12 +75,12 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// A function or a type of the module.
+    /// Name of a function or type of the module.
     pub(super) fn function(&self, name: &str) -> String {
         format!("{}_{name}", self.prefix)
     }
 
-    /// The form of a function over several states, if it has one.
+    /// Name of a function's form over several states, if any.
     pub(super) fn lanes_of(&self, function: &str) -> Option<&str> {
         self.lanes.get(function).map(String::as_str)
     }
@@ -89,17 +89,17 @@ impl<'a> Context<'a> {
         !self.lanes.is_empty()
     }
 
-    /// A constant or a macro of the module.
+    /// Name of a constant or macro of the module.
     pub(super) fn constant(&self, name: &str) -> String {
         format!("{}_{name}", self.prefix.to_uppercase())
     }
 
-    /// The type of a number.
+    /// Number type.
     pub(super) fn ty(&self) -> &'static str {
         self.options.scalar.c_type()
     }
 
-    /// A number.
+    /// Number literal.
     pub(super) fn literal(&self, number: f64) -> String {
         self.options.scalar.c_literal(number)
     }
@@ -108,18 +108,18 @@ impl<'a> Context<'a> {
         !self.parameters.is_empty()
     }
 
-    /// The free parameters as an argument of a call.
+    /// Free parameters as an argument of a call.
     pub(super) fn passed_parameters(&self) -> Option<String> {
         self.has_parameters().then(|| "p".to_owned())
     }
 
-    /// The free parameters as an argument of a signature.
+    /// Free parameters as an argument of a signature.
     pub(super) fn declared_parameters(&self) -> Option<String> {
         self.has_parameters()
             .then(|| format!("const {} *{} p", self.function("parameters"), self.constant("RESTRICT")))
     }
 
-    /// A text that is pasted, with the names of this module.
+    /// Fixed text with the names of this module.
     pub(super) fn pasted(&self, text: &str) -> String {
         let text = match self.has_parameters() {
             true => text.to_owned(),
@@ -128,19 +128,19 @@ impl<'a> Context<'a> {
         self.pasted_names(&text)
     }
 
-    /// A text that is pasted, which has no free parameters, with the names of this module.
+    /// Fixed text without free parameters, with the names of this module.
     pub(super) fn pasted_names(&self, text: &str) -> String {
         let text = text.replace("gelenk_", &format!("{}_", self.prefix));
         text.replace("GELENK_", &format!("{}_", self.prefix.to_uppercase()))
     }
 
-    /// A text of loops that is pasted, in the number type of the module.
+    /// Fixed text of loops in the number type of the module.
     pub(super) fn pasted_loops(&self, text: &str) -> String {
         self.pasted(&in_scalar(text, self.options.scalar))
     }
 }
 
-/// Private items that several functions use, by name, in the order in which they came.
+/// Private items shared by several functions, by name, in order of their addition.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
     names: RefCell<BTreeMap<String, String>>,
@@ -148,12 +148,12 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// The text of all of them.
+    /// Text of all items.
     pub(super) fn text(&self) -> String {
         self.items.borrow().iter().map(|item| format!("\n{item}")).collect()
     }
 
-    /// Adds an item, unless it is there already; its name, another one where that is taken by something else.
+    /// Adds an item if it is absent; returns its name, which is numbered if another item has the name.
     pub(super) fn add(&self, stem: &str, item: impl Fn(&str) -> String) -> String {
         let mut names = self.names.borrow_mut();
         let mut number = 1;

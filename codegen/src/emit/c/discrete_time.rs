@@ -1,4 +1,4 @@
-//! Functions over a sample time: pasted texts, which call the module's own functions.
+//! Functions over a sample time: fixed texts that call functions of the module.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use crate::emit::names::spelled;
 use crate::functions::composition::Composition;
 use crate::module::ComposedFunction;
 
-/// The declaration of a function with its documentation.
+/// Declaration of a function with its documentation.
 pub(super) fn declaration(context: &Context<'_>, composed: &ComposedFunction) -> String {
     let results = composed.results.iter().map(|result| {
         signature::result_label(&spelled(result.name), result.name, &shape_text(&result.extents))
@@ -37,7 +37,7 @@ fn head(context: &Context<'_>, composed: &ComposedFunction, tail: &str) -> Strin
     layout::call(0, &format!("void {name}"), &arguments, tail)
 }
 
-/// The functions, after the texts that they share.
+/// The functions, after their common texts.
 pub(super) fn text(context: &Context<'_>) -> String {
     let compositions = context.module.compositions.iter();
     let texts = [shared(context), own(context)].concat().into_iter().filter(|text| !text.is_empty());

@@ -1,11 +1,11 @@
-//! A function in the form that it has: straight-line code, or loops over joints; and its lanes.
+//! A function in its form: straight-line code or loops over joints; and its form over several states.
 
 use super::context::Context;
 use super::{affine, arrays, lanes, straight};
 use crate::functions::function::Function;
 use crate::program::arrays::ArrayForm;
 
-/// The private functions, then the public one that calls them, then those over several states.
+/// The private functions, the public function, then the functions over several states.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> Vec<String> {
     let mut items = match &function.arrays {
         Some(ArrayForm::Steps(form)) => arrays::items(context, function, form, name),

@@ -1,10 +1,10 @@
-//! The header of a module, the part for its users.
+//! The header of a module.
 
 use super::context::Context;
 use super::{comment, constants, discrete_time, lanes, parameters, positions, public, stack};
 use crate::emit::header;
 
-/// The text of `<name>.h`.
+/// Text of `<name>.h`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut items = constants::sizes(context);
@@ -24,7 +24,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     let (guard, restrict) = (context.constant("H"), context.constant("RESTRICT"));
     format!(
         "{}{}\n#ifndef {guard}\n#define {guard}\n\n\
-         // No two pointers to results lead to the same numbers, and none to those of an argument.\n\
+         // Results must not overlap each other or an argument.\n\
          #if defined(__GNUC__)\n#define {restrict} __restrict__\n\
          #elif defined(__cplusplus)\n#define {restrict}\n\
          #else\n#define {restrict} restrict\n#endif\n\n\

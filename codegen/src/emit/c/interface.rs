@@ -1,4 +1,4 @@
-//! The interface of a module as a plain value.
+//! Calling convention of a module as data.
 
 use super::body::{Body, returns_number};
 use super::context::Context;
@@ -10,7 +10,7 @@ use crate::functions::position_functions::{PositionFunction, extents};
 use crate::layout::{Dimension, Extent};
 use crate::module::ComposedFunction;
 
-/// All that a caller has to know.
+/// Calling convention of a module.
 pub(super) fn of(context: &Context<'_>) -> Interface {
     let functions = context.module.functions.iter().zip(&context.functions);
     let functions = functions.map(|(each, name)| function(context, each, name));
@@ -61,7 +61,7 @@ fn composition(context: &Context<'_>, composed: &ComposedFunction) -> Callable {
     let (positions, velocities) = match context.module.has_quaternions() {
         true => (
             Extent::new(Dimension::Positions, context.module.positions),
-            "velocities v, for which ẏ stands in equations",
+            "velocities v, written ẏ in equations",
         ),
         false => (Extent::new(Dimension::Coordinates, n), "velocities ẏ"),
     };

@@ -1,4 +1,4 @@
-//! Sums over the joints of a robot, as functions of its module: along paths, over subtrees, over the joints of a
+//! Sums over joints as functions of a module: along paths, over subtrees, and over the joints of a
 //! coordinate.
 
 use super::arrays::Emission;

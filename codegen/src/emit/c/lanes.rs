@@ -1,12 +1,12 @@
-//! Many states at once: functions over eight states, which stand one after the other, with the bits of the scalar ones.
+//! Functions over eight states stored one after the other, with the same bits as functions over one state.
 //!
-//! The text of a function is that of its scalar form with another type: as many states as a register holds, by the
-//! vectors that gcc and clang know without instructions being named. It depends on no optimization, and holds for every
-//! processor; another compiler takes one state after the other.
+//! The text of such a function is that of its scalar form with another type: a vector of states of register
+//! width, from the vector extensions of gcc and clang. It needs no compiler optimization and is independent
+//! of the processor. Other compilers process one state at a time.
 //!
-//! Entries are gathered from the states and scattered to them as they are needed and known, so that arrays of states are
-//! taken as they are. Turned around before and after instead, as structures of arrays, `inverse_dynamics` of a UR5 took
-//! 31 ns instead of 26 ns for each state, and `linearize` 190 ns instead of 177 ns (gcc 12, AVX2).
+//! Entries are loaded from the states and stored to them one by one, so arrays of states need no conversion.
+//! With conversion to structures of arrays, `inverse_dynamics` of a UR5 took 31 ns instead of 26 ns per
+//! state, and `linearize` 190 ns instead of 177 ns (gcc 12, AVX2).
 
 use super::body::Body;
 use super::context::Context;
@@ -17,14 +17,14 @@ use crate::emit::text::code;
 use crate::functions::function::Function;
 use crate::layout::Extent;
 
-/// The number of states in the header, if there are functions over several.
+/// Number of states for the header, if there are functions over several states.
 pub(super) fn size(context: &Context<'_>) -> Option<String> {
     let about =
         comment::paragraph("Number of states that functions whose names end in `_lanes` take at once.");
     context.has_lanes().then(|| format!("{about}#define {} {COUNT}\n", context.constant("LANES")))
 }
 
-/// The declaration of a function over several states, and its difference from that over one.
+/// Declaration of a function over several states, and its difference from the scalar function.
 pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<String> {
     let name = context.lanes_of(&function.name)?;
     let body = Body::over_lanes(context, &function.program);
@@ -45,7 +45,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<
     Some(format!("{}{head}\n", comment::documentation(&blocks)))
 }
 
-/// The private functions over a group of states, then the public one that calls them for each group.
+/// The private functions over a group of states, then the public function that calls them for each group.
 pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
     let Some(name) = context.lanes_of(&function.name) else {
         return vec![];

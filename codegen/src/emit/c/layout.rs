@@ -1,4 +1,4 @@
-//! Statements and signatures in lines of limited length.
+//! Layout of statements and signatures in lines of limited length.
 
 /// Longest line of code.
 const WIDTH: usize = 118;
@@ -6,9 +6,9 @@ const WIDTH: usize = 118;
 /// Indentation of continuation lines relative to the first line.
 const FURTHER: &str = "    ";
 
-/// `head(arguments)tail`, with the arguments on further lines where one does not hold them.
+/// `head(arguments)tail`; arguments are wrapped if the line is too long.
 ///
-/// - `indent`: how deep the statement will stand
+/// - `indent`: indentation of the statement
 pub(super) fn call(indent: usize, head: &str, arguments: &[String], tail: &str) -> String {
     let line = format!("{head}({}){tail}", arguments.join(", "));
     if indent + line.chars().count() <= WIDTH {
@@ -19,7 +19,7 @@ pub(super) fn call(indent: usize, head: &str, arguments: &[String], tail: &str) 
 
 /// A list in braces.
 ///
-/// - `indent`: how deep the statement will stand
+/// - `indent`: indentation of the statement
 pub(super) fn braces(indent: usize, entries: &[String]) -> String {
     let line = format!("{{{}}}", entries.join(", "));
     if indent + line.chars().count() <= WIDTH {
@@ -45,13 +45,13 @@ fn filled(indent: usize, entries: &[String]) -> String {
     lines.join("\n")
 }
 
-/// A function, its statements indented.
+/// A function with indented statements.
 pub(super) fn function(head: &str, statements: &[String]) -> String {
     let body: String = statements.iter().map(|statement| indented(statement)).collect();
     format!("{head}\n{{\n{body}}}\n")
 }
 
-/// A statement one level deeper.
+/// Indents a statement by one level.
 pub(super) fn indented(statement: &str) -> String {
     let lines = statement.lines().map(|line| format!("    {line}\n"));
     lines.collect()

@@ -1,9 +1,9 @@
-//! Numbers and text as C literals that read back to the same bits and bytes.
+//! Numbers and texts as C literals with the same bits and bytes.
 
 use crate::emit::options::Scalar;
 
 impl Scalar {
-    /// The type in C.
+    /// Type in C.
     pub(super) fn c_type(self) -> &'static str {
         match self {
             Self::F64 => "double",
@@ -29,7 +29,7 @@ fn infinity(number: f64) -> String {
     if number < 0.0 { "-INFINITY" } else { "INFINITY" }.to_owned()
 }
 
-/// Text as a string of UTF-8, without trigraphs.
+/// Text as a UTF-8 string without trigraphs.
 pub(super) fn string(text: &str) -> String {
     let mut literal = String::from("\"");
     for byte in text.bytes() {
@@ -44,8 +44,7 @@ pub(super) fn string(text: &str) -> String {
     literal
 }
 
-/// The text of loops for `double` as one for a number type: types, literals and functions of the standard
-/// library.
+/// Converts loops for `double` to another number type: types, literals and functions of the standard library.
 pub(super) fn in_scalar(text: &str, scalar: Scalar) -> String {
     match scalar {
         Scalar::F64 => text.to_owned(),

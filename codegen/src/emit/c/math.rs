@@ -1,4 +1,4 @@
-//! Where functions of one number come from: our own texts, and instructions that C names.
+//! Elementary functions in C: included texts, and functions of the C library that are single instructions.
 
 use gelenk_kernels::math::{C_BITS, C_BITS_F32, Kernel};
 
@@ -7,7 +7,7 @@ use crate::emit::kernels;
 use crate::emit::options::Scalar;
 use gelenk_formula::Function as Call;
 
-/// A function of one number. Sines and cosines are made in pairs.
+/// Function of one number. Sines and cosines are computed in pairs.
 pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
     match function {
         Call::Sign => {
@@ -23,24 +23,24 @@ pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
     }
 }
 
-/// The function of a, b and c that gives `a b + c`, rounded once.
+/// Function that computes `a b + c` with one rounding.
 pub(super) fn multiply_add(context: &Context<'_>) -> String {
     of_scalar(context, "fma")
 }
 
-/// The function that gives `−x` of a fused sum. gcc 12 takes the minus into the sum, `−a b − c`, whose zero has another sign than that of
-/// `−(a b + c)`.
+/// Function that computes `−x` of a fused sum. gcc 12 moves the minus into the sum, `−a b − c`, whose zero
+/// has the opposite sign of the zero of `−(a b + c)`.
 pub(super) fn negate_fused(context: &Context<'_>) -> String {
     context.negation.set(true);
     context.function("negated")
 }
 
-/// The function that gives sine and cosine of one angle.
+/// Function that computes sine and cosine of one angle.
 pub(super) fn sin_cos(context: &Context<'_>) -> String {
     own(context, [Kernel::SinCos, Kernel::SinCosF32])
 }
 
-/// The function that gives sines and cosines of 2, 4 or 8 angles.
+/// Function that computes sines and cosines of 2, 4 or 8 angles.
 pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize) -> String {
     own(context, kernels::sin_cos_of(lanes))
 }
@@ -58,7 +58,7 @@ fn of_scalar(context: &Context<'_>, name: &str) -> String {
     }
 }
 
-/// The functions that were called, and those that they call.
+/// The called functions, and those that they call.
 pub(super) fn text(context: &Context<'_>) -> String {
     let needed = kernels::needed(&context.kernels.borrow());
     let texts = needed.iter().map(|&kernel| source(kernel));
@@ -118,7 +118,8 @@ static inline float gelenk_negated(float x)
 }
 ";
 
-/// Where a processor has no fused multiply-add, `fma` is a library call as slow as thirty operations.
+/// Guard against processors without fused multiply-add, on which `fma` is a library call as slow as thirty
+/// operations.
 pub(super) fn guard(context: &Context<'_>) -> &'static str {
     match (kernels::are_fused(&context.module.functions), context.options.scalar) {
         (false, _) => "",

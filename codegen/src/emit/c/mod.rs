@@ -1,13 +1,14 @@
-//! Modules as C99 that is C++ too: a header and a source.
+//! Modules as a C99 header and source that also compile as C++.
 //!
-//! The texts compile without warnings. They compute the same bits as the Rust module of the same robot: one statement
-//! for each instruction of the program, the same elementary functions, and compilers kept from contracting.
+//! The texts compile without warnings. They compute the same bits as the Rust module of the same robot: one
+//! statement per instruction, the same elementary functions, and no contraction by compilers.
 //!
-//! From below: `names.rs`, `literal.rs` and `comment.rs` guard what reaches the text. `body.rs` names the values of a
-//! function, whose type is a number, or that of several states (`group/`). `statements.rs` prints one declaration per
-//! instruction, `results.rs` the stores, `signature.rs` and `public.rs` what stands around them, `parts.rs` the functions
-//! that a long one is split into. On these stand the forms: `straight.rs`, `arrays.rs`, `affine.rs`, `lanes.rs`.
-//! `function.rs` chooses between them by what the module says. `header.rs` and `source.rs` put the files together.
+//! Lowest layer: `names.rs`, `literal.rs` and `comment.rs` check everything that is printed. `body.rs` names
+//! the values of a function; their type is a number or, in `group/`, several states. `statements.rs` prints
+//! one declaration per instruction, `results.rs` the stores, `signature.rs` and `public.rs` the function
+//! around them, `parts.rs` the parts of a long function. The forms use these: `straight.rs`, `arrays.rs`,
+//! `affine.rs`, `lanes.rs`. `function.rs` chooses the form given by the module. `header.rs` and `source.rs`
+//! assemble the files.
 
 mod about_reference;
 mod acados;
@@ -46,9 +47,9 @@ use self::context::Context;
 use crate::emit::options::{Companion, EmitOptions, SourceFile};
 use crate::module::Module;
 
-/// Writes a module as C99: `<name>.h` and `<name>.c`.
+/// Prints a module as C99: `<name>.h` and `<name>.c`.
 ///
-/// The text depends on the arguments alone.
+/// The text depends only on the arguments.
 #[must_use]
 pub(super) fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let context = Context::new(module, options);

@@ -1,4 +1,4 @@
-//! Names of a description and of a program as identifiers of C99 and C++.
+//! Conversion of names of descriptions and programs to identifiers of C99 and C++.
 
 use crate::emit::names::Spelling;
 
@@ -165,12 +165,12 @@ const KEYWORDS: [&str; 159] = [
     "xor_eq",
 ];
 
-/// Names inside functions, of fields and of functions: none begins as the module's own names do.
+/// Rules for names inside functions, of fields and of functions. None begins like the module's own names.
 pub(super) fn spelling(prefixes: Vec<String>) -> Spelling {
     Spelling { keywords: &KEYWORDS, has_free_underscores: false, prefixes }
 }
 
-/// Prefix of the names of a module, from the name of its files, without the underscore.
+/// Prefix of a module's names without the underscore, from the name of its files.
 pub(super) fn prefix(name: &str) -> String {
     spelling(vec![]).identifier(name).trim_end_matches('_').to_owned()
 }

@@ -4,7 +4,7 @@ use super::comment;
 use super::context::Context;
 use crate::emit::documentation::of_parameter;
 
-/// The struct, and the declaration of the described values; nothing for a model without free parameters.
+/// The struct, and the declaration of the described values; empty without free parameters.
 pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     if !context.has_parameters() {
         return vec![];
@@ -31,7 +31,7 @@ pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     ]
 }
 
-/// The described values; nothing for a model without free parameters.
+/// Definition of the described values; `None` without free parameters.
 pub(super) fn definition(context: &Context<'_>) -> Option<String> {
     let parameters = context.module.parameters.iter().zip(&context.parameters);
     let values = parameters

@@ -1,10 +1,10 @@
-//! The private functions that a long one is split into, and the values that they exchange.
+//! Private functions into which a long function is split, and the values that they exchange.
 
 use super::body::Body;
 use super::{layout, signature};
 use crate::program::split::Part;
 
-/// The body of a split function: one call per part, and the results.
+/// Body of a split function: one call per part, and the results.
 pub(super) fn calls(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> {
     let ty = body.ty();
     let helpers = body.fresh(parts.iter().flat_map(|_| ["taken", "made"]));

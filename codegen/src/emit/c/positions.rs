@@ -1,4 +1,4 @@
-//! Functions of positions with quaternions: pasted texts.
+//! Functions of positions with quaternions, as fixed texts.
 
 use gelenk_kernels::manifold::{Text, c_bodies};
 
@@ -7,7 +7,7 @@ use super::{comment, layout, math, signature};
 use crate::emit::documentation::{self, Labels, shape_text};
 use crate::functions::position_functions::{PositionFunction, PositionValue, extents};
 
-/// Include that positions need in the header.
+/// Header that these functions need.
 pub(super) fn include(context: &Context<'_>) -> &'static str {
     match context.module.has_quaternions() {
         true => "#include <stdbool.h>\n\n",
@@ -15,12 +15,12 @@ pub(super) fn include(context: &Context<'_>) -> &'static str {
     }
 }
 
-/// The declarations of the functions with their documentation; none for robots without quaternions.
+/// Declarations of the functions with their documentation; empty without quaternions.
 pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     functions(context).iter().map(|&function| declaration(context, function)).collect()
 }
 
-/// The functions, after the texts that they share.
+/// The functions, after their common texts.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.module.has_quaternions() {
         return String::new();
@@ -77,7 +77,7 @@ fn head(context: &Context<'_>, function: PositionFunction, tail: &str) -> String
     layout::call(0, &format!("{ty} {}", context.function(function.name())), &arguments, tail)
 }
 
-/// The names that the bodies have for the results.
+/// Names of the results in the bodies.
 pub(super) fn results_of(function: PositionFunction) -> &'static [&'static str] {
     match function {
         PositionFunction::Integrate => &["y_next"],

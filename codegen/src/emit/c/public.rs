@@ -1,4 +1,4 @@
-//! The public face of a function.
+//! Public part of a function.
 
 use super::body::Body;
 use super::context::Context;
@@ -8,7 +8,7 @@ use crate::functions::function::Function;
 
 /// The declaration of a function with its documentation.
 ///
-/// - `stack`: the sentence about its stack
+/// - `stack`: sentence about the stack
 pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str, stack: String) -> String {
     let face = function.program.face();
     let body = Body::new(context, &face);

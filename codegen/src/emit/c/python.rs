@@ -1,13 +1,13 @@
-//! Loops over many states for Python: the functions as NumPy's generalized universal functions call them.
+//! Loops over many states for Python: the functions as generalized universal functions of NumPy.
 //!
-//! NumPy hands over plain pointers, lengths and steps, so that the text needs no header of Python or NumPy.
+//! NumPy passes plain pointers, lengths and strides, so the text needs no header of Python or NumPy.
 
 use super::context::Context;
 use super::{comment, group, header, interface, layout};
 use crate::emit::interface::{Callable, Interface, entries};
 use crate::layout::Extent;
 
-/// The text of `<name>_python.c`.
+/// Text of `<name>_python.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let interface = interface::of(context);
     let has_lanes = interface.functions.iter().any(|each| lanes(context, each).is_some());

@@ -1,14 +1,14 @@
-//! How results are stored.
+//! Stores of results.
 //!
-//! Over several states two entries that follow one another are written at once, since processors write few times in a
-//! cycle.
+//! In code over several states two adjacent entries are stored at once, because processors have few stores
+//! per cycle.
 
 use super::body::{Body, in_row};
 use super::group;
 use crate::program::{Operand, Shape};
 
 impl Body<'_> {
-    /// The stores of those entries that are wanted.
+    /// Stores of the selected entries.
     pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<String> {
         let outputs = self.program.outputs.iter().enumerate();
         let at_once = if self.over_lanes { 2 } else { 1 };
@@ -20,7 +20,7 @@ impl Body<'_> {
         stores.map(|(result, first)| self.store(result, first)).collect()
     }
 
-    /// The assignments of a new value to the results.
+    /// Assignments of a new value to the results.
     pub(super) fn stores_of(&self, index: usize) -> Vec<String> {
         let places = self.stored.get(index).into_iter().flatten();
         let stores = places.filter_map(|&(result, entry)| match self.over_lanes {

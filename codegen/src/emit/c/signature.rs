@@ -6,12 +6,12 @@ use super::layout;
 use crate::emit::documentation::shape_text;
 use crate::emit::text::code;
 
-/// A pointer to numbers that are read.
+/// A pointer to inputs.
 pub(super) fn read(context: &Context<'_>, name: &str) -> String {
     pointer(context, &format!("const {}", context.ty()), name)
 }
 
-/// A pointer to numbers that are written.
+/// A pointer to results.
 pub(super) fn written(context: &Context<'_>, name: &str) -> String {
     pointer(context, context.ty(), name)
 }
@@ -28,19 +28,19 @@ pub(super) fn arguments(body: &Body<'_>) -> Vec<String> {
     inputs.into_iter().chain(results).collect()
 }
 
-/// The arguments that are read.
+/// The input arguments.
 pub(super) fn inputs(body: &Body<'_>) -> Vec<String> {
     let inputs = body.names.arguments.iter().map(|name| read(body.context, name));
     inputs.chain(body.context.declared_parameters()).collect()
 }
 
-/// Head of a public function, before its body or the semicolon.
+/// Head of a public function, before its body or semicolon.
 pub(super) fn head(body: &Body<'_>, name: &str, tail: &str) -> String {
     let ty = if returns_number(body.program) { body.context.ty() } else { "void" };
     layout::call(0, &format!("{ty} {name}"), &arguments(body), tail)
 }
 
-/// How the documentation calls the results.
+/// Labels of the results in the documentation.
 pub(super) fn result_labels(body: &Body<'_>) -> Vec<String> {
     let outputs = body.program.outputs.iter();
     if body.names.results.is_empty() {
@@ -52,7 +52,7 @@ pub(super) fn result_labels(body: &Body<'_>) -> Vec<String> {
         .collect()
 }
 
-/// A result that is an argument.
+/// Label of a result that is an argument.
 pub(super) fn result_label(name: &str, symbol: &str, shape: &str) -> String {
     let shape = if shape.is_empty() { "1" } else { shape };
     let symbol = if symbol == name { String::new() } else { format!(", {}", code(symbol)) };

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::{array_kernels, constants, discrete_time, function, group, header, math, parameters, positions};
 
-/// The text of `<name>.c`.
+/// Text of `<name>.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let module = context.module;
     let mut functions = String::new();

@@ -1,4 +1,5 @@
-//! The stack of calls, estimated from the values that are alive at once: gcc keeps those beyond the registers there.
+//! Stack size of calls, estimated from the values that are alive at once: gcc stores those beyond the
+//! registers on the stack.
 
 use super::context::Context;
 use super::{arrays, straight};
@@ -16,12 +17,12 @@ const CALL: usize = 240;
 /// Bytes below which saved registers and padding are as large as the values.
 const LEAST: usize = 1000;
 
-/// The sentence about a function of the module.
+/// Sentence about the stack of a function of the module.
 pub(super) fn of_function(context: &Context<'_>, function: &Function) -> String {
     sentence(bytes(context, function))
 }
 
-/// The sentence about a function over a sample time.
+/// Sentence about the stack of a function over a sample time.
 pub(super) fn of_composition(context: &Context<'_>, composition: Composition) -> String {
     let (n, m) = (context.module.coordinates, context.module.inputs);
     let numbers = match composition {

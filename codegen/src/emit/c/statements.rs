@@ -1,4 +1,4 @@
-//! The statements of a function: one declaration per instruction.
+//! Statements of a function: one declaration per instruction.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::program::{Operand, Operation};
 use gelenk_formula::Function as Call;
 
 impl Body<'_> {
-    /// All statements, each entry of the results stored as soon as it is known, or the result returned.
+    /// All statements. Each result entry is stored as soon as it is known, or the result is returned.
     pub(super) fn all_statements(&self) -> Vec<String> {
         let constants = match self.return_statement() {
             None => self.stores(|entry| self.made(entry).is_none()),
@@ -19,7 +19,7 @@ impl Body<'_> {
         constants.into_iter().chain(statements).chain(self.return_statement()).collect()
     }
 
-    /// The statements of a run of instructions.
+    /// Statements of a run of instructions.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<String> {
         let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
         // Lanes are states already.

@@ -1,4 +1,4 @@
-//! Functions as straight-line code, split where they are long.
+//! Functions as straight-line code; long functions are split.
 
 use super::body::Body;
 use super::context::Context;
@@ -17,7 +17,7 @@ pub(super) fn longest(context: &Context<'_>) -> usize {
     context.options.longest_function.saturating_mul(LONGER)
 }
 
-/// The private functions, then the public one.
+/// The private functions, then the public function.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> Vec<String> {
     let body = Body::new(context, &function.program);
     let (mut items, statements) =
@@ -26,10 +26,10 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> V
     items
 }
 
-/// The private functions of a body's parts, if it is long, and the statements of the function.
+/// Private functions of the parts of a long body, and statements of the function.
 ///
-/// - `longest`: largest number of statements of one function
-/// - `again`: makes the body once more
+/// - `longest`: largest number of statements of a function
+/// - `again`: creates the body again
 pub(super) fn statements<'a>(
     body: &Body<'a>,
     longest: usize,

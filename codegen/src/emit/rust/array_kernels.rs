@@ -1,4 +1,4 @@
-//! The loops of array forms, pasted into modules that need them.
+//! Loops of array forms, included in modules that use them.
 
 use super::pasted;
 use crate::emit::arrays::Row;
@@ -6,7 +6,7 @@ use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Step};
 
-/// The module of loops that the functions call.
+/// Module with the loops that the functions call.
 pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     let forms: Vec<&ArrayForm> = functions.iter().filter_map(|function| function.arrays.as_ref()).collect();
     let Some(first) = forms.first().map(|form| form.arrays()) else {

@@ -15,7 +15,7 @@ use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
-/// Names that the module takes for array forms.
+/// Names reserved for array forms.
 pub(super) const RESERVED: [&str; 15] = [
     "arrays",
     "sum_ancestors",
@@ -34,7 +34,7 @@ pub(super) const RESERVED: [&str; 15] = [
     "is_before",
 ];
 
-/// The public functions, and the setup.
+/// The public functions and the setup.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,
@@ -103,7 +103,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// The same with variables that arrays share.
+    /// Lets arrays share variables.
     fn with_shared_rows(self, taken: &[String]) -> Self {
         let is_local = |array: usize| matches!(self.places[array], Place::Local(_));
         let shared = SharedRows::new(self.form, self.row, is_local);

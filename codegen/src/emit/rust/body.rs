@@ -1,4 +1,4 @@
-//! The values of a function: their names, and how operands and results are written.
+//! Values of a function: their names, and the printing of operands and results.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use super::names;
 use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// One function's program with the names of its values.
+/// The program of a function with the names of its values.
 #[derive(Clone)]
 pub(super) struct Body<'a> {
     pub(super) context: &'a Context<'a>,
@@ -22,7 +22,7 @@ pub(super) struct Body<'a> {
     pub(super) results: Vec<Ident>,
     /// Name of each value.
     pub(super) names: Vec<Ident>,
-    /// The index behind an entry of an input or result: the column of an array, or a lane.
+    /// Index after an entry of an input or result: column of an array, or lane.
     pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
     stored: Vec<bool>,
@@ -59,12 +59,12 @@ impl<'a> Body<'a> {
         body
     }
 
-    /// The same body, whose statements do not store into the results.
+    /// The same body without stores to the results.
     pub(super) fn without_stores(&self) -> Self {
         Self { stored: vec![], ..self.clone() }
     }
 
-    /// The same body, which stores nothing and whose inputs have a column: of an array, or a lane.
+    /// The same body without stores, with an index for inputs: column of an array, or lane.
     pub(super) fn with_column(&self, column: TokenStream) -> Self {
         Self { column: Some(column), ..self.without_stores() }
     }
@@ -74,12 +74,12 @@ impl<'a> Body<'a> {
         &self.names[self.flow.canonical(index)]
     }
 
-    /// Names of all values that the text mentions.
+    /// Names of all values in the text.
     pub(super) fn value_names(&self) -> impl Iterator<Item = &Ident> {
         self.value_names_in(0..self.names.len())
     }
 
-    /// Names of the values that these instructions define, as far as they are mentioned.
+    /// Names of the values that these instructions define, if they occur in the text.
     pub(super) fn value_names_in(&self, range: Range<usize>) -> impl Iterator<Item = &Ident> {
         range.filter(|&index| self.flow.is_read[index]).map(|index| &self.names[index])
     }
@@ -97,7 +97,7 @@ impl<'a> Body<'a> {
             .filter_map(constant)
     }
 
-    /// An operand of an operator, an argument or an entry of a result.
+    /// Operand of an operator, argument, or entry of a result.
     pub(super) fn operand(&self, operand: Operand) -> TokenStream {
         match operand {
             Operand::Value(index) => {
@@ -126,7 +126,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The value that an entry is, if it is one.
+    /// Value of an entry, if it is a value.
     pub(super) fn made(&self, entry: Operand) -> Option<usize> {
         match entry {
             Operand::Value(made) => Some(self.flow.canonical(made)),
@@ -134,7 +134,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The stores of those entries that are wanted.
+    /// Stores of the selected entries.
     pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<TokenStream> {
         let mut stores = Vec::new();
         for (output, name) in self.program.outputs.iter().zip(&self.results) {
@@ -149,7 +149,7 @@ impl<'a> Body<'a> {
         stores
     }
 
-    /// The assignments of a new value to results that are written in place.
+    /// Assignments of a new value to results written in place.
     pub(super) fn stores_of(&self, index: usize) -> Vec<TokenStream> {
         match self.stored.get(index) {
             Some(true) => self.stores(|entry| self.made(entry) == Some(index)),
@@ -157,7 +157,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The results as one expression: a value, or a tuple of several.
+    /// The results as an expression: a value, or a tuple of several.
     pub(super) fn returned(&self) -> TokenStream {
         let outputs = self.program.outputs.iter();
         tuple(outputs.map(|output| self.result(output)))
@@ -179,7 +179,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The last value, where it alone is the result: it needs no name (clippy's `let_and_return`).
+    /// The last value if it is the only result; it then needs no name (clippy's `let_and_return`).
     pub(super) fn returned_value(&self) -> Option<usize> {
         let [output] = self.program.outputs.as_slice() else {
             return None;
@@ -202,7 +202,7 @@ pub(super) fn tuple(values: impl ExactSizeIterator<Item = TokenStream>) -> Token
     }
 }
 
-/// Argument names for the results, letters of formulas spelled out.
+/// Argument names of the results, with symbols as words.
 pub(super) fn result_names(program: &Program, taken: &[String]) -> Vec<Ident> {
     names::idents(&names::SPELLING.results(program, taken))
 }

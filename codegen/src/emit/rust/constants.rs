@@ -15,7 +15,7 @@ use crate::layout::{Dimension, Extent};
 /// Names of the lengths, and of the type of driven coordinates.
 pub(super) const RESERVED: [&str; 3] = ["N", "M", "Driven"];
 
-/// How long the arrays of a robot are.
+/// Lengths of the robot's arrays.
 pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
     let n = Literal::usize_unsuffixed(context.module.coordinates);
     let m = Literal::usize_unsuffixed(context.module.inputs);
@@ -31,7 +31,7 @@ pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
     ]
 }
 
-/// The type of the argument that has the driven coordinates, if there are some.
+/// Type of the argument with the driven coordinates, if any.
 pub(super) fn driven(context: &Context<'_>) -> Option<TokenStream> {
     let ty = context.ty();
     (context.module.driven > 0).then(|| {

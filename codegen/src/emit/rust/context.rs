@@ -1,4 +1,4 @@
-//! Context shared by all parts of a module while it is printed.
+//! State shared by all parts of a module during printing.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,7 +11,7 @@ use super::names;
 use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
-/// A module while it is printed.
+/// A module during printing.
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
@@ -19,21 +19,21 @@ pub(super) struct Context<'a> {
     pub(super) parameters: Vec<Ident>,
     /// Names of the functions.
     pub(super) functions: Vec<Ident>,
-    /// Elementary functions that were called so far.
+    /// Elementary functions called so far.
     pub(super) calls: Calls,
-    /// It is true if a function is written over lanes.
+    /// Whether a function over lanes is printed.
     pub(super) has_lanes: Cell<bool>,
-    /// It is true if a function over lanes keeps values between its loops.
+    /// Whether a function over lanes keeps values between its loops.
     pub(super) has_groups: Cell<bool>,
-    /// Names that no argument or value inside a function may take: a constant's would be a pattern, not a
-    /// variable.
+    /// Names that no argument or value may have: in a pattern the name of a constant would match the
+    /// constant.
     pub(super) reserved: Vec<String>,
-    /// Private functions of array forms, which several functions call.
+    /// Private functions of array forms, shared by several functions.
     pub(super) shared: Shared,
 }
 
 impl<'a> Context<'a> {
-    /// - `reserved`: names of the module's own constants and functions
+    /// - `reserved`: names of the module's constants and functions
     pub(super) fn new(module: &'a Module, options: &'a EmitOptions, mut reserved: Vec<String>) -> Self {
         let parameters = module.parameters.iter().map(|each| each.name.as_str());
         let functions = module.functions.iter().map(|function| function.name.as_str());
@@ -56,17 +56,17 @@ impl<'a> Context<'a> {
         !self.parameters.is_empty()
     }
 
-    /// The free parameters as an argument of a call.
+    /// Free parameters as an argument of a call.
     pub(super) fn passed_parameters(&self) -> Option<TokenStream> {
         self.has_parameters().then(|| quote!(p))
     }
 
-    /// The free parameters as an argument of a signature.
+    /// Free parameters as an argument of a signature.
     pub(super) fn declared_parameters(&self) -> Option<TokenStream> {
         self.has_parameters().then(|| quote!(p: &Parameters))
     }
 
-    /// The type of a number.
+    /// Number type.
     pub(super) fn ty(&self) -> TokenStream {
         self.options.scalar.ty()
     }
@@ -77,27 +77,26 @@ impl<'a> Context<'a> {
     }
 }
 
-/// The functions that are called by those printed so far.
+/// Elementary functions called by the printed functions.
 #[derive(Debug, Default)]
 pub(super) struct Calls {
     pub(super) kernels: RefCell<BTreeSet<Kernel>>,
     pub(super) sign: Cell<bool>,
 }
 
-/// Private functions that several functions call, by name.
+/// Private functions shared by several functions, by name.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
     items: RefCell<BTreeMap<String, TokenStream>>,
 }
 
 impl Shared {
-    /// All of them, ordered by name.
+    /// All functions, sorted by name.
     pub(super) fn take(&self) -> Vec<TokenStream> {
         self.items.take().into_values().collect()
     }
 
-    /// Adds a function, unless it is there already; its name, another one where that is taken by something
-    /// else.
+    /// Adds a function if it is absent; returns its name, which is numbered if another function has the name.
     pub(super) fn add(&self, stem: &str, item: impl Fn(&Ident) -> TokenStream) -> Ident {
         let mut items = self.items.borrow_mut();
         let mut number = 1;

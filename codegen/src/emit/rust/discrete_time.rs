@@ -1,5 +1,4 @@
-//! Functions over a sample time: calls of the module's own `linearize` and `forward_dynamics`, and the pasted
-//! texts.
+//! Functions over a sample time: calls of the module's `linearize` and `forward_dynamics`, and fixed texts.
 
 use std::collections::BTreeSet;
 
@@ -86,7 +85,7 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
     ))
 }
 
-/// The pasted texts in a module of their own.
+/// The fixed texts in a separate module.
 pub(super) fn text(scalar: Scalar, module: &Module) -> String {
     let compositions = &module.compositions;
     let texts: BTreeSet<Text> =

@@ -7,7 +7,7 @@ use quote::quote;
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};
 
-/// Lines of documentation in the making.
+/// Lines of documentation under construction.
 #[derive(Debug, Default)]
 pub(super) struct DocComment {
     lines: Vec<String>,
@@ -21,7 +21,7 @@ impl DocComment {
         doc
     }
 
-    /// Documentation that every language has.
+    /// Documentation common to all languages.
     pub(super) fn of(blocks: &[Block]) -> Self {
         let mut doc = Self::default();
         for block in blocks {
@@ -34,12 +34,12 @@ impl DocComment {
         doc
     }
 
-    /// Documentation of one paragraph that is escaped already.
+    /// Documentation from one escaped paragraph.
     pub(super) fn escaped(text: &str) -> Self {
         Self { lines: wrap(text, "") }
     }
 
-    /// A paragraph of Markdown, separated from the text above.
+    /// Adds a paragraph of Markdown, separated from the previous text.
     pub(super) fn paragraph(&mut self, text: &str) {
         if text.trim().is_empty() {
             return;
@@ -48,18 +48,18 @@ impl DocComment {
         self.lines.extend(wrap(&markdown(text), ""));
     }
 
-    /// A section of its own, as rustdoc knows it: `Safety`, `Errors`.
+    /// Adds a section with a heading of rustdoc: `Safety`, `Errors`.
     pub(super) fn heading(&mut self, title: &str) {
         self.gap();
         self.lines.push(format!("# {title}"));
     }
 
-    /// A list item of Markdown. `gap` separates a list from the text above.
+    /// Adds a list item of Markdown. `gap` separates a list from the previous text.
     pub(super) fn item(&mut self, text: &str) {
         self.lines.extend(wrap(&format!("- {}", markdown(text)), "  "));
     }
 
-    /// An empty line, unless at the beginning.
+    /// Adds an empty line, unless at the beginning.
     pub(super) fn gap(&mut self) {
         if self.lines.last().is_some_and(|line| !line.is_empty()) {
             self.lines.push(String::new());
@@ -74,8 +74,8 @@ impl DocComment {
     }
 }
 
-/// Markdown by our own stages: spans in backticks stay, elsewhere tags and emphasis lose their meaning. Units
-/// in brackets get parentheses, since rustdoc would take brackets for links.
+/// Markdown from our own stages: spans in backticks are kept; elsewhere tags and emphasis are escaped. Units
+/// in brackets get parentheses, because rustdoc reads brackets as links.
 pub(super) fn markdown(text: &str) -> String {
     let text = visible(&text.replace('\n', " "));
     let parts: Vec<&str> = text.split('`').collect();
@@ -87,7 +87,7 @@ pub(super) fn markdown(text: &str) -> String {
     guard_start(escaped.collect::<Vec<_>>().join("`"))
 }
 
-/// Foreign text: no markup at all.
+/// Text of a description, without markup.
 pub(super) fn plain(text: &str) -> String {
     guard_start(escape(&visible(&text.replace('\n', " "))))
 }

@@ -1,4 +1,4 @@
-//! A function in the form that it has: straight-line code with its lanes, or loops over joints.
+//! A function in its form: straight-line code with lanes, or loops over joints.
 
 use proc_macro2::{Ident, TokenStream};
 
@@ -7,7 +7,7 @@ use super::{affine, arrays, lanes, straight};
 use crate::functions::function::Function;
 use crate::program::arrays::ArrayForm;
 
-/// The public functions, then the private ones that they call.
+/// The public functions, then their private functions.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
     match &function.arrays {
         Some(ArrayForm::Steps(form)) => arrays::items(context, function, form, name),

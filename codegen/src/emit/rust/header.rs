@@ -1,4 +1,4 @@
-//! The comment at the top of a generated module, and its documentation part.
+//! The comment at the top of a generated module, and the documentation of the module.
 
 use super::doc_comment::plain;
 use crate::emit::header::{self, ROBOT};
@@ -10,8 +10,8 @@ pub(super) fn comment(module: &Module, command: &str) -> String {
     lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
-/// Makes the comment at the top of a generated file, about its robot, the documentation of the module: inside
-/// the file none can stand.
+/// Documentation of a module from the comment at the top of its file; `include!` does not allow inner
+/// documentation.
 #[must_use]
 pub fn documentation(text: &str) -> String {
     let comment = text.lines().map_while(|line| line.strip_prefix("//"));

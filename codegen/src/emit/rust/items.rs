@@ -2,7 +2,7 @@
 
 use proc_macro2::TokenStream;
 
-/// Appends items, each behind a blank line.
+/// Appends items, each after an empty line.
 pub(super) fn push_items(text: &mut String, items: impl IntoIterator<Item = TokenStream>) {
     for item in items {
         text.push('\n');

@@ -1,4 +1,4 @@
-//! Exceptions from lints, each stated on the item that needs it.
+//! Lint exceptions, each on the item that needs it.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -6,7 +6,7 @@ use quote::quote;
 use super::literal::resembles_constant;
 use super::names::is_snake_case;
 
-/// Allows numbers that look like rounded π, e, …, if there are such.
+/// Allows numbers that resemble rounded constants such as π or e, if any occur.
 pub(super) fn for_numbers(numbers: impl IntoIterator<Item = f64>) -> Option<TokenStream> {
     numbers
         .into_iter()
@@ -14,7 +14,7 @@ pub(super) fn for_numbers(numbers: impl IntoIterator<Item = f64>) -> Option<Toke
         .then(|| quote!(#[allow(clippy::approx_constant, reason = "numbers as the description gives them")]))
 }
 
-/// Allows names with capitals, if there are such.
+/// Allows names with capital letters, if any occur.
 pub(super) fn for_names<'a>(names: impl IntoIterator<Item = &'a proc_macro2::Ident>) -> Option<TokenStream> {
     names
         .into_iter()
@@ -29,8 +29,8 @@ pub(super) fn for_arguments(count: usize) -> Option<TokenStream> {
     )
 }
 
-/// Allows a tuple of matrices as result. Clippy's score: each type counts 10 times its depth; 250 is its
-/// limit.
+/// Allows a tuple of matrices as result. Clippy's score of a type counts each part 10 times its depth; the
+/// limit is 250.
 pub(super) fn for_result(dimensions: &[usize]) -> Option<TokenStream> {
     let depth = if dimensions.len() > 1 { 1 } else { 0 };
     let entry = |array: &usize| (1..=array + 1).map(|level| 10 * (level + depth)).sum::<usize>();

@@ -1,4 +1,4 @@
-//! Numbers as Rust literals that read back to the same bits.
+//! Numbers as Rust literals with the same bits.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -14,18 +14,18 @@ impl Scalar {
         }
     }
 
-    /// `number` as an operand of `+ - * /`, as an entry or as an argument.
+    /// `number` as operand of `+ - * /`, as entry or as argument.
     pub(super) fn literal(self, number: f64) -> TokenStream {
         self.signed(number, Suffix::None)
     }
 
-    /// `number` as the receiver of a method: in parentheses if negative, its type named.
+    /// `number` as receiver of a method: in parentheses if negative, with its type.
     pub(super) fn receiver(self, number: f64) -> TokenStream {
         let literal = self.typed(number);
         if number.is_sign_negative() { quote!((#literal)) } else { literal }
     }
 
-    /// `number` with its type named, where nothing else would fix it.
+    /// `number` with its type, if the type is not inferred.
     pub(super) fn typed(self, number: f64) -> TokenStream {
         self.signed(number, Suffix::Type)
     }
@@ -75,10 +75,9 @@ pub(super) fn hexadecimal(number: u64) -> TokenStream {
     shortest(&format!("0x{}", groups.join("_")))
 }
 
-/// Whether clippy takes a literal for a badly written constant of `core::f64::consts`
-/// (`approx_constant`).
+/// Whether clippy reads a literal as a rounded constant of `core::f64::consts` (`approx_constant`).
 ///
-/// A superset of what clippy reports: an `allow` too many does no harm.
+/// The test covers more than clippy reports; an unnecessary `allow` does no harm.
 pub(super) fn resembles_constant(number: f64) -> bool {
     use core::f64::consts as c;
     let constants = [

@@ -1,4 +1,4 @@
-//! Where generated code takes sine, cosine, tanh and exp from: the one place that knows.
+//! Elementary functions in generated Rust: sine, cosine, tanh and exp.
 
 use std::collections::BTreeSet;
 
@@ -13,11 +13,10 @@ use crate::functions::function::Function;
 use gelenk_formula::Function as Call;
 use gelenk_kernels::math::Kernel;
 
-/// Names of the module's own functions: nothing else may be named like them.
+/// Names of the module's own functions, which other items must not have.
 pub(super) const RESERVED: [&str; 1] = ["sign"];
 
-/// A call of a function of one argument, which stands as `receiver` before a method and as `argument` in
-/// parentheses.
+/// Call of a function of one argument: `receiver` precedes a method, `argument` is in parentheses.
 pub(super) fn call(
     context: &Context<'_>,
     function: Call,
@@ -65,13 +64,14 @@ pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize, angles: &[TokenStr
     own(context, kernels, &quote!(#(#arguments),*))
 }
 
-/// Sines and cosines of an angle of several states: references to angles, sines and cosines.
+/// Sines and cosines of one angle in several states; the arguments are references to angles, sines and
+/// cosines.
 pub(super) fn sin_cos_lanes(context: &Context<'_>, arguments: &TokenStream) -> TokenStream {
     let kernels = [Kernel::SinCosLanes, Kernel::SinCosLanesF32];
     own(context, kernels, arguments)
 }
 
-/// The functions that the texts for quaternions call.
+/// Marks the functions called by the texts for quaternions as used.
 pub(super) fn need_for_rotations(context: &Context<'_>) {
     let kernels = [[Kernel::SinCos, Kernel::SinCosF32], [Kernel::Sqrt, Kernel::SqrtF32]];
     let kernels = kernels.map(|kernels| kernels::of_scalar(kernels, context.options.scalar));
@@ -99,7 +99,7 @@ fn method(function: Call) -> Ident {
     Ident::new(name, Span::call_site())
 }
 
-/// The functions that were called: `sign`, and those pasted in.
+/// The called functions: `sign`, and the included ones.
 pub(super) fn text(context: &Context<'_>) -> String {
     let mut text = String::new();
     if context.calls.sign.get() {
@@ -109,7 +109,8 @@ pub(super) fn text(context: &Context<'_>) -> String {
     text
 }
 
-/// Where a processor has no fused multiply-add, `mul_add` is a library call as slow as thirty operations.
+/// Guard against processors without fused multiply-add, on which `mul_add` is a library call as slow as
+/// thirty operations.
 pub(super) fn guard(functions: &[Function]) -> &'static str {
     match kernels::are_fused(functions) {
         false => "",

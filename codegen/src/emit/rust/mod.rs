@@ -1,12 +1,11 @@
-//! Modules as Rust.
+//! Modules in Rust.
 //!
-//! The text compiles without warnings, on its own and through `include!`.
+//! The text compiles without warnings, as a file and through `include!`.
 //!
-//! From below: `names.rs`, `literal.rs` and `doc_comment.rs` guard what reaches the text. `body.rs` names the
-//! values of a function, `statements.rs` prints one `let` per instruction, `signature.rs` and `public.rs`
-//! what stands around them, `parts.rs` the functions that a long one is split into. On these stand the forms:
-//! `straight.rs`, `arrays.rs`, `affine.rs`, `lanes/`. `function.rs` chooses between them by what the module
-//! says.
+//! Lowest layer: `names.rs`, `literal.rs` and `doc_comment.rs` check everything that is printed. `body.rs`
+//! names the values of a function, `statements.rs` prints one `let` per instruction, `signature.rs` and
+//! `public.rs` the function around them, `parts.rs` the parts of a long function. The forms use these:
+//! `straight.rs`, `arrays.rs`, `affine.rs`, `lanes/`. `function.rs` chooses the form given by the module.
 
 mod affine;
 mod array_kernels;
@@ -47,10 +46,10 @@ use crate::functions::module_constants;
 use crate::functions::position_functions::PositionFunction;
 use crate::module::{self, Module};
 
-/// Writes a module as Rust.
+/// Prints a module in Rust.
 ///
-/// The text depends on the arguments alone. It needs no crate, has no inner attributes and names only
-/// `core::` paths.
+/// The text depends only on the arguments. It needs no crate, has no inner attributes and uses only `core::`
+/// paths.
 #[must_use]
 pub fn module(module: &Module, options: &EmitOptions) -> SourceFile {
     let context = Context::new(module, options, reserved());

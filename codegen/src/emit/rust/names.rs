@@ -1,4 +1,4 @@
-//! Names of a description and of a program as Rust identifiers.
+//! Conversion of names of descriptions and programs to Rust identifiers.
 
 use proc_macro2::{Ident, Span};
 
@@ -17,18 +17,18 @@ const KEYWORDS: [&str; 53] = [
 pub(super) const SPELLING: Spelling =
     Spelling { keywords: &KEYWORDS, has_free_underscores: true, prefixes: vec![] };
 
-/// The nearest ASCII identifier to `name`; `name` itself where it is one.
+/// Nearest ASCII identifier to `name`; `name` itself if it is an identifier.
 pub(super) fn identifier(name: &str) -> Ident {
     ident(&SPELLING.identifier(name))
 }
 
-/// Identifiers for `names`, different from each other and from `taken`; a name already taken gets `_` and a
-/// number.
+/// Identifiers for `names`, distinct from each other and from `taken`. If a name is in use, `_` and a number
+/// are appended.
 pub(super) fn distinct<'a>(names: impl IntoIterator<Item = &'a str>, taken: &[String]) -> Vec<Ident> {
     idents(&SPELLING.distinct(names, taken))
 }
 
-/// Spelled names as identifiers.
+/// Checked names as identifiers.
 pub(super) fn idents(names: &[String]) -> Vec<Ident> {
     names.iter().map(|name| ident(name)).collect()
 }

@@ -9,7 +9,7 @@ use super::lints;
 use crate::emit::documentation::of_parameter;
 use crate::model::Parameter;
 
-/// The struct, its described values, and `Default`; nothing for a model without free parameters.
+/// The struct, its described values, and `Default`; empty without free parameters.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     if !context.has_parameters() {
         return vec![];

@@ -1,4 +1,4 @@
-//! The private functions that a long one is split into, and the values that they exchange.
+//! Private functions into which a long function is split, and the values that they exchange.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -10,9 +10,9 @@ use super::signature::{Signature, item};
 use crate::program::Operand;
 use crate::program::split::{Part, Reads};
 
-/// The arguments of a part, in its call or in its signature.
+/// Arguments of a part, in its call or signature.
 pub(super) struct Taken {
-    /// Values that earlier parts made, as one array.
+    /// Values of earlier parts, as one array.
     pub(super) values: Option<TokenStream>,
     /// Inputs of the whole function.
     pub(super) inputs: Vec<TokenStream>,
@@ -48,7 +48,7 @@ impl Taken {
     }
 }
 
-/// The names of values as an array or as a pattern.
+/// Names of values as an array or a pattern.
 pub(super) fn values(body: &Body<'_>, values: &[usize]) -> TokenStream {
     let names = values.iter().map(|&value| body.name(value));
     quote!([#(#names),*])
@@ -60,7 +60,7 @@ pub(super) fn array(body: &Body<'_>, values: &[usize]) -> TokenStream {
     quote!([#ty; #count])
 }
 
-/// The body of a split function: one call per part, and the results.
+/// Body of a split function: one call per part, and the results.
 pub(super) fn calls(body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStream {
     let calls = parts.iter().enumerate().map(|(i, part)| {
         let callee = part_name(name, i);
@@ -78,7 +78,7 @@ pub(super) fn calls(body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStrea
     quote!(#(#calls)* #(#stores)*)
 }
 
-/// The private functions of the parts; none if a function is whole.
+/// Private functions of the parts; empty if the function is not split.
 pub(super) fn items(
     body: &Body<'_>,
     name: &Ident,
@@ -131,7 +131,7 @@ fn part_name(name: &Ident, index: usize) -> Ident {
     format_ident!("{}_part_{}", name, index + 1)
 }
 
-/// Arguments that neither the parts nor `others` read.
+/// Arguments that neither the parts nor `others` use.
 pub(super) fn unused(
     body: &Body<'_>,
     parts: &[Part],

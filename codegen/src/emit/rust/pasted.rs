@@ -1,5 +1,5 @@
-//! Modules of pasted texts. Private modules keep the names of helpers apart from those of a robot; the texts
-//! stay as they are, since the pretty printer would drop their comments.
+//! Modules of fixed texts. They are private, so that names of helpers do not collide with those of a robot.
+//! The pretty printer is not used, because it would drop their comments.
 
 use crate::emit::options::Scalar;
 
@@ -9,20 +9,20 @@ pub(super) fn module(documentation: &str, attribute: &str, name: &str, texts: &[
     format!("\n/// {documentation}\n{attribute}\nmod {name} {{\n{}}}\n", texts.join("\n"))
 }
 
-/// A module of loops, whose texts are written for `f64` and its bits.
+/// A module of loops written for `f64`.
 pub(super) fn loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute =
         "#[allow(clippy::needless_range_loop, reason = \"index notation reads like the formulas\")]";
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// A module of loops, of which those who call it need a part.
+/// A module of loops of which only some are called.
 pub(super) fn partly_called_loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute = "#[allow(\n    dead_code,\n    clippy::needless_range_loop,\n    reason = \"only some of it is called, and index notation reads like the formulas\"\n)]";
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// The same with another attribute.
+/// Module of loops with this attribute.
 fn loops_with(scalar: Scalar, documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
     let module = module(documentation, attribute, name, texts);
     match scalar {

@@ -1,4 +1,4 @@
-//! Functions of positions with quaternions, and the pasted texts that they call.
+//! Functions of positions with quaternions, and their fixed texts.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -13,7 +13,7 @@ use crate::emit::options::Scalar;
 use crate::functions::position_functions::{PositionFunction, PositionValue, extents};
 use gelenk_kernels::manifold::Text;
 
-/// All of them; none for robots without quaternions.
+/// All these functions; empty without quaternions.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     if !context.module.has_quaternions() {
         return vec![];
@@ -78,7 +78,7 @@ fn documentation(
     ))
 }
 
-/// The pasted texts in a module of their own; none for robots without quaternions.
+/// The fixed texts in a separate module; empty without quaternions.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.module.has_quaternions() {
         return String::new();

@@ -1,5 +1,4 @@
-//! The public faces of a function: one that returns its results, and one that writes them in place where they
-//! are large.
+//! Public forms of a function: one returns its results; another writes large results in place.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -16,8 +15,7 @@ use crate::functions::function::Function;
 /// do.
 const INLINE_UP_TO: usize = 40;
 
-/// The functions that callers see. `statements` return the results of a body, or store them if it has
-/// names for them.
+/// The public functions. `statements` return the results of a body, or store them if it has names for them.
 pub(super) fn items(
     function: &Function,
     body: &Body<'_>,

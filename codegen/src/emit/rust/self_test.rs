@@ -1,4 +1,4 @@
-//! The tests at the end of a module: its functions against the values of the interpreter.
+//! Tests at the end of a module: its functions compared with values of the interpreter.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -20,7 +20,7 @@ fn tolerance(scalar: Scalar) -> f64 {
     }
 }
 
-/// The test module; nothing if there are no tests.
+/// The test module; `None` without tests.
 pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
     let tests = &context.module.self_tests;
     if tests.is_empty() {

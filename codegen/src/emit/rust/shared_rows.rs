@@ -1,16 +1,16 @@
-//! Rows that arrays share one after the other.
+//! Variables shared by several arrays one after the other.
 //!
-//! Each variable is filled with zeros first. With variables of its own for each array, those of a quadruped take 62 kB instead
-//! of 31 kB, more than a cache of the first level holds, and A and B_x take 7 % more time.
+//! Each variable is first filled with zeros. With a variable per array, those of a quadruped take 62 kB
+//! instead of 31 kB, more than a first-level cache, and A and B_x take 7 % more time.
 
 use crate::emit::arrays::Row;
 use crate::program::arrays::Arrays;
 
-/// The rows that each array stands in.
+/// Variables of the arrays.
 pub(super) struct SharedRows {
-    /// Rows and entries of a row, padding included.
+    /// Rows and row length (with padding) of each variable.
     pub(super) sizes: Vec<[usize; 2]>,
-    /// For each array its place among these; `None` for arrays that are not local variables.
+    /// Variable of each array; `None` for arrays that are not local variables.
     pub(super) of_arrays: Vec<Option<usize>>,
 }
 
@@ -22,7 +22,8 @@ struct Taken {
 }
 
 impl SharedRows {
-    /// Arrays take rows that no later step reads. Those of the setup stand in rows of their own at first, which hold zeros.
+    /// Arrays use variables that no later step reads. Arrays of the setup initially have separate variables,
+    /// which are filled with zeros.
     pub(super) fn new(form: &Arrays, row: Row, is_local: impl Fn(usize) -> bool) -> Self {
         let mut shared = Self { sizes: Vec::new(), of_arrays: vec![None; form.arrays.len()] };
         let mut taken = Vec::new();

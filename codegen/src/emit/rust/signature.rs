@@ -8,14 +8,14 @@ use super::doc_comment::DocComment;
 use crate::layout::Extent;
 use crate::program::{Output, Shape};
 
-/// Arguments and result of a function as text.
+/// Arguments and results of a function as text.
 pub(super) struct Signature {
     /// Inputs and free parameters, with their types.
     pub(super) arguments: Vec<TokenStream>,
     pub(super) result: TokenStream,
     /// Type of each result.
     pub(super) results: Vec<TokenStream>,
-    /// How many dimensions each result has.
+    /// Number of dimensions of each result.
     pub(super) dimensions: Vec<usize>,
 }
 
@@ -33,7 +33,7 @@ impl Signature {
     }
 }
 
-/// The input arrays, of entries of a type.
+/// The input arrays with entries of a type.
 pub(super) fn inputs(body: &Body<'_>, entry: &TokenStream) -> impl Iterator<Item = TokenStream> {
     let inputs = body.program.inputs.iter().zip(&body.arguments);
     inputs.map(move |(input, name)| {
@@ -43,7 +43,7 @@ pub(super) fn inputs(body: &Body<'_>, entry: &TokenStream) -> impl Iterator<Item
     })
 }
 
-/// The entries of an array, nested where they come in rows.
+/// Entries of an array, nested if they form rows.
 pub(super) fn in_rows(extent: Extent, entries: Vec<TokenStream>) -> TokenStream {
     match extent.row() {
         Some(row) => {
@@ -54,7 +54,7 @@ pub(super) fn in_rows(extent: Extent, entries: Vec<TokenStream>) -> TokenStream 
     }
 }
 
-/// The type of a result, of entries of a type.
+/// Type of a result with entries of a type.
 pub(super) fn result(output: &Output, entry: &TokenStream) -> TokenStream {
     nested(entry.clone(), output.shape.extents().into_iter().map(length))
 }
@@ -74,7 +74,7 @@ pub(super) fn nested(
     lengths.fold(entry, |entry, len| quote!([#entry; #len]))
 }
 
-/// A length by name where it follows from the robot, else as a number.
+/// A length, by name if it depends on the robot, else as a number.
 pub(super) fn length(extent: Extent) -> TokenStream {
     match extent.dimension.length() {
         Some(name) => {
@@ -90,7 +90,7 @@ fn number(len: usize) -> TokenStream {
     quote!(#len)
 }
 
-/// A function: what `head` says up to the body, below its documentation and those attributes that it needs.
+/// A function from its head, body, documentation and required attributes.
 pub(super) fn item(
     documentation: &DocComment,
     attributes: impl IntoIterator<Item = Option<TokenStream>>,

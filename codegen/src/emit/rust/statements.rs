@@ -1,4 +1,4 @@
-//! The statements of a function: one `let` per instruction.
+//! Statements of a function: one `let` per instruction.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ use crate::program::{Operand, Operation};
 const LONGEST_BLOCK: usize = 1000;
 
 impl Body<'_> {
-    /// All statements, and the results as the last expression.
+    /// All statements, with the results as last expression.
     pub(super) fn returning_statements(&self) -> TokenStream {
         let len = self.program.instructions.len();
         if len > LONGEST_BLOCK {
@@ -28,7 +28,7 @@ impl Body<'_> {
         self.returning(self.statements(0..len))
     }
 
-    /// Statements and the results; the last value needs no name where it alone is the result.
+    /// Statements with results; the last value needs no name if it is the only result.
     pub(super) fn returning(&self, mut statements: Vec<TokenStream>) -> TokenStream {
         let last = self.returned_value();
         let last = last.and_then(|last| self.expression(self.program.instructions[last].operation));
@@ -39,14 +39,14 @@ impl Body<'_> {
         quote!(#(#statements)* #value)
     }
 
-    /// All statements, each entry of the results stored as soon as it is known: fewer values are alive.
+    /// All statements. Each result entry is stored as soon as it is known, so fewer values are alive.
     pub(super) fn storing_statements(&self) -> TokenStream {
         let constants = self.stores(|entry| self.made(entry).is_none());
         let statements = self.blocks();
         quote!(#(#constants)* #statements)
     }
 
-    /// All statements, a long run of them as blocks that hand on what later ones read.
+    /// All statements; a long run is divided into blocks that return the values needed later.
     pub(super) fn blocks(&self) -> TokenStream {
         let parts = split::parts(self.program, &self.flow, LONGEST_BLOCK);
         let blocks = parts.iter().enumerate().map(|(index, part)| {
@@ -69,12 +69,12 @@ impl Body<'_> {
         quote!(#(#blocks)*)
     }
 
-    /// The statements of a run of instructions.
+    /// Statements of a run of instructions.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
         self.statements_among(range, |_| true)
     }
 
-    /// The statements of a run of instructions, for the instructions for which `is_wanted` is true.
+    /// Statements of those instructions of a run for which `is_wanted` is true.
     pub(super) fn statements_among(
         &self,
         range: Range<usize>,

@@ -1,4 +1,4 @@
-//! Constants of a module with loops over a tree's joints: which joints and which coordinates stand on one path.
+//! Constants of a module with loops over a tree's joints: relations of joints and of coordinates.
 
 use proc_macro2::{Ident, Literal};
 use quote::quote;
@@ -9,13 +9,13 @@ use crate::emit::arrays;
 use crate::program::arrays::{Arrays, Relation};
 
 impl Emission<'_> {
-    /// Which joints of a tree stand before and beyond each other.
+    /// Adds the table of joints before and beyond each other.
     pub(super) fn add_relations(&self) -> Ident {
         let about = "Where joint j stands seen from joint i: −1 before it on its path to the base, 1 beyond it or the same, else 0.";
         self.add_table(("RELATIONS", about), self.form.joints.len(), self.row.len, arrays::relation)
     }
 
-    /// The blocks of columns with joints before and beyond each joint.
+    /// Adds the blocks of columns with joints before and beyond each joint.
     pub(super) fn add_blocks(&self) -> [Ident; 2] {
         let table = |name: &str, about: &str, is_in: fn(Relation) -> bool| {
             let (joints, block) = (self.form.joints.len(), self.row.block);
@@ -35,7 +35,7 @@ impl Emission<'_> {
         ]
     }
 
-    /// For each block of columns of a matrix the rows that may not be zero there.
+    /// Adds the rows that may be non-zero in each block of columns of a matrix.
     pub(super) fn add_rows_of_blocks(&self, matrix: usize) -> Ident {
         let (tree, block) = (self.form.coordinates(), self.row.block);
         let is_over_paths = self.form.is_over_paths(matrix);
@@ -64,7 +64,7 @@ impl Emission<'_> {
             .add(name, |name| quote!(#documentation const #name: [&[usize]; #count] = [#(#lists),*];))
     }
 
-    /// Which coordinates meet.
+    /// Adds the table of coordinates with non-zero entries in the inverse of M.
     pub(super) fn add_meetings(&self) -> Ident {
         let about = "Whether the rows of coordinates i and j meet in the inverse of the mass matrix: 0 where they do not.";
         let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);

@@ -8,13 +8,12 @@ use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, numbers};
 use crate::model::{Attachment, Drive, ForceEffect, Input};
 
-const TORQUES: &str = "has one range of an input; the nominal torque was left out, next to the peak, at";
-const POINT_FORCE: &str = "has linear springs and dampers between sites, and no other laws; left out";
-const SHAFT: &str =
-    "has viscous and dry friction of tendons, and no other laws; left out in part at the drive";
+const TORQUES: &str = "has one range per input; the nominal torque is omitted and the peak torque written at";
+const POINT_FORCE: &str = "has only linear springs and dampers between sites; other laws are omitted at";
+const SHAFT: &str = "has only viscous and dry friction of tendons; other laws are omitted at the drive";
 
 impl Writer<'_> {
-    /// Motors in the order of the inputs.
+    /// Writes motors in the order of the inputs.
     pub(super) fn actuators(&mut self) {
         let model = self.model;
         for drive in &model.drives {
@@ -108,7 +107,7 @@ impl Writer<'_> {
         Some(("ctrlrange", numbers(&[-most, most])))
     }
 
-    /// Forces between frames.
+    /// Writes forces between frames.
     pub(super) fn point_forces(&mut self) {
         let model = self.model;
         for force in &model.point_forces {

@@ -8,17 +8,18 @@ use crate::model::{FollowedCoordinate, Joint, JointKind, Motion, QuaternionJoint
 
 /// Damping and springs are linear, dry friction is a bound.
 const OTHER_FRICTION: &str =
-    "has viscous and dry friction, and no other laws (Stribeck, tanh, by position); left out in part at";
-const OTHER_SPRINGS: &str = "has linear springs and dampers, and no other laws; left out at";
-const LOAD: &str = "has no friction that grows with the load; left out at";
-pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; left out at";
-const EFFORT: &str = "has one limit of force at a joint; the nominal one was left out, next to the peak, at";
-const RANGE: &str = "has no range of a single position; left out at";
+    "has only viscous and dry friction; other laws (Stribeck, tanh, position) are omitted at";
+const OTHER_SPRINGS: &str = "has only linear springs and dampers; other laws are omitted at";
+const LOAD: &str = "has no load-dependent friction; omitted at";
+pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; omitted at";
+const EFFORT: &str =
+    "has one force limit per joint; the nominal limit is omitted and the peak limit written at";
+const RANGE: &str = "has no range with a single position; omitted at";
 const QUATERNION_FRICTION: &str =
-    "has one damping for all velocities of a joint with a quaternion; friction that differs was left out at";
+    "has one damping value per joint with a quaternion; different friction of its velocities is omitted at";
 
 impl Writer<'_> {
-    /// The joint that carries a link; tells whether it moves.
+    /// Writes the joint that carries a link; returns whether it moves.
     pub(super) fn joint(&mut self, link: usize) -> bool {
         let Some(joint) = &self.model.links[link].joint else { return false };
         let coordinate = match joint.motion {
@@ -108,7 +109,7 @@ impl Writer<'_> {
         sum
     }
 
-    /// A ball or free joint.
+    /// Writes a ball or free joint.
     pub(super) fn quaternion_joint(&mut self, joint: &QuaternionJoint) -> bool {
         let parts: Vec<&Joint> = self.model.joints().collect();
         let parts = &parts[joint.coordinates()];
@@ -128,7 +129,7 @@ impl Writer<'_> {
             }
             if part.limits.effort.or(part.limits.peak_effort).is_some() {
                 self.losses.add(
-                    "has no limits of force for each velocity of a joint with a quaternion; left out at",
+                    "has no force limits for single velocities of a joint with a quaternion; omitted at",
                     &part.name,
                 );
             }
@@ -157,18 +158,18 @@ impl Writer<'_> {
         }
     }
 
-    /// Names of the joints that are followed, with ratios.
+    /// Names and ratios of the followed joints.
     pub(super) fn leaders(&self, follows: &[FollowedCoordinate], factor: f64) -> Vec<(String, f64)> {
         let terms = follows.iter();
         terms.map(|term| (self.joint_name(term), factor * self.values.number(&term.ratio))).collect()
     }
 
-    /// `joint = offset + Σ ratio · leader`: an equality of joints, or a tendon `joint − Σ ratio · leader` whose length is the
-    /// offset.
+    /// Writes `joint = offset + Σ ratio · leader` as an equality of joints, or as a tendon `joint − Σ ratio ·
+    /// leader` with the length `offset`.
     ///
-    /// MuJoCo derives the softness of an equality of joints from their inertias without the ratio, and that of a tendon with it. A
-    /// ratio below 1 makes the former the softer one: accelerations of a rack with 0.01 m/rad were 115 % off, with a tendon
-    /// 0.03 %.
+    /// MuJoCo computes the softness of a joint equality without the ratio, that of a tendon with it. With a
+    /// ratio below 1 the joint equality is softer: accelerations of a rack with 0.01 m/rad were 115 % off,
+    /// with a tendon 0.03 %.
     pub(super) fn equal(&mut self, joint: &str, leaders: Vec<(String, f64)>, offset: f64) {
         if let [(leader, ratio)] = &leaders[..]
             && ratio.abs() >= 1.0

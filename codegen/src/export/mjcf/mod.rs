@@ -1,7 +1,7 @@
 //! A model as MuJoCo's MJCF.
 //!
-//! A link becomes a body, a frame a site. Joints that follow others are joints of their own with an equality between
-//! them, so that MuJoCo's mass matrix is that of all joints: `M = Gᵀ M_mujoco G`.
+//! Links become bodies and frames sites. Joints that follow others are separate joints with an equality
+//! constraint, so MuJoCo's mass matrix is that of all joints: `M = Gᵀ M_mujoco G`.
 
 mod actuators;
 mod joints;
@@ -19,17 +19,16 @@ use writer::{Site, Writer};
 /// MuJoCo refuses moving bodies whose mass, or one of whose principal moments, is 1e-15 or less.
 const LEAST: f64 = 2e-15;
 
-const LEAST_INERTIA: &str =
-    "has no moving bodies without mass or inertia; these got 2e-15 kg or kg m², the least that MuJoCo takes";
+const LEAST_INERTIA: &str = "has no moving bodies without mass or inertia; 2e-15 kg or kg m², the least that MuJoCo accepts, is written for";
 
 /// Moments are published with some six digits.
 const ROUNDED: f64 = 1e-5;
 
 const RAISED: &str =
-    "has no bodies whose rounded moments break the triangle inequality; the smaller ones were raised at";
+    "has no bodies whose rounded moments violate the triangle inequality; the smaller moments are raised at";
 
 const TRIANGLE: &str =
-    "has no bodies whose largest principal moment exceeds the sum of the others; MuJoCo refuses";
+    "has no bodies whose largest principal moment exceeds the sum of the others; MuJoCo rejects";
 
 pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
     let mut writer = Writer {
@@ -202,11 +201,10 @@ impl Writer<'_> {
     /// Records the parts of the model that no element of the format represents.
     fn lost(&mut self) {
         for wrench in &self.model.wrenches {
-            self.losses
-                .add("names no wrenches that are arguments; `xfrc_applied` takes their values", &wrench.name);
+            self.losses.add("has no wrench arguments; use `xfrc_applied` instead of", &wrench.name);
         }
         for parameter in &self.model.parameters {
-            self.losses.add("has no free parameters; they have their described values", &parameter.name);
+            self.losses.add("has no free parameters; the described values are written for", &parameter.name);
         }
         for joint in &self.model.quaternion_joints {
             self.check_floating(joint);
@@ -219,8 +217,7 @@ impl Writer<'_> {
         let is_free = joint.coordinates().len() == 6;
         if let Some(carrier) = first.joint.as_ref().filter(|_| is_free) {
             if carrier.parent != 0 {
-                self.losses
-                    .refused("has floating joints on the base alone; MuJoCo refuses others", &joint.name);
+                self.losses.refused("has floating joints only at the base; MuJoCo rejects", &joint.name);
             } else if self.values.placed(&carrier.origin) != Placed::IDENTITY {
                 self.losses
                     .of_robot("counts the positions of floating joints in the base frame", &joint.name);

@@ -1,9 +1,10 @@
-//! Rotors: armatures, and bodies of their own if an armature is another robot.
+//! Rotors as armatures, or as separate bodies if an armature would change the robot.
 //!
-//! A rotor with the axial inertia J, which turns by Ω relative to its carrier, has the energy `J/2 (a · ω + Ω)²`; ω is the
-//! velocity of its carrier and a its axis. An armature has `J/2 Ω²`, which is the same if the carrier rests. Otherwise the rotor is a
-//! body on its carrier whose joint follows those of its drive. MuJoCo takes no body without inertia across the axis: the
-//! rotor has some, and its carrier has that much less.
+//! A rotor with axial inertia J that turns by Ω relative to its carrier has the energy `J/2 (a · ω + Ω)²`,
+//! with the carrier's angular velocity ω and the rotor's axis a. An armature has `J/2 Ω²`, which is equal if
+//! the carrier does not turn. Otherwise the rotor becomes a body on its carrier with a joint that follows
+//! those of its drive. MuJoCo requires inertia across the axis, so the rotor gets some and its carrier has
+//! that much less.
 
 use super::writer::{Rotor, Writer};
 use super::{LEAST, inertial};
@@ -12,14 +13,15 @@ use crate::export::numbers::Lump;
 use crate::export::xml::numbers;
 use crate::model::{Drive, Model, Motion, RotorCoupling, principal_axes};
 
-const ROTOR: &str = "has no rotors in carriers with less inertia than they, and none that follow joints with quaternions; their \
-                     effect on moving carriers was left out at";
+const ROTOR: &str = "supports a rotor only if its carrier has more inertia and the rotor follows no joint \
+                     with a quaternion; its effect on a moving carrier is omitted at";
 
 /// Inertia across the axis, in units of the axial one: a disc has half, the least of a rigid body.
 const ACROSS: f64 = 0.5 + 1e-6;
 
 impl<'m> Writer<'m> {
-    /// Finds the rotors with bodies. If a link has too little inertia for its rotors, these are on the base.
+    /// Finds the rotors that become bodies. If a link has too little inertia for its rotors, they are placed
+    /// on the base.
     pub(super) fn find_rotors(&mut self) {
         let model = self.model;
         for drive in model.moving_drives() {
@@ -73,7 +75,7 @@ impl<'m> Writer<'m> {
         moments.iter().all(|moment| *moment > LEAST) && 2.0 * largest <= moments.iter().sum::<f64>()
     }
 
-    /// The bodies of a link as one, without the inertia of its rotors across their axes.
+    /// Bodies of a link combined, without the inertia of its rotors across their axes.
     pub(super) fn lump(&self, link: usize) -> Lump {
         let mut lump = self.values.lump(self.model, link);
         for rotor in self.rotors.iter().filter(|rotor| rotor.carrier == link) {
@@ -82,7 +84,7 @@ impl<'m> Writer<'m> {
         lump
     }
 
-    /// `i² J_R` of a drive without a body for its rotor.
+    /// `i² J_R` of a drive without a rotor body.
     pub(super) fn armature(&self, drive: &Drive) -> f64 {
         if self.rotor_of(drive).is_some() {
             return 0.0;
@@ -97,7 +99,7 @@ impl<'m> Writer<'m> {
         drives.map(|drive| self.armature(drive)).sum()
     }
 
-    /// Bodies of the rotors that a link carries. Each joint follows those of its drive.
+    /// Writes the bodies of the rotors on a link. Each joint follows those of its drive.
     pub(super) fn rotors_on(&mut self, link: usize) {
         let rotors = std::mem::take(&mut self.rotors);
         rotors.iter().filter(|rotor| rotor.carrier == link).for_each(|rotor| self.rotor_body(rotor));

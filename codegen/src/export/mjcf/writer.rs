@@ -1,4 +1,4 @@
-//! A file of MuJoCo while it is written.
+//! An MJCF file under construction.
 
 use crate::export::losses::Losses;
 use crate::export::numbers::{Placed, Values};
@@ -12,15 +12,15 @@ pub(super) struct Site {
     pub(super) placed: Placed,
 }
 
-/// A rotor with a body of its own.
+/// A rotor with its own body.
 pub(super) struct Rotor<'m> {
     pub(super) drive: &'m Drive,
     pub(super) inertia: f64,
-    /// Link of the body.
+    /// Link that carries the rotor.
     pub(super) carrier: usize,
 }
 
-/// The model, and the parts of its file that exist.
+/// A model, and the finished parts of its file.
 pub(super) struct Writer<'m> {
     pub(super) model: &'m Model,
     pub(super) values: Values,

@@ -1,4 +1,4 @@
-//! Robots with driven joints, whose motion is an argument.
+//! Functions of robots with driven joints; the driven motion is an argument.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, vector};
@@ -6,10 +6,10 @@ use crate::dynamics::arguments::Arguments;
 use crate::function_names as names;
 use crate::layout::Dimension;
 
-/// The functions that only these robots have.
+/// Functions that only robots with driven joints have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::DRIVING_FORCES,
-    summary: "Driving forces: what moves the driven joints as prescribed.",
+    summary: "Driving forces: forces that produce the prescribed motion of the driven joints.",
     equation: "the rows of M ÿ + k − q that belong to the driven joints",
     arguments: &[Coordinates, Velocities, Accelerations],
     results: &[(
@@ -18,8 +18,8 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
         "by driven joint, in the order of `DRIVEN_NAMES`; positive where it drives the joint forwards",
     )],
     notes: &[
-        "All that acts at the joint but gravity, springs and friction. Where an input acts on a driven joint too, its share is in \
-         here.",
+        "Includes everything that acts at the joint except gravity, springs and friction, also inputs that \
+         act on it.",
     ],
     build: |equations, Arguments { y, v, a, .. }| {
         let forces = equations.inverse_dynamics(y, v, a);

@@ -1,4 +1,4 @@
-//! Functions and texts of robots with forces at frames. If such forces are inputs, B depends on the coordinates.
+//! Functions and notes of robots with forces at frames. With inputs at frames, B depends on the coordinates.
 
 use super::kind::{Difference, notes};
 use super::quantity::Argument::{Coordinates, Inputs};
@@ -9,7 +9,7 @@ use crate::model::{Model, PointForce};
 use crate::wording;
 use gelenk_formula::Formula;
 
-/// The functions that only robots with inputs at frames have.
+/// Functions that only robots with inputs at frames have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: function_names::INPUT_FORCES_DERIVATIVES,
     summary: "Generalized forces of the inputs with their Jacobian.",
@@ -23,15 +23,15 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// The wrench of a joint without forces at frames beyond it.
+/// Note on joint wrenches of a robot with forces at frames.
 pub(super) const fn beyond() -> Difference {
     notes(&[
-        "Forces at frames beyond a joint, those of springs, inputs and wrenches there, are part of its row: what the joint itself \
-         transmits is the row less these.",
+        "A row includes forces at frames beyond its joint (springs, inputs, wrenches). The joint itself \
+         transmits the row minus these forces.",
     ])
 }
 
-/// Says which of the forces between frames are in the potential energy.
+/// Documents which forces between frames the potential energy includes.
 pub fn describe_energy(model: &Model, function: &mut Function) {
     let forces = |wanted: fn(Option<&Formula>) -> bool| -> Vec<&PointForce> {
         model.point_forces.iter().filter(|force| wanted(force.law.energy().as_ref())).collect()
@@ -46,14 +46,14 @@ pub fn describe_energy(model: &Model, function: &mut Function) {
         "energy [J], that of gravity zero with the masses at the height of the base frame; springs of joints not included"
             .clone_into(&mut function.results[0]);
         function.notes.push(format!(
-            "Contained are the laws of {}, at standstill. A summand c (l − l₀)ⁿ has no energy at l₀, another polynomial none \
-             at l = 0.",
+            "Includes the laws of {} at standstill. A summand c (l − l₀)ⁿ has no energy at l₀, any other \
+             polynomial none at l = 0.",
             named(&known)
         ));
     }
     if !unknown.is_empty() {
         function.notes.push(format!(
-            "Not contained are the laws of {}, which are no polynomials of the distance.",
+            "Excludes the laws of {}, which are not polynomials of the distance.",
             named(&unknown)
         ));
     }

@@ -1,9 +1,8 @@
-//! Second derivatives of the inverse dynamics, contracted with multipliers: what a sequential quadratic
-//! program with exact Hessians needs of the constraint `M ÿ + k − q = B u`.
+//! Second derivatives of the inverse dynamics, multiplied by multipliers: the Hessian blocks of the
+//! constraint `M ÿ + k − q = B u` in sequential quadratic programming with exact Hessians.
 //!
-//! The gradient of `λᵀ (M ÿ + k − q)` comes from reverse differentiation of the recursive equations, or from
-//! λ times the analytic Jacobians; each column of the Hessian then from forward differentiation of the
-//! gradient.
+//! The gradient of `λᵀ (M ÿ + k − q)` is computed by reverse differentiation of the recursive equations or as
+//! λ times the analytic Jacobians. Each column of the Hessian is a forward derivative of the gradient.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
 use super::quantity::{Quantity, SQUARE, matrix};
@@ -15,7 +14,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::graph::{Cost, Edge, Scalar, differentiate};
 
-/// Its row of the catalogue.
+/// Row of the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::INVERSE_DYNAMICS_HESSIAN,
     differentiates_friction: true,
@@ -29,9 +28,10 @@ pub const QUANTITY: Quantity = Quantity {
         ("H_ya", SQUARE, "∂²/∂y ∂ÿ, row i = coordinate i: the derivative of M λ"),
     ],
     notes: &[
-        "The constraint `M ÿ + k − q = B u` with multipliers λ adds exactly these blocks to the Hessian of the \
-         Lagrangian; it is linear in u. The gradient comes from reverse differentiation of the inverse dynamics or from \
-         λ times its analytic Jacobians, whichever costs less in the end; its forward derivatives are the Hessian.",
+        "The constraint `M ÿ + k − q = B u` with multipliers λ adds these blocks to the Hessian of the \
+         Lagrangian; the constraint is linear in u. The Hessian is the forward derivative of the gradient. The \
+         gradient is computed by reverse differentiation of the inverse dynamics or as λ times the analytic \
+         Jacobians, whichever needs fewer operations.",
     ],
     build: |equations, Arguments { y, v, a, lambda, .. }| {
         let hessian = inverse_dynamics_hessian(equations, MotionInput { y, v, a }, lambda);
@@ -41,7 +41,7 @@ pub const QUANTITY: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. Those by ẏ ÿ and ÿ ÿ are zero.
+/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. The blocks by ẏ ÿ and ÿ ÿ are zero.
 #[derive(Debug, Clone)]
 pub struct Hessian<'g> {
     /// ∂²/∂y²
@@ -63,7 +63,7 @@ impl<'g> Hessian<'g> {
     }
 }
 
-/// The Hessian by whichever gradient costs less.
+/// Hessian from the cheaper gradient.
 pub fn inverse_dynamics_hessian<'g>(
     equations: &Equations<'_, 'g>,
     input: MotionInput<'_, 'g>,

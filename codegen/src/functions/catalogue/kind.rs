@@ -1,31 +1,31 @@
-//! A kind of robots, and how its functions differ from their rows; products other than functions.
+//! Kinds of robots whose functions differ from their rows, and products other than functions.
 
 use super::quantity::Quantity;
 use crate::functions::function::Function;
 use crate::model::Model;
 
-/// A kind of robots: its condition, its own functions, and the functions and products that differ or are missing.
+/// A kind of robots: condition, additional functions, and functions or products that differ or are missing.
 pub struct Kind {
-    /// Property of these robots in documentation, `driven joints`.
+    /// Property of these robots in documentation, for example `driven joints`.
     pub robots: &'static str,
     /// Code of errors about missing functions.
     pub code: &'static str,
-    /// The condition in messages, with `{}` in place of the example.
+    /// Condition in messages; `{}` stands for the example.
     pub condition: &'static str,
-    /// The part of a model that makes it one of this kind, may be empty; `None` if it is not.
+    /// Part of a model that makes it one of this kind (may be empty); `None` if it is not of this kind.
     pub example: fn(&Model) -> Option<String>,
-    /// Rows of functions that other robots lack.
+    /// Rows of additional functions.
     pub adds: &'static [Quantity],
-    /// Rows that replace those of the same names.
+    /// Rows that replace those with the same names.
     pub replaces: &'static [Quantity],
-    /// Differences, each of the functions and products of some names.
+    /// Differences, each with the names of its functions and products.
     pub differences: &'static [(&'static str, Difference)],
 }
 
-/// Difference between a function of such robots and its row; without one the row holds.
+/// Difference between a function of such robots and its row.
 #[derive(Debug, Clone, Copy)]
 pub enum Difference {
-    /// The function is documented otherwise.
+    /// The documentation differs.
     Documented(Otherwise),
     /// The function is missing.
     Missing {
@@ -36,34 +36,34 @@ pub enum Difference {
     },
 }
 
-/// Documentation in place of a row's.
+/// Documentation that replaces a row's.
 #[derive(Debug, Clone, Copy)]
 pub struct Otherwise {
-    /// The equation in place of the row's.
+    /// Equation that replaces the row's.
     pub equation: Option<&'static str>,
-    /// In place of the meaning of the first result.
+    /// Meaning of the first result, replaces the row's.
     pub first_result: Option<&'static str>,
-    /// In place of all notes that there are.
+    /// Note that replaces all others.
     pub only_note: Option<&'static str>,
     /// Additional notes.
     pub notes: &'static [&'static str],
 }
 
-/// A product that is missing.
+/// A missing product.
 pub(super) const MISSING: Difference = Difference::Missing { why: "", help: "" };
 
-/// Notes after those of the row.
+/// Adds notes after those of the row.
 pub(super) const fn notes(notes: &'static [&'static str]) -> Difference {
     Difference::Documented(Otherwise { notes, ..Otherwise::ROW })
 }
 
-/// Another equation, and notes after those of the row.
+/// Replaces the equation, and adds notes after those of the row.
 pub(super) const fn equation(equation: &'static str, notes: &'static [&'static str]) -> Difference {
     Difference::Documented(Otherwise { equation: Some(equation), notes, ..Otherwise::ROW })
 }
 
 impl Kind {
-    /// A kind without functions of its own.
+    /// A kind without additional functions.
     pub(super) const PLAIN: Self = Self {
         robots: "",
         code: "",
@@ -79,7 +79,7 @@ impl Kind {
         (self.example)(model).is_some()
     }
 
-    /// The difference of a function or product.
+    /// Difference of a function or product, if any.
     pub fn difference(&self, name: &str) -> Option<&'static Difference> {
         let mut all = self.differences.iter();
         let found = all.find(|(names, _)| names.split_whitespace().any(|other| other == name));
@@ -88,7 +88,7 @@ impl Kind {
 }
 
 impl Otherwise {
-    /// The documentation of the row.
+    /// Documentation equal to that of the row.
     pub(super) const ROW: Self = Self { equation: None, first_result: None, only_note: None, notes: &[] };
 
     /// Changes the documentation of a function.
@@ -114,11 +114,11 @@ impl Otherwise {
 /// A product of a robot other than its functions.
 #[derive(Debug, Clone, Copy)]
 pub struct Product {
-    /// Its name in the table.
+    /// Name in the table of kinds.
     pub name: &'static str,
-    /// The beginning of the sentence about a robot without it.
+    /// Beginning of the message about a robot without it.
     pub(super) missing: &'static str,
-    /// The remedy.
+    /// Help text.
     pub(super) help: &'static str,
 }
 
@@ -128,40 +128,40 @@ const fn product(name: &'static str, missing: &'static str, help: &'static str) 
 
 /// Functions as loops over joints.
 pub const LOOPS: Product =
-    product("loops", "there are no loops over joints", "the functions are straight-line code");
+    product("loops", "loops over joints are not available", "the functions are straight-line code");
 
-/// Formulas for people.
+/// Closed forms for people.
 pub const CLOSED_FORMS: Product = product(
     "closed-forms",
-    "there are no closed forms",
-    "`gelenk inspect program` shows the equations with their abbreviations",
+    "closed forms are not available",
+    "`gelenk inspect program` prints the equations with intermediate values",
 );
 
 /// Functions for CasADi.
 pub const CASADI: Product = product(
     "casadi",
-    "there are no functions for CasADi",
-    "the module itself holds for such robots: leave out `--for casadi`",
+    "functions for CasADi are not available",
+    "the module itself is valid for such robots: remove `--for casadi`",
 );
 
 /// Functions for acados.
 pub const ACADOS: Product = product(
     "acados",
-    "there are no functions for acados",
-    "the module itself holds for such robots: leave out `--for acados`",
+    "functions for acados are not available",
+    "the module itself is valid for such robots: remove `--for acados`",
 );
 
-/// Descriptions in other formats.
+/// Export to other formats.
 pub const EXPORT: Product = product(
     "export",
-    "a robot is not exported",
-    "neither format prescribes motions: without `motion` the joint is a coordinate",
+    "the robot cannot be exported",
+    "URDF and MJCF have no prescribed motions: without `motion` the joint is a coordinate",
 );
 
 /// Identification by the library, without the measured motion of driven joints.
 pub const IDENTIFICATION: Product = product(
     "identification",
-    "robots are not identified",
+    "the robot cannot be identified",
     "read the description with `ReadOptions::free_driven`, and name these joints by `RobotChoices::unmeasured`",
 );
 

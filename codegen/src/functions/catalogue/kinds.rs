@@ -1,4 +1,4 @@
-//! The table of kinds of robots: functions and products that differ from their rows, or are missing.
+//! The table of kinds of robots with their different or missing functions and products.
 
 use std::cell::OnceCell;
 
@@ -12,12 +12,12 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::forces;
 use crate::model::{Drive, Joint, JointKind, Model};
 
-/// All kinds. Notes of several kinds have this order.
+/// All kinds. The notes of several kinds have this order.
 pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "a singular mass matrix",
         code: "singular-mass-matrix",
-        condition: "the mass matrix is singular: nothing that has inertia moves with {}",
+        condition: "the mass matrix is singular: no inertia moves with {}",
         example: |model| {
             Some(model.motions_without_inertia().join(", ")).filter(|motions| !motions.is_empty())
         },
@@ -27,7 +27,7 @@ pub static KINDS: [Kind; 11] = [
                  forward_dynamics_with_wrenches forward_dynamics_derivatives_with_wrenches",
                 Missing {
                     why: "",
-                    help: "describe the mass or the rotor that moves with it, or ask for functions without the inverse",
+                    help: "describe a mass or rotor that moves with it, or choose functions without the inverse of M",
                 },
             ),
             ("acados", MISSING),
@@ -37,7 +37,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "friction that depends on the position",
         code: "friction-by-position",
-        condition: "friction depends on the position",
+        condition: "the friction depends on the position",
         example: |model| forces::friction_depends_on_position(model).then(String::new),
         replaces: &[
             FRICTION_BY_POSITION,
@@ -49,7 +49,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "driven joints",
         code: "driven-joint",
-        condition: "joints are driven, as `{}` is",
+        condition: "joint `{}` is driven",
         example: |model| name(model.driven_joints().next()),
         adds: driven::QUANTITIES,
         differences: &[
@@ -67,13 +67,10 @@ pub static KINDS: [Kind; 11] = [
                     &["With the mass matrix of all joints, the driven ones included."],
                 ),
             ),
-            (
-                "joint_wrenches",
-                notes(&["The rows of the driven joints stand behind those of the coordinates."]),
-            ),
+            ("joint_wrenches", notes(&["The rows of the driven joints follow those of the coordinates."])),
             (
                 "center_of_mass_jacobian centroidal_momentum_matrix frame_NAME_jacobian",
-                notes(&["The columns of the driven joints stand behind those of the coordinates."]),
+                notes(&["The columns of the driven joints follow those of the coordinates."]),
             ),
             (
                 "frame_NAME_jacobian_rate_times_velocity",
@@ -82,8 +79,9 @@ pub static KINDS: [Kind; 11] = [
             (
                 "discretize step step_derivatives",
                 Missing {
-                    why: ": their motion is needed throughout the sample time",
-                    help: "`forward_dynamics` and `linearize` take the driven motion at one time; `DrivenRobot` of gelenk-runtime makes steps of them, with a motion over time",
+                    why: ": the motion is needed throughout the sample time",
+                    help: "`forward_dynamics` and `linearize` take the driven motion at one time; \
+                           `DrivenRobot` of gelenk-runtime computes steps from them with a motion over time",
                 },
             ),
             ("loops closed-forms casadi acados export identification", MISSING),
@@ -93,7 +91,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "forces between frames",
         code: "frame-forces",
-        condition: "forces act at frames, as `{}` does",
+        condition: "the force `{}` acts between frames",
         example: |model| model.point_forces.first().map(|force| force.name.clone()),
         differences: &[("joint_wrenches", beyond()), ("loops closed-forms", MISSING)],
         ..Kind::PLAIN
@@ -101,7 +99,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "inputs at frames",
         code: "frame-forces",
-        condition: "inputs act at frames, as `{}` does",
+        condition: "the input `{}` acts at a frame",
         example: |model| model.force_inputs.first().map(|input| input.name.clone()),
         adds: frame_inputs::QUANTITIES,
         replaces: &[INPUT_MATRIX_BY_POSITION],
@@ -115,8 +113,9 @@ pub static KINDS: [Kind; 11] = [
                 "inverse_dynamics_hessian",
                 Difference::Documented(Otherwise {
                     only_note: Some(
-                        "The constraint `M ÿ + k − q = B(y) u` with multipliers λ adds these blocks to the Hessian of the Lagrangian, and those \
-                         of `−λᵀ B(y) u`, which are not in here.",
+                        "The constraint `M ÿ + k − q = B(y) u` with multipliers λ adds these blocks to the \
+                         Hessian of the Lagrangian. It also adds the second derivatives of `−λᵀ B(y) u`, which \
+                         are not included here.",
                     ),
                     ..Otherwise::ROW
                 }),
@@ -127,7 +126,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "friction under load",
         code: "load-friction",
-        condition: "friction grows with the load, as that of `{}` does",
+        condition: "joint `{}` has load-dependent friction",
         example: |model| name(model.joints().find(|joint| !joint.load_friction.is_empty())),
         adds: load_friction::QUANTITIES,
         differences: &[
@@ -138,7 +137,7 @@ pub static KINDS: [Kind; 11] = [
             (
                 "applied_forces friction_torques friction_parameters friction_regressor",
                 notes(&[
-                    "Friction without what the load adds, `|τ_l| load_friction`: that depends on the accelerations.",
+                    "Friction without its load-dependent part `|τ_l| load_friction`, which depends on the accelerations.",
                 ]),
             ),
             (
@@ -154,7 +153,8 @@ pub static KINDS: [Kind; 11] = [
                     "ÿ = M⁻¹ (τ_l + gravity_forces + spring_forces − k), τ_l = w / (1 + s₁ sign w), w = B u − friction_torques",
                     &[
                         LOAD,
-                        "Joint by joint, since `|s₁| < 1`: `w`, what a drive exerts beyond `friction_torques`, has the sign of the load.",
+                        "Computed joint by joint: since `|s₁| < 1`, the drive force without \
+                         `friction_torques`, `w`, has the sign of the load.",
                     ],
                 ),
             ),
@@ -162,7 +162,7 @@ pub static KINDS: [Kind; 11] = [
                 "inverse_dynamics_derivatives",
                 Difference::Documented(Otherwise {
                     equation: Some("δ(B u) = ∂/∂y δy + ∂/∂ẏ δẏ + D M δÿ, D = diag(1 + s₁ sign τ_l)"),
-                    first_result: Some("what the drives exert at the joints, friction under load included"),
+                    first_result: Some("drive forces at the joints, friction under load included"),
                     notes: &[LOAD, KINK],
                     ..Otherwise::ROW
                 }),
@@ -184,8 +184,9 @@ pub static KINDS: [Kind; 11] = [
             (
                 "inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives inverse_dynamics_hessian",
                 Missing {
-                    why: ": M and M⁻¹ would be taken for derivatives that have another factor there",
-                    help: "`inverse_dynamics_derivatives` and `linearize` hold; by the accelerations the former has D M, see its documentation",
+                    why: ": M and M⁻¹ would be read as derivatives, which have another factor there",
+                    help: "use `inverse_dynamics_derivatives` or `linearize`; the derivative of the former \
+                           by accelerations is D M, see its documentation",
                 },
             ),
             ("loops closed-forms", MISSING),
@@ -195,7 +196,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "wrenches as arguments",
         code: "wrenches",
-        condition: "wrenches are arguments, as `{}` is",
+        condition: "the wrench `{}` is an argument",
         example: |model| model.wrenches.first().map(|wrench| wrench.name.clone()),
         adds: wrenches::QUANTITIES,
         differences: &[("joint_wrenches", beyond())],
@@ -204,7 +205,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "spherical or floating joints",
         code: "quaternion-joint",
-        condition: "joints are spherical or floating, as `{}` is",
+        condition: "joint `{}` is spherical or floating",
         example: |model| model.quaternion_joints.first().map(|joint| joint.name.clone()),
         replaces: &[LINEARIZE_ON_TANGENT],
         differences: &[
@@ -219,7 +220,7 @@ pub static KINDS: [Kind; 11] = [
             ),
             (
                 "joint_wrenches",
-                notes(&["A spherical or floating joint has one row, in the place of its last velocity."]),
+                notes(&["A spherical or floating joint has one row, at the index of its last velocity."]),
             ),
             (
                 "discretize",
@@ -246,7 +247,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "joints that follow others, or drives that move several joints",
         code: "coupled-joints",
-        condition: "joints are coupled, as by `{}`",
+        condition: "joints are coupled by `{}`",
         example: |model| {
             let follower = model.moving_joints().get(model.motion_count()).map(|moving| moving.joint);
             let shared: Option<&Drive> = model.moving_drives().find(|drive| drive.coordinate().is_none());
@@ -258,7 +259,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "helical joints",
         code: "helical-joint",
-        condition: "joints are helical, as `{}` is",
+        condition: "joint `{}` is helical",
         example: |model| {
             let mut moving = model.moving_joints().into_iter().map(|moving| moving.joint);
             name(moving.find(|joint| matches!(joint.kind, JointKind::Helical { .. })))
@@ -284,7 +285,7 @@ impl Product {
     /// Whether a robot has the product.
     ///
     /// # Errors
-    /// The code of the first kind of the robot without the product.
+    /// The code of the first kind of the robot that lacks the product.
     pub fn check(&self, model: &Model) -> Result<(), Diagnostics> {
         let refusal = Refusals::new(model).of(self.name);
         let refusal = refusal.map(|refusal| refusal.error(self.missing).help(self.help));
@@ -292,7 +293,7 @@ impl Product {
     }
 }
 
-/// Why a model lacks a function or a product.
+/// Reason why a model lacks a function or product.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Refusal {
     code: &'static str,
@@ -301,18 +302,19 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    /// The error for those who asked for it.
+    /// Error for a function or product requested by name.
     pub(crate) fn error(&self, missing: &str) -> Diagnostic {
         Diagnostic::error(self.code, format!("{missing}, because {}", self.because)).help(self.help)
     }
 
-    /// The note for those who asked for all.
+    /// Note for a function or product not requested by name.
     pub(crate) fn note(&self, missing: &str) -> Diagnostic {
         Diagnostic::note("left-out", format!("{missing}, because {}", self.because)).help(self.help)
     }
 }
 
-/// The functions and products that a model lacks. Whether it is of a kind is asked once: some answers take the mass matrix.
+/// Missing functions and products of a model. Whether the model is of a kind is computed once, because some
+/// conditions require the mass matrix.
 pub(crate) struct Refusals<'m> {
     model: &'m Model,
     examples: [OnceCell<Option<String>>; KINDS.len()],
@@ -323,9 +325,9 @@ impl<'m> Refusals<'m> {
         Self { model, examples: [const { OnceCell::new() }; KINDS.len()] }
     }
 
-    /// Why the model lacks a function or a product; `None` if it has it.
+    /// Reason why the model lacks a function or product; `None` if it has it.
     ///
-    /// - `name`: of a function, with `NAME` in place of a frame's, or of a product
+    /// - `name`: name of a product, or of a function with `NAME` instead of the frame's name
     pub(crate) fn of(&self, name: &str) -> Option<Refusal> {
         KINDS.iter().zip(&self.examples).find_map(|(kind, example)| {
             let Missing { why, help } = *kind.difference(name)? else { return None };
@@ -335,7 +337,7 @@ impl<'m> Refusals<'m> {
     }
 }
 
-/// The documentation of a model's function where it differs from the row.
+/// Documentation of a model's function, if it differs from the row.
 pub(crate) fn otherwise(model: &Model, name: &str) -> impl Iterator<Item = &'static Otherwise> {
     KINDS.iter().filter_map(move |kind| match kind.difference(name)? {
         Difference::Documented(other) => kind.includes(model).then_some(other),

@@ -1,19 +1,20 @@
-//! Robots whose friction grows with the load: one more function, other equations, and missing functions.
+//! Functions of robots with load-dependent friction: an additional function, other equations, and missing
+//! functions.
 //!
-//! There q keeps the friction τ of velocity and position alone, and the equations of motion have one more
-//! term.
+//! For these robots q includes the friction τ of velocity and position, and the equations of motion have an
+//! additional term for the friction of the load.
 
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{Quantity, VECTOR, vector};
 use crate::function_names as names;
 
-/// The equations of motion, with one more term.
+/// Equations of motion with the friction of the load.
 pub const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
-/// The function that only such robots have.
+/// The additional function.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::LOAD_FRICTION,
-    summary: "Friction under load `s₁(y, ẏ)`: what friction gains for each unit of the load.",
+    summary: "Friction under load `s₁(y, ẏ)`: additional friction per unit of load.",
     equation: MOTION,
     arguments: &[Coordinates, Velocities],
     results: &[(
@@ -30,12 +31,12 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
 }];
 
 /// Definition of the load.
-pub const LOAD: &str = "The load `τ_l` is what a drive would exert without friction, `M ÿ + k − gravity_forces − spring_forces`. Friction is \
-    `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).";
+pub const LOAD: &str = "The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − \
+        spring_forces`. Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).";
 
-/// Derivatives at a load of 0.
-pub const KINK: &str = "At a load of exactly 0 the derivatives jump; there they are those without `load_friction`, between those of either \
-    side.";
+/// Derivatives at zero load.
+pub const KINK: &str = "At a load of 0 the derivatives are discontinuous; they have the values without \
+        `load_friction`, between both one-sided limits.";
 
 #[cfg(test)]
 mod tests {

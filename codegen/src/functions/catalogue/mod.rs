@@ -1,7 +1,8 @@
-//! The functions that can be generated: one row each, with what their documentation says.
+//! The catalogue of functions: one row each, with its documentation.
 //!
-//! `quantity` is the vocabulary, `motion`, `frames`, `regressors`, `hessian` and `reactions` hold the rows. [`KINDS`] is the table of
-//! kinds of robots: the rows that they add, and functions that differ or are missing.
+//! `quantity` defines the row type. `motion`, `frames`, `regressors`, `hessian` and `reactions` have the
+//! rows. [`KINDS`] is the table of kinds of robots: additional rows, and functions that differ or are
+//! missing.
 
 mod driven;
 mod frame_inputs;
@@ -34,12 +35,12 @@ use crate::functions::function::FrameFunction;
 use crate::model::Model;
 use motion::QUANTITIES;
 
-/// Every function but those of named frames, in the order of the generated module.
+/// Every function except those of named frames, in the order of the generated module.
 pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressors::QUANTITIES)
 }
 
-/// The quantities of a model, those on request last.
+/// Quantities of a model; those on request are last.
 pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
     let of_model = |row: &'static Quantity| {
         let mut others = KINDS.iter().flat_map(|kind| kind.replaces.iter().map(move |row| (kind, row)));
@@ -51,7 +52,7 @@ pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Qua
     quantities().map(of_model).chain(added).chain(ON_REQUEST).chain(on_request)
 }
 
-/// Whether a function is derived only if it is asked for by name.
+/// Whether a function is derived only if requested by name.
 pub(super) fn is_on_request(name: &str) -> bool {
     ON_REQUEST.iter().chain(driven::QUANTITIES).any(|row| row.name == name)
 }
@@ -67,7 +68,7 @@ pub(crate) fn may_be_loops(name: &str) -> bool {
     row(name).is_some_and(|quantity| quantity.loops.is_some())
 }
 
-/// The row of a function of whatever robot.
+/// Row of a function of any robot.
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {
     all().find(|row| row.name == name)
 }
@@ -91,7 +92,7 @@ pub fn names(model: &Model) -> Vec<String> {
     quantities.chain(frames).chain(compositions).collect()
 }
 
-/// The selected functions that call others.
+/// Selected functions that call others.
 pub fn compositions(selection: &[String]) -> Vec<Composition> {
     let is_selected =
         |each: &Composition| select_all(selection) || selection.iter().any(|name| name == each.name());
@@ -99,7 +100,7 @@ pub fn compositions(selection: &[String]) -> Vec<Composition> {
 }
 
 /// # Errors
-/// `unknown-function` for each name that the model does not have, other than [`GROUPS`].
+/// `unknown-function` for each name that the model lacks, except [`GROUPS`].
 pub(crate) fn check_names(model: &Model, selection: &[String]) -> Result<(), Diagnostics> {
     let known = names(model);
     let unknown = selection.iter().filter(|name| !GROUPS.contains(&name.as_str()) && !known.contains(name));

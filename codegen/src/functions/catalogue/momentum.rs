@@ -6,11 +6,11 @@ use crate::dynamics::arguments::Arguments;
 use crate::function_names;
 
 const NOTES: &[&str] = &[
-    "The moving bodies count, in the axes of the base frame; what is fixed to a base that is bolted down does not. \
-     Rotors with `coupling = \"body\"` spin with their gear ratio.",
+    "Includes all moving bodies, in the axes of the base frame; excludes bodies on a fixed base. Rotors with \
+     `coupling = \"body\"` spin with their gear ratio.",
 ];
 
-/// The rows, which are derived if they are asked for by name.
+/// Rows of the catalogue for the momentum; derived only if requested by name.
 pub const QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: function_names::CENTER_OF_MASS,

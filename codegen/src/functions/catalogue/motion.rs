@@ -93,7 +93,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
             ("k", VECTOR, "Coriolis, centrifugal and gyroscopic forces"),
             ("q", VECTOR, "gravity, springs and friction"),
         ],
-        notes: &["What the three have in common is computed once."],
+        notes: &["Common terms are computed once."],
         build: |equations, arguments| {
             let (y, v) = (&arguments.y, &arguments.v);
             let k = equations.coriolis_forces(y, v);
@@ -107,7 +107,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         summary: "Inverse dynamics: the joint forces of a motion.",
         equation: "M(y) ÿ + k(y, ẏ) − q(y, ẏ)",
         arguments: &[Coordinates, Velocities, Accelerations],
-        results: &[("B u", VECTOR, "what the drives exert at the joints; u_ff = B⁻¹ times it")],
+        results: &[("B u", VECTOR, "drive forces at the joints; u_ff = B⁻¹ times these")],
         notes: &["Recursive Newton–Euler equations (Luh, Walker and Paul 1980) with base parameters."],
         build: |equations, arguments| {
             vec![vector(equations.inverse_dynamics(&arguments.y, &arguments.v, &arguments.a))]
@@ -298,7 +298,7 @@ const LINEARIZE: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// The row that replaces that of the same name where joints have quaternions.
+/// Row of the linearization for joints with quaternions.
 pub(super) const LINEARIZE_ON_TANGENT: Quantity = Quantity {
     summary: "Linearization of the accelerations in continuous time, on the tangent.",
     equation: "with δ from y: δ̇ ≈ D δ + v − v̄ and v̇ ≈ A_y δ + A_v v + B_x u + c",
@@ -311,8 +311,8 @@ pub(super) const LINEARIZE_ON_TANGENT: Quantity = Quantity {
     ],
     notes: &[
         DERIVATIVE_NOTES[0],
-        "δ is a small motion: the positions are `integrate(y, δ)`, and v̄ are the velocities of the linearization, the argument `v`. \
-         Where the positions are one for each velocity, δ is the difference of the positions.",
+        "δ is a small motion: the positions are `integrate(y, δ)`. v̄ are the velocities of the linearization, \
+         the argument `v`. For joints without quaternions δ is the difference of the positions.",
     ],
     build: |equations, Arguments { y, v, u, .. }| {
         let result = equations.linearize(y, v, u);
@@ -323,7 +323,7 @@ pub(super) const LINEARIZE_ON_TANGENT: Quantity = Quantity {
     ..LINEARIZE
 };
 
-/// The row that replaces that of the same name where inputs act at frames.
+/// Row of B for inputs at frames.
 pub(super) const INPUT_MATRIX_BY_POSITION: Quantity = Quantity {
     name: function_names::INPUT_MATRIX,
     summary: "Input matrix `B(y)`.",
@@ -339,7 +339,7 @@ pub(super) const INPUT_MATRIX_BY_POSITION: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// The row that replaces that of the same name where a friction law depends on the position.
+/// Row of friction that depends on the position.
 pub(super) const FRICTION_BY_POSITION: Quantity = Quantity {
     summary: "Joint friction `τ(y, ẏ)`.",
     arguments: &[Coordinates, Velocities],

@@ -1,4 +1,4 @@
-//! Rows of the catalogue: arguments, results with dimensions, and construction.
+//! Row type of the catalogue: arguments, results with dimensions, and derivation.
 
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
@@ -59,7 +59,7 @@ impl Argument {
         }
     }
 
-    /// The documentation of the argument.
+    /// Documentation of the argument.
     pub(in crate::functions) fn text(self, model: &Model) -> ArgumentText {
         let by_joint = |units: [&'static str; 2]| {
             let entry = |joint: &Joint| {
@@ -97,8 +97,8 @@ impl Argument {
                 "positions; quaternions are x y z w and of unit length"
             }
             Velocities if !model.quaternion_joints.is_empty() => {
-                "velocities v, for which ẏ stands in equations; those of a joint with a quaternion are linear and angular ones in \
-                 its body's own frame"
+                "velocities v, written ẏ in equations; for a joint with a quaternion linear and angular \
+                 velocity in the frame of its body"
             }
             Accelerations if !model.quaternion_joints.is_empty() => {
                 "accelerations v̇, for which ÿ stands in equations"
@@ -132,9 +132,9 @@ fn position_entries(model: &Model) -> Vec<(String, &'static str)> {
     entries.collect()
 }
 
-/// A result in the making.
+/// A result under construction.
 pub struct Value<'g> {
-    /// Its lengths, rows first.
+    /// Lengths, rows first.
     pub(in crate::functions) lengths: Vec<usize>,
     pub(in crate::functions) entries: Vec<Scalar<'g>>,
 }
@@ -151,7 +151,7 @@ pub(in crate::functions) fn matrix(rows: Matrix<'_>) -> Value<'_> {
     Value { lengths: vec![rows.len(), rows.first().map_or(0, Vec::len)], entries: rows.concat() }
 }
 
-/// A result of a quantity: symbol, dimensions, rows first, and meaning.
+/// A result of a quantity: symbol, dimensions (rows first) and meaning.
 pub(in crate::functions) type QuantityResult = (&'static str, &'static [Dimension], &'static str);
 
 pub(in crate::functions) const SCALAR: &[Dimension] = &[];
@@ -164,21 +164,21 @@ pub(in crate::functions) const IN_SPACE: &[Dimension] = &[Dimension::Fixed];
 pub(in crate::functions) const ROTATION: &[Dimension] = &[Dimension::Fixed, Dimension::Fixed];
 pub(in crate::functions) const FRAME_JACOBIAN: &[Dimension] = &[Dimension::Fixed, Dimension::Velocities];
 
-/// How a quantity is built from the equations of motion.
+/// Derivation of a quantity from the equations of motion.
 pub(in crate::functions) type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
 
-/// Operations that functions take at least, known before they are derived.
+/// Estimated least number of operations, before the derivation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimate {
-    /// At least the work of the mass matrix, whose size grows with the square of the joints' number.
+    /// Work of the mass matrix, which grows with the square of the number of joints.
     MassMatrix,
-    /// Blocks of ten columns for each joint and each link that it moves, of 39 operations for the UR5, 75 for
-    /// a chain of 30 right angles.
+    /// Ten columns for each joint and each link that it moves; 39 operations per column for the UR5, 75 for a
+    /// chain of 30 right angles.
     Regressor,
-    /// Multiplied and inverted matrices: 5.2 operations times the cube of the joints' number for Talos, 6.9
-    /// for a chain of 60 right angles.
+    /// Products and inverses of matrices: 5.2 times the cube of the number of joints for Talos, 6.9 times for
+    /// a chain of 60 right angles.
     Inverse,
-    /// Products for each pair: 83 operations for a chain of 60 right angles.
+    /// Products for each pair of joints: 83 operations for a chain of 60 right angles.
     Pairs,
 }
 
@@ -196,44 +196,45 @@ pub struct Quantity {
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
     pub(in crate::functions) notes: &'static [&'static str],
-    /// Functions that depend on more of the model.
+    /// Documentation that depends on the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
-    /// Which of several derivations was cheapest, for the documentation.
+    /// Documentation of the cheapest derivation.
     pub(in crate::functions) route: fn(&Formulations<'_>) -> Option<&'static str>,
-    /// Constants that stand before the function.
+    /// Constants printed before the function.
     pub(in crate::functions) constants: fn(&Model, &Formulations<'_>, &Program) -> Vec<Constant>,
-    /// It is true if the function differentiates friction by the velocity. Jumps of a law do not show in it.
+    /// Whether the function differentiates friction by the velocity. Discontinuities of a law are not visible
+    /// in the derivative.
     pub(in crate::functions) differentiates_friction: bool,
-    /// Operations that straight-line code takes at least, for robots that make it very large.
+    /// Least number of operations of straight-line code, for robots for which it is very large.
     pub(in crate::functions) straight_size: Option<Estimate>,
-    /// How it is written as loops over joints, if it can be.
+    /// Form as loops over joints, if available.
     pub(in crate::functions) loops: Option<Loops>,
 }
 
-/// A function as loops over joints.
+/// Form of a function as loops over joints.
 #[derive(Clone, Copy)]
 pub(in crate::functions) enum Loops {
-    /// The loops of the function itself, and the operations that they stand for.
+    /// Loops of the function itself, and the number of their operations.
     PerJoint { build: BuildLoops, size: Estimate, products: Option<Products> },
-    /// Its results are affine in those of another function, which it calls.
+    /// Results are affine in those of another function, which is called.
     Affine { called: &'static str },
 }
 
-/// Loops for the products with M⁻¹ alone.
+/// Loops for only the products with M⁻¹.
 #[derive(Clone, Copy)]
 pub(in crate::functions) struct Products {
     pub build: BuildLoops,
-    /// The function that has what M⁻¹ is multiplied with: they pay where it is straight-line code, though a long one.
+    /// Function that computes the other factor. The loops pay if it is long straight-line code.
     pub beside: &'static str,
 }
 
-/// How loops over joints are built.
+/// Construction of loops over joints.
 pub(in crate::functions) type BuildLoops =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, Vec<InputArray>) -> Arrays;
 
 impl Quantity {
-    /// The defaults of a row: the function is not large and needs no constants.
+    /// Default row: a small function without constants.
     pub(in crate::functions) const PLAIN: Self = Self {
         name: "",
         summary: "",
@@ -251,7 +252,7 @@ impl Quantity {
     };
 }
 
-/// How a quantity of a named frame is built.
+/// Derivation of a quantity of a named frame.
 pub(in crate::functions) type FrameBuild =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &Pose<Scalar<'g>>) -> Vec<Value<'g>>;
 

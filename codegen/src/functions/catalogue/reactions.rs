@@ -1,4 +1,4 @@
-//! Joint reactions: the wrench that passes through each joint.
+//! Joint reactions: the wrench transmitted by each joint.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, matrix};
@@ -7,7 +7,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::layout::Dimension;
 
-/// Its row of the catalogue.
+/// Row of the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::JOINT_WRENCHES,
     summary: "Wrenches that pass through the joints, from the parent side to the child, in motion.",
@@ -16,21 +16,22 @@ pub const QUANTITY: Quantity = Quantity {
     results: &[(
         "wrenches",
         &[Dimension::Fixed, Dimension::Fixed],
-        "row i = moving joint i: those of the coordinates in their order, then those that follow others \
-         (`FOLLOWER_NAMES` where there are such names, else the first of `DEPENDENT_JOINT_NAMES`); force (N), then moment about the joint's origin (N m), in the joint's frame after \
-         its motion: that of the link that it carries, or for a standard DH row the one before d, a and α",
+        "row i = moving joint i: the joints of the coordinates in their order, then followers (in the order of \
+         `FOLLOWER_NAMES` if it exists, otherwise first in `DEPENDENT_JOINT_NAMES`); force (N), then moment \
+         about the joint's origin (N m), in the joint's frame after its motion: the frame of the carried link, \
+         or for a standard DH row the frame before d, a and α",
     )],
     notes: &[
-        "A row is all that the bodies beyond the joint receive from outside but gravity: bearing, gear, drive, spring, \
-         friction and belt together, whatever way their forces take. Its component along the joint, F_a on the axis a of \
-         a sliding joint, n_a about that of a turning one and n_a + pitch F_a of a helical one, is therefore the sum of \
-         what the drive's gear (behind the inertia of its rotor), springs, friction and couplings exert at the joint in \
-         this motion; the bearing bears the other components. Friction and drives are no arguments: they change the row \
-         by changing ÿ alone.",
-        "The masses are those described, not base parameters, which have the same generalized forces and other reactions. \
-         Rotors with `coupling = \"body\"` count where they are carried, with the moment that turns their spin; the \
-         inertia of `coupling = \"diagonal\"` has no place and bears on no joint. The bodies on fixed and held joints \
-         belong to the link that carries them; these joints have no rows.",
+        "A row is the wrench of all external effects except gravity on the bodies beyond the joint: bearing, \
+         gear, drive, spring, friction and belt. Its component along the joint is F_a for a sliding joint with \
+         axis a, n_a for a turning joint, and n_a + pitch F_a for a helical joint. This component is the sum \
+         of the forces of gear (after the rotor's inertia), springs, friction and couplings at the joint. The \
+         bearing bears the other components. Friction and drives are no arguments; they affect the row only \
+         through ÿ.",
+        "The masses are as described. Base parameters would give the same generalized forces but other \
+         reactions. Rotors with `coupling = \"body\"` act on their carrier, including the gyroscopic moment. \
+         The inertia of `coupling = \"diagonal\"` has no location and acts on no joint. Bodies on fixed and \
+         held joints belong to the link that carries them; these joints have no rows.",
         "Newton–Euler equations in link frames (Luh, Walker and Paul 1980).",
     ],
     build: |equations, Arguments { y, v, a, .. }| {

@@ -1,4 +1,4 @@
-//! Functions that are linear in parameters, for identification: a part of the catalogue.
+//! Functions that are linear in parameters, for identification.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Estimate, PARAMETERS, Quantity, REGRESSOR, Value, matrix, vector};
@@ -10,7 +10,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::functions::module_constants;
 
-/// Their rows of the catalogue.
+/// Rows of the catalogue.
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::INERTIAL_PARAMETERS,
@@ -52,8 +52,8 @@ pub const QUANTITIES: &[Quantity] = &[
         arguments: &[Coordinates, Velocities, Accelerations],
         results: &[("W_b", REGRESSOR, "rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`")],
         notes: &[
-            "Columns that depend on earlier ones were found numerically (Gautier 1991); stacked over states that excite \
-             the robot, W_b has full rank, for almost all values of free parameters.",
+            "Dependent columns were found numerically (Gautier 1991). Stacked over exciting states, W_b has \
+             full rank for almost all values of free parameters.",
         ],
         build: |equations, Arguments { y, v, a, .. }| {
             vec![matrix(equations.base_regressor(MotionInput { y, v, a }))]
@@ -86,7 +86,7 @@ const FRICTION_REGRESSOR: Quantity = Quantity {
     arguments: &[Velocities],
     results: &[("R", REGRESSOR, "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`")],
     notes: &[
-        "What enters nonlinearly is held at its described value: a3 and a5 of the Stribeck form, slopes of tanh.",
+        "Nonlinear parameters keep their described values: a3 and a5 of the Stribeck law, slopes of tanh.",
     ],
     build: friction_regressor,
     ..Quantity::PLAIN

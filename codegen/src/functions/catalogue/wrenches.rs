@@ -1,4 +1,4 @@
-//! Rows of robots with wrenches: the functions that take them as an argument.
+//! Functions of robots with wrenches as arguments.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities, Wrenches};
 use super::quantity::{Estimate, Quantity, SQUARE, VECTOR, matrix, vector};
@@ -8,7 +8,7 @@ use crate::function_names;
 
 const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u + wrench_forces(y, w)";
 
-/// The functions that only robots with wrenches have.
+/// Functions that only robots with wrenches have.
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::WRENCH_FORCES,

@@ -1,12 +1,12 @@
-//! Pivots of M where joints follow others: `M = Gᵀ M_joints G` by composite bodies (Walker and Orin 1982;
-//! Featherstone 2008, ch. 6), and its factorization from the last coordinate to the first.
+//! Pivots of M if joints follow others: `M = Gᵀ M_joints G` by composite bodies (Walker and Orin 1982;
+//! Featherstone 2008, ch. 6), factorized from the last coordinate to the first.
 
 use super::{
     Matrix, Model, Motion, Pivot, ROUNDING, add, child_from_parent, congruent, link_inertia, magnitude,
     motion_axis,
 };
 
-/// M, and for each coordinate the sum of the magnitudes in its entry, which bounds the rounding.
+/// M, and for each coordinate the sum of the magnitudes in its diagonal entry, which bounds the rounding.
 pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     let all = model.motion_count();
     let (mut mass, mut sizes) = (vec![vec![0.0; all]; all], vec![0.0; all]);
@@ -15,7 +15,7 @@ pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -
     (mass, sizes)
 }
 
-/// Pivots by link, of the links whose joints are coordinates.
+/// Pivots by link, for links whose joints are coordinates.
 pub(super) fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let n = model.coordinates.len();
     let (mut mass, sizes) = mass_matrix(model, described, positions);

@@ -1,4 +1,4 @@
-//! Constants of robots with spherical and floating joints: how positions and velocities belong to the joints.
+//! Constants of robots with spherical and floating joints: assignment of positions and velocities to joints.
 
 use super::{constant, strings};
 use crate::functions::function::{Constant, ConstantValue};
@@ -6,7 +6,7 @@ use crate::functions::positions;
 use crate::layout::Dimension::{Coordinates, Joints, Positions};
 use crate::model::{Joint, JointPosition, Model};
 
-/// The lengths that only such robots have.
+/// Lengths that only such robots have.
 pub(super) fn sizes(model: &Model) -> Vec<Constant> {
     if model.quaternion_joints.is_empty() {
         return vec![];
@@ -18,7 +18,7 @@ pub(super) fn sizes(model: &Model) -> Vec<Constant> {
     ]
 }
 
-/// Names, types, places and units of joints, positions and velocities.
+/// Names, types, indices and units of joints, positions and velocities.
 pub(super) fn names(model: &Model) -> Vec<Constant> {
     let velocities: Vec<&Joint> = model.joints().collect();
     let joints: Vec<JointPosition<'_>> = model.joint_positions().collect();
@@ -75,7 +75,7 @@ pub(super) fn names(model: &Model) -> Vec<Constant> {
     ]
 }
 
-/// The number of position entries of each joint; none if the positions are one for each coordinate.
+/// Number of position entries of each joint; empty without quaternions.
 pub(in crate::module) fn joint_positions(model: &Model) -> Vec<usize> {
     let entries = |joint: JointPosition<'_>| match joint {
         JointPosition::Coordinate(_) => 1,

@@ -1,4 +1,4 @@
-//! The linearization in array form: a call of the forward dynamics' Jacobians, and the affine remainder.
+//! The linearization in array form: a call of the forward dynamics' Jacobians, then the affine remainder.
 
 use super::Arrays;
 use super::unroll::numbered;
@@ -9,33 +9,33 @@ use crate::program::{Operand, Operation, Output, Program, Shape};
 /// `A_y`, `A_v`, `B_x` and `c` from the results of `forward_dynamics_derivatives`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Affine {
-    /// Name of the function that is called.
+    /// Name of the called function.
     pub name: &'static str,
-    /// That function in array form; its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
+    /// Called function in array form; its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
     pub called: Arrays,
-    /// For each input: the coordinates that it acts on, each with its gain, a constant or a parameter.
+    /// Coordinates of each input, each with its gain, a constant or a parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
-    /// D, if positions have quaternions: `c` has no term of y then.
+    /// D for positions with quaternions; `c` then has no term of y.
     pub drift: Option<Vec<Drift>>,
 }
 
 /// An entry of D: a velocity or its negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drift {
-    /// Its row.
+    /// Row of the entry.
     pub row: usize,
-    /// Its column.
+    /// Column of the entry.
     pub column: usize,
     /// The velocity.
     pub velocity: usize,
-    /// It is true for the negative of the velocity.
+    /// Whether the entry is the negative of the velocity.
     pub is_negative: bool,
 }
 
 impl Affine {
-    /// The straight-line program that it stands for: column m of `B_x` is the sum of columns of M⁻¹ times gains, and
-    /// `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, each product of rows in four partial sums. Where positions have
-    /// quaternions, `c = ÿ − (A_v ẏ + B_x u)`.
+    /// Equivalent straight-line program: column m of `B_x` is the sum of columns of M⁻¹ times gains, and `c =
+    /// ÿ − ((A_y y + A_v ẏ) + B_x u)`, row by row, with four partial sums per product. With quaternions `c =
+    /// ÿ − (A_v ẏ + B_x u)`.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();

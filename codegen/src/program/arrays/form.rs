@@ -1,4 +1,4 @@
-//! A function over arrays, of its own steps or affine in another one's results.
+//! A function in array form: its own steps, or affine in another function's results.
 
 use super::super::Program;
 use super::{Affine, Arrays};
@@ -13,7 +13,7 @@ pub enum ArrayForm {
 }
 
 impl ArrayForm {
-    /// The straight-line program that it stands for.
+    /// Equivalent straight-line program.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         match self {
@@ -22,7 +22,7 @@ impl ArrayForm {
         }
     }
 
-    /// The same with products and sums contracted into fused multiply-adds.
+    /// The form with products and sums contracted to fused multiply-adds.
     #[must_use]
     pub fn fused(&self) -> Self {
         match self {
@@ -31,7 +31,7 @@ impl ArrayForm {
         }
     }
 
-    /// The steps, of the function that is called where it is another one.
+    /// The steps; for the linearization those of the called function.
     #[must_use]
     pub fn arrays(&self) -> &Arrays {
         match self {

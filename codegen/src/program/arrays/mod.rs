@@ -1,10 +1,10 @@
 //! Array form of a program: the same operations as loops over the joints.
 //!
-//! Straight-line code grows with the square and the cube of the number of joints, and out of a processor's
-//! caches. The array form keeps a straight-line *setup* that grows like n and goes on with *steps* over
-//! arrays, one entry per joint in each row, whose code hardly grows at all. [`Arrays::unrolled`] writes the
-//! steps out as a straight-line program: it defines what they mean, operation by operation in their order, so
-//! that interpreter, counts and texts need to know nothing about arrays.
+//! Straight-line code grows with the square and the cube of the number of joints and exceeds a processor's
+//! caches. The array form has a straight-line *setup* that grows like n, then *steps* over arrays with one
+//! entry per joint in each row, whose code hardly grows. [`Arrays::unrolled`] converts the steps to a
+//! straight-line program. This program defines their meaning, operation by operation in order, so
+//! interpreter, counts and texts need no knowledge of arrays.
 
 mod affine;
 mod form;

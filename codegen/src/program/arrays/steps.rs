@@ -6,45 +6,45 @@ use super::{Coordinates, Tree};
 /// A function over arrays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrays {
-    /// Straight-line code whose results are the first arrays.
+    /// Straight-line code; its results are the first arrays.
     pub setup: Program,
-    /// All arrays: those of the setup first.
+    /// All arrays; those of the setup are first.
     pub arrays: Vec<Array>,
-    /// The steps of the computation, in order.
+    /// Steps in order.
     pub steps: Vec<Step>,
-    /// Results of the function in their order.
+    /// Results in order.
     pub outputs: Vec<ArrayOutput>,
     /// The joints.
     pub joints: Tree,
-    /// The coordinates that the joints follow; `None` if each joint is one.
+    /// Coordinates of the joints; `None` if each joint is a coordinate.
     pub coordinates: Option<Coordinates>,
-    /// Joints that are the velocities of one joint with a quaternion, from the base outwards.
+    /// For each joint with a quaternion the loop joints of its velocities, from the base outwards.
     pub chains: Vec<Vec<usize>>,
-    /// It is true if products and sums of the steps are fused.
+    /// Whether products and sums of the steps are fused.
     pub is_fused: bool,
 }
 
-/// Rows of one entry per joint or per coordinate.
+/// Rows with one entry per joint or coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
-    /// The name of the array, as an identifier.
+    /// Name of the array, an identifier.
     pub name: String,
-    /// How many rows it has.
+    /// Number of rows.
     pub rows: usize,
     /// Index set of its entries.
     pub over: Over,
 }
 
-/// Where a joint stands seen from another one.
+/// Relation of a joint to another one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
-    /// Before it on its path to the base, or another velocity of the same joint.
+    /// The joint is before the other joint on the path to the base, or is another velocity of the same joint.
     Before,
-    /// It is the same.
+    /// Both are the same joint.
     Same,
-    /// Beyond it.
+    /// The joint is beyond the other joint.
     Beyond,
-    /// On no path with it.
+    /// The joints are on different paths.
     Apart,
 }
 
@@ -53,11 +53,11 @@ pub enum Relation {
 pub enum Over {
     /// Joints.
     Joints,
-    /// Coordinates that joints follow. Where each joint is one, all arrays are over joints.
+    /// Coordinates that joints follow. If each joint is a coordinate, all arrays are over joints.
     Coordinates,
 }
 
-/// Refers to an array.
+/// Index of an array.
 pub type ArrayId = usize;
 
 /// One result of the function.
@@ -67,23 +67,23 @@ pub struct ArrayOutput {
     pub name: String,
     /// Shape of the result.
     pub shape: Shape,
-    /// Where it stands.
+    /// Array of the result.
     pub array: ArrayId,
 }
 
-/// One step over arrays. Sums of products start with their first product and add the others in their order.
+/// A step over arrays. Sums of products start with the first product and add the others in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
-    /// A small straight-line program for each joint by itself.
+    /// The same small straight-line program for each joint.
     Map(Map),
-    /// `to[·][j] = from[·][j]` and that of all joints before j; parents first.
+    /// `to[·][j] = from[·][j]` plus those of all joints before j; parents first.
     SumAncestors {
         /// Terms.
         from: ArrayId,
         /// Sums.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][j]` and that of all joints beyond j; leaves first.
+    /// `to[·][j] = from[·][j]` plus those of all joints beyond j; leaves first.
     SumSubtrees {
         /// Terms.
         from: ArrayId,
@@ -128,12 +128,12 @@ pub enum Step {
         /// Over joints.
         to: ArrayId,
     },
-    /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss and Jordan
-    /// without pivots from the leaves to the base.
+    /// Inverse of a symmetric positive definite matrix with the zeros of a mass matrix, by Gauss–Jordan
+    /// elimination without pivoting from the leaves to the base.
     Invert {
         /// The matrix.
         from: ArrayId,
-        /// Its inverse.
+        /// The inverse.
         to: ArrayId,
     },
     /// `to = −left · right`, matrices over the coordinates.
@@ -159,40 +159,41 @@ pub enum Step {
 /// A straight-line program for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// The name of the step, as an identifier.
+    /// Name of the step, an identifier.
     pub name: String,
-    /// The purpose of the step, for the documentation.
+    /// Purpose of the step, for documentation.
     pub about: String,
-    /// Arrays that it reads; its inputs are their rows at one joint.
+    /// Arrays that are read; the inputs are their rows at one joint.
     pub reads: Vec<ArrayId>,
-    /// Arrays that it writes; its results are their rows at the joint.
+    /// Arrays that are written; the results are their rows at the joint.
     pub writes: Vec<ArrayId>,
     /// The computation at each joint.
     pub body: Program,
 }
 
-/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` where j is before i on its path to the base or another velocity of
-/// one joint, `diagonal[i]` where i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` where i is before j, and 0 elsewhere.
+/// `to[i][j]` is `Σ before.0[r][i] · before.1[r][j]` if j is before i on its path to the base or is another
+/// velocity of the same joint, `diagonal[i]` if i = j, `Σ beyond.0[r][i] · beyond.1[r][j]` if i is before j,
+/// and 0 otherwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
-    /// Rows by i and rows by j where j is before i.
+    /// Rows by i and rows by j, for j before i.
     pub before: (ArrayId, ArrayId),
-    /// Rows by i and rows by j where j is beyond i.
+    /// Rows by i and rows by j, for j beyond i.
     pub beyond: (ArrayId, ArrayId),
-    /// An array of one row.
+    /// Array of the diagonal, one row.
     pub diagonal: ArrayId,
-    /// The matrix.
+    /// Array of the matrix.
     pub to: ArrayId,
 }
 
 impl Arrays {
-    /// The coordinates: the joints where each of them is one.
+    /// Tree of the coordinates, equal to the joints if each joint is a coordinate.
     #[must_use]
     pub fn coordinates(&self) -> &Tree {
         self.coordinates.as_ref().map_or(&self.joints, |coordinates| &coordinates.tree)
     }
 
-    /// Where joint `j` stands seen from joint `i`.
+    /// Relation of joint `j` to joint `i`.
     #[must_use]
     pub fn relation(&self, i: usize, j: usize) -> Relation {
         let is_one_joint = || self.chains.iter().any(|chain| chain.contains(&i) && chain.contains(&j));
@@ -204,13 +205,13 @@ impl Arrays {
         }
     }
 
-    /// Whether each joint but the first follows the one before it, and none has a quaternion.
+    /// Whether each joint except the first follows the previous one, and none has a quaternion.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         self.joints.is_chain() && self.chains.is_empty()
     }
 
-    /// For each joint what carries the joint that it belongs to; `None` for the base.
+    /// Carrier of each joint (for a velocity, of the joint that it belongs to); `None` for the base.
     #[must_use]
     pub fn carriers(&self) -> Vec<Option<usize>> {
         let mut carriers = self.joints.parents.clone();
@@ -240,8 +241,8 @@ impl Arrays {
         self.over(self.arrays[array].over)
     }
 
-    /// Whether a matrix over coordinates is zero in each entry whose two coordinates are on no common path. Forces of one
-    /// coordinate that depend on another branch, as the friction of a shaft that moves two, are elsewhere.
+    /// Whether a matrix over coordinates is zero at all pairs of coordinates that share no path. It is not
+    /// for forces that depend on another branch, for example friction of a shaft that moves two.
     #[must_use]
     pub fn is_over_paths(&self, array: ArrayId) -> bool {
         let Some(output) = self.setup.outputs.get(array) else {
@@ -265,7 +266,7 @@ impl Arrays {
         }
     }
 
-    /// The same with fused multiply-adds: each product that only sums read is part of these sums.
+    /// The steps with fused multiply-adds: each product used only by sums becomes part of these sums.
     #[must_use]
     pub fn fused(&self) -> Self {
         let mut fused = self.clone();

@@ -1,11 +1,11 @@
-//! Index sets of arrays: the joints, and the coordinates that these follow.
+//! Index sets of arrays: the joints, and the coordinates that they follow.
 
 /// A tree of joints or of coordinates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tree {
-    /// The parent of each entry.
+    /// Parent of each entry.
     pub parents: Vec<Option<usize>>,
-    /// The entries, parents first.
+    /// Entries, parents first.
     pub order: Vec<usize>,
 }
 
@@ -16,44 +16,45 @@ impl Tree {
         self.parents.len()
     }
 
-    /// Whether there are no entries.
+    /// Whether the tree is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.parents.is_empty()
     }
 
-    /// Whether each entry but the first follows the one before it.
+    /// Whether each entry except the first follows the previous one.
     #[must_use]
     pub fn is_chain(&self) -> bool {
         let parents = self.parents.iter().enumerate();
         parents.into_iter().all(|(index, parent)| *parent == index.checked_sub(1))
     }
 
-    /// Whether entry `j` stands before entry `i` on its path to the base.
+    /// Whether entry `j` is before entry `i` on its path to the base.
     #[must_use]
     pub fn is_before(&self, j: usize, i: usize) -> bool {
         let path = std::iter::successors(self.parents[i], |&next| self.parents[next]);
         path.into_iter().any(|ancestor| ancestor == j)
     }
 
-    /// Whether two entries are one, or stand on one path to the base.
+    /// Whether two entries are equal or on one path to the base.
     #[must_use]
     pub fn meet(&self, i: usize, j: usize) -> bool {
         i == j || self.is_before(i, j) || self.is_before(j, i)
     }
 }
 
-/// How joints follow coordinates, if they are not the coordinates themselves.
+/// Coordinates of joints that are not coordinates themselves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coordinates {
-    /// The coordinate that each joint follows. The joints of the coordinates themselves stand first, in order.
+    /// Coordinate of each joint. Joints that are coordinates come first, in order.
     pub of_joints: Vec<usize>,
-    /// Two coordinates stand on one path where their rows meet while the mass matrix is inverted.
+    /// Tree of the coordinates. Two coordinates are on one path if their rows are combined during the
+    /// inversion of M.
     pub tree: Tree,
 }
 
 impl Coordinates {
-    /// - `of_joints`: the coordinate of each joint, as in the field of that name
+    /// - `of_joints`: coordinate of each joint
     #[must_use]
     pub fn new(joints: &Tree, of_joints: Vec<usize>) -> Self {
         let n = of_joints.iter().max().map_or(0, |&last| last + 1);
@@ -68,7 +69,7 @@ impl Coordinates {
         Self { of_joints, tree: Tree { parents, order } }
     }
 
-    /// The joints that follow the coordinates of others, each with its coordinate.
+    /// Joints that follow coordinates of other joints, each with its coordinate.
     pub fn followers(&self) -> impl DoubleEndedIterator<Item = (usize, usize)> {
         let joints = self.of_joints.iter().copied().enumerate();
         joints.skip(self.tree.len())

@@ -1,4 +1,4 @@
-//! The array form written out: the straight-line program that it stands for.
+//! Conversion of the array form to its equivalent straight-line program.
 
 use super::writer::Writer;
 use super::{Array, Arrays, Coordinates, Map, Pairs, Relation, Step};
@@ -6,9 +6,9 @@ use crate::program::lower::give_names;
 use crate::program::{Operand, Operation, Output, Program};
 
 impl Arrays {
-    /// Each operation of the array form as an instruction, in the same order. Padding at the end of rows, and
-    /// entries that loops compute and drop, are not part of it; nor are products with the zeros of a tree, so that a sum
-    /// that is −0 here may be 0 in the loops.
+    /// Each operation of the array form as an instruction in the same order. Padding of rows, entries that
+    /// loops compute and discard, and products with zeros of the tree are omitted, so a sum that is −0 here
+    /// may be 0 in the loops.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let mut unrolling = Unrolling {
@@ -35,7 +35,7 @@ impl Arrays {
     }
 }
 
-/// Gives unique names to all instructions.
+/// Gives all instructions unique names.
 pub(super) fn numbered(mut program: Program) -> Program {
     give_names(&mut program);
     program

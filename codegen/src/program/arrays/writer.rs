@@ -1,11 +1,11 @@
-//! Instructions, one after another.
+//! Writer of instructions.
 
 use crate::program::{Instruction, Operand, Operation};
 
-/// A straight-line program in the making; names come at the end.
+/// A straight-line program under construction; names are added at the end.
 pub(super) struct Writer {
     pub(super) instructions: Vec<Instruction>,
-    /// It is true if products and sums become one operation.
+    /// Whether products and sums are fused.
     pub(super) is_fused: bool,
 }
 

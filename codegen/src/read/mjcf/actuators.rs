@@ -1,4 +1,4 @@
-//! Actuators as drives, fixed tendons as drives on several joints, armatures as rotors.
+//! Actuators become drives, fixed tendons drives on several joints, armatures rotors.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use gelenk_formula::Formula;
 /// The weighted sum of positions that a fixed tendon is as long as.
 type Sum = Vec<FollowsDescription>;
 
-/// Those of all fixed tendons, by their names.
+/// Weighted sums of all fixed tendons by name.
 pub(super) type Sums = BTreeMap<String, Sum>;
 
 /// Attributes of a general actuator that makes more of its input than a force in proportion.
@@ -231,7 +231,7 @@ impl<'a> Reader<'_, 'a> {
         self.robot.drives.push(SharedDriveDescription { name, on, motor });
     }
 
-    /// Armatures of joints that no actuator drives.
+    /// Reads armatures of joints without an actuator.
     pub(super) fn armatures(&mut self) {
         let open = std::mem::take(&mut self.joints);
         for (joint, known) in open.into_iter().filter(|(_, known)| known.armature != 0.0) {

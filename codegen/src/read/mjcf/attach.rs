@@ -1,4 +1,4 @@
-//! `<attach>`: a body of another model with all that is in it, under names with a prefix.
+//! `<attach>`: adds a body of another model with its content; names get a prefix.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +14,7 @@ use crate::read::options::ReadOptions;
 const DEEPEST: usize = 8;
 
 impl<'a> Reader<'_, 'a> {
-    /// Joins the body that `<attach>` names to a link.
+    /// Attaches the body named by `<attach>` to a link.
     pub(super) fn attach(&mut self, placed: &Placed<'a>, link: &Name) {
         let element = placed.element;
         let [Some(model), Some(body), Some(prefix)] =
@@ -79,8 +79,9 @@ impl<'a> Reader<'_, 'a> {
         let file = asset.attribute("file")?;
         let path = self.folder.join(plain_path(file.text));
         if self.chain.contains(&path) || self.chain.len() > DEEPEST {
-            let message = format!("`{}` is attached to itself, or after {DEEPEST} other models", file.text);
-            self.report.error(file.span, "included-twice", message).help("a model does not attach itself");
+            let message =
+                format!("`{}` attaches itself, or is nested deeper than {DEEPEST} models", file.text);
+            self.report.error(file.span, "included-twice", message).help("a model cannot attach itself");
             return None;
         }
         match self.meshes.load.text(&path.to_string_lossy()) {
@@ -109,7 +110,7 @@ impl<'a> Reader<'_, 'a> {
         ];
         for (distinct, names) in taken {
             for name in names.into_iter().filter(|name| distinct.take(&name.value) != name.value) {
-                let message = format!("there are two of the name `{}`", name.value);
+                let message = format!("two attached elements have the name `{}`", name.value);
                 self.report.error(name.span, "duplicate-name", message);
                 self.report.help("attach them with different prefixes");
             }

@@ -1,4 +1,4 @@
-//! Bodies, one inside the other.
+//! Nested bodies.
 
 use super::files::Element;
 use super::schema::{ORIENTATIONS, Place, tags};
@@ -24,7 +24,7 @@ struct Waiting<'a> {
 }
 
 impl<'a> Reader<'_, 'a> {
-    /// All bodies, parents first, as MuJoCo numbers them.
+    /// Reads all bodies, parents first, in MuJoCo's order.
     pub(super) fn bodies(&mut self, worlds: &[Element<'a>]) {
         let mut waiting = Vec::new();
         for &world in worlds {
@@ -61,7 +61,7 @@ impl<'a> Reader<'_, 'a> {
         let own = self.link_names.take(&wanted);
         let name = At::new(own, named.as_ref().map_or(element.span(), |name| name.span));
         if named.is_some() && name.value != wanted {
-            self.report.error(name.span, "duplicate-name", format!("there are two bodies `{wanted}`"));
+            self.report.error(name.span, "duplicate-name", format!("two bodies have the name `{wanted}`"));
         }
         self.robot.links.push(name.clone());
         let pose = body.pose.then(&self.pose(element, &format!("body `{}`", name.value)));
@@ -120,7 +120,7 @@ impl<'a> Reader<'_, 'a> {
         self.robot.frames.push(FrameDescription { name, link: link.clone(), pose, is_site: true });
     }
 
-    /// The pose that an element, or its class, says.
+    /// Pose of an element, from its attributes or class.
     pub(super) fn pose_of(&mut self, placed: &Placed<'a>, owner: &str) -> Pose {
         let element = placed.element;
         let is_turned = ORIENTATIONS.iter().any(|key| element.attribute(key).is_some());
@@ -134,7 +134,7 @@ impl<'a> Reader<'_, 'a> {
         self.pose_by(&at, owner)
     }
 
-    /// The elements of a body; frames and copies are dissolved.
+    /// Elements of a body, with frames and replicated elements expanded.
     fn contents(&mut self, element: Element<'a>, class: usize, suffix: &str) -> Vec<Placed<'a>> {
         let files = self.files;
         let inside = |around: &Placed<'a>| {
@@ -171,12 +171,9 @@ impl<'a> Reader<'_, 'a> {
         let is_whole = |count: &f64| count.fract() == 0.0 && (1.0..=most as f64).contains(count);
         let count = count.map(|count| count.value).filter(is_whole).map_or(0, |count| count as usize);
         if count == 0 {
-            self.report.error(
-                element.span(),
-                "replicate-count",
-                "<replicate> has no `count` that can be made",
-            );
-            self.report.help(format!("give a whole number from 1; a body may have {MOST_ELEMENTS} elements"));
+            self.report.error(element.span(), "replicate-count", "<replicate> needs a valid `count`");
+            self.report
+                .help(format!("give a whole number from 1; a body has at most {MOST_ELEMENTS} elements"));
             return Vec::new();
         }
         let offset =

@@ -1,4 +1,4 @@
-//! Default classes: values of attributes that elements do not set.
+//! Default classes: attribute values of elements that do not set them.
 
 use super::files::{Element, Files, Given};
 
@@ -26,7 +26,7 @@ struct Class<'a> {
     elements: Vec<Element<'a>>,
 }
 
-/// All classes; the first is that of elements without a class.
+/// All classes; the first is the class of elements without one.
 pub(super) struct Classes<'a>(Vec<Class<'a>>);
 
 impl<'a> Classes<'a> {
@@ -70,7 +70,7 @@ impl<'a> Classes<'a> {
         self.0.iter().map(|class| class.name)
     }
 
-    /// Value of an attribute from a class, or one around it, for elements with this tag.
+    /// Attribute value from a class or an enclosing one, for elements with this tag.
     pub(super) fn attribute(&self, class: usize, tag: &str, key: &str) -> Option<Given<'a>> {
         let kind = |tag: &str| if ACTUATORS.contains(&tag) { "general".to_owned() } else { tag.to_owned() };
         let wanted = kind(tag);

@@ -5,29 +5,29 @@ use std::path::{Path, PathBuf};
 use super::Reader;
 use super::files::{Element, plain_path};
 
-/// Settings with MuJoCo's defaults.
+/// Settings, with MuJoCo's defaults.
 pub(super) struct Compiler {
-    /// Radians in the unit of angles.
+    /// Unit of angles in radians.
     pub(super) angle: f64,
-    /// Axes of the three angles of `euler`; in capitals they do not turn with the frame.
+    /// Axes of the three angles of `euler`; capital letters mean axes of the parent frame.
     pub(super) eulerseq: [char; 3],
-    /// A range is a limit without being called one.
+    /// Whether a range is a limit without being marked as one.
     pub(super) autolimits: bool,
     pub(super) inertia_from_geoms: FromGeoms,
-    /// Groups of geoms that have mass, lowest and highest.
+    /// Lowest and highest group of geoms with mass.
     pub(super) groups: [f64; 2],
     pub(super) least_mass: f64,
     pub(super) least_inertia: f64,
     pub(super) balances: bool,
     pub(super) total_mass: Option<f64>,
-    /// Where the model's file is, and from there its meshes.
+    /// Folder of the model's meshes, next to its file.
     pub(super) folder: PathBuf,
     pub(super) mesh_folder: PathBuf,
-    /// Names of files lose their folders.
+    /// Whether folders are removed from file names.
     pub(super) strips_paths: bool,
 }
 
-/// When the inertia of a body is that of its geoms.
+/// Cases in which the inertia of a body is computed from its geoms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FromGeoms {
     Never,
@@ -55,7 +55,7 @@ impl Default for Compiler {
 }
 
 impl Compiler {
-    /// The path of a mesh from the folder of the first description.
+    /// Path of a mesh relative to the folder of the first description.
     pub(super) fn mesh_path(&self, file: &str) -> String {
         let name =
             Path::new(file).file_name().filter(|_| self.strips_paths).map_or(Path::new(file), Path::new);
@@ -67,7 +67,7 @@ impl Compiler {
 const DISABLING: [&str; 6] = ["passive", "spring", "damper", "frictionloss", "equality", "actuation"];
 
 impl<'a> Reader<'_, 'a> {
-    /// Takes the settings of one `<compiler>`.
+    /// Reads the settings of a `<compiler>`.
     pub(super) fn compiler(&mut self, element: Element<'a>) {
         if let Some(unit) = self.word(element, "angle", &["degree", "radian"]) {
             self.compiler.angle = if unit == "degree" { std::f64::consts::PI / 180.0 } else { 1.0 };
@@ -122,12 +122,16 @@ impl<'a> Reader<'_, 'a> {
             self.compiler.total_mass = (total.value > 0.0).then_some(total.value);
         }
         if let Some(global) = element.attribute("coordinate").filter(|given| given.text == "global") {
-            self.report.error(global.span, "global-coordinates", "MuJoCo no longer has global coordinates");
-            self.report.help("MuJoCo 2.3.3 and older convert such files: load and save them there");
+            self.report.error(
+                global.span,
+                "global-coordinates",
+                "MuJoCo no longer supports global coordinates",
+            );
+            self.report.help("load the file in MuJoCo 2.3.3 or older and save it, which converts it");
         }
     }
 
-    /// Gravity and other global forces.
+    /// Reads gravity and other global forces.
     pub(super) fn option(&mut self, element: Element<'a>) {
         if let Some(gravity) = self.vector(element.attribute("gravity"), "gravity") {
             self.gravity = gravity.value;
@@ -151,7 +155,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// One of several words.
+    /// Reads one of several words.
     pub(super) fn word(
         &mut self,
         element: Element<'a>,

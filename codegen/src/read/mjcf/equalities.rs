@@ -1,4 +1,4 @@
-//! Equalities of joints and fixed tendons as couplings.
+//! Equalities of joints and fixed tendons become couplings.
 
 use std::collections::BTreeSet;
 
@@ -121,7 +121,7 @@ impl<'a> Reader<'_, 'a> {
         numbers.map_or(vec![0.0, 1.0], |numbers| numbers.value)
     }
 
-    /// The joint that an attribute names; reports an error if there is none.
+    /// Joint named by an attribute; reports an error if it does not exist.
     pub(super) fn joint_of(&mut self, element: Element<'a>, key: &str) -> Option<String> {
         let Some(given) = element.attribute(key) else {
             let message = format!("<{}> has no `{key}`", element.tag());

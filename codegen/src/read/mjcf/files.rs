@@ -1,4 +1,4 @@
-//! The files of an MJCF: the model, and the files that it includes.
+//! Files of an MJCF: the model and its included files.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::read::urdf::text::{UrdfText, opening_tag};
 /// Largest number of files that include each other.
 const MOST_FILES: usize = 100;
 
-/// One file.
+/// A file.
 pub(super) struct Text {
     /// Where it was found, from the folder of the first description.
     path: PathBuf,
@@ -23,9 +23,9 @@ pub(super) struct Text {
     text: UrdfText,
 }
 
-/// Reads the model's text and all that it includes; `None` if something is wrong with them, which was reported.
+/// Reads the model's text and its includes; `None` after reporting an error.
 ///
-/// - `path`: that of the model, from which the paths of included files begin, else from the file that includes them
+/// - `path`: path of the model; paths of included files are relative to it, or else to the including file
 pub(super) fn gather(
     (text, source): (&str, usize),
     path: &Path,
@@ -50,8 +50,8 @@ pub(super) fn gather(
             };
             if texts.iter().any(|known| known.path == path) || texts.len() >= MOST_FILES {
                 let message =
-                    format!("`{}` is included a second time, or after {MOST_FILES} other files", file.value);
-                report.error(file.span, "included-twice", message).help("MuJoCo takes each file once");
+                    format!("`{}` is included twice, or nested deeper than {MOST_FILES} files", file.value);
+                report.error(file.span, "included-twice", message).help("MuJoCo includes each file once");
                 return None;
             }
             match found {
@@ -91,7 +91,7 @@ fn includes(text: &Text, report: &mut Report) -> Option<Vec<At<String>>> {
     Some(includes.filter_map(file).collect())
 }
 
-/// A path with the separators of all systems: files from Windows have others.
+/// A path with the separators of every system; files from Windows may have backslashes.
 pub(super) fn plain_path(path: &str) -> String {
     path.replace('\\', "/")
 }
@@ -99,12 +99,12 @@ pub(super) fn plain_path(path: &str) -> String {
 /// The file that includes another one, and the name of the other one there.
 type Included<'t> = Option<(usize, &'t str)>;
 
-/// The parsed texts.
+/// Parsed texts of the model and its includes.
 pub(super) struct Files<'t> {
     files: Vec<(Included<'t>, usize, Document<'t>)>,
 }
 
-/// An element and the file that it stands in.
+/// An element with its file.
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a> {
     pub(super) node: Node<'a, 'a>,
@@ -112,7 +112,7 @@ pub(super) struct Element<'a> {
 }
 
 impl<'t> Files<'t> {
-    /// Parses texts that [`gather`] has found to be XML.
+    /// Parses the texts from [`gather`].
     pub(super) fn parse(texts: &'t [Text]) -> Self {
         let parsed = texts.iter().filter_map(|text| {
             let document = Document::parse(text.text.as_str()).ok()?;
@@ -122,14 +122,14 @@ impl<'t> Files<'t> {
         Self { files: parsed.collect() }
     }
 
-    /// The element around the whole model.
+    /// Root element of the model.
     pub(super) fn root(&'t self) -> Option<Element<'t>> {
         self.files
             .first()
             .map(|(_, source, document)| Element { node: document.root_element(), source: *source })
     }
 
-    /// The elements inside one, with those of included files in the places of `<include>`.
+    /// Child elements, with `<include>` replaced by the elements of the included file.
     pub(super) fn children(&'t self, element: Element<'t>) -> Vec<Element<'t>> {
         let inside = |element: Element<'t>| {
             let nodes = element.node.children().filter(Node::is_element);
@@ -165,19 +165,19 @@ impl<'a> Element<'a> {
         Some(Given::of(attribute, self.source))
     }
 
-    /// The names of its attributes, and their places.
+    /// Names and places of the attributes.
     pub(super) fn attributes(self) -> impl Iterator<Item = (&'a str, Span)> {
         let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
         own.map(move |attribute| (attribute.name(), Span::new(self.source, attribute.range())))
     }
 
-    /// The opening tag.
+    /// Place of the opening tag.
     pub(super) fn span(self) -> Span {
         opening_tag(self.node, self.source)
     }
 }
 
-/// The value of an attribute, and its place.
+/// Value of an attribute with its place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) text: &'a str,
@@ -190,7 +190,7 @@ impl<'a> Given<'a> {
     }
 }
 
-/// The meshes of a file, each read when a geom needs it.
+/// Meshes of a file, each read when a geom needs it.
 pub(super) struct Meshes<'a, 'l> {
     pub(super) load: &'l mut dyn Fetch,
     pub(super) assets: BTreeMap<String, Element<'a>>,

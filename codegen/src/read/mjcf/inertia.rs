@@ -1,4 +1,4 @@
-//! Mass and inertia of a body: as described, else those of its geoms.
+//! Mass and inertia of a body, as described or else from its geoms.
 
 use std::f64::consts::PI;
 
@@ -121,7 +121,7 @@ impl<'a> Reader<'_, 'a> {
         for given in [&mass, &density].into_iter().flatten().filter(|given| given.value < 0.0) {
             let message = format!("a geom of body `{}` has the mass or density {}", body.value, given.value);
             self.report.error(given.span, "mass-not-positive", message);
-            self.report.help("a mass and a density are finite and at least 0");
+            self.report.help("mass and density must be finite and at least 0");
         }
         let (mass, density) = (mass.map(|mass| mass.value), or(density, DENSITY));
         let is_massless = mass.unwrap_or(density) == 0.0;
@@ -131,9 +131,9 @@ impl<'a> Reader<'_, 'a> {
             return Share::Nothing;
         }
         if let Some(given) = self.find(&geom, "shellinertia").filter(|given| given.text == "true") {
-            self.report.error(given.span, "shell-inertia", "inertia of a hollow geom is not supported");
+            self.report.error(given.span, "shell-inertia", "the inertia of a hollow geom is not supported");
             self.report
-                .help("write the body's <inertial>; `mujoco.mj_saveLastXML` with `saveinertial` does it");
+                .help("give the body an <inertial>; `mujoco.mj_saveLastXML` with `saveinertial` writes it");
             return Share::Nothing;
         }
         if let Some(mesh) = self.find(&geom, "mesh") {
@@ -204,7 +204,7 @@ impl<'a> Reader<'_, 'a> {
             }
             (None, _) => {
                 let span = given.map_or(geom.element.span(), |given| given.span);
-                let message = format!("a {kind} needs more sizes than {} that are positive", size.len());
+                let message = format!("a {kind} needs more than {} positive sizes", size.len());
                 self.report.error(span, "geom-size", message);
                 None
             }
@@ -235,7 +235,7 @@ impl<'a> Reader<'_, 'a> {
         Some(lump)
     }
 
-    /// Scales all masses so that their sum is the value of `<compiler>`.
+    /// Scales all masses to the sum given by `<compiler>`.
     pub(super) fn scale_masses(&mut self) {
         let Some(total) = self.compiler.total_mass else { return };
         let masses = self.robot.bodies.iter().filter_map(|body| body.mass.as_ref()?.value.as_number());

@@ -1,4 +1,4 @@
-//! Joints: several in one body are a chain of them.
+//! Joints; several joints in one body become a chain.
 
 use super::place::by_axis;
 use super::{KnownJoint, Placed, Reader, Remark, or};
@@ -19,7 +19,7 @@ struct Between {
 }
 
 impl<'a> Reader<'_, 'a> {
-    /// The joints between a body and its parent, from the parent on.
+    /// Joints between a body and its parent, starting at the parent.
     pub(super) fn joints(&mut self, body: &Name, parent: Name, pose: Pose, joints: &[&Placed<'a>]) {
         let (mut carrier, mut frame) = (parent, Some(pose));
         for (index, joint) in joints.iter().enumerate() {
@@ -67,7 +67,7 @@ impl<'a> Reader<'_, 'a> {
         let name = self.joint_names.take(&wanted);
         let span = named.as_ref().map_or(joint.element.span(), |name| name.span);
         if named.is_some() && name != wanted {
-            self.report.error(span, "duplicate-name", format!("there are two joints `{wanted}`"));
+            self.report.error(span, "duplicate-name", format!("two joints have the name `{wanted}`"));
         }
         At::new(name, span)
     }
@@ -125,14 +125,15 @@ impl<'a> Reader<'_, 'a> {
         self.quaternion(joint, name, QuaternionKind::Floating, place, Pose::identity());
     }
 
-    /// Refuses a free joint elsewhere, and says that its start is not kept.
+    /// Rejects a free joint outside the world; notes that its initial pose is ignored.
     pub(super) fn require_world(&mut self, name: &Name, (parent, frame): (&Name, &Pose), is_only: bool) {
         if parent.value != super::WORLD || !is_only {
             let message =
-                format!("free joint `{}` is not the only joint of a body in <worldbody>", name.value);
+                format!("free joint `{}` must be the only joint of a body in <worldbody>", name.value);
             self.report.error(name.span, "free-joint", message);
-            self.report
-                .help("MuJoCo takes free joints there alone: give the body slides and a ball, or move it");
+            self.report.help(
+                "MuJoCo has free joints only there: replace the joint by slides and a ball, or move the body",
+            );
         }
         if !frame.is_identity() {
             self.notes.remark(Remark::StartPose, name.span, name.quoted());
@@ -199,7 +200,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// A range, if its switch makes it one.
+    /// Reads a range if its switch makes it a limit.
     pub(super) fn range(&mut self, placed: &Placed<'a>, key: &str, switch: &str) -> Option<At<[f64; 2]>> {
         let given = self.find(placed, key)?;
         let switch_word = match self.find(placed, switch) {

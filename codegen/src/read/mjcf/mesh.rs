@@ -8,32 +8,33 @@ type Triangle = [Point; 3];
 /// Mass distributions over a mesh, as MuJoCo names them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Filling {
-    /// The sum of the pyramids from the centre to all triangles, each of them positive: a surface may be open.
+    /// Sum of the absolute volumes of pyramids from the centre to all triangles; the surface may be open.
     Legacy,
-    /// The volume inside a closed surface.
+    /// Volume inside a closed surface.
     Exact,
-    /// The surface.
+    /// Surface.
     Shell,
 }
 
-/// Integrals over a mesh for a unit of density.
+/// Integrals over a mesh at unit density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MeshIntegrals {
     /// Volume (m³), or area of a shell (m²).
     pub size: f64,
     pub center: Point,
-    /// About the centre: xx, xy, xz, yy, yz, zz.
+    /// Inertia about the centre: xx, xy, xz, yy, yz, zz.
     pub inertia: [f64; 6],
 }
 
 /// Sizes below this have no centre; MuJoCo's bound.
 const LEAST_SIZE: f64 = 1e-15;
 
-/// Volume, centre and inertia of a mesh, by pyramids between a point and each triangle: Tonon, Explicit exact formulas for
-/// the 3-D tetrahedron inertia tensor, 2004. The point is the centroid of the surface, then the centre of mass.
+/// Volume, centre and inertia of a mesh from pyramids between a point and each triangle (Tonon, Explicit
+/// exact formulas for the 3-D tetrahedron inertia tensor, 2004). The point is first the centroid of the
+/// surface, then the centre of mass.
 ///
 /// # Errors
-/// Why the mesh has no volume.
+/// The reason why the mesh has no volume.
 pub(super) fn integrals(triangles: &[Triangle], filling: Filling) -> Result<MeshIntegrals, &'static str> {
     let area: f64 = triangles.iter().map(area).sum();
     if area < LEAST_SIZE {
@@ -44,7 +45,7 @@ pub(super) fn integrals(triangles: &[Triangle], filling: Filling) -> Result<Mesh
     let sizes = |point: Point| triangles.iter().map(move |triangle| size(triangle, point, filling));
     let total: f64 = sizes(centroid).sum();
     if total < LEAST_SIZE {
-        return Err("its volume is not positive: its triangles do not face outwards, or it is open");
+        return Err("its volume is not positive, because its triangles face inwards or its surface is open");
     }
     let center = match filling {
         Filling::Shell => centroid,
@@ -106,16 +107,16 @@ fn dot(a: Point, b: Point) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The triangles of a file: STL, binary or text, or OBJ. Coordinates have single precision, as in MuJoCo.
+/// Triangles of an STL (binary or text) or OBJ file. Coordinates have single precision, as in MuJoCo.
 ///
 /// # Errors
-/// The file is damaged, of another format, or without finite triangles.
+/// The file is damaged, has another format, or has no finite triangles.
 pub(super) fn triangles(bytes: &[u8], is_obj: bool) -> Result<Vec<Triangle>, &'static str> {
     let found = match is_obj {
         true => obj(&String::from_utf8_lossy(bytes)),
         false => binary_stl(bytes).or_else(|| text_stl(&String::from_utf8_lossy(bytes))),
     };
-    let found = found.ok_or("it is damaged, or of another format than its name says")?;
+    let found = found.ok_or("it is damaged, or its format differs from its name")?;
     let is_finite = found.iter().flatten().flatten().all(|x| x.is_finite());
     if is_finite && !found.is_empty() {
         Ok(found)
@@ -176,10 +177,10 @@ fn obj(text: &str) -> Option<Vec<Triangle>> {
     Some(triangles)
 }
 
-/// Triangles of the convex hull of corners of single precision.
+/// Triangles of the convex hull of single-precision corners.
 ///
 /// # Errors
-/// The corners have no hull.
+/// The corners have no convex hull.
 pub(super) fn convex_hull(triangles: &[Triangle]) -> Result<Vec<Triangle>, &'static str> {
     let single = |point: &Point| glam::Vec3A::from(point.map(|x| x as f32));
     let points: Vec<_> = triangles.iter().flatten().map(single).collect();

@@ -1,4 +1,4 @@
-//! Meshes of `<asset>`: their files, and their integrals where a geom has mass.
+//! Meshes of `<asset>`: files, and integrals for geoms with mass.
 
 use super::files::{Element, Given};
 use super::mesh::{Filling, MeshIntegrals, convex_hull, integrals, triangles};
@@ -17,7 +17,7 @@ const FILLINGS: [(&str, Filling); 4] = [
 const CONVEX: &str = "convex";
 
 impl<'a> Reader<'_, 'a> {
-    /// Takes the models and meshes of one `<asset>`; without a name a mesh has that of its file.
+    /// Reads the models and meshes of an `<asset>`. A mesh without a name gets the name of its file.
     pub(super) fn assets(&mut self, section: Element<'a>) {
         let assets = self.files.children(section);
         self.models.extend(assets.iter().filter(|asset| asset.tag() == "model"));
@@ -30,7 +30,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The integrals of a mesh, or why there are none.
+    /// Integrals of a mesh, or the reason why there are none.
     pub(super) fn mesh(&mut self, name: &str) -> Result<MeshIntegrals, String> {
         if let Some(known) = self.meshes.known.get(name) {
             return known.clone();
@@ -63,7 +63,7 @@ impl<'a> Reader<'_, 'a> {
         let [first, ..] = FILLINGS;
         let (word, filling) = FILLINGS.into_iter().find(|(known, _)| Some(*known) == word).unwrap_or(first);
         if word == CONVEX && find(self, "maxhullvert").is_some() {
-            return Err(format!("`{file}`, the vertices of whose hull are limited"));
+            return Err(format!("`{file}`, whose convex hull has a limited number of vertices"));
         }
         let [position, scale] = [("refpos", 0.0), ("scale", 1.0)].map(|(key, otherwise)| {
             let given = find(self, key);

@@ -1,6 +1,6 @@
-//! An MJCF, the format of MuJoCo, as a [`RobotDescription`].
+//! Reader of MJCF, the format of MuJoCo, to a [`RobotDescription`].
 //!
-//! What enters M, k and q is read as MuJoCo's compiler reads it; what does not is skipped with a note.
+//! Elements that enter M, k and q are read like MuJoCo's compiler does; others are skipped with a note.
 
 mod actuators;
 mod attach;
@@ -46,11 +46,11 @@ const HARMLESS: [&str; 9] =
 /// A joint as other sections speak of it.
 struct KnownJoint {
     name: Name,
-    /// Its position where the description shows it.
+    /// Position of the joint in the described pose.
     reference: f64,
     has_quaternion: bool,
     is_free: bool,
-    /// Its own contribution to M.
+    /// Contribution of the armature to M.
     armature: f64,
 }
 
@@ -105,10 +105,10 @@ struct Part {
     bodies: BTreeMap<String, usize>,
 }
 
-/// Reads an MJCF; `None` if it is not XML or has no model in it.
+/// Reads an MJCF; `None` if it is not XML or has no model.
 ///
 /// - `text`: the text and its index
-/// - `path`: its path, from which those of included files begin
+/// - `path`: path of the file; paths of included files are relative to it
 pub(super) fn description(
     report: (&mut Report, &mut Angles),
     text: (&str, usize),
@@ -214,7 +214,7 @@ impl<'a> Reader<'_, 'a> {
         let message = format!("<{}> is not supported", element.tag());
         self.report.error(element.span(), "unsupported-element", message);
         self.report.help(
-            "`mujoco.mj_saveLastXML` writes a loaded model as plain bodies, joints and geoms: give that file",
+            "give the file that `mujoco.mj_saveLastXML` writes: it has only plain bodies, joints and geoms",
         );
     }
 

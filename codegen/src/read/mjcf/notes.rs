@@ -1,9 +1,9 @@
-//! Skipped or changed parts of an MJCF: one note for each kind.
+//! Notes about skipped or changed parts of an MJCF, one note per kind.
 
 use crate::diagnostic::Severity;
 use crate::read::skipped as notes;
 
-/// A peculiarity of a description. It has one note, however often it occurs.
+/// A kind of remark about a description. It gives one note, however often it occurs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
     Actuator,
@@ -59,40 +59,42 @@ impl notes::Remark for Remark {
     fn text(self) -> &'static str {
         match self {
             Self::Actuator => {
-                "actuators that act neither on joints, nor on fixed tendons, nor on named sites by themselves were left out"
+                "actuators were omitted unless they act on a joint, a fixed tendon or a single named site"
             }
-            Self::ActuatorRange => "ranges of forces that are not alike to both sides of 0 were left out",
+            Self::ActuatorRange => "force ranges that are not symmetric about 0 were omitted",
             Self::EffortRange => {
-                "ranges of forces at joints that are not alike to both sides of 0 became their smaller side; one without 0 inside was left out"
+                "force ranges of joints that are not symmetric about 0 were reduced to the smaller side, or \
+                 omitted if they exclude 0"
             }
-            Self::Elastic => "deformable bodies and forces of plugins were left out",
-            Self::Flag => "flags of <option> that disable what is read here were left out",
+            Self::Elastic => "deformable bodies and forces of plugins were omitted",
+            Self::Flag => "flags of <option> that disable parts of the model were ignored",
             Self::Equality => {
-                "equalities of joints and tendons that are not linear, or of joints with quaternions or that follow already, were left out"
+                "equality constraints between joints or tendons were omitted if they are not linear, act on \
+                 joints with quaternions, or act on a joint that already follows"
             }
-            Self::GravityCompensation => "compensation of gravity (`gravcomp`) was left out",
+            Self::GravityCompensation => "gravity compensation (`gravcomp`) was omitted",
             Self::Loop => {
-                "equalities that close loops (connect, weld and the like) were left out: the robot moves without them"
+                "equality constraints that close loops (connect, weld and similar) were omitted: the robot moves without them"
             }
-            Self::Medium => "forces of a medium were left out",
+            Self::Medium => "fluid forces were omitted",
             Self::MeshInertia => {
-                "meshes without a volume were left out: the bodies have no <inertial>, and the mass of their other geoms alone"
+                "meshes without a volume were omitted: bodies without <inertial> have the mass of their other geoms"
             }
             Self::QuaternionForce => {
-                "armature, springs, limits and dry friction of ball and free joints were left out"
+                "armature, springs, limits and dry friction of ball and free joints were omitted"
             }
-            Self::Range => "ranges whose ends are equal or reversed were left out",
-            Self::Servo => "servos were read as forces: their gains were left out",
+            Self::Range => "ranges with equal or reversed ends were omitted",
+            Self::Servo => "servos were read as force inputs; their gains were omitted",
             Self::SpringDamper => {
-                "springs given by time constants (`springdamper`), and others that are not linear, were left out"
+                "springs given by time constants (`springdamper`) and nonlinear springs were omitted"
             }
             Self::StartPose => {
-                "the place and attitude where free bodies begin were left out: their positions count in the world"
+                "initial poses of free bodies were omitted: their positions are relative to the world"
             }
             Self::TendonBranches => {
-                "tendons with an armature couple joints of different branches in M; MuJoCo leaves these entries out"
+                "tendons with armature couple joints of different branches in M; MuJoCo omits these entries"
             }
-            Self::TendonForce => "springs, limits and spatial paths of tendons were left out",
+            Self::TendonForce => "springs, limits and spatial paths of tendons were omitted",
         }
     }
 }

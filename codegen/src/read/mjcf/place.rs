@@ -1,4 +1,4 @@
-//! Poses of MJCF: five ways to say an attitude.
+//! Poses in MJCF, which has five representations of an attitude.
 
 use super::Reader;
 use super::files::{Element, Given};
@@ -16,7 +16,7 @@ const NO_LENGTH: f64 = 1e-14;
 type Find<'f, 'a> = dyn Fn(&str) -> Option<Given<'a>> + 'f;
 
 impl<'a> Reader<'_, 'a> {
-    /// The pose that an element says of itself.
+    /// Pose from the attributes of an element.
     pub(super) fn pose(&mut self, element: Element<'a>, owner: &str) -> Pose {
         self.pose_by(&|key| element.attribute(key), owner)
     }
@@ -32,7 +32,7 @@ impl<'a> Reader<'_, 'a> {
             if size <= NO_LENGTH {
                 let message = "`quat` has length 0 and is not a rotation";
                 self.report.error(given.span, "quaternion-not-unit", message);
-                self.report.help("that of no rotation is \"1 0 0 0\"");
+                self.report.help("the identity is \"1 0 0 0\"");
                 return IDENTITY;
             }
             return self.angles.quaternion(given.value.map(|x| x / size));
@@ -116,7 +116,7 @@ impl<'a> Reader<'_, 'a> {
         is_direction
     }
 
-    /// A direction at unit length.
+    /// A direction with unit length.
     pub(super) fn direction(&mut self, given: Option<Given<'a>>, key: &str) -> Option<[f64; 3]> {
         let given = self.vector::<3>(given, key)?;
         let size = length(given.value);
@@ -129,7 +129,7 @@ pub(super) fn by_axis(axis: [f64; 3], angle: f64) -> Rotation {
     std::array::from_fn(|row| std::array::from_fn(|column| rotation[(row, column)]))
 }
 
-/// The shortest rotation of z to a direction; half a turn about x where it is opposite.
+/// Shortest rotation from z to a direction; half a turn about x if the direction is opposite.
 pub(super) fn z_to(z: [f64; 3]) -> Rotation {
     let [a, b, c] = z;
     let below = 1.0 + c;

@@ -1,6 +1,6 @@
-//! Elements of MJCF, and the attributes of those that are read, as MuJoCo's schema has them today and had them before.
+//! Elements of MJCF and attributes of the elements that are read, from current and earlier schemas of MuJoCo.
 
-/// Where elements stand.
+/// Locations of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     Model,
@@ -17,7 +17,7 @@ pub(super) enum Place {
 /// An element's tag and its attributes; without any, the element is not read, and its attributes are not looked at.
 type Entry = (&'static str, &'static [&'static str]);
 
-/// Ways to say an attitude, of which an element has one.
+/// Attributes for an attitude; an element may have one.
 pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
 const POSE: &str = "pos quat axisangle euler xyaxes zaxis";
@@ -173,19 +173,19 @@ fn entries(place: Place) -> Vec<Entry> {
     }
 }
 
-/// The tags of elements that may stand in a place.
+/// Tags of elements allowed at a location.
 pub(super) fn tags(place: Place) -> Vec<&'static str> {
     entries(place).into_iter().map(|(tag, _)| tag).collect()
 }
 
-/// The attributes of an element that is read.
+/// Attributes of an element that is read.
 pub(super) fn attributes(place: Place, tag: &str) -> Option<Vec<&'static str>> {
     let (_, groups) = entries(place).into_iter().find(|(known, _)| *known == tag)?;
     let words = groups.iter().flat_map(|group| group.split_whitespace());
     (!groups.is_empty()).then(|| words.collect())
 }
 
-/// Where the elements inside one stand, if they are read.
+/// Location of the elements inside an element, if they are read.
 pub(super) fn inside(place: Place, tag: &str) -> Option<Place> {
     match (place, tag) {
         (Place::Model, "compiler") => Some(Place::Compiler),

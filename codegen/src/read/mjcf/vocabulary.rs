@@ -1,4 +1,4 @@
-//! Words that MuJoCo does not know: its schema refuses a file that has them.
+//! Elements and attributes unknown to MuJoCo, whose schema rejects them.
 
 use super::Reader;
 use super::files::Element;
@@ -6,7 +6,7 @@ use super::schema::{ORIENTATIONS, Place, attributes, inside, tags};
 use crate::diagnostic::nearest;
 
 impl<'a> Reader<'_, 'a> {
-    /// Reports elements and attributes that are none of MuJoCo's: a value under a wrong name would be lost.
+    /// Reports elements and attributes unknown to MuJoCo; otherwise their values would be ignored silently.
     pub(super) fn vocabulary(&mut self, sections: &[Element<'a>]) {
         let files = self.files;
         let mut stack: Vec<_> = sections.iter().rev().map(|section| (Place::Model, *section)).collect();
@@ -25,7 +25,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The elements in a section that MuJoCo knows; of the others [`Self::vocabulary`] complains.
+    /// Elements of a section that MuJoCo knows; [`Self::vocabulary`] reports the others.
     pub(super) fn known_children(&self, place: Place, section: Element<'a>) -> Vec<Element<'a>> {
         let mut children = self.files.children(section);
         children.retain(|child| tags(place).contains(&child.tag()));
@@ -43,7 +43,7 @@ impl<'a> Reader<'_, 'a> {
             self.report.error(span, "unknown-attribute", message);
             let help = nearest(name, known.iter().copied().filter(|key| element.attribute(key).is_none()));
             self.report
-                .help(help.unwrap_or_else(|| "leave it out: there is no other attribute here".to_owned()));
+                .help(help.unwrap_or_else(|| "remove the attribute: this element has no others".to_owned()));
         }
     }
 
@@ -53,7 +53,7 @@ impl<'a> Reader<'_, 'a> {
         let keys: Vec<String> = keys.map(|(key, _)| format!("`{key}`")).collect();
         if let (2.., Some(last)) = (keys.len(), given.iter().flatten().max_by_key(|given| given.span.start)) {
             let message = format!("<{}> has several orientations: {}", element.tag(), keys.join(", "));
-            self.report.error(last.span, "several-orientations", message).help("give one of them");
+            self.report.error(last.span, "several-orientations", message).help("give exactly one of them");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Elements that follow joints: other joints, and drives that are not on a joint.
+//! Joints that follow others, and drives under `[[drives]]`.
 
 use super::forces::motor;
 use super::table::{Item, Table};
@@ -6,7 +6,7 @@ use super::values::Reader;
 use crate::description::{DriveDescription, FollowsDescription, SharedDriveDescription};
 use crate::diagnostic::At;
 
-/// `{ shoulder = 1, elbow = -1 }`: names of joints, each with its ratio.
+/// Joint names with ratios: `{ shoulder = 1, elbow = -1 }`.
 pub(crate) fn followed_joints(
     reader: &mut Reader,
     item: Item<'_>,
@@ -18,7 +18,7 @@ pub(crate) fn followed_joints(
     };
     if terms.is_empty() {
         reader.report.error(item.span, "follows-nothing", format!("`{}` names no joint", item.key));
-        reader.report.help(format!("`{} = {{ shoulder = 1 }}` names a joint and its ratio", item.key));
+        reader.report.help(format!("`{} = {{ shoulder = 1 }}` gives a joint and its ratio", item.key));
         return None;
     }
     let term = |term: Item<'_>| {
@@ -31,7 +31,7 @@ pub(crate) fn followed_joints(
     terms.into_iter().collect()
 }
 
-/// The drives that stand apart from joints.
+/// Reads the drives under `[[drives]]`.
 pub(crate) fn read_drives(reader: &mut Reader, top: &Table<'_>) -> Vec<SharedDriveDescription> {
     reader.all(top, "drives", read_drive)
 }

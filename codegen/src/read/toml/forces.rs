@@ -9,7 +9,7 @@ use crate::wording::as_written;
 use gelenk_formula::{Formula, FrictionPart, FrictionTerm};
 use toml::de::DeValue;
 
-/// Friction of a joint: a force law as text, or a table of named laws, which add up.
+/// Friction of a joint: a force law as text, or a table of named laws, which are added.
 pub(crate) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<FrictionDescription> {
     if item.value.is_str() {
         return Some(FrictionDescription { terms: law(reader, item), load: None });
@@ -82,9 +82,11 @@ fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Friction
     let decay_rate = reader.at_defaults(&parameters[4]);
     if decay_rate < 0.0 {
         let message =
-            format!("a Stribeck law with a5 = {decay_rate}: it would grow like exp({} |v|)", -decay_rate);
+            format!("a Stribeck law with a5 = {decay_rate} would grow like exp({} |v|)", -decay_rate);
         reader.report.error(item.span, "stribeck-grows", message);
-        reader.report.help("a5 is how fast the excess at low speeds decays, in s/rad or s/m: at least 0");
+        reader
+            .report
+            .help("a5 is the decay rate of low-speed friction in s/rad or s/m; it must be at least 0");
     }
     Some(FrictionPart::Stribeck(parameters))
 }
@@ -106,7 +108,7 @@ fn weighted(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionTer
     entries.into_iter().enumerate().filter_map(term).collect()
 }
 
-/// Springs of a joint: a force law as text, a table `{ stiffness, rest, damping }`, or a list of these.
+/// Springs of a joint: a force law as text, a table `{ stiffness, rest, damping }`, or a list of both.
 pub(crate) fn springs(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<Formula> {
     match item.value {
         DeValue::Array(_) => {
@@ -131,7 +133,8 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     let factors = ["stiffness", "damping"].map(|key| table.get(key));
     match factors {
         [None, None] if table.get("rest").is_some() => {
-            let message = format!("the spring of `{joint}` has a rest, and neither stiffness nor damping");
+            let message =
+                format!("the spring of `{joint}` has a rest position but neither stiffness nor damping");
             reader.report.error(item.span, "missing-key", message);
             reader.report.help("for example `spring = { stiffness = 100, rest = 0.1 }`");
         }
@@ -158,11 +161,14 @@ fn check_signs(reader: &mut Reader, items: [Option<Item<'_>>; 2], factors: [&For
 
 pub(crate) fn warn_of_negative_stiffness(joint: &str, stiffness: At<f64>, report: &mut Report) {
     let message = format!(
-        "the spring of `{joint}` has negative stiffness {}: it pushes away from its rest",
+        "the spring of `{joint}` has negative stiffness {}, so it pushes away from its rest position",
         as_written(stiffness.value)
     );
     report.warning(stiffness.span, "negative-stiffness", message);
-    report.help("a spring beyond its dead centre does so; one that pulls back has a positive stiffness");
+    report.help(
+        "negative stiffness describes a spring beyond its dead centre; a spring that pulls back has \
+                 positive stiffness",
+    );
 }
 
 /// The drive of a joint: `"ideal"`, `"none"` or a motor.
@@ -224,8 +230,8 @@ fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<Torque
     };
     reader.report.error(present.span, "missing-key", format!("`{}` also needs `{missing}`", present.key));
     reader.report.help(
-        "a motor's torque falls from `stall_torque` at rest to 0 at `no_load_speed`; a limit of speed alone is `speed`, one of \
-         torque alone `torque`",
+        "a motor's torque falls from `stall_torque` at rest to 0 at `no_load_speed`: give both; `speed` \
+         limits speed alone, `torque` limits torque alone",
     );
     None
 }
@@ -241,9 +247,11 @@ fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
 fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: RotorCoupling) {
     let mounting = ["carrier", "axis"].into_iter().filter_map(|key| table.get(key));
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {
-        let message = format!("`{}` changes nothing together with `coupling = \"diagonal\"`", item.key);
+        let message = format!("`{}` has no effect with `coupling = \"diagonal\"`", item.key);
         reader.report.warning(item.span, "unused-key", message);
-        reader.report.help("remove `coupling` if the rotor is a body there, or remove this key");
+        reader
+            .report
+            .help("remove `coupling` if the rotor is a body with this key; otherwise remove the key");
     }
 }
 
@@ -260,7 +268,10 @@ fn torque(reader: &mut Reader, item: Item<'_>) -> Option<MotorTorque> {
     {
         let message = format!("nominal torque {nominal} exceeds the peak torque {peak}");
         reader.report.error(item.span, "limits-reversed", message);
-        reader.report.help("`nominal` is the continuous torque of the motor, `peak` the one for a short time: exchange them, or correct one");
+        reader.report.help(
+            "`nominal` is the motor's continuous torque and `peak` its short-time torque: \
+                            exchange them, or correct one",
+        );
     }
     Some(torque)
 }

@@ -1,4 +1,4 @@
-//! Elements that act at frames: forces between two of them, wrenches, and inputs that are wrenches.
+//! Forces at frames: forces between two frames, wrenches, and inputs that are wrenches.
 
 use super::table::{Item, Table};
 use super::values::Reader;
@@ -10,7 +10,7 @@ use crate::model::WrenchAxes;
 use crate::wording::as_written;
 use gelenk_formula::Formula;
 
-/// The forces between two frames: `[[forces]]`.
+/// Reads the forces between two frames: `[[forces]]`.
 pub(crate) fn read_point_forces(reader: &mut Reader, top: &Table<'_>) -> Vec<PointForceDescription> {
     reader.all(top, "forces", read_point_force)
 }
@@ -29,14 +29,14 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
     if table.get("law").is_none() && table.get("input").is_none() {
         reader.report.error(table.span, "missing-key", "a force needs `law` or `input`");
         reader.report.help(
-            "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper over the distance l and its rate dl, \
-             `input = \"cylinder\"` an input; positive pulls together",
+            "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper with distance l and its rate dl; \
+             `input = \"cylinder\"` is an input; positive forces pull together",
         );
         return None;
     }
     if let (Some((span, _)), None) = (&limits, table.get("input")) {
-        reader.report.error(*span, "limits-without-input", "`limits` of a force that is not an input");
-        reader.report.help("name the input with `input = …`, or leave `limits` out");
+        reader.report.error(*span, "limits-without-input", "`limits` apply only to a force that is an input");
+        reader.report.help("name the input with `input = …`, or remove `limits`");
     }
     let between = between?;
     let name = name.or_else(|| input.clone());
@@ -53,10 +53,11 @@ fn stroke(reader: &mut Reader, item: Item<'_>) -> Option<At<[f64; 2]>> {
     if shortest > 0.0 && shortest < longest {
         return Some(stroke);
     }
-    let message =
-        format!("the stroke is [{}, {}]: no range of lengths", as_written(shortest), as_written(longest));
+    let message = format!("the stroke [{}, {}] is an empty range", as_written(shortest), as_written(longest));
     reader.report.error(item.span, "limits-reversed", message);
-    reader.report.help("shortest, then longest distance of the two frames in m: stroke = [0.8, 1.3]");
+    reader
+        .report
+        .help("give the shortest, then the longest distance of the two frames in m: stroke = [0.8, 1.3]");
     None
 }
 
@@ -71,7 +72,7 @@ fn two_names(reader: &mut Reader, item: Item<'_>) -> Option<[Name; 2]> {
     Some([reader.name(first)?, reader.name(second)?])
 }
 
-/// The inputs that are wrenches: `[[inputs]]`.
+/// Reads the inputs that are wrenches: `[[inputs]]`.
 pub(crate) fn read_wrench_inputs(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchInputDescription> {
     reader.all(top, "inputs", read_wrench_input)
 }
@@ -90,7 +91,7 @@ fn read_wrench_input(reader: &mut Reader, table: &Table<'_>) -> Option<WrenchInp
     Some(WrenchInputDescription { name, frame: frame?, wrench: wrench?, limits })
 }
 
-/// The wrenches that are arguments: `[[wrenches]]`.
+/// Reads the wrenches that are arguments: `[[wrenches]]`.
 pub(crate) fn read_wrenches(reader: &mut Reader, top: &Table<'_>) -> Vec<WrenchDescription> {
     reader.all(top, "wrenches", read_wrench)
 }

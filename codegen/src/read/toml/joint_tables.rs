@@ -1,6 +1,6 @@
-//! The joints of a TOML description: those that it places, and what it says of joints with quaternions that stand
-//! already, that by which its base floats and those of the description that it extends. These are named whole, with their
-//! parts, or velocity by velocity.
+//! Joint tables of a TOML description. A table may describe a new joint, or refer to an existing joint with a
+//! quaternion: the floating joint of the base, or a joint of the extended description. Such a joint is
+//! described as a whole with parts, or velocity by velocity.
 
 use super::joints::{by_part, check_all_parts, forces, of_part, read_joint, single_joint};
 use super::table::Table;
@@ -19,22 +19,22 @@ const SINGLE: [&str; 2] = ["follows", "offset"];
 #[derive(Debug, Default)]
 pub(crate) struct Joints {
     pub joints: Vec<JointDescription>,
-    /// Tables of velocities of a base that this file frees.
+    /// Velocities of a base that this file makes floating.
     pub velocities: Vec<JointDescription>,
 }
 
-/// Facts about the description that a file extends.
+/// Properties of the description that a file extends.
 #[derive(Debug, Default)]
 pub(crate) struct Extended {
-    /// Its joints with quaternions.
+    /// Joints with quaternions.
     pub quaternions: Vec<(String, Composite)>,
-    /// The name of the joint by which its base floats once it is freed.
+    /// Name of the floating joint that a freed base gets.
     pub base_joint: String,
-    /// Whether it is to be freed, whatever the file says.
+    /// Whether an option makes the base floating.
     pub is_to_float: bool,
 }
 
-/// - `base`: its name, and whether this file frees it
+/// - `base`: name of the base, and whether this file makes it floating
 pub(crate) fn read_joints(
     reader: &mut Reader,
     top: &Table<'_>,
@@ -69,8 +69,7 @@ pub(crate) fn read_joints(
     Joints { joints, velocities }
 }
 
-/// Joints with quaternions that stand without a table of their own: those of the extended description, and that of a
-/// base which is freed.
+/// Joints with quaternions that need no table: those of the extended description, and the joint of a floating base.
 fn standing(tables: &[Table<'_>], frees: bool, extended: Option<Extended>) -> Vec<(String, Composite)> {
     let extended = extended.unwrap_or_else(|| {
         let is_own = |table: &Table<'_>| is_called(table, "base") && has_place(table);
@@ -146,10 +145,10 @@ fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composi
 fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], (joint, composite): (&str, Composite)) {
     for item in keys.iter().filter_map(|key| table.get(key)) {
         let message =
-            format!("`{}` at {} joint `{joint}`, which is already given", item.key, composite.name());
+            format!("`{}` is given for {} joint `{joint}`, which already exists", item.key, composite.name());
         reader.report.error(item.key_span, "conflicting-keys", message);
         reader.report.help(format!(
-            "leave `{}` out; a joint of its own has `parent`, or another name than `{joint}`",
+            "remove `{}`; a new joint needs `parent`, or another name than `{joint}`",
             item.key
         ));
     }
@@ -160,7 +159,7 @@ fn add(velocity: JointDescription, velocities: &mut Vec<JointDescription>, repor
     if velocities.iter().any(|known| known.name.value == velocity.name.value) {
         let message = format!("velocity `{}` is described twice", velocity.name.value);
         report.error(velocity.name.span, "duplicate-name", message);
-        report.help("give all of it in one table: at the joint with its parts, or at the velocity");
+        report.help("describe the velocity in one table: either as a part of the joint, or by itself");
         return;
     }
     velocities.push(velocity);

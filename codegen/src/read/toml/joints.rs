@@ -19,7 +19,7 @@ enum JointType {
     Composite(Composite),
 }
 
-/// The joint of a table, or those that it stands for.
+/// Joint of a table, or the chain of joints of a composite joint.
 pub(crate) fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
     let Some(name) = reader.name_of(table, "name") else {
         return Vec::new();
@@ -40,9 +40,9 @@ pub(crate) fn single_joint(
     kind: Option<JointKind>,
 ) -> JointDescription {
     if let (Some(held), Some(_)) = (table.get("held"), table.get("follows")) {
-        let message = format!("joint `{}` is held and follows others", name.value);
+        let message = format!("joint `{}` is held and also follows others", name.value);
         reader.report.error(held.key_span, "conflicting-keys", message);
-        reader.report.help("keep one of `held` and `follows`");
+        reader.report.help("remove `held` or `follows`");
     }
     let owner = name.value.clone();
     let (origin, link_frame) = placement(reader, table, &owner);
@@ -63,9 +63,9 @@ pub(crate) fn single_joint(
     }
 }
 
-/// A joint with its limits, and its drive, friction, spring or held position; without a place.
+/// A joint with limits, drive, friction, spring or held position, but without a pose.
 ///
-/// - `value`: that of a key
+/// - `value`: returns the value of a key
 pub(crate) fn forces<'t>(
     reader: &mut Reader,
     value: &impl Fn(&str) -> Option<Item<'t>>,
@@ -107,8 +107,8 @@ fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name
 
 /// The pitch of a helical joint (m/rad); a fault is reported, and the result is 1 then.
 fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
-    const HELP: &str = "it slides by `pitch` metres for each radian: `pitch = \"0.02/(2*pi)\"` is 20 mm a turn, a negative one \
-        a left-handed screw";
+    const HELP: &str = "`pitch` is the slide in m per rad: `pitch = \"0.02/(2*pi)\"` is 20 mm per turn; \
+                        negative values are left-handed screws";
     let Some(item) = table.get("pitch") else {
         let message = format!("helical joint `{}` has no `pitch`", name.value);
         reader.report.error(name.span, "missing-key", message).help(HELP);
@@ -117,7 +117,7 @@ fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
     match reader.number(item) {
         Some(pitch) if pitch.value == 0.0 => {
             reader.report.error(item.span, "pitch", format!("the pitch of joint `{}` is 0", name.value));
-            reader.report.help(format!("{HELP}; a joint that does not slide is \"revolute\""));
+            reader.report.help(format!("{HELP}; use type \"revolute\" for a joint that does not slide"));
             1.0
         }
         Some(pitch) => pitch.value,
@@ -129,11 +129,15 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
     let Some(item) = table.get("pitch").filter(|_| !matches!(kind, Some(JointKind::Helical { .. }))) else {
         return;
     };
-    reader.report.error(item.key_span, "conflicting-keys", "`pitch` without `type = \"helical\"`");
-    reader.report.help("only a helical joint has a pitch: give the joint that type, or remove `pitch`");
+    reader.report.error(
+        item.key_span,
+        "conflicting-keys",
+        "`pitch` is given, but the type is not \"helical\"",
+    );
+    reader.report.help("only helical joints have a pitch: give the joint this type, or remove `pitch`");
 }
 
-/// Values of a table that are described part by part.
+/// Values of a table that may be given part by part.
 pub(crate) fn by_part<'t>(table: &Table<'t>) -> impl Iterator<Item = Item<'t>> {
     table.items().iter().copied().filter(|item| matches!(item.row.value, Value::ByPart(_)))
 }
@@ -178,7 +182,7 @@ pub(crate) fn of_part<'t>(
     }
 }
 
-/// Reports values that are not given part by part.
+/// Reports values that lack the names of parts.
 pub(crate) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) {
     for item in by_part(table) {
         if let (Some(kind), "held") = (composite.quaternion(), item.key) {
@@ -213,7 +217,8 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
             continue;
         }
         if let Some(reason) = composite.quaternion().and_then(|kind| refused(kind, item.key, entry.key)) {
-            let message = format!("`{}` in `{}` of {kind} joint `{}`", entry.key, item.key, name.value);
+            let message =
+                format!("`{}` has no meaning in `{}` of {kind} joint `{}`", entry.key, item.key, name.value);
             reader.report.error(entry.key_span, "quaternion-joint", message).help(reason);
             continue;
         }
@@ -222,7 +227,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         let part = composite.parts()[0].name;
         reader.report.help(match item.row.value.keys().is_some_and(|keys| keys.row(entry.key).is_some()) {
             true => format!(
-                "its parts are {}, each with its own: `{} = {{ {part} = {{ {} = … }} }}`",
+                "the parts are {}; give each its own value: `{} = {{ {part} = {{ {} = … }} }}`",
                 composite.listed(),
                 item.key,
                 entry.key
@@ -232,7 +237,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
     }
 }
 
-/// Why no velocity of a joint with a quaternion has something that joints with one position have.
+/// Reason why a joint with a quaternion cannot have a key of joints with one position.
 fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str> {
     match (key, entry) {
         ("limits", "position") => Some(kind.why_unlimited(0)),
@@ -246,23 +251,25 @@ fn refused(kind: QuaternionKind, key: &str, entry: &str) -> Option<&'static str>
 fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Composite) {
     let kind = composite.name();
     for item in ["dh", "modified_dh", "follows", "offset"].iter().filter_map(|key| table.get(key)) {
-        reader.report.error(item.key_span, "conflicting-keys", format!("`{}` at a {kind} joint", item.key));
+        reader.report.error(
+            item.key_span,
+            "conflicting-keys",
+            format!("a {kind} joint has no `{}`", item.key),
+        );
         reader.report.help(match item.key {
-            "dh" | "modified_dh" => "place the joint by `origin`",
-            _ => "a part that follows others is described as a joint of its own",
+            "dh" | "modified_dh" => "give the pose of the joint with `origin`",
+            _ => "describe a part that follows others as a separate joint",
         });
     }
     let help = match composite {
         Composite::Universal => {
-            "it turns about the x axis of its frame, then about the y axis: `origin` turns the frame"
+            "the joint turns about the x axis of its frame, then about the y axis; rotate the frame with `origin`"
         }
-        Composite::Quaternion(_) => {
-            "it turns about every axis: `origin` turns the frame in which its position counts"
-        }
+        Composite::Quaternion(_) => "the joint turns about every axis; rotate its frame with `origin`",
         Composite::Cylindrical | Composite::Planar => return,
     };
     if let Some(item) = table.get("axis") {
-        reader.report.error(item.key_span, "conflicting-keys", format!("`axis` at a {kind} joint"));
+        reader.report.error(item.key_span, "conflicting-keys", format!("a {kind} joint has no `axis`"));
         reader.report.help(help);
     }
 }
@@ -272,14 +279,14 @@ fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pos
     let given: Vec<Item<'_>> =
         ["origin", "dh", "modified_dh"].iter().filter_map(|key| table.get(key)).collect();
     if let [first, second, ..] = given.as_slice() {
-        let message = format!("both `{}` and `{}` place the joint", first.key, second.key);
-        reader.report.error(second.key_span, "conflicting-keys", message).help("keep one of them");
+        let message = format!("`{}` and `{}` both give the pose of the joint", first.key, second.key);
+        reader.report.error(second.key_span, "conflicting-keys", message).help("remove one of them");
     }
     if let (Some(row), Some(axis)) = (given.iter().find(|item| item.key != "origin"), table.get("axis")) {
         let message =
-            format!("`axis` together with `{}`: the axis of a Denavit–Hartenberg row is z", row.key);
+            format!("`axis` and `{}` are both given, but the axis of a Denavit–Hartenberg row is z", row.key);
         reader.report.error(axis.key_span, "conflicting-keys", message);
-        reader.report.help("remove `axis`, or place the joint by `origin`");
+        reader.report.help("remove `axis`, or give the pose with `origin`");
     }
     match given.first() {
         Some(item) if item.key == "origin" => (reader.pose(*item, owner), None),

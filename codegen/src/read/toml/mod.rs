@@ -1,4 +1,4 @@
-//! A TOML description as a [`RobotDescription`]; the format is documented in models/README.md.
+//! Reader of TOML descriptions to a [`RobotDescription`]; models/README.md documents the format.
 
 mod couplings;
 pub(crate) mod forces;
@@ -24,21 +24,21 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-/// Keys at the top of the file that say how to read the rest and its base.
+/// Top-level keys that control the reading of the rest and of the base description.
 #[derive(Debug, Default)]
 pub(super) struct Preamble {
-    /// The URDF or TOML that this description extends.
+    /// The description that this file extends.
     pub extends: Option<Name>,
     pub snap_angles: Option<f64>,
     pub ignore_mimic: bool,
     pub no_friction: bool,
-    /// Joints that are held.
+    /// Held joints.
     pub held: Vec<At<Hold>>,
-    /// A body of the MJCF: its tree is extended.
+    /// Body of the MJCF whose tree is extended.
     pub body: Option<Name>,
 }
 
-/// Parses the text; syntax errors are reported all at once.
+/// Parses the text; reports all syntax errors.
 pub(super) fn parse<'t>(
     reader: &mut Reader,
     text: &'t str,
@@ -92,10 +92,10 @@ fn duplicate_help(line: &str) -> String {
     let name = name.and_then(|name| name.strip_suffix(']')).map(str::trim);
     match name {
         Some(name) if ROBOT.row(name).is_some_and(|row| row.value.is_tables()) => {
-            format!("each of several needs double brackets: `[[{name}]]`")
+            format!("use double brackets for each of several tables: `[[{name}]]`")
         }
-        Some(name) => format!("each table occurs once: put the keys of both under one `[{name}]`"),
-        None => "each key occurs once in its table: keep one of the two".to_owned(),
+        Some(name) => format!("a table may occur once: combine the keys of both under one `[{name}]`"),
+        None => "a key may occur once in a table: remove one".to_owned(),
     }
 }
 
@@ -115,7 +115,7 @@ fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
     }
 }
 
-/// The checked top level.
+/// Top-level table with checked keys.
 pub(super) fn open<'t>(
     reader: &mut Reader,
     table: &'t toml::Spanned<DeTable<'t>>,
@@ -124,14 +124,14 @@ pub(super) fn open<'t>(
     Table::checked(table.get_ref(), Span::new(source, 0..0), &ROBOT, &mut reader.report)
 }
 
-/// Reads the options that control the reading of the rest.
+/// Reads the keys that control the reading of the rest.
 pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let mut flag = |key| top.get(key).and_then(|item| item.boolean(&mut reader.report)).unwrap_or(false);
     let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
     let extends = ["urdf", "extends"].map(|key| top.get(key));
     if let [Some(_), Some(second)] = &extends {
-        let message = "both `urdf` and `extends` name a base";
-        reader.report.error(second.key_span, "conflicting-keys", message).help("keep one of them");
+        let message = "both `urdf` and `extends` give a base description";
+        reader.report.error(second.key_span, "conflicting-keys", message).help("remove one of them");
     }
     let extends = extends.into_iter().flatten().next();
     let extends = extends.and_then(|item| reader.name(item));
@@ -162,15 +162,15 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
     if tolerance.value <= WIDEST_SNAP {
         return Some(tolerance.value);
     }
-    let message = format!("`snap_angles` is {}, more than {WIDEST_SNAP} rad", tolerance.value);
+    let message = format!("`snap_angles` is {}, above the limit of {WIDEST_SNAP} rad", tolerance.value);
     reader.report.error(item.span, "snap-too-wide", message);
-    reader.report.help("1e-4 corrects angles that were written with four digits or more");
+    reader.report.help("1e-4 corrects angles written with at least four digits");
     None
 }
 
-/// Reads everything else.
+/// Reads the rest of the file.
 ///
-/// - `extended`: the base description, if it extends one
+/// - `extended`: the base description, if any
 pub(super) fn description(
     reader: &mut Reader,
     top: &Table<'_>,
@@ -326,7 +326,7 @@ fn read_body(reader: &mut Reader, table: &Table<'_>) -> Option<BodyDescription> 
     let name = table.get("name").and_then(|item| reader.name(item)).or_else(|| link.clone());
     let Some(name) = name else {
         reader.report.error(table.span, "missing-key", "a body needs `name` or `link`");
-        reader.report.help("`link = \"forearm\"` is the link that the body belongs to");
+        reader.report.help("`link = \"forearm\"` gives the link of the body");
         return None;
     };
     let owner = name.value.clone();

@@ -1,5 +1,4 @@
-//! TOML tables with places: every key is known or complained about, every value has the type that is asked
-//! for.
+//! TOML tables with places: unknown keys are reported, and each value has the requested type.
 
 use super::keys::{Key, Keys, advice};
 use crate::diagnostic::{Report, Span, nearest};
@@ -10,16 +9,16 @@ use toml::de::{DeTable, DeValue};
 #[derive(Debug)]
 pub(crate) struct Table<'t> {
     entries: Vec<Item<'t>>,
-    /// Its place.
+    /// Place of the table.
     pub span: Span,
-    /// The keys that it may have.
+    /// Allowed keys.
     pub keys: &'static Keys,
 }
 
 /// A key with its value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Item<'t> {
-    /// The key; in arrays that of the whole array.
+    /// Key; for an entry of an array the key of the array.
     pub key: &'t str,
     /// Place of the key.
     pub key_span: Span,
@@ -27,13 +26,12 @@ pub(crate) struct Item<'t> {
     pub value: &'t DeValue<'t>,
     /// Place of the value.
     pub span: Span,
-    /// The row of the key; of a key that is a name of the user that of the whole table.
+    /// Row of the key; for a key named by the user the row of the table.
     pub row: &'static Key,
 }
 
 impl<'t> Table<'t> {
-    /// Its entries in the order of their description, with an error for each key that is not known, and for each that is
-    /// needed and absent.
+    /// Entries in the described order; reports unknown keys and missing required keys.
     pub fn checked(table: &'t DeTable<'t>, span: Span, keys: &'static Keys, report: &mut Report) -> Self {
         let mut entries = Vec::new();
         for (key, value) in in_order(table) {
@@ -50,7 +48,7 @@ impl<'t> Table<'t> {
         table
     }
 
-    /// The value of a key.
+    /// Value of a key.
     pub fn get(&self, key: &str) -> Option<Item<'t>> {
         debug_assert!(self.keys.row(key).is_some(), "{} has no row `{key}`", self.keys.what);
         self.entries.iter().find(|item| item.key == key).copied()
@@ -96,7 +94,7 @@ fn item<'t>(
 }
 
 impl<'t> Item<'t> {
-    /// Reports an error that the value should have been something else.
+    /// Reports that a value has the wrong type.
     pub fn expected(&self, what: &str, report: &mut Report) {
         let found = self.value.type_str();
         report.error(
@@ -165,20 +163,20 @@ impl<'t> Item<'t> {
         }
     }
 
-    /// The value as a list of tables with known keys.
+    /// The value as a list of tables with allowed keys.
     pub fn tables(&self, report: &mut Report) -> Vec<Table<'t>> {
         let expected = format!("a list of tables, each written [[{}]]", self.key);
         let items = self.array(&expected, report).unwrap_or_default();
         items.iter().filter_map(|item| item.table(report)).collect()
     }
 
-    /// The entries of a table whose keys are names.
+    /// Entries of a table whose keys are names.
     pub fn named(&self) -> Option<Vec<Self>> {
         let entries = in_order(self.value.as_table()?).into_iter();
         Some(entries.map(|(key, value)| item(key, value, self.span.source, self.row)).collect())
     }
 
-    /// The value as one of the words of its row.
+    /// The value as one of the allowed words.
     pub fn word(&self, report: &mut Report) -> Option<&'static str> {
         let text = self.text(report)?;
         let words = self.row.value.words();

@@ -15,18 +15,18 @@ use gelenk_formula::{Allowed, Formula, LARGEST_NUMBER, parse, too_large};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
 
-/// Values that reading a TOML description collects.
+/// State of the reader of a TOML description.
 #[derive(Debug, Default)]
 pub(crate) struct Reader {
     pub report: Report,
     pub angles: Angles,
-    /// Free parameters so far.
+    /// Free parameters read so far.
     pub parameters: Vec<At<Parameter>>,
-    /// Their names in formulas, which may differ from those of the generated fields.
+    /// Names of parameters in formulas, which may differ from the generated field names.
     pub parameter_names: BTreeMap<String, usize>,
-    /// Those of `[parameters]` that no formula has named so far.
+    /// Parameters of `[parameters]` not used by any formula so far.
     pub unused: BTreeSet<usize>,
-    /// Their indices by the names of the generated fields.
+    /// Indices of the parameters by the names of the generated fields.
     fields: BTreeMap<String, usize>,
 }
 
@@ -37,23 +37,24 @@ const UNIT: f64 = 1e-6;
 const OFFSETS: [(&str, &str); 2] = [
     (
         "theta",
-        "`theta` is the constant part of the angle, and the coordinate is added to it: `\"q+pi/2\"` is `\"pi/2\"`",
+        "`theta` is only the constant part of the angle, without the coordinate: `\"pi/2\"` instead of `\"q+pi/2\"`",
     ),
     (
         "d",
-        "`d` is the constant part of the distance, and a prismatic joint's coordinate is added to it: `\"q+0.1\"` is `0.1`",
+        "`d` is only the constant part of the distance, without the coordinate of a prismatic joint: `0.1` \
+         instead of `\"q+0.1\"`",
     ),
 ];
 
 impl Reader {
-    /// Has read nothing so far.
+    /// A reader before any value.
     pub fn new(options: &ReadOptions) -> Self {
         let mut reader = Self::default();
         reader.angles.snap = options.snap_angles;
         reader
     }
 
-    /// A number or a formula without parameters, finite, and greater than 0 if the row of its key says so.
+    /// A number, or a formula without parameters; finite, and positive if the row of its key requires it.
     pub fn number(&mut self, item: Item<'_>) -> Option<At<f64>> {
         let formula = self.scalar(item, Allowed::Constants)?;
         let number = formula.as_number()?;
@@ -66,7 +67,7 @@ impl Reader {
         Some(At::new(number, item.span))
     }
 
-    /// A number, a formula over parameters, or `{ free = … }`, which makes a parameter named after owner and
+    /// A number, a formula of parameters, or `{ free = … }`, which defines a parameter named after owner and
     /// key.
     pub fn formula(&mut self, item: Item<'_>, owner: &str) -> Option<Formula> {
         match item.value {
@@ -75,19 +76,19 @@ impl Reader {
         }
     }
 
-    /// Value of a formula of parameters at their described values.
+    /// Value of a formula at the described parameters.
     pub fn at_defaults(&self, formula: &Formula) -> f64 {
         let defaults = self.parameters.iter().map(|parameter| parameter.value.default);
         formula.evaluate(&defaults.collect::<Vec<f64>>(), 0.0, 0.0)
     }
 
-    /// A force law over parameters, `y` and `v`.
+    /// A force law in parameters, `y` and `v`.
     pub fn force_law(&mut self, item: Item<'_>) -> Option<Formula> {
         self.scalar(item, Allowed::Motion)
     }
 
-    /// A force between two frames over parameters, their distance `l` and its rate `dl`. These stand for
-    /// position and velocity in the formula.
+    /// A force law between two frames in parameters, distance `l` and rate `dl`, which the formula has as
+    /// position and velocity.
     pub fn force_between_law(&mut self, item: Item<'_>) -> Option<Formula> {
         self.scalar(item, Allowed::Distance)
     }
@@ -162,14 +163,14 @@ impl Reader {
         self.add_parameter(name, default.value, &table)
     }
 
-    /// Adds a parameter after checking its name; `table` may hold its unit and description.
+    /// Adds a parameter with a checked name; `table` may have its unit and description.
     pub fn add_parameter(&mut self, name: Name, default: f64, table: &Table<'_>) -> Option<Formula> {
         let unit = self.one_line(table, "unit");
         let description = self.one_line(table, "description");
         self.push_parameter(name, default, unit, description)
     }
 
-    /// Adds a parameter after checking its name.
+    /// Adds a parameter with a checked name.
     pub fn push_parameter(
         &mut self,
         name: Name,
@@ -182,16 +183,17 @@ impl Reader {
             && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
             && text.chars().any(|c| c.is_ascii_alphanumeric());
         if !usable || is_keyword(text) || has_meaning(text) {
-            self.report.error(name.span, "parameter-name", format!("{text:?} cannot name a parameter"));
-            self.report
-                .help("letters, digits and underscores; no word of Rust, and none of y, v, pi, sin, …");
+            self.report.error(name.span, "parameter-name", format!("{text:?} is not a valid parameter name"));
+            self.report.help(
+                "use letters, digits and underscores, but no Rust keyword and none of y, v, pi, sin, …",
+            );
             return None;
         }
         let field = identifier(text);
         let other = self.fields.get(&field).and_then(|other| self.parameters.get(*other));
         if let Some(other) = other {
             let place = self.report.place(other.span);
-            let message = format!("two parameters are named `{field}`; the other one is at {place}");
+            let message = format!("two parameters are named `{field}`; the other is at {place}");
             self.report.error(name.span, "duplicate-name", message);
             return None;
         }
@@ -207,7 +209,7 @@ impl Reader {
         text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
     }
 
-    /// A name: a text without control characters.
+    /// A name: non-empty text without control characters.
     pub fn name(&mut self, item: Item<'_>) -> Option<Name> {
         let text = item.text(&mut self.report)?;
         if text.is_empty() || text.chars().any(char::is_control) {
@@ -218,7 +220,7 @@ impl Reader {
         Some(At::new(text.to_owned(), item.span))
     }
 
-    /// The entries of a list of tables at the top, if there is one; what cannot be read is left out.
+    /// Entries of a top-level list of tables; empty if there is none. Unreadable entries are omitted.
     pub fn all<T>(
         &mut self,
         top: &Table<'_>,
@@ -232,7 +234,7 @@ impl Reader {
         tables.iter().filter_map(|table| read(self, table)).collect()
     }
 
-    /// The name under a key, if there is one.
+    /// Name under a key, if given.
     pub fn name_of(&mut self, table: &Table<'_>, key: &str) -> Option<Name> {
         table.get(key).and_then(|item| self.name(item))
     }
@@ -309,7 +311,7 @@ impl Reader {
                     "conflicting-keys",
                     "both `rpy` and `quaternion` are given",
                 );
-                self.report.help("keep one of them");
+                self.report.help("remove one of them");
                 None
             }
         };
@@ -332,14 +334,14 @@ impl Reader {
             format!("the quaternion has length {}, not 1", not_one(length)),
         );
         self.report.help(match length {
-            0.0 => "that of no rotation is { w = 1, x = 0, y = 0, z = 0 }",
-            _ => "divide its four numbers by the length",
+            0.0 => "the identity is { w = 1, x = 0, y = 0, z = 0 }",
+            _ => "divide the quaternion by its length",
         });
         None
     }
 }
 
-/// Parts of a pose that its table does not have.
+/// Parts of a pose that its table lacks.
 pub(crate) fn unsaid(item: Option<Item<'_>>) -> Unsaid {
     let lacks = |keys: &[&str]| {
         let table = item.and_then(|item| item.value.as_table());
@@ -354,7 +356,7 @@ fn not_one(length: f64) -> String {
     length
 }
 
-/// Numbers as a description would write them.
+/// Numbers in the syntax of descriptions.
 pub(crate) fn join(numbers: &[f64]) -> String {
     numbers.iter().map(|&number| as_written(number)).collect::<Vec<_>>().join(", ")
 }

@@ -1,4 +1,4 @@
-//! Words by which other tools change the dynamics in a URDF, and their equivalents in TOML.
+//! Extensions of URDF by other tools that change the dynamics, and their equivalents in TOML.
 
 /// An effect on the dynamics that is not read.
 #[derive(Debug)]
@@ -16,50 +16,53 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &ROTORS,
         idle: IDLE,
-        text: "inertias of rotors were skipped, which add i² J to the diagonal of M; in a TOML file \
-            `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the joint is equivalent",
+        text: "rotor inertias were skipped; they add i² J to the diagonal of M. Write them in a TOML file \
+               as `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the joint",
     },
     Effect {
         words: &["springstiffness", "springreference", "springref", "stiffness", "torsionalspring"],
         idle: IDLE,
-        text: "springs at joints were skipped; in a TOML file `spring = { stiffness = 12, rest = 0.2 }` of the joint is equivalent",
+        text: "springs at joints were skipped; write them in a TOML file as `spring = { stiffness = 12, \
+               rest = 0.2 }` of the joint",
     },
     Effect {
         words: &["damping", "dampingfactor", "frictionloss", "viscousfriction", "coulombfriction"],
         idle: IDLE,
-        text: "friction and damping of other tools were skipped; in a TOML file `friction = { viscous = 0.5, coulomb = 2 }` of the joint is equivalent",
+        text: "friction and damping of other tools were skipped; write them in a TOML file as `friction = { \
+               viscous = 0.5, coulomb = 2 }` of the joint",
     },
     Effect {
         words: &["linearbushingrpy", "bushing", "linearspringdamper", "forceelement"],
         idle: IDLE,
-        text: "forces between links were skipped; in a TOML file `[[forces]]` with `between = [\"a\", \"b\"]` and \
-            `law = \"1200*(l - 0.3) + 40*dl\"` is equivalent",
+        text: "forces between links were skipped; write them in a TOML file as `[[forces]]` with `between = \
+               [\"a\", \"b\"]` and `law = \"1200*(l - 0.3) + 40*dl\"`",
     },
     Effect {
         words: &["buoyancy", "hydrodynamics", "liftdrag", "aerodynamics", "winddrag"],
         idle: &["false"],
-        text: "forces of a medium were skipped; in a TOML file `[[forces]]` describes those that act along a line",
+        text: "fluid forces were skipped; describe forces along a line with `[[forces]]` in a TOML file",
     },
     Effect {
         words: &["loopjoint", "ballconstraint", "connect", "weld", "distanceconstraint"],
         idle: &[],
-        text: "closed loops were opened: the robot moves without them; in a TOML file `follows = { … }` of a joint describes the remaining motion of a loop, if that is linear",
+        text: "closed loops were opened, so the robot moves without their constraints; if the remaining \
+               motion is linear, describe it in a TOML file with `follows = { … }` of a joint",
     },
     Effect {
         words: &["mimicjoint"],
         idle: &[],
-        text: "couplings of joints by plugins were skipped; use `<mimic>` of the joint, or in a TOML file \
-            `follows = { leader = -1 }`",
+        text: "joint couplings by plugins were skipped; use `<mimic>` of the joint, or `follows = { leader \
+               = -1 }` in a TOML file",
     },
     Effect {
         words: &["turngravityoff", "gravcomp"],
         idle: IDLE,
-        text: "links without gravity have it here; in a TOML file `gravity = [0, 0, 0]` takes it from all of them",
+        text: "links without gravity have gravity here; `gravity = [0, 0, 0]` in a TOML file removes it from all links",
     },
     Effect {
         words: &["gravity"],
         idle: &["1", "true", "0 0 -9.81"],
-        text: "another gravity was skipped; in a TOML file `gravity = [0, 0, -1.6]` is equivalent",
+        text: "another gravity was skipped; write it in a TOML file as `gravity = [0, 0, -1.6]`",
     },
     Effect {
         words: &[
@@ -71,28 +74,29 @@ const EFFECTS: [Effect; 10] = [
             "inertiafromgeom",
         ],
         idle: &["0", "0.0", "1", "1.0", "-1", "false", "auto"],
-        text: "changes of masses and inertias by other tools were skipped; in a TOML file `mass` and `inertia` of a body are equivalent",
+        text: "changes of masses and inertias by other tools were skipped; write `mass` and `inertia` of \
+               the body in a TOML file",
     },
 ];
 
-/// Words of an inertia of a rotor, or of its reflected inertia on the diagonal of M.
+/// Names for the inertia of a rotor, or for its reflected inertia on the diagonal of M.
 pub(super) const ROTORS: [&str; 4] = ["rotorinertia", "motorinertia", "armature", "reflectedinertia"];
 
-/// Inside of these, stiffness and damping are those of contacts.
+/// Elements whose stiffness and damping are those of contacts.
 pub(super) const CONTACTS: [&str; 3] = ["contact", "surface", "collision"];
 
-/// The text about an effect, by its row.
+/// Note about an effect, by its row.
 pub(super) fn text(row: usize) -> &'static str {
     EFFECTS.get(row).map_or("", |effect| effect.text)
 }
 
-/// A word of any tool: `drake:rotor_inertia` is `rotorinertia`.
+/// A name without the prefix of its tool: `drake:rotor_inertia` is `rotorinertia`.
 pub(super) fn plain(word: &str) -> String {
     let word = word.rsplit([':', '.']).next().unwrap_or(word);
     word.chars().filter(|c| *c != '_').flat_map(char::to_lowercase).collect()
 }
 
-/// The effect of a word with this value.
+/// Row of the effect of a name with this value.
 pub(super) fn row(word: &str, value: &str) -> Option<usize> {
     let word = plain(word);
     let found = EFFECTS.iter().position(|effect| effect.words.contains(&word.as_str()))?;

@@ -1,5 +1,4 @@
-//! Limits as URDFs have them: 0, infinite and reversed ones are common, and none of them enters the
-//! equations.
+//! Limits of URDFs. Limits that are 0, infinite or reversed are common; none of them enters the equations.
 
 use super::notes::Remark;
 use super::values::of_any_tool;
@@ -16,7 +15,7 @@ enum Limit<T> {
     Unset,
     /// Reversed or negative.
     Unusable,
-    /// No number, which is an error already.
+    /// Not a number; an error was already reported.
     Broken,
 }
 
@@ -129,5 +128,5 @@ impl Reader<'_> {
     }
 }
 
-/// It was reported.
+/// The attribute is not a number; an error was reported.
 struct NotANumber;

@@ -1,7 +1,6 @@
-//! A URDF as a [`RobotDescription`].
+//! Reader of URDF to a [`RobotDescription`].
 //!
-//! Everything that a vendor's file contains is accepted; what does not enter the dynamics is skipped with a
-//! note.
+//! Published files are accepted completely; elements that do not enter the dynamics are skipped with a note.
 
 mod foreign;
 mod limits;
@@ -35,7 +34,7 @@ use std::path::Path;
 /// Axes are published with some six digits: what differs less from length 1 is rounding.
 const WRITTEN_DIGITS: f64 = 1e-5;
 
-/// Reads a URDF; `None` if it is not XML or has no robot in it.
+/// Reads a URDF; `None` if it is not XML or has no robot.
 pub(super) fn description(
     report: &mut Report,
     angles: &mut Angles,
@@ -102,7 +101,7 @@ struct Reader<'r> {
     pub(super) source: usize,
     options: ReadOptions,
     pub(super) notes: Notes<Remark>,
-    /// Those of transmissions and attributes, before it is known whose they are.
+    /// Rotors of transmissions and attributes, before they are assigned to joints.
     pub(super) rotors: Vec<SkippedRotor>,
 }
 
@@ -166,7 +165,7 @@ impl Reader<'_> {
             match inertia {
                 None => self.notes.remark(Remark::EmptyInertial, span, owner),
                 Some(_) => {
-                    let message = format!("link {owner} has an inertia and no <mass>");
+                    let message = format!("link {owner} has an inertia but no <mass>");
                     self.report.error(span, "missing-element", message);
                 }
             }
@@ -205,8 +204,8 @@ impl Reader<'_> {
         let rpy = self.vector(node, "rpy").map(|rpy| self.angles.rpy(&rpy, owner));
         let quaternion = self.numbers::<4>(node, "quat_xyzw");
         if let Some(quaternion) = quaternion.as_ref().filter(|_| rpy.is_some()) {
-            let message = format!("the <origin> of {owner} has `rpy` and `quat_xyzw`");
-            self.report.error(quaternion.span, "several-orientations", message).help("give one of them");
+            let message = format!("the <origin> of {owner} has both `rpy` and `quat_xyzw`");
+            self.report.error(quaternion.span, "several-orientations", message).help("remove one of them");
         }
         let rotation = quaternion.and_then(|quaternion| self.attitude(&quaternion, owner)).or(rpy);
         let rotation = rotation.unwrap_or(IDENTITY);
@@ -219,11 +218,11 @@ impl Reader<'_> {
         if size == 0.0 {
             let message = format!("`quat_xyzw` of {owner} has length 0 and is not a rotation");
             self.report.error(quaternion.span, "quaternion-not-unit", message);
-            self.report.help("that of no rotation is \"0 0 0 1\"");
+            self.report.help("the identity is \"0 0 0 1\"");
             return None;
         }
         if (size - 1.0).abs() > WRITTEN_DIGITS {
-            let owner = format!("{owner}, quaternion of length {}", three_digits(size));
+            let owner = format!("{owner} (length {} of the quaternion)", three_digits(size));
             self.notes.remark(Remark::AxisNormalized, quaternion.span, owner);
         }
         let [x, y, z, w] = quaternion.value.map(|part| part / size);
@@ -299,7 +298,8 @@ impl Reader<'_> {
             let message = format!("planar joint {owner} has no <axis>, the normal of its plane");
             self.report.error(self.span(node), "missing-element", message);
             self.report.help(
-                "URDF's default is x, while many tools take z: with `<axis xyz=\"0 0 1\"/>` the joint moves in the x-y plane",
+                "the default axis of URDF is x, but many tools use z: `<axis xyz=\"0 0 1\"/>` moves the \
+                 joint in the x-y plane",
             );
         }
         if let Some(limit) = self.single(node, "limit", &owner) {
@@ -311,12 +311,15 @@ impl Reader<'_> {
         let mimic = self.single(node, "mimic", &owner).filter(|_| !self.options.ignore_mimic);
         let unclear = [dynamics, mimic];
         for inner in unclear.into_iter().flatten() {
-            let message = format!("{kind} joint {owner} has <{}>", inner.tag_name().name());
+            let message = format!(
+                "{kind} joint {owner} has <{}>, which has no meaning for several motions",
+                inner.tag_name().name()
+            );
             let code = if composite == Composite::Planar { "planar-joint" } else { "quaternion-joint" };
             self.report.error(self.span(inner), code, message);
             let parts = composite.parts().iter().map(|part| format!("`{}_{}`", name.value, part.name));
             self.report.help(format!(
-                "it does not name the motion: describe it in a TOML file at the joints {}, which the {kind} joint becomes",
+                "describe it in a TOML file for the joints {}, which replace the {kind} joint",
                 listed(parts)
             ));
         }

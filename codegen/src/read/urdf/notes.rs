@@ -1,10 +1,10 @@
-//! Skipped or changed parts of a URDF: one note or warning for each kind.
+//! Notes and warnings about skipped or changed parts of a URDF, one per kind.
 
 use super::foreign as urdf_foreign;
 use crate::diagnostic::Severity;
 use crate::read::skipped as notes;
 
-/// Elements that do not enter the dynamics, except those that [`urdf_foreign`] knows; they share one note.
+/// Elements that do not enter the dynamics, except those known to [`urdf_foreign`]; they share one note.
 pub(super) const HARMLESS: [&str; 14] = [
     "<visual>",
     "<collision>",
@@ -22,7 +22,7 @@ pub(super) const HARMLESS: [&str; 14] = [
     "<self_collision_checking>",
 ];
 
-/// Something about a description that is worth a note, once for all places.
+/// A kind of remark about a description. It gives one note for all places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
     AxisMissing,
@@ -76,28 +76,27 @@ impl notes::Remark for Remark {
     fn text(self) -> &'static str {
         match self {
             Self::AxisMissing => "an <axis> without `xyz` was taken as x",
-            Self::AxisNormalized => "axes and quaternions were brought to length 1",
-            Self::ContinuousLimits => {
-                "continuous joints turn without end; their position limits were not taken"
-            }
-            Self::DuplicateElement => "of several elements of one kind the first was taken",
+            Self::AxisNormalized => "axes and quaternions were normalized",
+            Self::ContinuousLimits => "continuous joints have no position limits; those given were ignored",
+            Self::DuplicateElement => "only the first of several elements of the same kind was used",
             Self::Foreign(row) => urdf_foreign::text(row),
-            Self::EmptyInertial => "links whose <inertial> is empty have no mass",
+            Self::EmptyInertial => "links with an empty <inertial> have no mass",
             Self::LimitMissing => {
-                "joints without a <limit> have none here; ROS refuses such revolute and prismatic joints"
+                "joints without <limit> have no limits here; ROS rejects such revolute and prismatic joints"
             }
-            Self::LimitUnset => "limits that are 0 or infinite were taken as not given",
-            Self::LimitUnusable => "limits that are reversed, equal or negative were taken as not given",
+            Self::LimitUnset => "limits that are 0 or infinite were ignored",
+            Self::LimitUnusable => "limits that are reversed, equal or negative were ignored",
             Self::PlanarLimits => {
-                "limits of joints with several degrees of freedom do not name the motion and were not read; describe them for the parts in a TOML file"
+                "limits of joints with several degrees of freedom were ignored, because they do not name a \
+                 motion; describe them in a TOML file for each part"
             }
-            Self::ReductionIgnored => "mechanical reductions were ignored, inputs act at the joints",
+            Self::ReductionIgnored => "mechanical reductions were ignored; inputs act at the joints",
             Self::RotorRead => {
                 "rotors of transmissions were read as i² J at their joints, where the inputs act"
             }
-            Self::Unknown => "unknown elements in the description of the dynamics were skipped",
+            Self::Unknown => "unknown elements of the dynamics were skipped",
             Self::SphericalWithoutDrive => {
-                "spherical joints of a URDF have no drive, and so no input; a TOML file gives them some (`drive = \"ideal\"`)"
+                "spherical joints of a URDF have no drive and no input; add inputs in a TOML file (`drive = \"ideal\"`)"
             }
         }
     }

@@ -1,8 +1,8 @@
-//! The text of a URDF as the parsers of ROS take it.
+//! Text of a URDF, made acceptable to a strict XML parser.
 //!
-//! They are laxer than XML: `--` in comments, white space before the declaration, a document type and
-//! prefixes that nothing declares are common in published files. Such places are overwritten byte by byte, so
-//! that positions stay what they are.
+//! The parsers of ROS are less strict than XML: published files often have `--` in comments, white space
+//! before the declaration, a document type, or undeclared prefixes. Such places are overwritten byte by byte,
+//! so positions do not change.
 
 use crate::diagnostic::Span;
 use roxmltree::{Document, Error, Node};
@@ -10,7 +10,7 @@ use roxmltree::{Document, Error, Node};
 /// Largest number of undeclared prefixes in a file.
 const MOST_PREFIXES: usize = 16;
 
-/// Text that XML's grammar takes, of the same length.
+/// Text with valid XML syntax and the same length.
 pub(crate) struct UrdfText(Vec<u8>);
 
 impl UrdfText {
@@ -132,7 +132,7 @@ impl UrdfText {
     }
 }
 
-/// The opening tag of an element, which may be the whole file.
+/// Opening tag of an element, which may span the whole file.
 pub(crate) fn opening_tag(node: Node<'_, '_>, source: usize) -> Span {
     let range = node.range();
     let text = node.document().input_text().get(range.clone()).unwrap_or("");

@@ -1,4 +1,4 @@
-//! Transmissions of a URDF: their rotors, as Drake and others write them, and reductions.
+//! Transmissions of a URDF: reductions, and rotors in the notation of Drake and others.
 
 use super::foreign::{ROTORS, plain};
 use super::notes::Remark;
@@ -50,7 +50,8 @@ fn ratios(transmission: XmlNode<'_>, rotor: XmlNode<'_>) -> Vec<f64> {
 }
 
 impl Reader<'_> {
-    /// Reads rotors. Without one a reduction changes no dynamics: inputs act at the joints.
+    /// Reads the rotors of a transmission. Without a rotor a reduction does not change the dynamics, because
+    /// inputs act at the joints.
     pub(super) fn transmission(&mut self, node: XmlNode<'_>) {
         let mut joints: Vec<String> = Vec::new();
         for name in inner(node, &["joint"]).filter_map(|joint| joint.attribute("name")) {
@@ -86,7 +87,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Gives rotors to their joints. The others are left for a warning that knows M.
+    /// Assigns rotors to their joints. The others are kept for a warning that uses M.
     pub(super) fn place_rotors(&mut self, robot: &mut RobotDescription) {
         for rotor in std::mem::take(&mut self.rotors) {
             let Some((name, added)) = rotor.place() else {

@@ -1,4 +1,4 @@
-//! Names, numbers and elements of a URDF, each with its place.
+//! Names, numbers and elements of a URDF with their places.
 
 use super::notes::Remark;
 use super::text::opening_tag;
@@ -8,7 +8,7 @@ use crate::diagnostic::{At, Span};
 use gelenk_formula::{LARGEST_NUMBER, too_large};
 use roxmltree::{Attribute, Node};
 
-/// An attribute by its name, also under the prefix of a tool, as in `drake:acceleration`.
+/// An attribute by name, also with the prefix of a tool: `drake:acceleration`.
 pub(super) fn of_any_tool<'a>(node: XmlNode<'a>, key: &str) -> Option<Attribute<'a, 'a>> {
     let mut attributes = node.attributes();
     let prefixed = |name: &str| name.rsplit('.').next() == Some(key);
@@ -24,9 +24,9 @@ impl Reader<'_> {
         Span::new(self.source, attribute.range_value())
     }
 
-    /// The first child element of this kind, as ROS takes it.
+    /// First child element of this kind, as in ROS.
     ///
-    /// - `owner`: names the element around it in the warning about others
+    /// - `owner`: name of the enclosing element, for the warning about other children
     pub(super) fn single<'a>(&mut self, node: XmlNode<'a>, tag: &str, owner: &str) -> Option<XmlNode<'a>> {
         let mut found = node.children().filter(|inner| inner.is_element() && inner.tag_name().name() == tag);
         let first = found.next()?;
@@ -104,7 +104,7 @@ impl Reader<'_> {
             self.report.error(span, "not-a-number", format!("`{key}` must be {wanted}, not {found:?}"));
             let example = ["0.5"; N].join(" ");
             self.report.help(format!(
-                "for example `{key}=\"{example}\"`, numbers with a point and blanks between them"
+                "for example `{key}=\"{example}\"`: numbers with decimal points, separated by spaces"
             ));
             return None;
         }

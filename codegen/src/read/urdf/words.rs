@@ -1,4 +1,4 @@
-//! Words of a URDF that are not known, with the words that were probably meant.
+//! Unknown names in a URDF, with the probably intended ones.
 
 use super::foreign::{CONTACTS, plain, row};
 use super::notes::{HARMLESS, Remark};
@@ -22,7 +22,7 @@ const ATTRIBUTES: [(&str, &[&str]); 10] = [
 ];
 
 impl Reader<'_> {
-    /// Warns of attributes that nobody reads: these elements describe the dynamics.
+    /// Warns of unknown attributes of elements that describe the dynamics.
     pub(super) fn known_attributes(&mut self, node: XmlNode<'_>) {
         let tag = node.tag_name().name();
         let Some((_, known)) = ATTRIBUTES.iter().find(|(known, _)| *known == tag) else { return };
@@ -36,8 +36,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Warns of an element that changes the dynamics elsewhere, and of all such elements and attributes inside it; tells whether
-    /// there are some.
+    /// Warns of an element that changes the dynamics in other tools, and of such elements and attributes
+    /// inside it. Returns whether there are any.
     pub(super) fn foreign(&mut self, node: XmlNode<'_>) -> bool {
         let mut is_known = false;
         for inner in node.descendants().filter(Node::is_element) {
@@ -58,7 +58,7 @@ impl Reader<'_> {
         is_known
     }
 
-    /// Whether the word is one of an effect.
+    /// Whether the name denotes an effect in other tools.
     pub(super) fn foreign_word(&mut self, node: XmlNode<'_>, word: &str, value: &str, span: Span) -> bool {
         let Some(row) = row(word, value) else { return false };
         let is_contact = |node: XmlNode<'_>| CONTACTS.contains(&node.tag_name().name());
@@ -72,9 +72,9 @@ impl Reader<'_> {
         true
     }
 
-    /// Notes an element that is not read.
+    /// Notes an element that is skipped.
     ///
-    /// - `known`: those that are read in its place
+    /// - `known`: elements that are read there
     pub(super) fn skip(&mut self, node: XmlNode<'_>, known: &[&str]) {
         let tag = format!("<{}>", node.tag_name().name());
         let is_foreign = self.foreign(node);
@@ -95,7 +95,7 @@ fn meant<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> String {
     help.map_or(String::new(), |help| format!(" ({help})"))
 }
 
-/// The value of an element, as its attribute or its text.
+/// Value of an element: its attribute or text.
 pub(super) fn value_of<'a>(node: XmlNode<'a>) -> &'a str {
     node.attribute("value").or_else(|| node.text()).unwrap_or("").trim()
 }

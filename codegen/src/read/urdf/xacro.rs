@@ -1,4 +1,4 @@
-//! Macros that stand in a URDF: the message names the command that expands them.
+//! Detection of xacro macros in a URDF; the message gives the command that expands them.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::wording::quoted;
 /// Elements whose texts name files and plugins, where `$(find …)` does no harm.
 const LOOKS: [&str; 5] = ["visual", "collision", "material", "gazebo", "transmission"];
 
-/// The first macro, or expression of one, that the dynamics would need.
+/// First macro or macro expression that affects the dynamics.
 pub(super) fn first<'a, 'i>(robot: Node<'a, 'i>) -> Option<Node<'a, 'i>> {
     let mut stack = vec![robot];
     while let Some(node) = stack.pop() {
@@ -37,18 +37,18 @@ fn has_expression(node: Node<'_, '_>) -> bool {
     values.any(|value| value.contains("${") || value.contains("$("))
 }
 
-/// Says which command expands the file.
+/// Reports the command that expands the file.
 pub(super) fn report(node: Node<'_, '_>, span: Span, file: &str, report: &mut Report) {
     let name = node.tag_name().name();
     let message = match is_macro(node) {
         true => format!("<xacro:{}> is a macro", name.trim_start_matches("xacro.")),
-        false => format!("<{name}> holds an expression of xacro"),
+        false => format!("<{name}> holds a xacro expression"),
     };
-    report.error(span, "xacro-not-expanded", format!("{message}: the file has to be expanded first"));
+    report.error(span, "xacro-not-expanded", format!("{message}: expand the file first"));
     let expanded = expanded(file);
     report.help(format!(
-        "`xacro {} > {}` expands it (ROS's package xacro, or `pip install xacro`); arguments of the file follow its name as \
-         `name:=value`",
+        "`xacro {} > {}` expands the file (ROS package xacro, or `pip install xacro`); write arguments of \
+         the file as `name:=value` after its name",
         quoted(file),
         quoted(&expanded)
     ));

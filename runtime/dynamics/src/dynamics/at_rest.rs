@@ -1,21 +1,21 @@
-//! Friction on either side of rest.
+//! Friction on both sides of rest.
 
-/// Speed [rad/s or m/s] at which laws of friction that jump are evaluated on one side of rest: they see their
-/// direction, all else sees rest. Far enough from the smallest number that a gear ratio times it is one.
+/// Speed [rad/s or m/s] at which discontinuous friction laws are evaluated on one side of rest: they see the
+/// direction, other laws see rest. It stays above the smallest number after multiplication by a gear ratio.
 pub const JUST_MOVING: f64 = 1e-300;
 
 /// Largest difference between the two sides for laws without a jump: their slope times [`JUST_MOVING`]. Free
 /// parameters that make a jump zero leave this difference.
 const OF_SLOPES: f64 = 1e-200;
 
-/// True if friction jumps between these two values of [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest),
-/// as dry friction does.
+/// Whether friction is discontinuous between these two values of
+/// [`Dynamics::friction_at_rest`](super::Dynamics::friction_at_rest), as dry friction is.
 pub fn jumps([backward, forward]: [f64; 2]) -> bool {
     backward < forward
 }
 
-/// True if friction at i jumps where velocity j changes its sign and all others are 0, as on a shaft that both turn. NaN counts as a
-/// jump.
+/// Whether friction at i is discontinuous at a sign change of velocity j with all others 0, for example on a
+/// shaft that both turn. NaN counts as discontinuous.
 pub fn jumps_with<const N: usize>([i, j]: [usize; 2], friction: impl Fn(&[f64; N]) -> [f64; N]) -> bool {
     let [backward, forward] = [-JUST_MOVING, JUST_MOVING].map(|speed| {
         let mut velocities = [0.0; N];

@@ -1,4 +1,4 @@
-//! Defaults of functions that a module lacks.
+//! Default implementations of functions that a module lacks.
 
 use super::load_friction::{load, under_load};
 use super::manifold::same;
@@ -9,7 +9,7 @@ use super::types::{Discretization, ForceDerivativesAndMass, Step};
 use core::cell::Cell;
 use gelenk_kernels::discrete_time;
 
-/// [`Dynamics::applied_forces`] by the other methods.
+/// [`Dynamics::applied_forces`] from the other methods.
 #[inline]
 pub fn applied_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -21,7 +21,7 @@ pub fn applied_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: u
     core::array::from_fn(|i| gravity[i] + springs[i] - friction[i])
 }
 
-/// [`Dynamics::load_friction`] of a robot whose friction does not grow with the load.
+/// [`Dynamics::load_friction`] of a robot without load-dependent friction.
 #[inline]
 pub fn load_friction<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     _: &D,
@@ -31,7 +31,7 @@ pub fn load_friction<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: us
     [0.0; N]
 }
 
-/// [`Dynamics::bias_forces`] by the other methods.
+/// [`Dynamics::bias_forces`] from the other methods.
 #[inline]
 pub fn bias_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -42,7 +42,7 @@ pub fn bias_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usiz
     core::array::from_fn(|i| coriolis[i] - gravity[i])
 }
 
-/// [`Dynamics::equations_of_motion`] by the other methods.
+/// [`Dynamics::equations_of_motion`] from the other methods.
 #[inline]
 pub fn equations_of_motion<
     D: Dynamics<N, M, NY> + ?Sized,
@@ -57,7 +57,7 @@ pub fn equations_of_motion<
     (robot.mass_matrix(y), robot.coriolis_forces(y, v), robot.applied_forces(y, v))
 }
 
-/// [`Dynamics::inverse_dynamics`] by the other methods.
+/// [`Dynamics::inverse_dynamics`] from the other methods.
 #[inline]
 pub fn inverse_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -73,7 +73,7 @@ pub fn inverse_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M:
     })
 }
 
-/// [`Dynamics::forward_dynamics`] by the other methods.
+/// [`Dynamics::forward_dynamics`] from the other methods.
 #[inline]
 pub fn forward_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -92,7 +92,7 @@ pub fn forward_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M:
     solve_positive_definite(mass, forces)
 }
 
-/// [`Dynamics::kinetic_energy`] by the other methods.
+/// [`Dynamics::kinetic_energy`] from the other methods.
 #[inline]
 pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -104,7 +104,7 @@ pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: u
     0.5 * product(&momentum, v)
 }
 
-/// [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`] by the other methods.
+/// [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`] from the other methods.
 #[inline]
 pub fn inverse_dynamics_derivatives_and_mass_matrix<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -131,7 +131,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix<
     (forces, mass)
 }
 
-/// [`Differentiable::input_forces_derivatives`] by the other methods.
+/// [`Differentiable::input_forces_derivatives`] from the other methods.
 #[inline]
 pub fn input_forces_derivatives<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -158,7 +158,7 @@ pub fn input_forces_derivatives<
     (input_forces, derivatives)
 }
 
-/// [`Discretizable::discretize`] by the other methods.
+/// [`Discretizable::discretize`] from the other methods.
 #[inline]
 pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -172,7 +172,7 @@ pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M:
     if NY == N { linear.held(period) } else { linear.discretize_with(&robot.drift(v), period) }
 }
 
-/// [`Discretizable::step`] by the other methods; it does not compile for robots with quaternions.
+/// [`Discretizable::step`] from the other methods; does not compile for robots with quaternions.
 #[inline]
 pub fn step<D: Discretizable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -186,7 +186,7 @@ pub fn step<D: Discretizable<N, M, NY> + ?Sized, const N: usize, const M: usize,
     (*same(&y), v)
 }
 
-/// [`Discretizable::step_derivatives`] by the other methods; it does not compile for robots with quaternions.
+/// [`Discretizable::step_derivatives`] from the other methods; does not compile for robots with quaternions.
 #[inline]
 pub fn step_derivatives<
     D: Discretizable<N, M, NY> + ?Sized,
@@ -209,7 +209,7 @@ pub fn step_derivatives<
     Step { coordinates: *same(&coordinates), velocities, state, input }
 }
 
-/// [`Discretizable::midpoint_step`] by the other methods.
+/// [`Discretizable::midpoint_step`] from the other methods.
 #[inline]
 pub fn midpoint_step<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -310,8 +310,8 @@ fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize,
     step
 }
 
-/// [`Discretizable::step`] of a robot whose equations depend on time, from `time` (s) on: each stage of the method sees
-/// the robot at its own time.
+/// [`Discretizable::step`] of a robot with time-dependent equations from `time` (s) on: each stage of the
+/// method uses the robot at its own time.
 #[inline]
 pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
@@ -325,7 +325,7 @@ pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, acceleration)
 }
 
-/// [`Discretizable::step_derivatives`] likewise.
+/// [`Discretizable::step_derivatives`] of a robot with time-dependent equations from `time` (s) on.
 #[inline]
 pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,

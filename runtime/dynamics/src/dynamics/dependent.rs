@@ -1,15 +1,16 @@
-//! Joints that follow coordinates: `θ = G y + G_d d + g₀`, with the limits that the description gives them.
+//! Joints that follow coordinates, `θ = G y + G_d d + g₀`, with their described limits.
 
-/// A joint that follows coordinates, and its limits. Whatever keeps the limits of coordinates keeps these too.
+/// A joint that follows coordinates, with its limits. Code that keeps the limits of coordinates also keeps
+/// these.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DependentJoint<const N: usize> {
-    /// Its name.
+    /// Name of the joint.
     pub name: &'static str,
-    /// G: its motion for a unit of motion of each coordinate.
+    /// G: motion per unit of motion of each coordinate.
     pub ratios: [f64; N],
-    /// G_d: likewise for the driven joints; empty if the robot has none.
+    /// G_d: motion per unit of motion of each driven joint; empty without driven joints.
     pub driven_ratios: &'static [f64],
-    /// g₀: its position where all that it follows stands at 0 [rad or m].
+    /// g₀: position if all followed joints are at 0 [rad or m].
     pub offset: f64,
     /// Lowest and highest position [rad or m].
     pub position: [f64; 2],
@@ -18,9 +19,9 @@ pub struct DependentJoint<const N: usize> {
 }
 
 impl<const N: usize> DependentJoint<N> {
-    /// Position and velocity, given those of the coordinates and of the driven joints
-    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)); NaN if it follows a driven joint whose motion is
-    /// not given.
+    /// Position and velocity from those of the coordinates and of the driven joints
+    /// ([`Dynamics::driven_motion`](super::Dynamics::driven_motion)); NaN if it follows a driven joint with
+    /// unknown motion.
     #[must_use]
     pub fn motion(&self, y: &[f64; N], v: &[f64; N], driven: &[[f64; 3]]) -> [f64; 2] {
         let mut motion = [self.offset, 0.0];
@@ -41,13 +42,13 @@ impl<const N: usize> DependentJoint<N> {
         motion
     }
 
-    /// Whether it follows driven joints.
+    /// Whether the joint follows driven joints.
     #[must_use]
     pub const fn follows_driven_joints(&self) -> bool {
         count(self.driven_ratios) > 0
     }
 
-    /// The coordinate that it follows, if this is the only one and it follows nothing else.
+    /// The followed coordinate, if the joint follows only one and no driven joint.
     #[must_use]
     pub fn followed_alone(&self) -> Option<usize> {
         if self.follows_driven_joints() || count(&self.ratios) != 1 {
@@ -56,7 +57,7 @@ impl<const N: usize> DependentJoint<N> {
         self.ratios.iter().position(|ratio| *ratio != 0.0)
     }
 
-    /// Whether it follows several coordinates and nothing else.
+    /// Whether the joint follows several coordinates and no driven joint.
     #[must_use]
     pub const fn is_sum(&self) -> bool {
         !self.follows_driven_joints() && count(&self.ratios) > 1
@@ -94,7 +95,7 @@ const fn count(ratios: &[f64]) -> usize {
     found
 }
 
-/// Narrows limits of coordinates to those by which the joints that follow one of them alone keep their own.
+/// Narrows the limits of coordinates so that each joint that follows a single coordinate keeps its own limits.
 pub(super) fn narrowed<const N: usize>(
     joints: &[DependentJoint<N>],
     positions: &mut [[f64; 2]; N],
@@ -106,7 +107,7 @@ pub(super) fn narrowed<const N: usize>(
     }
 }
 
-/// Number of rows that joints take, see [`LimitRows`].
+/// Number of rows for joints, see [`LimitRows`].
 pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
     let (mut i, mut rows) = (0, 0);
     while i < joints.len() {
@@ -122,13 +123,14 @@ pub const fn count_rows<const N: usize>(joints: &[DependentJoint<N>]) -> usize {
 /// coordinates, and `|u + C ẏ| ≤ limit` of motors. [`dynamics!`](crate::dynamics!) implements it, so that predictive controllers
 /// have all of these rows.
 #[diagnostic::on_unimplemented(
-    note = "a robot that is written by hand says how many limits of sums it has, of joints that follow several coordinates and of torques with speeds: `impl LimitRows<0> for Robot {{}}`"
+    note = "a robot written by hand must give the number of rows that limit sums (followers of several \
+            coordinates, torque–speed lines): `impl LimitRows<0> for Robot {{}}`"
 )]
 pub trait LimitRows<const NR: usize> {}
 
-/// The constants of a module as joints.
+/// Converts the constants of a module to joints.
 ///
-/// - `ratios`, `driven_ratios`: rows behind each other; K rows
+/// - `ratios`, `driven_ratios`: K rows, stored one after the other
 pub const fn dependent_joints<const N: usize, const K: usize>(
     names: &[&'static str],
     [ratios, driven_ratios]: [&'static [f64]; 2],
@@ -162,13 +164,13 @@ pub const fn dependent_joints<const N: usize, const K: usize>(
     joints
 }
 
-/// `DEPENDENT_JOINT_NAMES` of a module without joints that follow.
+/// `DEPENDENT_JOINT_NAMES` of a module without followers.
 pub const NO_NAMES: [&str; 0] = [];
 /// Rows of `DEPENDENT_JOINT_RATIOS` and `DEPENDENT_DRIVEN_RATIOS` of a module without them.
 pub const NO_ROWS: [[f64; 0]; 0] = [];
-/// `DEPENDENT_JOINT_OFFSETS` and `DEPENDENT_VELOCITY_LIMITS` of such a module.
+/// `DEPENDENT_JOINT_OFFSETS` and `DEPENDENT_VELOCITY_LIMITS` of a module without followers.
 pub const NO_NUMBERS: [f64; 0] = [];
-/// `DEPENDENT_POSITION_LIMITS` of such a module.
+/// `DEPENDENT_POSITION_LIMITS` of a module without followers.
 pub const NO_RANGES: [[f64; 2]; 0] = [];
 
 #[cfg(test)]

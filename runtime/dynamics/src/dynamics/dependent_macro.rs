@@ -1,4 +1,4 @@
-//! The part of [`dynamics!`](crate::dynamics!) about joints that follow, and about torque–speed lines.
+//! Part of [`dynamics!`](crate::dynamics!) for followers and torque–speed lines.
 
 /// The joints that follow, which most modules do not have.
 #[doc(hidden)]

@@ -1,14 +1,15 @@
-//! Generated functions of friction, with or without the coordinates among their arguments.
+//! Generated friction functions, with or without the coordinates as an argument.
 //!
-//! A module has `friction_torques(v)`, and `friction_torques(y, v)` where a friction law depends on the
-//! position. The macro [`dynamics!`](crate::dynamics!) cannot see which; the compiler finds the
-//! implementation that fits the function.
+//! A module has `friction_torques(v)`, or `friction_torques(y, v)` if a friction law depends on the position.
+//! The macro [`dynamics!`](crate::dynamics!) cannot distinguish them; the compiler selects the implementation
+//! that fits the function.
 
 /// A generated `friction_torques`. `Arguments` tells the implementations apart and is inferred.
 #[diagnostic::on_unimplemented(
-    message = "the module has no `friction_torques` of velocities, or of positions and velocities",
+    message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques",
-    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
+            `struct Name = module`"
 )]
 pub trait FrictionLaw<Arguments, const N: usize, const NY: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`.
@@ -34,9 +35,10 @@ where
 
 /// A generated `friction_torques` of a module with free parameters `P`; or with driven joints, whose motion then is `P`.
 #[diagnostic::on_unimplemented(
-    message = "the module has no `friction_torques` of velocities, or of positions and velocities",
+    message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques",
-    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
+            `struct Name = module`"
 )]
 pub trait FrictionLawWithParameters<Arguments, P, const N: usize, const NY: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`.
@@ -66,7 +68,7 @@ where
 
 /// A generated `friction_torques` of a module with driven joints and free parameters `P`.
 #[diagnostic::on_unimplemented(
-    message = "the module has no `friction_torques` of velocities, or of positions and velocities",
+    message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques"
 )]
 pub trait FrictionLawWithDriven<Arguments, D, P, const N: usize, const NY: usize> {
@@ -95,10 +97,10 @@ where
     }
 }
 
-/// Stands for the argument y in the list of a function's arguments.
+/// Represents the argument y in the list of a function's arguments.
 #[derive(Debug, Clone, Copy)]
 pub struct Coordinates;
 
-/// Stands for the argument v in the list of a function's arguments.
+/// Represents the argument v in the list of a function's arguments.
 #[derive(Debug, Clone, Copy)]
 pub struct Velocities;

@@ -1,25 +1,26 @@
-//! How the macro [`dynamics!`](crate::dynamics!) takes from a module the functions that it has.
+//! Access of the macro [`dynamics!`](crate::dynamics!) to the functions of a module that exist.
 //!
-//! A macro cannot ask whether a module has a function. The compiler resolves a name to what an inner block
-//! imports from the module, and else to what the block around it imports: there [`Missing`] stands under the
-//! function's name. [`OrElse`] then calls the function, or what takes its place.
+//! A macro cannot test whether a module has a function. The compiler resolves a name to the import of an
+//! inner block from the module, or else to the import of the enclosing block, which is [`Missing`] under the
+//! function's name. [`OrElse`] then calls the function or its replacement.
 
 use super::types::OfResults;
 
-/// Stands for a function that a module does not have.
+/// Represents a function that a module lacks.
 #[derive(Debug, Clone, Copy)]
 pub struct Missing;
 
-/// Runge–Kutta steps in a period where a module does not say it.
+/// Number of Runge–Kutta steps per period for modules that do not define it.
 pub const NO_SUBSTEPS: usize = 1;
 
-/// A function of a module, or [`Missing`]: `A` are its arguments, `R` is its result or what is made of that.
+/// A function of a module, or [`Missing`]. `A` are its arguments, `R` is its result or a type converted from
+/// it.
 pub trait OrElse<A, R> {
-    /// The function's result, or `otherwise`.
+    /// Result of the function, or `otherwise`.
     fn or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
 }
 
-/// The same for results that become a type of the runtime.
+/// [`OrElse`] for results that are converted to a type of the runtime.
 pub trait MadeOrElse<A, R> {
     /// Converts the function's results, or calls `otherwise`.
     fn made_or_else(&self, arguments: A, otherwise: impl FnOnce() -> R) -> R;
@@ -53,12 +54,12 @@ impl<A, R> MadeOrElse<A, R> for Missing {
 /// gelenk_dynamics::dynamics!(struct Arm = arm);
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "the module lacks a function that `Dynamics` cannot do without",
+    message = "the module lacks a function that `Dynamics` requires",
     label = "generate it with mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques and input_matrix",
     note = "without a choice of functions (`--functions`, `functions` in the description) the generator writes them all"
 )]
 pub trait Required<A, T> {
-    /// The function's result.
+    /// Result of the function.
     fn result(&self, arguments: A) -> T;
 }
 
@@ -116,7 +117,7 @@ const fn is_same(a: &[u8], b: &[u8]) -> bool {
     k == a.len() && k == b.len()
 }
 
-/// Stands for the answer whether a module has the functions that a trait needs.
+/// Represents whether a module has the functions that a trait requires.
 #[derive(Debug, Clone, Copy)]
 pub struct HasDerivatives<const B: bool>;
 

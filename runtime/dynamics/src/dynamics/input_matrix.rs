@@ -1,7 +1,8 @@
-//! Generated input matrices, with or without the coordinates among their arguments, and the ranges of inputs.
+//! Generated input matrices, with or without the coordinates as an argument, and ranges of inputs.
 //!
-//! A module has `input_matrix()`, and `input_matrix(y)` where inputs act at frames. The macro
-//! [`dynamics!`](crate::dynamics!) cannot see which; the compiler finds the implementation that fits the function.
+//! A module has `input_matrix()`, or `input_matrix(y)` if inputs act at frames. The macro
+//! [`dynamics!`](crate::dynamics!) cannot distinguish them; the compiler selects the implementation that fits
+//! the function.
 
 use super::friction_law::Coordinates;
 use super::functions::Missing;
@@ -10,7 +11,8 @@ use super::functions::Missing;
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix",
-    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
+            `struct Name = module`"
 )]
 pub trait InputMatrix<Arguments, const N: usize, const M: usize, const NY: usize> {
     /// B at positions `y`.
@@ -39,7 +41,8 @@ impl<F: Fn(&[f64; NY]) -> [[f64; M]; N], const N: usize, const M: usize, const N
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix",
-    note = "a type of a module with free parameters is written `struct Name {{ parameters }} = module`, one without them `struct Name = module`"
+    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
+            `struct Name = module`"
 )]
 pub trait InputMatrixWithParameters<Arguments, P, const N: usize, const M: usize, const NY: usize> {
     /// B at positions `y`.
@@ -107,9 +110,9 @@ where
     }
 }
 
-/// The module's `INPUT_RANGES`, or [`Missing`] if its limits are magnitudes alone.
+/// `INPUT_RANGES` of the module, or [`Missing`] if its limits are only magnitudes.
 pub trait InputRanges<const M: usize> {
-    /// Ranges within these magnitudes.
+    /// Ranges cut off at these magnitudes.
     fn within(&self, magnitudes: [f64; M]) -> [[f64; 2]; M];
 }
 
@@ -128,5 +131,5 @@ impl<const M: usize> InputRanges<M> for Missing {
     }
 }
 
-/// The number of drives where a module does not say it: all inputs are drives.
+/// Number of drives for modules that do not define it: all inputs are drives.
 pub const ALL_DRIVES: usize = usize::MAX;

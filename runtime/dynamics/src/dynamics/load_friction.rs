@@ -1,16 +1,16 @@
-//! Friction that grows with the load of a gear: `|τ_l| s₁` in addition to the friction s₀ of the velocity alone.
+//! Load-dependent friction `|τ_l| s₁`, in addition to the friction s₀ of the velocity.
 //!
-//! The load τ_l is what the drive of a joint would exert without friction. The drive exerts `s₀ + τ_l + |τ_l|
-//! s₁` (Hamon, Gautier and Garrec 2010), which grows with the load where |s₁| < 1.
+//! The load τ_l is the force of a joint's drive without friction. The drive exerts `s₀ + τ_l + |τ_l| s₁`
+//! (Hamon, Gautier and Garrec 2010), which increases with the load if |s₁| < 1.
 
-/// Friction that a load adds, `|τ_l| s₁` [N m or N].
+/// Load-dependent friction `|τ_l| s₁` [N m or N].
 #[must_use]
 pub fn under_load(load: f64, share: f64) -> f64 {
     if share == 0.0 { 0.0 } else { load.abs() * share }
 }
 
-/// The load of a joint whose drive exerts so much beyond the friction of the velocity:
-/// `τ_l = w / (1 + s₁ sign w)`, the one solution of `w = τ_l + |τ_l| s₁` where |s₁| < 1; NaN if it is not.
+/// Load of a joint from the drive's force minus the friction of the velocity, w: `τ_l = w / (1 + s₁ sign w)`,
+/// the unique solution of `w = τ_l + |τ_l| s₁` if |s₁| < 1; otherwise NaN.
 #[must_use]
 pub fn load(exerted: f64, share: f64) -> f64 {
     if share == 0.0 {

@@ -118,7 +118,7 @@ macro_rules! dynamics {
             pub driven: [[f64; 3]; $($module)::+::DRIVEN],
         }
         impl Default for $name {
-            /// Nothing is known of the driven joints: NaN.
+            /// Driven joints with unknown motion: NaN.
             fn default() -> Self {
                 Self { driven: $crate::dynamics::unknown() }
             }
@@ -146,7 +146,7 @@ macro_rules! dynamics {
             pub parameters: $($module)::+::Parameters,
         }
         impl Default for $name {
-            /// Nothing is known of the driven joints: NaN. Parameters as described.
+            /// Driven joints with unknown motion (NaN), and described parameters.
             fn default() -> Self {
                 Self { driven: $crate::dynamics::unknown(), parameters: Default::default() }
             }

@@ -1,16 +1,16 @@
-//! Robots whose positions are not all velocities: joints with a quaternion.
+//! Robots with quaternions, which have more position entries than velocities.
 
 use super::names::Named;
 use core::fmt;
 use gelenk_kernels::manifold;
 
-/// The module's `NY`, or this if it has none: every position entry then has its velocity.
+/// `NY` of a module without this constant: each position entry has a velocity.
 pub const NO_POSITIONS: usize = usize::MAX;
 
-/// The module's `JOINT_POSITIONS`, or this if it has none.
+/// `JOINT_POSITIONS` of a module without this constant.
 pub const NO_WIDTHS: [usize; 0] = [];
 
-/// The number of position entries of a robot with `n` velocities.
+/// Number of position entries of a robot with `n` velocities.
 #[must_use]
 pub const fn positions_of(positions: usize, n: usize) -> usize {
     if positions == NO_POSITIONS { n } else { positions }
@@ -19,34 +19,34 @@ pub const fn positions_of(positions: usize, n: usize) -> usize {
 /// A joint whose attitude is a quaternion x, y, z, w.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct QuaternionJoint {
-    /// Its name.
+    /// Name of the joint.
     pub name: &'static str,
-    /// Its first position entry.
+    /// First position entry.
     pub position: usize,
-    /// Its first velocity entry.
+    /// First velocity entry.
     pub velocity: usize,
-    /// True for a floating joint, whose position in the parent's frame stands before the quaternion and whose
-    /// linear velocity stands before the angular one; false for a spherical joint.
+    /// True for a floating joint: its position in the parent's frame precedes the quaternion, and its linear
+    /// velocity precedes the angular velocity. False for a spherical joint.
     pub is_floating: bool,
 }
 
 impl QuaternionJoint {
-    /// The first entry of the quaternion.
+    /// First entry of the quaternion.
     #[must_use]
     pub const fn quaternion(&self) -> usize {
         if self.is_floating { self.position + 3 } else { self.position }
     }
 
-    /// The first entry of the angular velocity.
+    /// First entry of the angular velocity.
     #[must_use]
     pub const fn angular_velocity(&self) -> usize {
         if self.is_floating { self.velocity + 3 } else { self.velocity }
     }
 }
 
-/// For each velocity entry in `0..n` of a joint without quaternion it, and the position entry that it changes.
+/// Velocity entries in `0..n` of joints without quaternions, each with its position entry.
 ///
-/// - `joints`: those with a quaternion, in their order
+/// - `joints`: joints with quaternions, in order
 pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).filter_map(move |velocity| {
         let before = joints.iter().take_while(|joint| joint.velocity <= velocity).count();
@@ -56,9 +56,9 @@ pub fn plain_entries(joints: &[QuaternionJoint], n: usize) -> impl Iterator<Item
     })
 }
 
-/// Positions by velocity entry: that of a joint without quaternion, 0 for the others.
+/// Positions by velocity entry for joints without quaternions; 0 for others.
 ///
-/// - `joints`: those with a quaternion, in their order
+/// - `joints`: joints with quaternions, in order
 #[inline]
 pub fn plain_positions<const N: usize, const NY: usize>(
     joints: &[QuaternionJoint],
@@ -74,9 +74,9 @@ pub fn plain_positions<const N: usize, const NY: usize>(
     positions
 }
 
-/// ẏ = T(y) v: that of a position is turned into the parent's frame, `q̇ = ½ q (ω, 0)`.
+/// Rates ẏ = T(y) v of the positions: linear velocities are rotated to the parent's frame, `q̇ = ½ q (ω, 0)`.
 ///
-/// - `joints`: those with a quaternion, in their order
+/// - `joints`: joints with quaternions, in order
 pub fn position_rates<const N: usize, const NY: usize>(
     joints: &[QuaternionJoint],
     y: &[f64; NY],
@@ -125,7 +125,7 @@ fn set<const K: usize>(all: &mut [f64], first: usize, values: &[f64; K]) {
     }
 }
 
-/// How many joints have a quaternion.
+/// Number of joints with a quaternion.
 #[must_use]
 pub const fn count_quaternions(widths: &[usize]) -> usize {
     let (mut count, mut joint) = (0, 0);
@@ -136,7 +136,7 @@ pub const fn count_quaternions(widths: &[usize]) -> usize {
     count
 }
 
-/// The joints with a quaternion. Evaluated by the compiler, where panics are errors.
+/// Joints with a quaternion. Evaluated by the compiler, so panics are compile errors.
 #[must_use]
 pub const fn quaternion_joints<const C: usize>(
     names: &[&'static str],
@@ -163,13 +163,13 @@ pub const fn quaternion_joints<const C: usize>(
 /// A quaternion in a state that is not an attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeError {
-    /// The joint.
+    /// Name of the joint.
     pub joint: &'static str,
-    /// Its quaternion x, y, z, w.
+    /// Quaternion x, y, z, w of the joint.
     pub quaternion: [f64; 4],
 }
 
-/// A quaternion's length may differ from 1 by so much: states are written with digits enough for that.
+/// Largest deviation of a quaternion's length from 1; written states have enough digits for it.
 pub const UNIT_LENGTH: f64 = 1e-6;
 
 impl fmt::Display for AttitudeError {
@@ -178,8 +178,8 @@ impl fmt::Display for AttitudeError {
         write!(f, "the quaternion of joint {joint}, x {x} y {y} z {z} w {w}, ")?;
         match length(&self.quaternion) {
             length if !length.is_finite() => write!(f, "is not finite"),
-            0.0 => write!(f, "is zero, which is not an attitude"),
-            length => write!(f, "has the length {length}; an attitude has length 1: normalize it"),
+            0.0 => write!(f, "is zero, so it is not an attitude"),
+            length => write!(f, "has length {length}; normalize it to length 1"),
         }
     }
 }
@@ -203,17 +203,17 @@ pub(super) fn check(joints: &[QuaternionJoint], y: &[f64]) -> Result<(), Attitud
     Ok(())
 }
 
-/// The same array. It does not compile for a robot whose positions are not its velocities: then the body of a
-/// method was asked for that serves arms alone.
+/// Returns the array unchanged. Does not compile for robots with quaternions: default methods that call it only hold
+/// for arms.
 #[inline]
 pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64; B] {
     const {
-        assert!(A == B, "this robot has quaternions: the method's own body serves robots without them alone");
+        assert!(A == B, "a robot with quaternions must override this method");
     }
     entries.first_chunk().unwrap_or(const { &[f64::NAN; B] })
 }
 
-/// `y + d` without `widths`, else `y ⊕ d`; the others likewise.
+/// `y + d` if `widths` is empty, else `y ⊕ d`; the other functions are analogous.
 #[inline]
 pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -241,7 +241,7 @@ pub fn difference<const J: usize, const N: usize, const NY: usize>(
     manifold::difference(widths, from, to)
 }
 
-/// The derivatives of `y ⊕ d`.
+/// Derivatives of `y ⊕ d`.
 #[inline]
 pub fn integrate_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -250,7 +250,7 @@ pub fn integrate_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(1.0)) } else { manifold::integrate_derivatives(widths, d) }
 }
 
-/// The derivatives of `to ⊖ from`.
+/// Derivatives of `to ⊖ from`.
 #[inline]
 pub fn difference_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -265,19 +265,19 @@ pub fn bracket<const J: usize, const N: usize>(widths: &[usize; J], a: &[f64; N]
     if J == 0 { [0.0; N] } else { manifold::bracket(widths, a, b) }
 }
 
-/// Unit length for all quaternions.
+/// Normalizes all quaternions.
 #[inline]
 pub fn normalize<const J: usize, const NY: usize>(widths: &[usize; J], y: &mut [f64; NY]) -> bool {
     manifold::normalize(widths, y)
 }
 
-/// Zero, and the identity for quaternions.
+/// Zero positions, with identity quaternions.
 #[inline]
 pub fn neutral<const J: usize, const NY: usize>(widths: &[usize; J]) -> [f64; NY] {
     manifold::neutral(widths)
 }
 
-/// The rates `D = −ad_v` with which small displacements turn.
+/// Matrix `D = −ad_v` of the rates of small displacements.
 pub(super) fn drift<const N: usize>(
     bracket: impl Fn(&[f64; N], &[f64; N]) -> [f64; N],
     v: &[f64; N],
@@ -298,7 +298,7 @@ fn diagonal<const N: usize>(entry: f64) -> [[f64; N]; N] {
 }
 
 const fn require_widths<const J: usize, const N: usize, const NY: usize>() {
-    const { assert!(J > 0 || N == NY, "a robot with quaternions says which joints have them") }
+    const { assert!(J > 0 || N == NY, "a robot with quaternions must list its joints with quaternions") }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The part of [`dynamics!`](crate::dynamics!) about positions.
+//! Part of [`dynamics!`](crate::dynamics!) for positions.
 
 /// Methods of [`Dynamics`](crate::dynamics::Dynamics) about positions.
 #[doc(hidden)]

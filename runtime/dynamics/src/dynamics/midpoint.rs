@@ -1,7 +1,7 @@
 //! The linear system of a step of the implicit midpoint rule.
 
-/// Right-hand sides, and then the changes of the velocities: by positions, by velocities, by inputs, and those of the
-/// residual.
+/// Right-hand sides; overwritten by the derivatives of the velocity change by positions, velocities and inputs, and
+/// by the change of the residual.
 pub(super) struct Columns<const N: usize, const M: usize> {
     pub by_y: [[f64; N]; N],
     pub by_v: [[f64; N]; N],
@@ -45,8 +45,8 @@ fn subtract<const N: usize, const C: usize>(rows: &mut [[f64; C]; N], i: usize, 
     }
 }
 
-/// Gaussian elimination with partial pivoting (Golub and Van Loan, Matrix Computations, 2013, section 3.4). Not finite where
-/// the matrix is singular.
+/// Gaussian elimination with partial pivoting (Golub and Van Loan, Matrix Computations, 2013, section 3.4). The
+/// result is not finite if the matrix is singular.
 #[inline]
 pub(super) fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], columns: &mut Columns<N, M>) {
     for k in 0..N {

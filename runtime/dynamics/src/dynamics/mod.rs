@@ -1,9 +1,8 @@
-//! The bridge between generated modules and generic code: [`Dynamics`], [`Differentiable`],
-//! [`Discretizable`], and the macros that wrap a module in one line.
+//! Interface between generated modules and generic code: [`Dynamics`], [`Differentiable`], [`Discretizable`],
+//! and macros that wrap a module in one line.
 //!
-//! Generated files have no dependencies, so they cannot implement a trait themselves.
-//! [`dynamics!`](crate::dynamics!) does it for them; every method then is a call of the generated function,
-//! nothing else.
+//! Generated files have no dependencies, so they cannot implement a trait. [`dynamics!`](crate::dynamics!)
+//! implements it; every method only calls the generated function.
 
 mod at_rest;
 #[doc(hidden)]

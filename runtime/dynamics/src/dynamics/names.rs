@@ -43,21 +43,21 @@ impl<const L: usize> Numbers<L> {
     };
 }
 
-/// Names of joints without one: the number, counted from 1.
+/// Names of unnamed joints: their numbers, from 1.
 pub fn numbered<const L: usize>() -> [&'static str; L] {
     Numbers::<L>::NAMES
 }
 
-/// The names of velocities as those of positions; it does not compile for robots with quaternions.
+/// Returns the names of the velocities as names of the positions. Does not compile for robots with quaternions.
 pub(super) fn names_of_arms<'a, const N: usize, const NY: usize>(
     names: &'a [&'static str; N],
 ) -> &'a [&'static str; NY] {
-    const { assert!(N == NY, "a robot with quaternions has names of its positions") }
+    const { assert!(N == NY, "a robot with quaternions must name its positions") }
     names.first_chunk().unwrap_or(const { &[""; NY] })
 }
 
-/// A name in a message: as it is where it is one word, in quotation marks and escaped where it is not. Names
-/// come from descriptions and may hold anything.
+/// A name in a message: unchanged if it is one word, otherwise quoted and escaped. Names come from
+/// descriptions and may contain any characters.
 pub struct Named<'a>(pub &'a str);
 
 impl fmt::Display for Named<'_> {

@@ -1,26 +1,27 @@
 //! Torque–speed lines of motors: `|u + C ẏ| ≤ limit`.
 
-/// The torque–speed line of the motor of an input: what its supply leaves to the torque falls with the speed.
+/// Torque–speed line of the motor of an input: the available torque decreases with the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TorqueSpeedLine<const N: usize> {
     /// Name of the input.
     pub name: &'static str,
-    /// Its index.
+    /// Index of the input.
     pub input: usize,
-    /// C: the torque that each velocity takes from the input, in its unit.
+    /// C: torque lost per velocity, in the unit of the input.
     pub slopes: [f64; N],
     /// Largest input at rest, in the unit of the input.
     pub limit: f64,
 }
 
 impl<const N: usize> TorqueSpeedLine<N> {
-    /// `u + C ẏ`, which lies within ± [`Self::limit`].
+    /// `u + C ẏ`, which must be within ±[`Self::limit`].
     #[must_use]
     pub fn value(&self, input: f64, velocities: &[f64; N]) -> f64 {
         input + self.slopes.iter().zip(velocities).map(|(slope, v)| slope * v).sum::<f64>()
     }
 
-    /// Lowest and highest input at these velocities. Beyond the speed without load neither is 0: the motor brakes.
+    /// Lowest and highest input at these velocities. Above the no-load speed both have the same sign: the
+    /// motor brakes.
     #[must_use]
     pub fn range(&self, velocities: &[f64; N]) -> [f64; 2] {
         let taken = self.value(0.0, velocities);
@@ -28,7 +29,8 @@ impl<const N: usize> TorqueSpeedLine<N> {
     }
 }
 
-/// Number of lines among the limits of a module's `TORQUE_SPEED_LIMITS`, which are infinite if there is none.
+/// Number of torque–speed lines in a module's `TORQUE_SPEED_LIMITS`, which are infinite for inputs without
+/// one.
 pub const fn count_lines(limits: &[f64]) -> usize {
     let (mut i, mut lines) = (0, 0);
     while i < limits.len() {
@@ -40,9 +42,9 @@ pub const fn count_lines(limits: &[f64]) -> usize {
     lines
 }
 
-/// The constants of a module as lines, of which there are K.
+/// Converts the constants of a module to its K lines.
 ///
-/// - `slopes`: rows behind each other, one for each input
+/// - `slopes`: rows, one per input, stored one after the other
 pub const fn torque_speed_lines<const N: usize, const K: usize>(
     names: &[&'static str],
     slopes: &[f64],

@@ -1,4 +1,4 @@
-//! Traits that generic code asks of a robot.
+//! Traits of robots for generic code.
 
 use super::at_rest::either_side;
 use super::defaults;
@@ -10,33 +10,32 @@ use super::types::{
     Discretization, ForceDerivatives, ForceDerivativesAndMass, InputLimits, Limits, Linearization, Step,
 };
 
-/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs,
-/// with `q = gravity + springs − friction`; where friction grows with the load, there is one more term
+/// Equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a robot with `N` coordinates and `M` inputs; `q
+/// = gravity + springs − friction`. Load-dependent friction is an additional term
 /// ([`Dynamics::load_friction`]).
 ///
-/// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`,
-/// matrices rows first; units are rad or m, s, N m or N. `y`, `v`, `a`, `u` are the coordinates, velocities,
+/// Arrays are indexed by coordinate or input in the order of the module's `JOINT_NAMES` and `INPUT_NAMES`;
+/// matrices are row-major; units are rad or m, s, N m or N. `y`, `v`, `a`, `u` are coordinates, velocities,
 /// accelerations and inputs.
 ///
-/// The methods with a body combine the others, for modules that were generated without these functions. What
-/// a module has is faster, because it shares work.
+/// Methods with a body combine other methods, for modules generated without these functions. Functions of the
+/// module are faster, because they share work.
 ///
 /// # Robots with quaternions
 ///
 /// A floating or spherical joint has a quaternion x, y, z, w among its positions: `NY` position entries, `N`
-/// velocities, `ẏ = T(y) v`. Where NY = N, which is the default, v is ẏ. Else:
+/// velocities, `ẏ = T(y) v`. If NY = N (the default), v is ẏ. Otherwise:
 ///
-/// - y is an array of NY, everything else has N entries; v stands in place of ẏ, v̇ in place of ÿ. A floating
-///   joint has the velocities (linear, angular), a spherical one its angular velocity, in the body's own frame.
-/// - `y ⊕ d` ([`Self::integrate`]) and `y₂ ⊖ y₁` ([`Self::difference`]) stand in place of sums and differences,
-///   and every derivative by y has N columns: those along ⊕.
-/// - Quaternions are taken to be of unit length, see [`Self::check_attitudes`].
-/// - [`Self::joint_names`] names velocities, [`Self::position_names`] positions; limits belong to velocity entries
-///   and are infinite for positions of joints with a quaternion.
+/// - y has NY entries, all other arrays have N. v replaces ẏ, v̇ replaces ÿ. The velocities of a floating joint are
+///   (linear, angular), the velocity of a spherical joint is angular, both in the frame of the body.
+/// - `y ⊕ d` ([`Self::integrate`]) and `y₂ ⊖ y₁` ([`Self::difference`]) replace sums and differences. Every
+///   derivative by y has N columns, for small motions along ⊕.
+/// - Quaternions must have unit length, see [`Self::check_attitudes`].
+/// - [`Self::joint_names`] names velocities, [`Self::position_names`] positions. Limits belong to velocity entries;
+///   position limits of joints with a quaternion are infinite.
 ///
-/// The bodies of methods about positions serve arms, `y + d` and so on. For other robots they do not compile:
-/// whoever implements the trait by hand for a robot with quaternions writes these methods too, or calls
-/// [`dynamics!`](crate::dynamics!).
+/// The default methods on positions hold for arms only, for example `y + d`. For robots with quaternions they do not
+/// compile: implement these methods, or use [`dynamics!`](crate::dynamics!).
 ///
 /// ```compile_fail,E0080
 /// use gelenk_dynamics::dynamics::{Dynamics, Limits};
@@ -58,69 +57,69 @@ use super::types::{
 /// let _ = Body.integrate(&[0.0; 7], &[0.0; 6]);
 /// ```
 pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
-    /// Names of the coordinates, for messages and logs: the module's `JOINT_NAMES`; "1", "2", … where there
-    /// are none. Of a robot with quaternions the names of the velocities.
+    /// Names of the coordinates for messages and logs: the module's `JOINT_NAMES`, or "1", "2", … without
+    /// them. For robots with quaternions they are the names of the velocities.
     fn joint_names(&self) -> [&'static str; N] {
         numbered()
     }
 
-    /// Names of the position entries: those of [`Self::joint_names`] but for robots with quaternions.
+    /// Names of the position entries; equal to [`Self::joint_names`] without quaternions.
     fn position_names(&self) -> [&'static str; NY] {
         *names_of_arms(&self.joint_names())
     }
 
-    /// The joints with a quaternion, in their order; none for arms.
+    /// Joints with quaternions in order; empty for arms.
     fn quaternion_joints(&self) -> &'static [QuaternionJoint] {
-        const { assert!(NY == N, "a robot with quaternions says which joints have them") }
+        const { assert!(NY == N, "a robot with quaternions must list its joints with quaternions") }
         &[]
     }
 
-    /// Whether the quaternions of positions are attitudes.
+    /// Checks that the quaternions of positions are attitudes.
     ///
     /// # Errors
-    /// The first one that is zero, not finite, or whose length differs from 1 by more than
+    /// The first quaternion that is zero, not finite, or whose length differs from 1 by more than
     /// [`UNIT_LENGTH`](super::UNIT_LENGTH).
     fn check_attitudes(&self, y: &[f64; NY]) -> Result<(), AttitudeError> {
         manifold::check(self.quaternion_joints(), y)
     }
 
-    /// Positions 0, and the identity for quaternions.
+    /// Zero positions, with identity quaternions.
     fn neutral(&self) -> [f64; NY] {
-        const { assert!(NY == N, "zero is not an attitude") }
+        const { assert!(NY == N, "a quaternion of length 0 is not an attitude") }
         [0.0; NY]
     }
 
-    /// `y ⊕ d`: the positions that are reached by moving with the velocities d for one second; `X exp(d)` on SE(3)
-    /// for a floating joint. Quaternions of the result have unit length to 1e-15.
+    /// `y ⊕ d`: positions after moving with the velocities d for one second; `X exp(d)` on SE(3) for a
+    /// floating joint. Quaternions of the result have unit length to 1e-15.
     fn integrate(&self, y: &[f64; NY], d: &[f64; N]) -> [f64; NY] {
         manifold::integrate(&NO_WIDTHS, y, d)
     }
 
-    /// `to ⊖ from`: the velocities that lead from one to the other within one second, by the shortest rotation.
-    /// Both signs of a quaternion are the same attitude.
+    /// `to ⊖ from`: velocities that move from one to the other in one second by the shortest rotation. Both
+    /// signs of a quaternion are the same attitude.
     fn difference(&self, from: &[f64; NY], to: &[f64; NY]) -> [f64; N] {
         manifold::difference(&NO_WIDTHS, from, to)
     }
 
-    /// The derivatives of `y ⊕ d` by y and by d, both along ⊕ at the result.
+    /// Derivatives of `y ⊕ d` by y and by d, both along ⊕ at the result.
     fn integrate_derivatives(&self, _: &[f64; NY], d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
         const { assert!(NY == N, "only for arms they are the identity") }
         manifold::integrate_derivatives(&NO_WIDTHS, d)
     }
 
-    /// The derivatives of `d = to ⊖ from` by `to` and by `from`, both along ⊕.
+    /// Derivatives of `d = to ⊖ from` by `to` and by `from`, both along ⊕.
     fn difference_derivatives(&self, d: &[f64; N]) -> ([[f64; N]; N], [[f64; N]; N]) {
         const { assert!(NY == N, "only for arms they are the identity") }
         manifold::difference_derivatives(&NO_WIDTHS, d)
     }
 
-    /// The Lie bracket `ad_a b` of each joint; zero for arms.
+    /// Lie bracket `ad_a b` of each joint; zero for arms.
     fn bracket(&self, a: &[f64; N], b: &[f64; N]) -> [f64; N] {
         const { assert!(NY == N, "only for arms it is zero") }
         manifold::bracket(&NO_WIDTHS, a, b)
     }
 
-    /// Gives all quaternions unit length. The result is false if one is zero or not finite, which then is the
+    /// Normalizes all quaternions. Returns false if one is zero or not finite; it is then set to the
     /// identity.
     #[must_use]
     fn normalize(&self, y: &mut [f64; NY]) -> bool {
@@ -128,11 +127,11 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         manifold::normalize(&NO_WIDTHS, y)
     }
 
-    /// Calls `f` with the robot as it is at `time` (s). Most robots are the same at all times, and so says this body.
+    /// Calls `f` with the robot at `time` (s). The default is for robots with time-independent equations.
     ///
-    /// Of robots with driven joints the equations depend on time: position, velocity and acceleration of these joints
-    /// are given. Whatever knows the time asks through this method: plants, predictive controllers, laws in a loop.
-    /// Whoever wraps a robot passes it on.
+    /// The equations of robots with driven joints depend on time, because the motion of these joints is
+    /// prescribed. Plants, predictive controllers and control laws call this method. Wrappers of a robot must
+    /// forward it.
     #[inline]
     fn at_time<R>(&self, time: f64, f: impl FnOnce(&Self) -> R) -> R
     where
@@ -142,7 +141,8 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         f(self)
     }
 
-    /// Position, velocity and acceleration of each driven joint, if the robot has some and their motion is known.
+    /// Position, velocity and acceleration of each driven joint; empty without driven joints or if their
+    /// motion is unknown.
     #[inline]
     fn driven_motion(&self) -> &[[f64; 3]] {
         &[]
@@ -153,7 +153,7 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         numbered()
     }
 
-    /// Limits of joints and inputs, as described; [`Self::input_limits`] combines them.
+    /// Described limits of joints and inputs; [`Self::input_limits`] combines them.
     fn limits(&self) -> Limits<N, M>;
 
     /// Mass matrix `M(y)`, symmetric and positive definite.
@@ -168,45 +168,46 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// Generalized forces of springs and dampers, a part of q.
     fn spring_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
-    /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q holds −τ. Most laws depend on the
-    /// velocities alone.
+    /// Joint friction `τ(y, ẏ)`, positive for positive velocity; q contains −τ. Most laws depend only on
+    /// velocities.
     fn friction_torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
-    /// Friction under load `s₁(y, ẏ)`, without unit: what friction gains for each unit of the load τ_l. The load
-    /// is what the drive of a joint would exert without friction, `M ÿ + k − gravity − springs`; the whole
-    /// friction is `τ + |τ_l| s₁`, see [`load`](super::load) and [`under_load`](super::under_load). Zero for most
-    /// robots. Where it is not, `M ÿ + k = q + B u − |τ_l| s₁`.
+    /// Load-dependent friction `s₁(y, ẏ)`, without unit: friction per unit of the load τ_l. The load is the
+    /// force of a joint's drive without friction, `M ÿ + k − gravity − springs`. The total friction is `τ +
+    /// |τ_l| s₁`, see [`load`](super::load) and [`under_load`](super::under_load). It is zero for most
+    /// robots; otherwise `M ÿ + k = q + B u − |τ_l| s₁`.
     fn load_friction(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::load_friction(self, y, v)
     }
 
-    /// Pairs of coordinates i, j: friction at i, that under load included, may jump where velocity j changes its
-    /// sign, as with an exact `sign`. The module's `FRICTION_JUMPS`; how high a jump is depends on positions and
-    /// free parameters.
+    /// Pairs of coordinates i, j: friction at i, including load-dependent friction, may be discontinuous at a
+    /// sign change of velocity j, as with an exact `sign`. This is the module's `FRICTION_JUMPS`. The size of
+    /// the jump depends on positions and free parameters.
     fn friction_jumps(&self) -> &'static [[usize; 2]];
 
-    /// Joint friction just before and just after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint: the two differ where
-    /// [`Self::friction_jumps`] and the jump is not zero at these positions; see [`jumps`](super::jumps).
+    /// Joint friction just before and after rest, `[τ(y, 0−), τ(y, 0+)]` of each joint. The values differ for
+    /// pairs in [`Self::friction_jumps`] whose jump is not zero at these positions; see
+    /// [`jumps`](super::jumps).
     fn friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
         either_side(self.friction_jumps(), |v| self.friction_torques(y, v))
     }
 
-    /// Friction under load just before and just after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint; as
+    /// Load-dependent friction just before and after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint; see
     /// [`Self::friction_at_rest`].
     fn load_friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
         either_side(self.friction_jumps(), |v| self.load_friction(y, v))
     }
 
-    /// Input matrix `B(y)`. The columns of the drives, the first [`Self::drives`] ones, are constant and hold the
-    /// gear ratios; the others belong to inputs at frames: cylinders, propellers.
+    /// Input matrix `B(y)`. The columns of drives, the first [`Self::drives`] ones, are constant and contain
+    /// the gear ratios. The others belong to inputs at frames, for example cylinders or propellers.
     fn input_matrix(&self, y: &[f64; NY]) -> [[f64; M]; N];
 
-    /// Number of inputs that are drives of joints; they come first. Mostly all.
+    /// Number of inputs that are drives of joints; they precede the other inputs.
     fn drives(&self) -> usize {
         M
     }
 
-    /// The columns of B that belong to drives, which are constant; those of other inputs are zero here.
+    /// Constant columns of B for drives; the columns of other inputs are zero.
     fn drive_matrix(&self) -> [[f64; M]; N] {
         let mut matrix = self.input_matrix(&self.neutral());
         for row in &mut matrix {
@@ -215,14 +216,14 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         matrix
     }
 
-    /// Bounds of the inputs that keep the limits of motors and joints: what the loop and the predictive
-    /// controllers use, see [`Limits::at_inputs`]. The effort of a joint limits its drives; inputs at frames have
-    /// their own limits alone.
+    /// Bounds of the inputs that keep the limits of motors and joints, used by the control loop and
+    /// predictive controllers, see [`Limits::at_inputs`]. The effort of a joint limits its drives; inputs at
+    /// frames have only their own limits.
     fn input_limits(&self) -> InputLimits<M> {
         self.limits().at_inputs(&self.drive_matrix())
     }
 
-    /// Applied forces `q(y, ẏ) = gravity + springs − τ`, without friction under load.
+    /// Applied forces `q(y, ẏ) = gravity + springs − τ`, without load-dependent friction.
     fn applied_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::applied_forces(self, y, v)
     }
@@ -237,12 +238,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         defaults::equations_of_motion(self, y, v)
     }
 
-    /// Forces `M ÿ + k − q` that the inputs must make at the joints, friction under load included.
+    /// Forces `M ÿ + k − q` that the inputs must produce at the joints, including load-dependent friction.
     fn inverse_dynamics(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
         defaults::inverse_dynamics(self, y, v, a)
     }
 
-    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, with friction under load subtracted from q; NaN if M is not
+    /// Accelerations `ÿ = M⁻¹ (q + B u − k)`, with load-dependent friction subtracted from q; NaN if M is not
     /// positive definite.
     fn forward_dynamics(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         defaults::forward_dynamics(self, y, v, u)
@@ -256,12 +257,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
 
 /// Analytic derivatives of the equations of motion.
 pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: Dynamics<N, M, NY> {
-    /// Inverse dynamics with its derivatives by coordinates and by velocities; row i belongs to force i. The
-    /// third, by accelerations, is the mass matrix; where friction grows with the load, its rows times
-    /// `1 + s₁ sign τ_l`.
+    /// Inverse dynamics with derivatives by coordinates and by velocities; row i belongs to force i. The
+    /// derivative by accelerations is the mass matrix; with load-dependent friction its rows are multiplied
+    /// by `1 + s₁ sign τ_l`.
     fn inverse_dynamics_derivatives(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
 
-    /// The same, and ∂forces/∂ÿ.
+    /// [`Self::inverse_dynamics_derivatives`] with ∂forces/∂ÿ.
     fn inverse_dynamics_derivatives_and_mass_matrix(
         &self,
         y: &[f64; NY],
@@ -273,7 +274,7 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
 
     /// Forces `B(y) u` of the inputs, and ∂(B u)/∂y, which is zero if all inputs are [drives](Dynamics::drives).
     ///
-    /// The body computes the derivative from the others, as `∂f/∂y + (∂f/∂ÿ) (∂ÿ/∂y)` with f the inverse dynamics at the
+    /// The default computes the derivative as `∂f/∂y + (∂f/∂ÿ) (∂ÿ/∂y)`, with the inverse dynamics f at the
     /// accelerations that u causes at rest.
     fn input_forces_derivatives(&self, y: &[f64; NY], u: &[f64; M]) -> ([f64; N], [[f64; N]; N]) {
         defaults::input_forces_derivatives(self, y, u)
@@ -296,21 +297,19 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
         linearize_one_by_one(self, points, results);
     }
 
-    /// `D = −ad_v` in `δ̇ = D δ + v − v̄`: how small deviations δ from a motion with the velocities v̄ turn, see
-    /// [`Linearization`]. Zero for arms.
+    /// `D = −ad_v` in `δ̇ = D δ + v − v̄`, the rotation of small deviations δ from a motion with the
+    /// velocities v̄, see [`Linearization`]. Zero for arms.
     fn drift(&self, v: &[f64; N]) -> [[f64; N]; N] {
         if NY == N { [[0.0; N]; N] } else { manifold::drift(|a, b| self.bracket(a, b), v) }
     }
 }
 
-/// The length of a state `x = (y, ẏ)`: `NX = 2 N`, which is not a type on stable Rust.
-/// [`dynamics!`](crate::dynamics!) implements it, so that `LtvMpc::new(arm, motion, options)` finds all sizes
-/// by itself.
+/// Length of a state `x = (y, ẏ)`: `NX = 2 N`, which stable Rust cannot express as a type.
+/// [`dynamics!`](crate::dynamics!) implements it, so `LtvMpc::new(arm, motion, options)` infers all sizes.
 pub trait PhaseSpace<const NX: usize> {}
 
-/// All that predictive controllers ask of a model, for code that is generic over it. Whatever
-/// [`dynamics!`](crate::dynamics!) wraps with its derivatives has it, and so has a robot that is written by hand with
-/// these traits.
+/// All traits of a model that predictive controllers need, for generic code. It is implemented for modules
+/// with derivatives wrapped by [`dynamics!`](crate::dynamics!), and for handwritten robots with these traits.
 pub trait Predictable<
     const N: usize,
     const M: usize,
@@ -333,34 +332,33 @@ where
 /// All methods have a body, built from [`Differentiable::linearize`] and [`Dynamics::forward_dynamics`];
 /// generated modules have the same functions.
 #[diagnostic::on_unimplemented(
-    note = "a robot with driven joints needs their motion over time: `DrivenRobot::new(robot, motion)` of gelenk-runtime has it"
+    note = "a robot with driven joints needs their motion over time: use `DrivenRobot::new(robot, motion)` of gelenk-runtime"
 )]
 pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     Differentiable<N, M, NY>
 {
-    /// Runge–Kutta steps in one period of [`Self::step`]. The method is stable while `period / SUBSTEPS`
-    /// times the fastest rate of the robot [1/s] stays below 2.7; steep friction at standstill makes this
-    /// rate large.
+    /// Runge–Kutta steps per period of [`Self::step`]. The method is stable if `period / SUBSTEPS` times the
+    /// fastest rate of the robot [1/s] is below 2.7. Steep friction at standstill makes this rate large.
     const SUBSTEPS: usize = 1;
 
     /// Exact zero-order hold of the linearization at `(y, ẏ, u)`: `x⁺ = A_d x + B_d u + c_d`. For robots with
     /// quaternions x is (δ, v), see [`Linearization::discretize_with`].
     ///
     /// Scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3): a Taylor polynomial of
-    /// degree 17 over 1/64 of a part of the period, six doublings, and repetitions of that part. The part is
-    /// the whole period while ν · period ≤ 80, and is halved for each factor of two beyond, at most 18 times.
-    /// With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest sums of magnitudes in a row, no part of the robot is
-    /// faster than ν = (b + √(b² + 4a))/2. Where 24 halvings do not suffice, for ν · period > 2e7, every
-    /// entry of the result is +∞, see [`Discretization::is_finite`].
+    /// degree 17 over 1/64 of a part of the period, six doublings, and repetitions of this part. The part is
+    /// the whole period if ν · period ≤ 80, and is halved for each further factor of two, at most 18 times.
+    /// With a = ‖∂ÿ/∂y‖ and b = ‖∂ÿ/∂ẏ‖, the largest row sums of magnitudes, no mode of the robot is faster
+    /// than ν = (b + √(b² + 4a))/2. If 24 halvings are not enough, for ν · period > 2e7, every entry of the
+    /// result is +∞, see [`Discretization::is_finite`].
     ///
-    /// The terms left out are below 1e-15 of what they belong to. Rounding stays below 1e-12 of the largest
-    /// entry of each block, the diagonal ones counted as at least 1.
+    /// The truncation error is below 1e-15 relative. Rounding is below 1e-12 of the largest entry of each
+    /// block; diagonal blocks count as at least 1.
     fn discretize(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> Discretization<N, M, NY> {
         defaults::discretize(self, y, v, u, period)
     }
 
-    /// State after a period of the nonlinear robot: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta
-    /// method of order 4; for robots with quaternions of its form on manifolds (Runge–Kutta–Munthe-Kaas).
+    /// State of the nonlinear robot after a period: [`Self::SUBSTEPS`] steps of the classical Runge–Kutta
+    /// method of order 4; for robots with quaternions its form on manifolds (Runge–Kutta–Munthe-Kaas).
     fn step(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M], period: f64) -> ([f64; NY], [f64; N]) {
         defaults::step(self, y, v, u, period)
     }
@@ -370,8 +368,8 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
         defaults::step_derivatives(self, y, v, u, period)
     }
 
-    /// One step of Newton's method for a period T of the implicit midpoint rule, from the guess that the accelerations
-    /// are `a`, with the derivatives there:
+    /// One Newton step of the implicit midpoint rule over a period T, starting at the accelerations `a`, with
+    /// derivatives at this point:
     ///
     /// ```text
     ///     v_m = v + T/2 a,   y_m = y ⊕ T/2 v_m,   r = f(y_m, v_m, a) − B(y_m) u
@@ -380,18 +378,19 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     ///     δy⁺ = P δy + T/2 Q (δv + δv⁺)
     /// ```
     ///
-    /// with P, Q the derivatives of `y ⊕ T v_m` by y and by the displacement, and P_h, Q_h those of `y ⊕ T/2 v_m`; for arms
-    /// all four are the identity. The result is `v + T a` and `y ⊕ T v_m`, moved by what r adds. Where r is zero it is a step
-    /// of the rule, and the derivatives are exactly those of this step; else they are off in proportion to r.
+    /// where P, Q are the derivatives of `y ⊕ T v_m` by y and by the displacement, and P_h, Q_h those of `y ⊕
+    /// T/2 v_m`; for arms all four are the identity. The result is `v + T a` and `y ⊕ T v_m` with the
+    /// correction by r. If r is zero, the result is a step of the rule and the derivatives are exact;
+    /// otherwise their error is proportional to r.
     ///
-    /// The rule has order 2 and is A-stable: the result is bounded wherever the robot is stable. It is not L-stable: of
-    /// velocities that friction stops within much less than T, the sign alternates from step to step. Of a robot with driven
-    /// joints the equations are those at its time, which is best the middle of the period.
+    /// The rule has order 2 and is A-stable: the result is bounded if the robot is stable. It is not
+    /// L-stable: velocities that friction stops within much less than T alternate in sign from step to step.
+    /// For a robot with driven joints the equations are those at its time, best at the middle of the period.
     ///
-    /// Cost: one call of [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`], of
-    /// [`Differentiable::input_forces_derivatives`] and of [`Dynamics::input_matrix`], and one factorization of N × N with
-    /// 2 N + M + 1 right-hand sides. Neither M⁻¹ nor the forward dynamics is computed. An entry is not finite where the
-    /// matrix on the left is singular.
+    /// Cost: one call each of [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`],
+    /// [`Differentiable::input_forces_derivatives`] and [`Dynamics::input_matrix`], and one factorization of
+    /// N × N with 2 N + M + 1 right-hand sides. Neither M⁻¹ nor the forward dynamics is computed. Entries are
+    /// not finite if the matrix on the left is singular.
     ///
     /// Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, section I.1 (the rule) and VI.4 (its
     /// derivatives are the rule for the variational equation).

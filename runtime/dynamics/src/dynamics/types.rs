@@ -5,7 +5,7 @@ use super::solve::product;
 use super::torque_speed::TorqueSpeedLine;
 use gelenk_kernels::discrete_time;
 
-/// Inverse dynamics and its derivatives.
+/// Inverse dynamics with derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceDerivatives<const N: usize> {
     /// The forces `M ÿ + k − q`.
@@ -16,17 +16,16 @@ pub struct ForceDerivatives<const N: usize> {
     pub by_velocities: [[f64; N]; N],
 }
 
-/// Inverse dynamics with its derivatives, the third of them by accelerations.
+/// Inverse dynamics with derivatives by coordinates, velocities and accelerations.
 pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; N]; N]);
 
 /// Accelerations as an affine function of state and input: the lower halves of A, B_x and c of
 /// `ẋ = A x + B_x u + c`. The upper halves are `[0 I]`, 0 and 0.
 ///
-/// Of a robot with quaternions (NY ≠ N) these are the derivatives along ⊕ at the positions ȳ and velocities v̄
-/// of the linearization: `v̇ = A_y δ + A_v v + B_x u + c` for `y = ȳ ⊕ δ`, where ȳ counts as δ = 0, so that
-/// `c = v̇ − A_v v̄ − B_x ū`. Small deviations δ from the motion with the velocities v̄ follow
-/// `δ̇ = D δ + v − v̄` with `D = −ad_v̄` ([`Differentiable::drift`](super::Differentiable::drift)), so that A is
-/// `[D I; A_y A_v]`. For arms D is zero.
+/// For a robot with quaternions (NY ≠ N) these are derivatives along ⊕ at the positions ȳ and velocities v̄
+/// of the linearization: `v̇ = A_y δ + A_v v + B_x u + c` for `y = ȳ ⊕ δ`, so `c = v̇ − A_v v̄ − B_x ū`.
+/// Small deviations δ from the motion with the velocities v̄ satisfy `δ̇ = D δ + v − v̄` with `D = −ad_v̄`
+/// ([`Differentiable::drift`](super::Differentiable::drift)), so A is `[D I; A_y A_v]`. For arms D is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
     /// ∂ÿ/∂y.
@@ -35,7 +34,7 @@ pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
     pub by_velocities: [[f64; N]; N],
     /// ∂ÿ/∂u.
     pub by_inputs: [[f64; M]; N],
-    /// Affine remainder: ÿ where y, ẏ and u are zero.
+    /// Affine remainder: ÿ if y, ẏ and u are zero.
     pub affine: [f64; N],
 }
 
@@ -51,8 +50,8 @@ impl<const N: usize, const M: usize> Linearization<N, M> {
         })
     }
 
-    /// Exact solution over a period (s) in which the inputs are held: the zero-order hold. What
-    /// [`Discretizable::discretize`](super::Discretizable::discretize) says of its error holds here.
+    /// Exact solution over a period (s) with constant inputs: zero-order hold. The error is that of
+    /// [`Discretizable::discretize`](super::Discretizable::discretize).
     #[must_use]
     pub fn discretize(&self, period: f64) -> Discretization<N, M> {
         self.held(period)
@@ -68,11 +67,12 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
         affine: [0.0; N],
     };
 
-    /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period (s) in which the inputs
-    /// are held, for `x = (δ, v)` and the drift D = −ad_v̄ of a robot with quaternions.
+    /// Exact solution of `δ̇ = D δ + v`, `v̇ = A_y δ + A_v v + B_x u + c` over a period (s) with constant
+    /// inputs, for `x = (δ, v)` and the drift D = −ad_v̄ of a robot with quaternions.
     ///
     /// δ is the displacement from ȳ at the beginning. Since `D v̄ = 0`, `δ − v̄ t` is the deviation from the
-    /// motion with the velocities v̄. Derivatives of δ⁺ are taken along ⊕ where the linear robot arrives.
+    /// motion with the velocities v̄. Derivatives of δ⁺ are along ⊕ at the final position of the linear
+    /// robot.
     #[must_use]
     pub fn discretize_with(&self, drift: &[[f64; N]; N], period: f64) -> Discretization<N, M, NY> {
         let linear = (self.by_coordinates, self.by_velocities, self.by_inputs, self.affine, *drift);
@@ -88,21 +88,21 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
     }
 }
 
-/// Blocks of `x⁺ = A_d x + B_d u + c_d` over a sample time, with `x = (y, ẏ)` and the inputs held; for a robot
-/// with quaternions (NY ≠ N) with `x = (δ, v)`, see [`Linearization::discretize_with`].
+/// Blocks of `x⁺ = A_d x + B_d u + c_d` over a sample time with constant inputs and `x = (y, ẏ)`; for a robot
+/// with quaternions (NY ≠ N) `x = (δ, v)`, see [`Linearization::discretize_with`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discretization<const N: usize, const M: usize, const NY: usize = N> {
     /// A_d by blocks: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
     pub state: [[[[f64; N]; N]; 2]; 2],
     /// B_d by blocks: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
     pub input: [[[f64; M]; N]; 2],
-    /// c_d: the remainder of y⁺ and ẏ⁺.
+    /// c_d: affine remainder of y⁺ and ẏ⁺.
     pub affine: [[f64; N]; 2],
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
-    /// Whether every entry is finite. Infinite ones stand where the robot is too fast for the period,
-    /// NaN if its linearization was not finite.
+    /// Whether every entry is finite. Entries are infinite if the robot is too fast for the period, and NaN
+    /// if its linearization was not finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let state = self.state.as_flattened().as_flattened().as_flattened();
@@ -111,7 +111,7 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
         state.iter().chain(input).chain(affine).all(|entry| entry.is_finite())
     }
 
-    /// Displacement from ȳ and velocities a sample time later, from the displacement d; of arms, coordinates
+    /// Displacement from ȳ and velocities after a sample time, from the displacement d; for arms coordinates
     /// and velocities.
     #[must_use]
     pub fn displaced(&self, d: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
@@ -128,14 +128,14 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
 }
 
 impl<const N: usize, const M: usize> Discretization<N, M> {
-    /// Coordinates and velocities a sample time later.
+    /// Coordinates and velocities after a sample time.
     #[must_use]
     pub fn step(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         self.displaced(y, v, u)
     }
 }
 
-/// A step of the nonlinear robot with its sensitivities, those of and by positions along ⊕.
+/// A step of the nonlinear robot with sensitivities; derivatives of and by positions are along ⊕.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<const N: usize, const M: usize, const NY: usize = N> {
     /// y⁺.
@@ -159,7 +159,7 @@ impl<const N: usize, const M: usize, const NY: usize> Step<N, M, NY> {
     }
 }
 
-/// Limits of joints and inputs; infinite if the description gives none.
+/// Limits of joints and inputs; infinite if not described.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<const N: usize, const M: usize> {
     /// Lowest and highest position [rad or m].
@@ -170,20 +170,20 @@ pub struct Limits<const N: usize, const M: usize> {
     pub effort: [f64; N],
     /// Peak force at the joint [N m or N].
     pub peak_effort: [f64; N],
-    /// Lowest and highest input that its motor bears continuously; the limits of efforts apply too, see
-    /// [`Self::at_inputs`]. 0 is between the two.
+    /// Lowest and highest input that the motor bears continuously; limits of efforts also apply, see
+    /// [`Self::at_inputs`]. 0 is between them.
     pub input: [[f64; 2]; M],
-    /// Lowest and highest input that its motor bears for a short time; the limits of peak efforts apply too.
+    /// Lowest and highest input that the motor bears for a short time; limits of peak efforts also apply.
     pub peak_input: [[f64; 2]; M],
-    /// The joints that follow coordinates, with limits of their own.
+    /// Followers of coordinates with their limits.
     pub dependent: &'static [DependentJoint<N>],
-    /// The inputs whose motors give less the faster they turn.
+    /// Torque–speed lines of the inputs' motors.
     pub torque_speed: &'static [TorqueSpeedLine<N>],
 }
 
 impl<const N: usize, const M: usize> Limits<N, M> {
-    /// The same with limits of the coordinates, of position and of speed, by which the joints that follow one of them
-    /// alone keep theirs. Joints that follow several are not among them.
+    /// The limits, with positions and speeds of coordinates narrowed by followers of a single coordinate.
+    /// Followers of several coordinates are not included.
     #[must_use]
     pub fn narrowed(&self) -> Self {
         let mut limits = *self;
@@ -191,19 +191,20 @@ impl<const N: usize, const M: usize> Limits<N, M> {
         limits
     }
 
-    /// Bounds of the inputs that keep both the limits of the motors and the efforts of the joints, given B
-    /// (rows first). With motor_j the larger magnitude of input j's limits:
+    /// Bounds of the inputs that keep the limits of motors and the efforts of joints, from B (row-major).
+    /// With motor_j the larger magnitude of input j's limits:
     ///
     /// ```text
     ///     c_j = min(motor_j, min_i effort_i / |B_ij|)          input j alone
     ///     ū_j = c_j · min(1, min_i effort_i / Σ_l |B_il| c_l)    over the joints i that input j acts on together with others
     /// ```
     ///
-    /// and the limits of input j, cut off at ±ū_j, so that `|u_j| ≤ ū_j` for all j implies `|(B u)_i| ≤ effort_i` for all i, whatever the signs. Where
-    /// every joint has an input of its own, as behind gears, `ū_j = min(motor_j, effort_i / |ratio|)`. Where
-    /// several inputs act on one joint this is conservative: inputs that oppose each other could be larger.
+    /// The result are the limits of input j cut off at ±ū_j, so that `|u_j| ≤ ū_j` for all j implies `|(B
+    /// u)_i| ≤ effort_i` for all i, whatever the signs. If every joint has its own input, `ū_j = min(motor_j,
+    /// effort_i / |ratio|)`. If several inputs act on a joint the bound is conservative: opposing inputs
+    /// could be larger.
     ///
-    /// Limits that are not numbers give NaN, which controllers refuse.
+    /// NaN limits give NaN, which controllers reject.
     #[must_use]
     pub fn at_inputs(&self, input_matrix: &[[f64; M]; N]) -> InputLimits<M> {
         InputLimits {
@@ -213,12 +214,12 @@ impl<const N: usize, const M: usize> Limits<N, M> {
     }
 }
 
-/// Lowest and highest inputs that keep the limits of motors and joints; infinite if neither is described.
+/// Lowest and highest inputs that keep the limits of motors and joints; infinite if not described.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputLimits<const M: usize> {
-    /// Limits that motors and joints bear continuously, in the units of the inputs.
+    /// Continuous limits of motors and joints, in the units of the inputs.
     pub nominal: [[f64; 2]; M],
-    /// Limits that they bear for a short time.
+    /// Short-time limits.
     pub peak: [[f64; 2]; M],
 }
 
@@ -263,9 +264,9 @@ fn smaller(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.min(b) }
 }
 
-/// Conversion from the results `T` of a module's function.
+/// Conversion of the results `T` of a module's function.
 pub trait OfResults<T> {
-    /// The results by their names.
+    /// Converts the results.
     fn of(results: T) -> Self;
 }
 

@@ -1,10 +1,9 @@
-//! Readings from the messages of single drives.
+//! Readings assembled from the messages of single drives.
 
 use super::super::{Brakes, Reading};
 use super::CanMessage;
 
-/// Collects measurements of one sampling instant. A set with another sequence number discards an incomplete
-/// older one.
+/// Collects measurements of one sampling instant. A new sequence number discards an older incomplete set.
 #[derive(Debug, Clone)]
 pub struct MeasurementSet<const N: usize, const NY: usize = N> {
     sequence: Option<u8>,
@@ -23,12 +22,12 @@ impl<const N: usize, const NY: usize> Default for MeasurementSet<N, NY> {
 }
 
 impl<const N: usize, const NY: usize> MeasurementSet<N, NY> {
-    /// An empty set, complete with the positions alone or `with_rates` of each drive.
+    /// An empty set; complete with positions alone, or `with_rates` of each drive.
     pub(super) fn new(with_rates: bool) -> Self {
         Self { sequence: None, positions: [None; NY], rates: [None; N], with_rates, brakes: Brakes::Unknown }
     }
 
-    /// Takes one message in; returns the reading that it completes. Messages to the drives complete none.
+    /// Adds a message; returns the reading if the set is complete. Messages to the drives are ignored.
     pub fn take(&mut self, message: &CanMessage) -> Option<Reading<N, NY>> {
         match *message {
             CanMessage::Position { index, value, sequence, brake } => {

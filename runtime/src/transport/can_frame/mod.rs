@@ -45,19 +45,19 @@ const STATUS_FAULT: u8 = 0x02;
 const HAS_VELOCITY: u8 = 0x01;
 const HAS_TORQUE: u8 = 0x02;
 
-/// A frame as it stands on the bus.
+/// A frame on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frame {
-    /// Identifier, 11 bits.
+    /// 11-bit identifier.
     pub identifier: u16,
     /// Number of bytes, at most 8.
     pub length: u8,
-    /// The bytes; zeros behind `length`.
+    /// Data bytes; zero beyond `length`.
     pub data: [u8; 8],
 }
 
 impl Frame {
-    /// A frame from bytes of the bus; None for identifiers above 11 bits or more than 8 bytes.
+    /// A frame from bytes of the bus; `None` for identifiers above 11 bits or more than 8 bytes.
     #[must_use]
     pub fn new(identifier: u16, bytes: &[u8]) -> Option<Self> {
         if identifier > 0x7ff || bytes.len() > 8 {
@@ -68,14 +68,14 @@ impl Frame {
         Some(Self { identifier, length: bytes.len() as u8, data })
     }
 
-    /// Its bytes.
+    /// Data bytes of the frame.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.data[..usize::from(self.length.min(8))]
     }
 }
 
-/// The content of a frame.
+/// Content of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CanMessage {
     /// Release all brakes.
@@ -86,7 +86,7 @@ pub enum CanMessage {
     Input {
         /// Index of the input.
         index: usize,
-        /// Its value, in the model's unit.
+        /// Value of the input, in the model's unit.
         value: f64,
         /// Sequence number, which all frames of one instant share.
         sequence: u8,
@@ -95,7 +95,7 @@ pub enum CanMessage {
     Position {
         /// Index of the coordinate.
         index: usize,
-        /// Its value [rad or m]; NaN if the encoder reports a fault.
+        /// Position [rad or m]; NaN if the encoder reports a fault.
         value: f64,
         /// Number of the set that it belongs to.
         sequence: u8,
@@ -115,45 +115,45 @@ pub enum CanMessage {
     },
 }
 
-/// Why a frame was not made or not taken.
+/// Errors of encoding or decoding a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CanFrameError {
-    /// An identifier that is not of this robot: other traffic.
-    #[error("identifier {0:#05x} is not of this robot")]
+    /// The identifier does not belong to this robot.
+    #[error("identifier {0:#05x} does not belong to this robot")]
     Identifier(u16),
     /// Too few or too many bytes for its identifier.
-    #[error("{given} bytes instead of {needed}")]
+    #[error("the frame has {given} bytes instead of {needed}")]
     Length {
         /// Bytes received.
         given: u8,
         /// Bytes needed.
         needed: u8,
     },
-    /// Not a known command, or not followed by its complement.
+    /// The command is unknown, or its complement is wrong.
     #[error("command bytes {0:#04x}, {1:#04x}")]
     Command(u8, u8),
-    /// Contents other than the drives of this robot have.
-    #[error("contents {given:#04x} instead of {needed:#04x}")]
+    /// The contents differ from those of this robot's drives.
+    #[error("the frame contains {given:#04x} instead of {needed:#04x}")]
     Contents {
         /// Received.
         given: u8,
         /// The contents of frames for this robot.
         needed: u8,
     },
-    /// A value that is not finite or does not fit in its counts: four bytes, two for a force.
-    #[error("value {value} at resolution {resolution} does not fit in its counts")]
+    /// A value is not finite or exceeds the range of its counts: four bytes, two for a force.
+    #[error("value {value} at resolution {resolution} exceeds the range of its counts")]
     Range {
         /// The value.
         value: f64,
-        /// Its unit per count.
+        /// Unit per count.
         resolution: f64,
     },
-    /// Settings that make no code.
+    /// Settings that are not valid.
     #[error("{0}")]
     Settings(&'static str),
 }
 
-/// Translates between messages and frames of one robot.
+/// Converts between messages and frames of one robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CanCodec<const N: usize, const M: usize, const NY: usize = N> {
     base: u16,
@@ -164,20 +164,22 @@ pub struct CanCodec<const N: usize, const M: usize, const NY: usize = N> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
-    /// A code with identifiers from `base`, with the value of a count for each position [rad or m; entries of a
-    /// quaternion have no unit] and input.
-    /// A negative resolution turns the sense of an encoder or drive around.
+    /// A codec with identifiers from `base`, and the value of a count for each position [rad or m; entries of
+    /// a quaternion have no unit] and input. A negative resolution reverses the direction of an encoder or
+    /// drive.
     ///
     /// # Errors
     /// [`CanFrameError::Settings`] for more than 48 coordinates or inputs, a base above 0x780 (identifiers
-    /// must stay in 11 bits), and resolutions whose magnitude is not 1e-30 to 1e30.
+    /// must have 11 bits), or resolutions whose magnitude is not 1e-30 to 1e30.
     pub fn new(
         base: u16,
         position_resolution: [f64; NY],
         input_resolution: [f64; M],
     ) -> Result<Self, CanFrameError> {
         if NY > MAX_NODES || N > MAX_NODES || M > MAX_NODES {
-            return Err(CanFrameError::Settings("at most 48 coordinates and 48 inputs have identifiers"));
+            return Err(CanFrameError::Settings(
+                "identifiers are available for at most 48 coordinates and 48 inputs",
+            ));
         }
         if base > LAST_BASE {
             return Err(CanFrameError::Settings("the base of the identifiers must be at most 0x780"));
@@ -193,21 +195,21 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
         })
     }
 
-    /// For drives that measure velocities, with the value of a count for each [rad/s or m/s].
+    /// Adds velocities measured by the drives, with the value of a count for each [rad/s or m/s].
     ///
     /// # Errors
-    /// [`CanFrameError::Settings`] as for [`new`](Self::new); the base must be at most 0x760.
+    /// [`CanFrameError::Settings`], as for [`new`](Self::new); the base must be at most 0x760.
     pub fn with_velocities(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
         require_resolutions(&resolution)?;
         self.require_base_for_rates()?;
         Ok(Self { velocity_resolution: Some(resolution), ..self })
     }
 
-    /// For drives that measure their forces at the joints, with the value of a count for each [N m or N]; a
+    /// Adds forces measured by the drives at the joints, with the value of a count for each [N m or N]; a
     /// count has two bytes.
     ///
     /// # Errors
-    /// As [`with_velocities`](Self::with_velocities).
+    /// See [`with_velocities`](Self::with_velocities).
     pub fn with_torques(self, resolution: [f64; N]) -> Result<Self, CanFrameError> {
         require_resolutions(&resolution)?;
         self.require_base_for_rates()?;
@@ -239,9 +241,9 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
     /// The frame of a message.
     ///
     /// # Errors
-    /// [`CanFrameError::Range`]; [`CanFrameError::Settings`] for an index that the robot does not have.
+    /// [`CanFrameError::Range`]; [`CanFrameError::Settings`] for an index beyond the robot's.
     pub fn encode(&self, message: &CanMessage) -> Result<Frame, CanFrameError> {
-        const UNKNOWN: CanFrameError = CanFrameError::Settings("no such coordinate or input");
+        const UNKNOWN: CanFrameError = CanFrameError::Settings("the frame has no such coordinate or input");
         let mut frame = Frame { identifier: self.base, length: 2, data: [0; 8] };
         match *message {
             CanMessage::Release => frame.data[..2].copy_from_slice(&[RELEASE, !RELEASE]),
@@ -286,7 +288,7 @@ impl<const N: usize, const M: usize, const NY: usize> CanCodec<N, M, NY> {
         Ok(frame)
     }
 
-    /// The message of a frame. Any frame may come in; none makes it panic.
+    /// The message of a frame. Any frame is accepted as input and never causes a panic.
     ///
     /// # Errors
     /// [`CanFrameError::Identifier`] for other traffic on the bus; others for damaged frames of this robot.
@@ -363,7 +365,7 @@ fn paired<const L: usize>(
         (Some(value), Some(resolution)) => Ok(Some((value, resolution[index]))),
         (None, None) => Ok(None),
         _ => Err(CanFrameError::Settings(
-            "a drive measures what its code has a resolution for, no more and no less",
+            "a drive measures exactly the quantities that its code has a resolution for",
         )),
     }
 }

@@ -4,10 +4,17 @@
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 0–3 | `GLNK` |
-//! | 4 | version: 4 |
-//! | 5 | kind, see [`Message`] |
-//! | 6, 7 | N, M |
+//! Positions are NY values, velocities and torques N values, all in the order of the model's entries; a joint
+//! with a quaternion has x, y, z, w after its position.
+//! A datagram is accepted only if every byte is valid and its length is exact. Measured values may be NaN,
+//! because the loop's guard checks them and quaternions; inputs must be finite.
+//! A connection begins with a query of kind 9. The plant answers with a random number from the operating
+//! system, which every command of the connection must carry. Sequence numbers increase, and continue at 0
+//! after the largest. Commands of another sender or an earlier connection, duplicates and late commands have
+//! no effect. The first command with an offered number makes its sender the plant's controller and engages
+//! the brakes.
+//! Version 4 adds connections and pushes. Datagrams of earlier versions, whose commands anyone could repeat,
+//! are rejected.
 //! | 8–11 | number of the connection: of a command, the one that the plant offered; of an answer, that of the plant's controller, 0 without one |
 //! | 12–19 | sequence number |
 //! | 20 | brakes: 0 unknown, 1 released, 2 engaged |
@@ -50,7 +57,7 @@ const MAX_VALUES: usize = 180;
 /// Length of the longest datagram.
 pub const MAX_DATAGRAM: usize = HEADER + 8 * MAX_VALUES + CHECKSUM;
 
-/// True motion of a simulated robot, which no controller sees; for tests and displays.
+/// True motion of a simulated robot, for tests and displays; controllers do not get it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueState<const N: usize, const NY: usize = N> {
     /// Positions [rad or m], quaternions.
@@ -65,41 +72,42 @@ pub struct TrueState<const N: usize, const NY: usize = N> {
     pub fastest: [f64; N],
 }
 
-/// A force on a simulated robot from outside, for a time.
+/// A temporary external force on a simulated robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push<const N: usize> {
-    /// At the joints.
+    /// Forces at the joints.
     Joints {
         /// How long it lasts (s).
         duration: f64,
         /// Generalized forces [N m or N].
         forces: [f64; N],
     },
-    /// At a frame that the plant knows, see [`PlantServer::with_frame`](super::PlantServer::with_frame).
+    /// A wrench at a frame known to the plant, see
+    /// [`PlantServer::with_frame`](super::PlantServer::with_frame).
     Frame {
         /// How long it lasts (s).
         duration: f64,
-        /// Its number among them, 0 to 254.
+        /// Number of the frame, 0 to 254.
         frame: u8,
         /// Force (N) and moment (N m) at its origin, in the axes of the world.
         wrench: [f64; 6],
     },
 }
 
-/// The content of a datagram.
+/// Content of a datagram.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
-    /// Kind 1, to the plant: where are you? In lock-step, a period passes first.
+    /// Kind 1, to the plant: asks for a measurement. In lock-step a period passes first.
     Query,
-    /// Kind 2, to the plant: inputs from now on, in the model's units.
+    /// Kind 2, to the plant: sets the inputs, in the model's units.
     Inputs([f64; M]),
-    /// Kind 3, to the plant: release the brakes.
+    /// Kind 3, to the plant: releases the brakes.
     Release,
-    /// Kind 4, to the plant: engage the brakes.
+    /// Kind 4, to the plant: engages the brakes.
     Brake,
-    /// Kind 5, to the plant: send your true state. No time passes.
+    /// Kind 5, to the plant: asks for the true state. No time passes.
     Inspect,
-    /// Kind 6, from the plant, answers a query: the measurement.
+    /// Kind 6, from the plant: the measurement, as the answer to a query.
     Measured {
         /// Positions [rad or m], quaternions.
         positions: [f64; NY],
@@ -108,24 +116,24 @@ pub enum Message<const N: usize, const M: usize, const NY: usize = N> {
         /// Forces of the drives at the joints [N m or N], if they are measured.
         torques: Option<[f64; N]>,
     },
-    /// Kind 7, from the plant in lock-step, answers a query whose answer was lost on purpose: the period is
-    /// over.
+    /// Kind 7, from the plant in lock-step: the answer to a query whose measurement was intentionally lost. The
+    /// period is over.
     Lost,
-    /// Kind 8, from the plant, answers an inspection.
+    /// Kind 8, from the plant: the true state, as the answer to an inspection.
     TrueState(TrueState<N, NY>),
-    /// Kind 9, to the plant: offer a connection. The answer is of the same kind and bears its number.
+    /// Kind 9, to the plant: requests a connection. The answer has the same kind and the same number.
     Connect,
-    /// Kind 10, to the plant: push the robot. Of the controller, or of anybody once with an offered number. The answer is
-    /// that to a query.
+    /// Kind 10, to the plant: pushes the robot. It is accepted from the controller, or once from anyone with
+    /// an offered number. The answer is that to a query.
     Push(Push<N>),
 }
 
 /// A message with its envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
-    /// Number of the connection; 0 if there is none.
+    /// Number of the connection; 0 without one.
     pub connection: u32,
-    /// Number of the question, which rises within a connection; an answer bears that of its question.
+    /// Number of the query, which increases within a connection; an answer has the number of its query.
     pub sequence: u64,
     /// Brakes, from the plant.
     pub brakes: Brakes,
@@ -133,11 +141,11 @@ pub struct Datagram<const N: usize, const M: usize, const NY: usize = N> {
     pub message: Message<N, M, NY>,
 }
 
-/// Why a datagram was not taken.
+/// Reasons why a datagram was rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum DatagramError {
-    /// Shorter than any datagram, or not as long as its kind.
-    #[error("{given} bytes instead of {needed}")]
+    /// Shorter than any datagram, or not of the length of its kind.
+    #[error("the datagram has {given} bytes instead of {needed}")]
     Length {
         /// Bytes received.
         given: usize,
@@ -145,14 +153,14 @@ pub enum DatagramError {
         needed: usize,
     },
     /// Not a datagram of this protocol.
-    #[error("does not begin with GLNK")]
+    #[error("the datagram does not begin with GLNK")]
     Magic,
     /// Another version of the protocol.
-    #[error("version {0} instead of {VERSION}")]
+    #[error("the datagram has version {0} instead of {VERSION}")]
     Version(u8),
     /// For another robot.
     #[error(
-        "for {} positions, {} velocities and {} inputs instead of {}, {} and {}",
+        "the datagram is for {} positions, {} velocities and {} inputs instead of {}, {} and {}",
         .given[2], .given[0], .given[1], .needed[2], .needed[0], .needed[1]
     )]
     Sizes {
@@ -161,15 +169,15 @@ pub enum DatagramError {
         /// N, M and NY here.
         needed: [usize; 3],
     },
-    /// Damaged on the way.
-    #[error("checksum does not match")]
+    /// The datagram was damaged.
+    #[error("the checksum of the datagram does not match")]
     Checksum,
-    /// Kind, brakes or padding that do not exist.
-    #[error("byte {position} is {value}")]
+    /// Invalid kind, brakes or padding.
+    #[error("byte {position} of the datagram is {value}")]
     Byte {
         /// Index of the byte.
         position: usize,
-        /// Its value.
+        /// Value of the byte.
         value: u8,
     },
     /// An input is NaN or infinite.
@@ -178,8 +186,8 @@ pub enum DatagramError {
         /// Index of the input; messages count from 1.
         input: usize,
     },
-    /// Duration or force of a push is NaN or infinite, or its frame has no number.
-    #[error("a push is not finite, or its frame beyond 254")]
+    /// Duration or force of a push is not finite, or its frame has no number.
+    #[error("a push is not finite, or its frame is above 254")]
     Push,
     /// More coordinates or inputs than fit in a datagram.
     #[error("{values} values do not fit in a datagram of at most {MAX_VALUES}")]
@@ -233,8 +241,8 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
     /// Writes the datagram into `buffer`; returns its bytes.
     ///
     /// # Errors
-    /// [`DatagramError::TooLarge`] for more values than fit; [`DatagramError::Input`] for inputs and
-    /// [`DatagramError::Push`] for such pushes.
+    /// [`DatagramError::TooLarge`] if the values do not fit; [`DatagramError::Input`] for non-finite inputs
+    /// and [`DatagramError::Push`] for non-finite pushes.
     pub fn encode<'a>(&self, buffer: &'a mut [u8; MAX_DATAGRAM]) -> Result<&'a [u8], DatagramError> {
         let [n, m, more] = sizes::<N, M, NY>()?;
         let (kind, contents) = (self.message.kind(), self.message.contents());
@@ -285,10 +293,10 @@ impl<const N: usize, const M: usize, const NY: usize> Datagram<N, M, NY> {
         Ok(&buffer[..end + CHECKSUM])
     }
 
-    /// Reads a datagram. Any bytes may come in; none makes it panic.
+    /// Reads a datagram. Any bytes are accepted as input and never cause a panic.
     ///
     /// # Errors
-    /// [`DatagramError`] for the first byte that is not as it must be.
+    /// [`DatagramError`] for the first invalid byte.
     pub fn decode(bytes: &[u8]) -> Result<Self, DatagramError> {
         let [n, m, more] = sizes::<N, M, NY>()?;
         let shortest = HEADER + CHECKSUM;

@@ -1,14 +1,14 @@
-//! Columns of the derivatives, and the disturbances that they come from.
+//! Columns of the derivatives, and the disturbances that cause them.
 
 use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// A column of the derivatives on its way to the base: three wrenches, and what the torque of the column's
-/// joint gains by disturbances of the body that it has arrived at.
+/// A column of the derivatives on the path to the base: three wrenches, and the change of the joint's torque
+/// by disturbances of the current body.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'g> {
-    /// Derivative by the acceleration; also the torque of the joint by δa and β.
+    /// Derivative by the acceleration; also torque of the joint by δa and β.
     pub(super) inertial: Force<'g>,
     /// Derivative by the velocity.
     pub(super) damping: Force<'g>,
@@ -26,7 +26,7 @@ impl<'g> Column<'g> {
     }
 }
 
-/// How a coordinate and its velocity disturb the body that it moves.
+/// Disturbances of a body by its coordinate and velocity.
 #[derive(Clone, Copy)]
 pub(super) struct Disturbance<'g> {
     pub(super) by_coordinate: Disturbed<'g>,
@@ -41,7 +41,7 @@ pub(super) struct Disturbed<'g> {
 }
 
 impl<'g> Disturbed<'g> {
-    /// From δω, β and δa.
+    /// Creates the column from δω, β and δa.
     pub(super) fn of([omega, beta, acceleration]: [Vector3<Scalar<'g>>; 3]) -> Self {
         Self { omega, beta, acceleration }
     }

@@ -1,4 +1,4 @@
-//! Composite moments that depend on velocities, and the levers over which they are passed on.
+//! Velocity-dependent composite moments, and the levers for moving them.
 
 use super::column::Disturbed;
 use crate::dynamics::recursion::composite::Composite;
@@ -9,7 +9,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Force, MassMoments, Matrix3, Vector3};
 
-/// Composite moments that depend on velocities: 2P and 2K.
+/// Velocity-dependent composite moments 2P and 2K.
 #[derive(Clone, Copy)]
 pub(super) struct Flow<'g> {
     pub(super) composite: Composite<'g>,
@@ -17,7 +17,7 @@ pub(super) struct Flow<'g> {
     pub(super) spin: Matrix3<'g>,
 }
 
-/// Levers of a joint and twice their velocities: along z in the body's frame, then across in the parent's.
+/// Levers of a joint and twice their velocities: along z in the body's frame, and across z in the parent's.
 #[derive(Clone, Copy)]
 pub(super) struct Lever<'g> {
     pub(super) along: Scalar<'g>,
@@ -66,7 +66,7 @@ pub(super) fn twice_across(omega: Vector3<Scalar<'_>>) -> Vector3<Scalar<'_>> {
 }
 
 impl<'g> Flow<'g> {
-    /// Force and moment about the origin that a disturbance of the body causes.
+    /// Force and moment about the origin caused by a disturbance of the body.
     pub(super) fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
         let Disturbed { omega, beta, acceleration } = *disturbed;
         let moments = self.composite.moments;
@@ -79,7 +79,7 @@ impl<'g> Flow<'g> {
     }
 }
 
-/// 2P and 2K about another point: with the lever r and twice its velocity v.
+/// 2P and 2K about a point at the lever r with twice its velocity, v.
 pub(super) fn shift_flow<'g>(
     moments: MassMoments<Scalar<'g>>,
     momentum: Vector3<Scalar<'g>>,

@@ -1,14 +1,13 @@
 //! Analytic derivatives of the inverse dynamics, with composite bodies.
 //!
-//! A body that carries others is disturbed by an angular velocity δω, by β = δω̇ + ω × δω and by an
-//! acceleration δa of its origin. With r and ṙ relative to that origin, every point of the subtree then
-//! accelerates by
+//! A disturbance of a body consists of an angular velocity δω, β = δω̇ + ω × δω, and an acceleration δa of
+//! the body's origin. With r and ṙ relative to this origin, every point of the subtree then accelerates by
 //!
 //! ```text
 //! δr̈ = δa + β × r + 2 δω × ṙ
 //! ```
 //!
-//! and δω, β stay the same vectors in every body beyond. So the force and moment that follow need only the
+//! where δω and β are the same in all bodies beyond. The resulting force and moment depend only on the
 //! composite moments m, h = ∫ r dm, Σ = ∫ r rᵀ dm, 2 P = 2 ∫ ṙ dm and 2 K = 2 ∫ ṙ rᵀ dm:
 //!
 //! ```text
@@ -16,10 +15,10 @@
 //! δn = h × δa + (tr Σ − Σ) β + (tr 2K − 2K) δω
 //! ```
 //!
-//! A revolute coordinate disturbs by δω = ω × z, β = U z, δa = a × z, its velocity by δω = z, β = 2 ω × z; a
-//! prismatic one by δa = U z and δa = 2 ω × z. The derivatives are those of Carpentier and Mansard (2018) and
-//! of Singh, Russell and Wensing (2022), written with classical accelerations, so that no linear velocity is
-//! needed.
+//! A revolute coordinate gives δω = ω × z, β = U z, δa = a × z, its velocity δω = z, β = 2 ω × z. A prismatic
+//! coordinate gives δa = U z, its velocity δa = 2 ω × z. These are the derivatives of Carpentier and Mansard
+//! (2018) and of Singh, Russell and Wensing (2022) with classical accelerations, which require no linear
+//! velocities.
 
 mod base_body;
 mod column;
@@ -42,7 +41,7 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, ChainPlace, Followed, Mechanism};
 use crate::spatial::Force;
 
-/// Inverse dynamics of bodies and rotors with their derivatives.
+/// Inverse dynamics of bodies and rotors, with derivatives.
 #[derive(Debug, Clone)]
 pub struct ForceDerivatives<'g> {
     /// `M ÿ + k − q_gravity`
@@ -51,21 +50,21 @@ pub struct ForceDerivatives<'g> {
     pub by_coordinates: Matrix<'g>,
     /// ∂/∂ẏ, row i = force i.
     pub by_velocities: Matrix<'g>,
-    /// M
+    /// Mass matrix M.
     pub mass_matrix: Matrix<'g>,
 }
 
-/// Where the columns of the derivatives meet the joints that they couple with.
+/// Frame in which columns of the derivatives meet the joints that they couple with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairFrame {
-    /// In the working frame of each joint, carried there link by link.
+    /// Working frame of each joint; the column is transformed link by link.
     Links,
-    /// In the frame of the tree's first body: nothing is carried, but every product has all its components.
-    /// All bodies need the same unit of length.
+    /// Frame of the tree's first body. Nothing is transformed, but every product has all components. All
+    /// bodies must have the same unit of length.
     Root,
 }
 
-/// Derives all of them in the working frames of a formulation.
+/// Derives forces and derivatives in the working frames of a formulation.
 pub fn inverse_dynamics_derivatives<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -152,7 +151,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Reads off the entries at the joint of a body, and at those before it.
+    /// Reads the entries of the column at the joint of a body and at all joints before it.
     fn arrive(
         &self,
         index: usize,
@@ -164,7 +163,7 @@ impl<'g> Tree<'_, 'g> {
         self.walk(index, source, column, result);
     }
 
-    /// Reads off the entries at the joint of a body; the body from which the column then goes on.
+    /// Reads the entries of the column at the joint of a body. Returns the body at which the column continues.
     fn read_joint(
         &self,
         index: usize,

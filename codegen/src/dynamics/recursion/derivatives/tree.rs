@@ -1,4 +1,4 @@
-//! The mechanism in motion: what a joint needs of its body, and what of it arrives at the parent.
+//! A mechanism in motion: effect of each body on its joint, and the part passed to its parent.
 
 use super::base_body::BaseBody;
 use super::column::{Column, Disturbance, Disturbed};
@@ -13,13 +13,13 @@ use crate::graph::Scalar;
 use crate::kinematics::{ChainPlace, Followed, JointAxis, Mechanism, Rotor};
 use crate::spatial::{Force, Matrix3, Motion, Vector3};
 
-/// The mechanism in motion.
+/// A mechanism in motion.
 pub(super) struct Tree<'a, 'g> {
     pub(super) mechanism: &'a Mechanism<Scalar<'g>>,
     pub(super) placements: &'a [Placement<'g>],
     pub(super) motions: &'a [BodyMotion<'g>],
     pub(super) levers: Vec<Lever<'g>>,
-    /// Every body as seen from the base, where the pairs meet there.
+    /// Every body seen from the base, if columns meet joints in that frame.
     pub(super) base: Vec<BaseBody<'g>>,
 }
 
@@ -76,7 +76,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Column of body `index` for a unit of acceleration, velocity and position of its coordinate, or of its
+    /// Column of body `index` per unit of acceleration, velocity and position of its coordinate, or of its
     /// joint if that follows several coordinates.
     pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
         let zero = needed.force[0].constant(0.0);
@@ -211,7 +211,7 @@ impl<'g> Tree<'_, 'g> {
         Column { inertial, damping: pass(column.damping), stiffness: pass(column.stiffness), by_omega }
     }
 
-    /// Every body as seen from the base.
+    /// Every body seen from the base.
     pub(super) fn base_bodies(&self) -> Vec<BaseBody<'g>> {
         let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.bodies.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate() {
@@ -254,12 +254,12 @@ impl<'g> Tree<'_, 'g> {
         bodies
     }
 
-    /// A column where it starts its way to the base.
+    /// A column at the start of its path to the base.
     pub(super) fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
         self.base.get(index).map_or(column, |body| body.column(&column))
     }
 
-    /// Whether the path from a joint to the base passes a body, after the joint itself.
+    /// Whether the path from a joint to the base passes a body, after the joint's own.
     pub(super) fn passes(&self, joint: usize, body: usize) -> bool {
         let mut next = self.mechanism.bodies[joint].parent;
         while let Some(index) = next {
@@ -271,7 +271,7 @@ impl<'g> Tree<'_, 'g> {
         false
     }
 
-    /// The coordinates that a column stands for, each with the share of a unit of its motion.
+    /// Coordinates of a column, each with its share of the unit motion.
     pub(super) fn coordinates_of(&self, index: usize) -> Vec<Followed<Scalar<'g>>> {
         let transmission = &self.mechanism.bodies[index].transmission;
         match transmission.single() {

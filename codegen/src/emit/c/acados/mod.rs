@@ -1,8 +1,8 @@
-//! A robot for acados: discrete dynamics in C, and a file in Python that sets an optimal control problem up.
+//! Files for acados: discrete dynamics in C, and a Python file with an optimal control problem.
 //!
-//! acados calls generic functions `int f(void **in, void **out, void *params)`. Vectors are parts of BLASFEO's vectors, and
-//! matrices parts of its matrices, whose storage depends on the processor: the source reads and writes them by the macros of
-//! acados' headers. `setup.rs` prints the file in Python, `python.rs` its literals.
+//! acados calls generic functions `int f(void **in, void **out, void *params)`. Vectors and matrices are
+//! parts of BLASFEO's, whose storage depends on the processor, so the source accesses them with macros of
+//! acados' headers. `setup.rs` prints the Python file, `python.rs` its literals.
 
 mod python;
 mod setup;
@@ -16,7 +16,7 @@ use crate::emit::options::Companion;
 
 pub(super) use setup::text as setup;
 
-/// The text of `<name>_acados.c`.
+/// Text of `<name>_acados.c`.
 pub(super) fn dynamics(context: &Context<'_>) -> String {
     let has_quaternions = context.module.has_quaternions();
     let step = if has_quaternions { STEP_ABOUT } else { STEP };
@@ -79,7 +79,7 @@ const BEGIN: &str = include_str!("begin.c");
 /// Text of the functions that acados calls.
 const STEP: &str = include_str!("step.c");
 
-/// The same about reference positions.
+/// Text of the functions that acados calls, with displacements from reference positions.
 const STEP_ABOUT: &str = include_str!("step_about.c");
 
 const END: &str = include_str!("end.c");

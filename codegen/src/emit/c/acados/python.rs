@@ -1,4 +1,4 @@
-//! Values as literals of Python.
+//! Python literals.
 
 /// A number.
 pub(super) fn number(number: f64) -> String {
@@ -10,7 +10,7 @@ pub(super) fn number(number: f64) -> String {
     }
 }
 
-/// Text, of which nothing can become code.
+/// Text that cannot become code.
 pub(super) fn string(text: &str) -> String {
     let mut literal = String::from("\"");
     for letter in text.chars() {
@@ -24,7 +24,7 @@ pub(super) fn string(text: &str) -> String {
     literal
 }
 
-/// A tuple of texts.
+/// A tuple of strings.
 pub(super) fn strings<'a>(texts: impl Iterator<Item = &'a str>) -> String {
     let texts: Vec<String> = texts.map(string).collect();
     // A tuple of one has a comma.
@@ -34,7 +34,7 @@ pub(super) fn strings<'a>(texts: impl Iterator<Item = &'a str>) -> String {
 
 /// An array of numbers.
 ///
-/// - `columns`: of a matrix, which may have no rows; none for a vector
+/// - `columns`: number of columns of a matrix, which may have no rows; `None` for a vector
 pub(super) fn array(numbers: &[f64], columns: Option<usize>) -> String {
     let list = |numbers: &[f64]| {
         let numbers: Vec<String> = numbers.iter().map(|&each| number(each)).collect();

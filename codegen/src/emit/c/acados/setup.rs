@@ -1,4 +1,4 @@
-//! The file in Python that sets an optimal control problem up: constants of the robot before a fixed text.
+//! The Python file with an optimal control problem: constants of the robot before a fixed text.
 
 use super::super::context::Context;
 use super::functions;
@@ -23,7 +23,7 @@ const STATE_ABOUT: &str = "The dynamics are discrete: x = (d, v) after a period 
 motion from reference positions of each stage; d is at most half a turn. The parameters p are the period in s, the references
 at its begin and at its end, then the free parameters of the description.";
 
-/// The text of `<name>_acados.py`.
+/// Text of `<name>_acados.py`.
 pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     let lines = header::lines(context.module, &context.options.command);
     let top: String = lines.iter().map(|line| format!("#{}\n", line.trim_start_matches('/'))).collect();

@@ -1,32 +1,32 @@
-//! Functions as CasADi calls them: inputs, outputs, and where each entry comes from.
+//! Functions for CasADi: inputs, outputs, and the source of each entry.
 
 /// A function with its derivatives.
 pub(super) struct External {
     /// The function.
     pub(super) value: Evaluation,
-    /// Its derivatives and second derivatives; none if the module does not have the first.
+    /// First and second derivatives; `None` if the module lacks the first.
     pub(super) derivatives: Option<[Evaluation; 2]>,
 }
 
-/// A function as CasADi calls it.
+/// A function for CasADi.
 pub(super) struct Evaluation {
-    /// Its name in C.
+    /// Name in C.
     pub(super) name: String,
     /// Description.
     pub(super) about: String,
-    /// Inputs, all of them dense.
+    /// Inputs; all are dense.
     pub(super) inputs: Vec<Input>,
     /// Outputs.
     pub(super) outputs: Vec<Block>,
-    /// How outputs are computed.
+    /// Computation of the outputs.
     pub(super) body: Body,
 }
 
-/// How the outputs of an evaluation are computed.
+/// Computation of the outputs of a function.
 pub(super) enum Body {
-    /// Statements fill an array `e` of this size from [`VALUES`] on, from which the entries of all outputs are taken.
+    /// Statements fill an array `e` of this size from index [`VALUES`] on; the outputs are entries of `e`.
     Filled { statements: Vec<String>, size: usize },
-    /// Central differences by the first inputs.
+    /// Central differences with respect to the first inputs.
     Differences {
         /// The differentiated function.
         of: String,
@@ -43,26 +43,26 @@ pub(super) struct Input {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// It is true for the free parameters, which the module takes as a struct.
+    /// Whether these are the free parameters, which the module takes as a struct.
     pub(super) are_parameters: bool,
 }
 
-/// An output, of which only some entries are not zero in every state.
+/// An output; only some entries are non-zero in some state.
 pub(super) struct Block {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Row, column, place in `e`; column by column.
+    /// Row, column and index in `e` of each entry, column by column.
     pub(super) entries: Vec<(usize, usize, usize)>,
 }
 
-/// The place in `e` of the number 1.
+/// Index in `e` of the number 1.
 pub(super) const ONE: usize = 0;
-/// Where the computed values begin in `e`.
+/// First index of computed values in `e`.
 pub(super) const VALUES: usize = 1;
 
 impl Input {
-    /// The free parameters.
+    /// The free parameters as an input.
     pub(super) fn parameters(count: usize) -> Self {
         Self { are_parameters: true, ..Self::new("p", count) }
     }
@@ -83,7 +83,7 @@ impl Block {
         Self { name: name.to_owned(), rows, columns, entries: entries.collect() }
     }
 
-    /// A column from a place on.
+    /// A column of `e` from an index on.
     pub(super) fn column(name: &str, rows: usize, start: usize) -> Self {
         Self::new(name, [rows, 1], |row, _| Some(start + row))
     }
@@ -137,12 +137,12 @@ fn second_derivatives(jacobian: &Evaluation, by: usize) -> Evaluation {
     }
 }
 
-/// The room of a result in `e`: no two begin at the same place, also where one has no entries.
+/// Room of a result in `e`. Empty results also get an index of their own.
 pub(super) fn room(entries: usize) -> usize {
     entries.max(1)
 }
 
-/// How derivatives are computed: statements that fill `e`, and the blocks that are taken from it.
+/// Computation of derivatives: statements that fill `e`, and the blocks read from it.
 pub(super) struct Derivatives {
     pub(super) statements: Vec<String>,
     pub(super) size: usize,
@@ -154,7 +154,7 @@ impl Derivatives {
         Self { statements, size: VALUES, blocks: vec![] }
     }
 
-    /// Reserves room for `count` values.
+    /// Reserves `count` values; returns the first index.
     pub(super) const fn room(&mut self, count: usize) -> usize {
         let place = self.size;
         self.size += count;
@@ -162,7 +162,7 @@ impl Derivatives {
     }
 }
 
-/// A result in `e`: where it begins, and which entries are not zero in every state.
+/// A result in `e`: first index, and the entries that are not always zero.
 pub(super) struct Stored {
     pub(super) start: usize,
     pub(super) nonzero: Vec<bool>,

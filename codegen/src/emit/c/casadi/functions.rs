@@ -1,4 +1,4 @@
-//! The functions that CasADi is given, with their derivatives.
+//! Functions for CasADi with their derivatives.
 
 use super::super::context::Context;
 use super::external::{Block, Body, Derivatives, Evaluation, External, Input, ONE, Stored, VALUES, room};
@@ -6,7 +6,7 @@ use super::robot::{Given, Robot};
 use crate::emit::interface::Interface;
 use crate::functions::function::{FrameFunction, FrameKind};
 
-/// All of a module, in its order.
+/// All functions of a module in order.
 pub(super) fn all(context: &Context<'_>, interface: &Interface) -> Vec<External> {
     let robot = Robot { context, interface, n: context.module.coordinates, m: context.module.inputs };
     let of_frames = context.module.functions.iter().filter_map(|function| function.frame.as_ref());
@@ -134,15 +134,16 @@ impl Robot<'_> {
         statements.push(call);
         let ny = self.context.module.positions;
         let (about, entries) = match self.has_reference() {
-            false => ("The state after one period in s, over which u is held.", VALUES..VALUES + 2 * n),
+            false => ("State after one period (s) with constant u.", VALUES..VALUES + 2 * n),
             true => {
                 statements.extend(self.next_reference());
                 let [v, d] = [VALUES + ny, VALUES + ny + n];
                 let difference = self.context.function("difference");
                 statements.push(format!("{difference}(unit_next, &e[{VALUES}], &e[{d}]);"));
                 statements.push(format!("memcpy(&e[{}], &e[{v}], {n} * sizeof *e);", d + n));
-                let about = "The state after one period in s, over which u is held: x = (d, v) at the positions y_ref ⊕ d before, and \
-                             at y_ref_next ⊕ d after it, where the rotations in d are at most half a turn.";
+                let about = "State after one period (s) with constant u. x = (d, v) belongs to the positions \
+                        y_ref ⊕ d before, and to y_ref_next ⊕ d after the period. Rotations in d are at most \
+                        half a turn.";
                 (about, d..d + 2 * n)
             }
         };

@@ -1,10 +1,11 @@
-//! External functions of CasADi with their Jacobians.
+//! External functions for CasADi with Jacobians.
 //!
-//! `casadi.external` finds a function by its name, and its derivatives as `jac_<name>`: a block for each output by each
-//! input, outputs first. Those of `jac_<name>` are `jac_jac_<name>`, central differences by `differences.c`. `functions.rs` says which functions there are and where their entries come from, `robot.rs` how they
-//! call the module, `text.rs` how CasADi calls them, `sensitivities.rs` how a step depends on its period and the free
-//! parameters. Robots with quaternions are given as small motions from a reference: `positions.c`, `tangents.c` and `steps.c`
-//! hold the parts in addition to the texts of `about_reference/`.
+//! `casadi.external` finds a function by name, and its derivatives as `jac_<name>`: one block per output and
+//! input, outputs first. The derivatives of `jac_<name>` are `jac_jac_<name>`, central differences from
+//! `differences.c`. `functions.rs` lists the functions and the sources of their entries, `robot.rs` the calls
+//! of the module, `text.rs` the interface to CasADi, `sensitivities.rs` the derivatives of a step by its
+//! period and the free parameters. States of robots with quaternions are small motions from a reference:
+//! `positions.c`, `tangents.c` and `steps.c` complete the texts of `about_reference/`.
 
 mod external;
 mod functions;
@@ -18,7 +19,7 @@ use super::context::Context;
 use super::{about_reference, header, interface};
 use external::Evaluation;
 
-/// The text of `<name>_casadi.c`.
+/// Text of `<name>_casadi.c`.
 pub(super) fn text(context: &Context<'_>) -> String {
     let externals = functions::all(context, &interface::of(context));
     let evaluations: Vec<&Evaluation> = externals

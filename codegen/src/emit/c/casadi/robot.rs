@@ -1,4 +1,4 @@
-//! A module as external functions call it, and its positions about a reference where joints have quaternions.
+//! A module as used by external functions, with positions relative to a reference if joints have quaternions.
 
 use super::super::context::Context;
 use super::external::{Derivatives, Input, Stored, room};
@@ -7,7 +7,7 @@ use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
 use crate::program::nonzero_entries;
 
-/// A module, and the prefix of its functions.
+/// A module and the prefix of its functions.
 pub(super) struct Robot<'a> {
     pub(super) context: &'a Context<'a>,
     pub(super) interface: &'a Interface,
@@ -15,20 +15,20 @@ pub(super) struct Robot<'a> {
     pub(super) m: usize,
 }
 
-/// Derivatives by the arguments that determine the positions.
+/// Derivatives by arguments that determine the positions.
 pub(super) struct ByPositions {
     /// Derivative by the positions, or by small motions `d` from the reference.
     pub(super) own: Stored,
-    /// Derivative by the entries of the reference, if there is one.
+    /// Derivative by the entries of the reference, if any.
     pub(super) reference: Option<Stored>,
 }
 
-/// The argument that gives the positions of a function.
+/// Argument that determines the positions of a function.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Given {
     /// The state.
     State,
-    /// The positions alone.
+    /// The positions.
     Positions,
 }
 
@@ -51,7 +51,7 @@ impl Robot<'_> {
         self.context.module.positions
     }
 
-    /// The name of an argument.
+    /// Name of an argument.
     pub(super) fn name_of(&self, argument: Given) -> &'static str {
         match argument {
             Given::State => "x",
@@ -60,19 +60,19 @@ impl Robot<'_> {
         }
     }
 
-    /// The name of a function or a type.
+    /// Name of a function or type.
     pub(super) fn name(&self, name: &str) -> String {
         self.context.function(&format!("casadi_{name}"))
     }
 
-    /// How many free parameters there are, if there are any.
+    /// Number of free parameters; `None` without any.
     pub(super) fn parameters(&self) -> Option<usize> {
         Some(self.interface.parameters.len()).filter(|&count| count > 0)
     }
 
-    /// Inputs with those that stand behind all others.
+    /// Appends the inputs that follow all others.
     ///
-    /// - `references`: names of reference positions, which robots with quaternions alone have
+    /// - `references`: names of reference positions, only for robots with quaternions
     pub(super) fn with_rest(&self, mut inputs: Vec<Input>, references: &[&str]) -> Vec<Input> {
         let references = references.iter().filter(|_| self.has_reference());
         inputs.extend(references.map(|name| Input::new(name, self.positions())));
@@ -80,7 +80,7 @@ impl Robot<'_> {
         inputs
     }
 
-    /// The positions y of an argument, and the velocities where it is a state.
+    /// Positions y of an argument, and velocities of a state.
     pub(super) fn begin(&self, argument: Given) -> Vec<String> {
         let n = self.n;
         let is_state = argument == Given::State;
@@ -96,7 +96,7 @@ impl Robot<'_> {
         velocities.into_iter().chain([references, call]).collect()
     }
 
-    /// The same, and the values for derivatives by positions.
+    /// Positions and velocities of an argument, and values for derivatives by positions.
     pub(super) fn begin_derivatives(&self, given: Given) -> Derivatives {
         let (mut statements, argument) = (self.begin(given), self.name_of(given));
         if self.has_reference() {
@@ -107,7 +107,7 @@ impl Robot<'_> {
         Derivatives::new(statements)
     }
 
-    /// The rates of d with their derivatives by d and by v; none if positions are not small motions.
+    /// Rates of d with derivatives by d and by v; `None` if positions are not small motions.
     pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
         let n = self.n;
         let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
@@ -127,7 +127,7 @@ impl Robot<'_> {
         Some([of_d, Stored { start: by_v, nonzero: all }])
     }
 
-    /// From derivatives along small motions of the positions, a column for each velocity.
+    /// Derivatives by positions from derivatives along small motions, one column per velocity.
     pub(super) fn by_positions(&self, made: &mut Derivatives, along: Stored) -> ByPositions {
         if !self.has_reference() {
             return ByPositions { own: along, reference: None };
@@ -182,7 +182,7 @@ impl Robot<'_> {
         nonzero
     }
 
-    /// All joints in their order; none if positions are not small motions.
+    /// Joints in order; `None` if positions are not small motions.
     fn joints(&self) -> Vec<JointEntries> {
         let (mut position, mut velocity) = (0, 0);
         let place = |&entries: &usize| {
@@ -194,7 +194,8 @@ impl Robot<'_> {
         self.context.module.joint_positions.iter().map(place).collect()
     }
 
-    /// Calls a function that writes to `e`; where its results stand, and which entries are not zero in every state.
+    /// Calls a function that writes to `e`; returns the indices of its results and their entries that are not
+    /// always zero.
     pub(super) fn stored(&self, made: &mut Derivatives, name: &str) -> Option<std::vec::IntoIter<Stored>> {
         let nonzero = self.nonzero(name)?;
         let call = self.call(name, made.size)?;
@@ -204,8 +205,8 @@ impl Robot<'_> {
         Some(stored.collect::<Vec<_>>().into_iter())
     }
 
-    /// The call of a function that writes its results to `e` from a place on; none if the module does not have it,
-    /// or if it takes an argument that CasADi does not have.
+    /// Call of a function that writes its results to `e` from an index on; `None` if the module lacks it, or
+    /// if it has an argument that CasADi cannot give.
     pub(super) fn call(&self, name: &str, place: usize) -> Option<String> {
         let function = self.callable(name)?;
         let mut words: Vec<String> = vec![];
@@ -245,7 +246,7 @@ struct JointEntries {
     entries: usize,
     /// The first of them.
     position: usize,
-    /// Its first velocity.
+    /// First velocity of the joint.
     velocity: usize,
 }
 

@@ -3,12 +3,12 @@
 use super::super::context::Context;
 use crate::functions::function::ConstantValue;
 
-/// The function; none if no step needs it.
+/// Text of the function; `None` if no step needs it.
 ///
-/// In its result `d` there is a row for each small motion of the positions, then one for each velocity, and a column for the
-/// period, then one for each parameter.
+/// Rows of its result `d` are the small motions of the positions, then the velocities. Columns are the
+/// period, then the parameters.
 ///
-/// - `is_called`: whether the functions that CasADi calls do so
+/// - `is_called`: whether functions for CasADi call it
 pub(super) fn text(context: &Context<'_>, is_called: bool) -> Option<String> {
     let count = context.module.parameters.len();
     let substeps = match context.module.substeps.as_ref().map(|constant| &constant.value) {

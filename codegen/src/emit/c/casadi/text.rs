@@ -1,4 +1,4 @@
-//! The text of functions as CasADi calls them.
+//! Printing of functions for CasADi.
 
 use super::super::context::Context;
 use super::super::{comment, layout};
@@ -26,8 +26,9 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
             .to_owned(),
     );
     let tail = Block::Paragraph(
-        "Each has its derivatives as `jac_<name>`, which CasADi finds by itself: sparse, with the entries that are not zero in \
-         every state. Second derivatives are central differences of these: `jac_jac_<name>`. `p` are the free parameters in the order of their struct."
+        "Each function has derivatives `jac_<name>`, which CasADi finds by name: sparse, with the entries that \
+         can be non-zero. Second derivatives `jac_jac_<name>` are central differences of these. `p` are the \
+         free parameters in the order of their struct."
             .to_owned(),
     );
     let about = context.module.has_quaternions().then(|| Block::Paragraph(REFERENCE.to_owned()));
@@ -39,7 +40,7 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
 const REFERENCE: &str = "Positions are given as d, a small motion from the reference y_ref: y = y_ref ⊕ d. The quaternions of a \
     reference are made unit ones, along which derivatives by them are taken; an evaluation fails where one is zero or not finite.";
 
-/// The shared text behind the include of the module.
+/// Common text after the include of the module.
 pub(super) fn shared(context: &Context<'_>) -> String {
     let text = context.pasted_names(SHARED);
     match context.module.has_quaternions() {
@@ -94,7 +95,7 @@ static inline void gelenk_casadi_turn(const double *r, const double *w, int colu
 /// The end of the file.
 pub(super) const END: &str = "\n#ifdef __cplusplus\n}\n#endif\n";
 
-/// A function with all that CasADi asks about it.
+/// A function with the queries that CasADi calls.
 pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String {
     let Evaluation { name, about, inputs, outputs, .. } = evaluation;
     let define = |head: &str, statements: &[String]| {

@@ -1,4 +1,4 @@
-//! Values of several states: their type, their entries in arrays, and elementary functions of them.
+//! Values of several states: type, entries in arrays, and elementary functions.
 
 use gelenk_kernels::math::Kernel;
 
@@ -10,22 +10,22 @@ use crate::emit::options::Scalar;
 /// States per call: one register of AVX-512, two of AVX2, four of SSE2 or Neon.
 pub(super) const COUNT: usize = 8;
 
-/// The type of a quantity of as many states as a register holds.
+/// Type of a quantity of several states, of register width.
 pub(super) fn ty(context: &Context<'_>) -> String {
     context.function("group")
 }
 
-/// One number for all states.
+/// A number that is the same for all states.
 pub(super) fn same(context: &Context<'_>, number: &str) -> String {
     format!("{}({number})", context.function("same"))
 }
 
-/// An entry of an argument with the states' arrays of a length one after the other.
+/// Entry of an argument; the arrays of the states are stored one after the other.
 pub(super) fn gather(context: &Context<'_>, argument: &str, index: usize, len: usize) -> String {
     format!("{}(&{argument}[{index}], {len})", context.function("gather"))
 }
 
-/// The statement that writes entries of a result from an index on: one, or two that follow one another.
+/// Statement that writes one entry of a result, or two adjacent ones.
 pub(super) fn scatter(
     context: &Context<'_>,
     result: &str,
@@ -37,7 +37,7 @@ pub(super) fn scatter(
     format!("{callee}(&{result}[{index}], {len}, {});", values.join(", "))
 }
 
-/// The form over several states of a function of some numbers.
+/// Form over several states of an elementary function.
 pub(super) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> String {
     let stem = callee.strip_prefix(&context.function("")).unwrap_or(callee);
     let scalar = context.options.scalar;
@@ -52,7 +52,7 @@ pub(super) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> 
     }
 }
 
-/// The function that gives sine and cosine of the angles of several states.
+/// Function that computes sine and cosine of the angles of several states.
 pub(super) fn sin_cos(context: &Context<'_>) -> String {
     own(context, kernels::of_scalar([Kernel::SinCos, Kernel::SinCosF32], context.options.scalar))
 }
@@ -87,7 +87,7 @@ fn one_by_one(context: &Context<'_>, callee: &str, stem: &str, arguments: usize)
     })
 }
 
-/// Types and functions that the functions printed so far need.
+/// Types and functions that the printed functions use.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.has_lanes() {
         return String::new();

@@ -1,4 +1,4 @@
-//! The functions over lanes: one text, compiled for each instruction set.
+//! Functions over lanes: one text, compiled for each instruction set.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -60,9 +60,9 @@ const TABLED: &str = "linearize";
 /// Names that the text over lanes takes.
 const LOCALS: [&str; 8] = ["p", "group", "lane", "W", "angles", "sines", "cosines", "values"];
 
-/// The loops, and one public function for each instruction set.
+/// The loops, and one public function per instruction set.
 ///
-/// - `unused`: arguments that nothing reads
+/// - `unused`: unused arguments
 pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenStream]) -> Vec<TokenStream> {
     let form = Form::new(body, name, plan);
     let mut items = vec![form.each(unused)];

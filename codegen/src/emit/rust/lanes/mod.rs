@@ -1,11 +1,9 @@
-//! Many states at once: functions over eight states that stand side by side, with the bits of the scalar
-//! ones.
+//! Functions over eight states side by side, with the same bits as functions over one state.
 //!
-//! Sines and cosines come first, by a loop of their own. The rest are inlined functions of one state, which
-//! the scalar function calls once and the one over lanes in a loop over the states: a loop whose every index
-//! is written out becomes SIMD code however long its body is, while an inner loop, or arrays of lanes with
-//! operators, would keep the compiler from it. What a long function computes is cut into several such loops
-//! ([`Plan`]).
+//! Sines and cosines are computed first, in a separate loop. The rest are inlined functions of one state. The
+//! scalar function calls them once, the function over lanes in a loop over the states. A loop with all
+//! indices written out becomes SIMD code however long its body is; an inner loop, or arrays of lanes with
+//! operators, would prevent this. A long function is divided into several such loops ([`Plan`]).
 
 mod form;
 mod scalar;
@@ -42,11 +40,10 @@ const LANES: usize = 8;
 /// take again they could not move to registers (95 to 128 ns).
 const LONGEST_LOOP: usize = 100;
 
-/// Names that the module takes for lanes.
+/// Names reserved for lanes.
 pub(super) const RESERVED: [&str; 3] = ["Lanes", "Group", "LINEARIZE_LANES"];
 
-/// The types that the functions printed so far need: eight values, and what stands between the loops of a
-/// function, which one without angles and parts that hand on values has not.
+/// Types that the printed functions use: eight values, and the values between the loops of a function.
 pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     let (ty, len) = (context.ty(), Literal::usize_unsuffixed(LANES));
     let lanes = context.has_lanes.get().then(|| {
@@ -68,7 +65,7 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     lanes.into_iter().chain(group).collect()
 }
 
-/// How a function is divided, if it is written over lanes. Functions of std have no form over lanes.
+/// Division of a function over lanes into loops; `None` with functions of std.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     let is_asked = context.module.lanes.contains(&function.name);
     if !is_asked || context.options.math == Math::Std {

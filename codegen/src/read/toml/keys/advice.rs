@@ -4,8 +4,8 @@ use super::{Key, Keys, ROBOT};
 use crate::diagnostic::nearest;
 use std::collections::VecDeque;
 
-/// The key that has the place of an unknown one: that of another name, that of an inner table or of another table, or the
-/// nearest in spelling.
+/// Help for an unknown key: a known key with another name, in an inner table or in another table, or the
+/// nearest spelling.
 pub(crate) fn advice(unknown: &str, keys: &Keys) -> Option<String> {
     if let Some(row) = keys.rows().find(|row| row.also.contains(&unknown)) {
         return Some(format!("{}: {}", row.line(), row.says));

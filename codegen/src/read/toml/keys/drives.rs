@@ -26,17 +26,17 @@ pub(super) static SHARED_DRIVE: Keys = Keys {
 
 #[rustfmt::skip]
 static MOTOR: &[Key] = &[
-    key("gear_ratio", Value::Formula, "100", "i, motor angle over joint angle; may be negative").default("1"),
+    key("gear_ratio", Value::Formula, "100", "i, motor angle divided by joint angle; may be negative").default("1"),
     key("rotor_inertia", Value::Formula, "2e-5", "inertia J_R of the rotor about its own axis").unit("kg m²").default("0").also(&["inertia"]),
-    key("coupling", Value::Words(&["body", "diagonal"]), r#""diagonal""#, "the rotor is a body that spins with i ẏ relative to its carrier, or only i² J_R is in M").default(r#"`"body"`"#),
+    key("coupling", Value::Words(&["body", "diagonal"]), r#""diagonal""#, "`body`: the rotor is a body that spins with i ẏ relative to its carrier; `diagonal`: only i² J_R enters M").default(r#"`"body"`"#),
     key("carrier", Value::Name, r#""forearm""#, "link that carries the rotor").default("the joint's parent"),
-    key("axis", NUMBERS, "[0, 1, 0]", "the rotor's axis in the frame of `carrier`, which needs it").default("the joint's axis"),
-    key("torque", Value::Either(&[Value::Positive, Value::Table(&TORQUE)]), "{ nominal = 0.4, peak = 0.9 }", "largest torque at the motor's shaft; limits at the joint are `limits` of the joint").unit("N m").also(&["effort", "limits"]),
+    key("axis", NUMBERS, "[0, 1, 0]", "the rotor's axis in the frame of `carrier`; required with `carrier`").default("the joint's axis"),
+    key("torque", Value::Either(&[Value::Positive, Value::Table(&TORQUE)]), "{ nominal = 0.4, peak = 0.9 }", "largest torque at the motor's shaft; for limits at the joint use `limits` of the joint").unit("N m").also(&["effort", "limits"]),
     key("speed", Value::Positive, "300", "highest speed of the motor's shaft").unit("rad/s").default("unlimited"),
     key("stall_torque", Value::Positive, "1.2", "torque of the shaft at rest; needs `no_load_speed`").unit("N m"),
     key("no_load_speed", Value::Positive, "600", "speed of the shaft without torque; needs `stall_torque`").unit("rad/s"),
-    key("motor_constant", Value::Formula, "0.06", "torque at the motor for each ampere; the input is then the current").unit("N m/A").default("the input is the torque"),
-    key("friction", Value::Either(&[Value::Law, Value::Table(&SHAFT_FRICTION)]), "{ viscous = 1e-4 }", "friction of the motor's shaft, over its own angle and speed").default("none"),
+    key("motor_constant", Value::Formula, "0.06", "motor torque per ampere; makes the current the input").unit("N m/A").default("the input is the torque"),
+    key("friction", Value::Either(&[Value::Law, Value::Table(&SHAFT_FRICTION)]), "{ viscous = 1e-4 }", "friction of the motor's shaft, a law in its angle and speed").default("none"),
 ];
 
 #[rustfmt::skip]
@@ -44,7 +44,7 @@ static TORQUE: Keys = Keys {
     name: "torque",
     what: "a motor torque",
     groups: &[&[
-        key("nominal", Value::Positive, "0.4", "torque that the motor may give all the time").unit("N m").also(&["rated", "continuous"]),
-        key("peak", Value::Positive, "0.9", "torque that the motor may give for a moment").unit("N m").also(&["max", "maximum"]),
+        key("nominal", Value::Positive, "0.4", "continuous torque of the motor").unit("N m").also(&["rated", "continuous"]),
+        key("peak", Value::Positive, "0.9", "short-time torque of the motor").unit("N m").also(&["max", "maximum"]),
     ]],
 };

@@ -1,5 +1,5 @@
-//! The keys of a TOML description: one row per key. Reader, advice about unknown keys, `gelenk schema` and the tables of
-//! models/README.md are made from these rows.
+//! Keys of TOML descriptions, one row per key. The reader, help on unknown keys, `gelenk schema` and the
+//! tables of models/README.md use these rows.
 
 mod advice;
 mod bodies;

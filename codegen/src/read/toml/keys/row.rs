@@ -1,14 +1,14 @@
 //! Rows of the tables of keys.
 
-/// The keys of one table of a description.
+/// Keys of one table of a description.
 #[derive(Debug)]
 pub(crate) struct Keys {
-    /// Its name in the schema.
+    /// Name in the schema.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) name: &'static str,
-    /// The thing that the table describes, with article: `a joint`.
+    /// Name of the described object, with article: `a joint`.
     pub(crate) what: &'static str,
-    /// The rows; several tables may share a group.
+    /// Rows of the table; several tables may share a group.
     pub(crate) groups: &'static [&'static [Key]],
 }
 
@@ -17,22 +17,22 @@ pub(crate) struct Keys {
 pub(crate) struct Key {
     pub(crate) name: &'static str,
     pub(crate) value: Value,
-    /// SI unit of the value, empty if it has none or several.
+    /// SI unit of the value; empty if there is none or several.
     pub(crate) unit: &'static str,
     /// Value or meaning if the key is absent, as text.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) default: &'static str,
-    /// A value in TOML.
+    /// Example of a value in TOML.
     pub(crate) example: &'static str,
-    /// The meaning.
+    /// Meaning.
     pub(crate) says: &'static str,
     /// Names of the same quantity in other formats, data sheets and tables.
     pub(crate) also: &'static [&'static str],
-    /// The table is not complete without the key.
+    /// Whether the key is required.
     pub(crate) is_needed: bool,
 }
 
-/// The values that a key may have.
+/// Values of a key.
 #[derive(Debug)]
 pub(crate) enum Value {
     /// Any text.
@@ -42,7 +42,7 @@ pub(crate) enum Value {
     Flag,
     /// A number or a formula.
     Number,
-    /// The same, greater than 0.
+    /// A number or formula that is greater than 0.
     Positive,
     /// A number, a formula of parameters, or `{ free = … }`.
     Formula,
@@ -50,19 +50,19 @@ pub(crate) enum Value {
     Law,
     /// One of these texts.
     Words(&'static [&'static str]),
-    /// A list of this number of values, or of any number of them.
+    /// A list of this number of values, or of any number.
     List(&'static Self, Option<usize>),
     /// Two values of different kinds.
     Pair(&'static [Self; 2]),
     Table(&'static Keys),
     /// A table whose keys are names of the user.
     Names(&'static Self),
-    /// One value; at joints of several degrees of freedom a table of such values by the names of the parts.
+    /// One value; for joints of several degrees of freedom a table of values by the names of the parts.
     ByPart(&'static Self),
     Either(&'static [Self]),
 }
 
-/// A row with the fields that every key has.
+/// A row with the fields that are always set.
 pub(super) const fn key(name: &'static str, value: Value, example: &'static str, says: &'static str) -> Key {
     Key { name, value, unit: "", default: "", example, says, also: &[], is_needed: false }
 }
@@ -84,13 +84,13 @@ impl Key {
         Self { is_needed: true, ..self }
     }
 
-    /// The key with its example, and the unit.
+    /// Key with example and unit.
     pub(crate) fn line(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(", in {}", self.unit) };
         format!("`{} = {}`{unit}", self.name, self.example)
     }
 
-    /// The meaning with unit and default.
+    /// Meaning with unit and default.
     #[cfg(feature = "cli")]
     pub(crate) fn description(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) };
@@ -126,7 +126,7 @@ impl Value {
         }
     }
 
-    /// The keys of the table that the value is or holds.
+    /// Keys of the table that the value is or contains.
     pub(crate) fn keys(&self) -> Option<&'static Keys> {
         match self {
             Self::Table(keys) => Some(keys),
@@ -134,7 +134,7 @@ impl Value {
         }
     }
 
-    /// The words that the value may be.
+    /// Allowed words of the value.
     pub(crate) fn words(&self) -> &'static [&'static str] {
         match self {
             Self::Words(words) => words,
@@ -144,17 +144,17 @@ impl Value {
         }
     }
 
-    /// Whether numbers must be greater than 0.
+    /// Whether numbers must be positive.
     pub(crate) fn is_positive(&self) -> bool {
         matches!(self, Self::Positive) || self.parts().iter().any(Self::is_positive)
     }
 
-    /// Whether it is a list of tables.
+    /// Whether the value is a list of tables.
     pub(crate) fn is_tables(&self) -> bool {
         matches!(self, Self::List(Self::Table(_), None))
     }
 
-    /// The kinds of value, in words.
+    /// Description of the allowed types.
     pub(crate) fn kinds(&self) -> String {
         match self {
             Self::Text | Self::Name => "a text in quotes".to_owned(),

@@ -1,4 +1,4 @@
-//! Values that several tables share.
+//! Values common to several tables.
 
 use super::row::{Key, Keys, Value, key};
 
@@ -13,7 +13,7 @@ pub(super) const UNIT: Key = key("unit", Value::Text, r#""kg""#, "unit of the pa
 pub(super) const DESCRIPTION: Key =
     key("description", Value::Text, r#""payload""#, "meaning of the parameter, for documentation");
 
-/// A value that stays free in the generated code.
+/// A free parameter in place of a number.
 #[rustfmt::skip]
 pub(crate) static FREE: Keys = Keys {
     name: "free",
@@ -33,7 +33,7 @@ static PLACE: Keys = Keys {
     groups: &[&[
         key("xyz", VECTOR, "[0, 0, 0.5]", "position of the origin").unit("m").default("[0, 0, 0]"),
         key("rpy", NUMBERS, r#"[0, "pi/2", 0]"#, "roll, pitch and yaw: R = R_z(yaw) R_y(pitch) R_x(roll)").unit("rad").default("[0, 0, 0]"),
-        key("quaternion", Value::Table(&QUATERNION), "{ w = 1, x = 0, y = 0, z = 0 }", "unit quaternion in place of `rpy`"),
+        key("quaternion", Value::Table(&QUATERNION), "{ w = 1, x = 0, y = 0, z = 0 }", "unit quaternion, replaces `rpy`"),
     ]],
 };
 

@@ -30,8 +30,8 @@ pub fn pairs<const N: usize, const L: usize, const W: usize, const A: usize, con
     }
 }
 
-/// A row of such a matrix without its diagonal. Blocks stay blocks from a store to the next load: a longer load would wait
-/// until all stores under it are done.
+/// A row of this matrix without its diagonal entry. Each load has the size of the preceding store: a longer load would wait
+/// for all stores that it overlaps.
 #[inline(always)]
 fn pairs_of<const L: usize, const W: usize, const A: usize, const B: usize>(
     i: usize,

@@ -1,8 +1,8 @@
 /// Inverse of a symmetric positive definite matrix in place, by Gauss and Jordan without pivots, from the last row to the
 /// first.
 ///
-/// Whole rows are combined, with what becomes of the pivot's column chosen by bits: single entries stored after the
-/// rows would make the next step wait for these stores.
+/// Whole rows are combined, and a bit mask selects the new entries of the pivot column. Single entries stored after the rows
+/// would delay the next step.
 #[inline]
 pub fn invert<const N: usize, const L: usize>(matrix: &mut [[f64; L]; N]) {
     for k in (0..N).rev() {
