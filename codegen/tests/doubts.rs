@@ -96,7 +96,7 @@ fn inputs_that_act_alike_are_noted() {
     assert!(only(&driven).1.contains("note[drive-beside-input]"));
     let driven = driven
         .replace(CYLINDER, "[[inputs]]\nname = \"wind\"\nframe = \"tip\"\nwrench = [0, 0, 1, 0, 0, 0]\n");
-    assert!(only(&driven).1.contains("inputs `boom` and `wind` act alike"));
+    assert!(only(&driven).1.contains("inputs `boom` and `wind` have the same effect"));
 }
 
 #[test]

@@ -378,7 +378,7 @@ fn an_mjcf_loses_nothing_in_silence() {
     let (model, notes) = read.unwrap_or_else(|wrong| panic!("{wrong}"));
     assert_eq!(joint(&model, 0).limits.effort, Some(2.0));
     let notes = notes.to_string();
-    for said in ["omitted if they exclude 0: `lift`", "left out: `frictionloss`"] {
+    for said in ["omitted if they exclude 0: `lift`", "were ignored: `frictionloss`"] {
         assert!(notes.contains(said), "{notes}");
     }
 }
