@@ -246,7 +246,7 @@ fn margins_of_an_unstable_pole_are_exact() {
         assert!((low - a / (a + 1.0)).abs() < 1e-9, "{a}: {low}");
         assert!((high - a / (a - 1.0)).abs() < 1e-6 * high, "{a}: {high}");
         let printed = lqr.margins().to_string();
-        assert!(printed.contains(&format!("{low:.2} to {high:.2} times")), "{printed}");
+        assert!(printed.contains(&format!("from {low:.2} to {high:.2} and")), "{printed}");
     }
 }
 

@@ -137,13 +137,13 @@ mod tests {
             ("a.png", &b"\x89PNG\r\n"[..], "an image (PNG)"),
             ("a.stl", &stl, "a mesh (STL)"),
             ("a.stl", b"solid cube\nfacet normal 0 0 1", "a mesh (STL)"),
-            ("a.toml", b"a = 1\0", "no text"),
+            ("a.toml", b"a = 1\0", "binary data"),
             ("a.toml", b"\xff\xfea\0", "UTF-16"),
             ("a.sdf", b"<?xml version=\"1.0\"?>\n<!-- a -->\n<sdf version=\"1.7\">", "SDF"),
             ("a.json", b" {\"a\": 1}", "JSON"),
             ("a.yaml", b"a:\n  b", "YAML"),
-            ("a.toml", b"<robot>", "XML under a name"),
-            ("a.urdf", b"name = 1", "no XML"),
+            ("a.toml", b"<robot>", "XML, although its name"),
+            ("a.urdf", b"name = 1", "not XML"),
             ("a.toml", b" \n", "empty"),
         ] {
             let (message, _) = foreign(name, bytes).unwrap_or_default();

@@ -268,34 +268,31 @@ mod tests {
             let model = model.unwrap_or_else(|| panic!("{notes}"));
             assert_eq!(model.quaternion_joints.len(), 1);
             assert_eq!((&*model.quaternion_joints[0].name, model.position_count()), ("J", 7));
-            assert!(notes.contains("floats already, by joint `J`"), "{notes}");
+            assert!(notes.contains("already floats by joint `J`"), "{notes}");
         }
     }
 
     #[test]
     fn what_stands_on_the_ground_is_told_with_what_frees_it() {
         for (text, told) in [
-            (
-                on_ground("world", "fixed"),
-                ["bolted to `world` by joint `J`", "then `frame` is the link that floats"],
-            ),
+            (on_ground("world", "fixed"), ["fixed to `world` by joint `J`", "so that `frame` is the base"]),
             (
                 on_ground("world", "prismatic"),
-                ["moves on `world` by joint `J`", "give joint `J` the type `floating`"],
+                ["joint `J` connects the robot to `world`", "give joint `J` the type `floating`"],
             ),
-            (
-                on_ground("World", "fixed"),
-                ["bolted to `World` by joint `J`", "then `frame` is the link that floats"],
-            ),
+            (on_ground("World", "fixed"), ["fixed to `World` by joint `J`", "so that `frame` is the base"]),
             (
                 on_ground("world_link", "fixed"),
-                ["bolted to `world_link` by joint `J`", "then `frame` is the link that floats"],
+                ["fixed to `world_link` by joint `J`", "so that `frame` is the base"],
             ),
-            (on_ground("world", "spherical"), ["moves on `world` by joint `J`", "leave the base fixed"]),
-            (mjcf(""), ["bolted to `world`\n", "add <freejoint/> to body `trunk`"]),
+            (
+                on_ground("world", "spherical"),
+                ["joint `J` connects the robot to `world`", "leave the base fixed"],
+            ),
+            (mjcf(""), ["fixed to `world`\n", "add <freejoint/> to body `trunk`"]),
             (
                 mjcf("<joint name=\"J\"/>"),
-                ["moves on `world` by joint `J`", "<freejoint/> instead of joint `J`"],
+                ["joint `J` connects the robot to `world`", "replace joint `J` of the body by <freejoint/>"],
             ),
         ] {
             let (model, problems) = freed(&text);

@@ -124,7 +124,7 @@ mod tests {
         let before = fs::read(at("index.html")).unwrap();
         let error = report("Third", "mine").write(folder.path()).unwrap_err();
         let message = error.to_string();
-        assert!(message.contains("mine.csv: no report has written it"), "{message}");
+        assert!(message.contains("mine.csv: it was not written by a report"), "{message}");
         assert_eq!(fs::read(at("index.html")).unwrap(), before);
         assert_eq!(fs::read_to_string(at("mine.csv")).unwrap(), "t,q\n");
         assert_eq!(names(folder.path()), expected);
@@ -160,7 +160,7 @@ mod tests {
     fn names_stay_in_the_folder() {
         let folder = tempfile::tempdir().unwrap();
         let error = report("Arm", "../outside").write(folder.path()).unwrap_err();
-        assert!(error.to_string().contains("names no file"), "{error}");
+        assert!(error.to_string().contains("can be a file name only if"), "{error}");
         assert_eq!(names(folder.path()), [""; 0]);
     }
 }

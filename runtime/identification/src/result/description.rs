@@ -353,7 +353,7 @@ mod tests {
             description_toml("a", "b.toml", &[result])
         };
         let message = |basis: &str| with(basis, 1.0).unwrap_err().to_string();
-        assert!(message("ln(1 + abs(v))").contains("`ln` is a function of libraries and selections"));
+        assert!(message("ln(1 + abs(v))").contains("the function `ln` is not available in descriptions"));
         assert!(message("v*y").contains("unknown name `y`"));
         assert!(message("powi(v, 40)").contains("an exponent is a whole number from 0 to 16"));
         assert!(message("v*(v").contains("expression `v*(v`"));

@@ -116,7 +116,7 @@ fn other_versions_and_robots_are_named() {
     assert_eq!(Datagram::<2, 2>::decode(bytes), sizes([2, 2, 2]));
     assert_eq!(
         Datagram::<3, 2, 4>::decode(bytes).unwrap_err().to_string(),
-        "for 3 positions, 3 velocities and 2 inputs instead of 4, 3 and 2"
+        "the datagram is for 3 positions, 3 velocities and 2 inputs instead of 4, 3 and 2"
     );
     for version in [1, 3, 5] {
         bytes[4] = version;
