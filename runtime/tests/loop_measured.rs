@@ -137,7 +137,7 @@ fn velocities_that_contradict_positions_stop_the_arm() {
         let report = run(&mut robot);
         match report.end {
             End::Stopped(StopReason::Encoder(EncoderFault::Velocity { joint: 1, .. })) => {
-                assert!(report.to_string().contains("measured at joint gamma"));
+                assert!(report.to_string().contains("of joint gamma"));
                 assert_eq!(report.counts.velocity_faults, 4, "three are bridged");
             }
             End::Stopped(StopReason::Limit(_)) => assert!(factor > 1.0, "{report}"),
