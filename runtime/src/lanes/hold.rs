@@ -35,7 +35,7 @@ pub fn instructions() -> Instructions {
 /// errors. Its results differ from those in the last digits: four robots have the number of halvings that the fastest of them
 /// needs, products are fused where the processor can, and a shorter Taylor polynomial serves where it suffices. So the last digits
 /// of a result depend on the other robots of its four, and on whether the processor has AVX2 with fused multiply-add. Robots that
-/// are not finite or too fast leave those beside them within the bounds.
+/// are not finite or too fast leave the others within the bounds.
 ///
 /// ```
 /// use gelenk_runtime::dynamics::Differentiable;

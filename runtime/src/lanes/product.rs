@@ -76,7 +76,7 @@ fn by_tiles_avx2<const N: usize, const B: usize, const C: usize>(
     by_tiles(result, sum);
 }
 
-/// By tiles of up to three rows and four columns, whose sums stay in sixteen registers.
+/// Sums by tiles of up to three rows and four columns, whose sums stay in sixteen registers.
 #[inline(always)]
 fn by_tiles<V: Vector, const N: usize, const B: usize, const C: usize>(
     result: &mut Blocks<V, N, B, C>,

@@ -131,7 +131,7 @@ where
         Ok(())
     }
 
-    /// By the exact zero-order hold: linearized over all stages, then held several at a time.
+    /// Sets the stages by the exact zero-order hold: linearized over all stages, then held several at a time.
     fn set_held_stages(&mut self) -> Result<(), ControllerFault> {
         let (horizon, Memory { stages, points, linear, cases, holds }) =
             (&mut self.horizon, &mut self.memory);

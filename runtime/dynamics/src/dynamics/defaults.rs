@@ -1,11 +1,12 @@
 //! Default implementations of functions that a module lacks.
 
+use super::lanes::{Instructions, LANES, LinearizeLanes, Point};
 use super::load_friction::{load, under_load};
 use super::manifold::same;
 use super::midpoint::{Columns, solve, times};
 use super::solve::{product, solve_positive_definite};
 use super::traits::{Differentiable, Discretizable, Dynamics};
-use super::types::{Discretization, ForceDerivativesAndMass, Step};
+use super::types::{Discretization, ForceDerivativesAndMass, Linearization, Step};
 use core::cell::Cell;
 use gelenk_kernels::discrete_time;
 
@@ -360,5 +361,40 @@ impl StageTimes {
         let taken = self.taken.replace(self.taken.get() + 1);
         let within = [0.0, 0.5, 0.5, 1.0][taken % 4];
         self.start + ((taken / 4) as f64 + within) * self.step
+    }
+}
+
+/// [`Differentiable::linearize_along`] of a module's type.
+#[inline]
+pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: usize>(
+    robot: &D,
+    (table, parameters): (&impl LinearizeLanes<L, P, N, M, NY>, P),
+    of: impl Fn([f64; LANES]) -> L,
+    numbers: impl Fn(&L) -> &[f64; LANES],
+    (instructions, points): (Instructions, &[Point<N, M, NY>]),
+    results: &mut [Linearization<N, M, NY>],
+) where
+    D: Differentiable<N, M, NY>,
+{
+    let count = points.len().min(results.len());
+    for (points, results) in points[..count].chunks(LANES).zip(results[..count].chunks_mut(LANES)) {
+        // A call takes as long as two or three single ones.
+        let lanes = (&of, &numbers);
+        if points.len() < 3 || !table.linearize(instructions, parameters, lanes, points, results) {
+            linearize_one_by_one(robot, points, results);
+        }
+    }
+}
+
+/// [`Differentiable::linearize_along`] without lanes.
+pub fn linearize_one_by_one<D, const N: usize, const M: usize, const NY: usize>(
+    robot: &D,
+    points: &[Point<N, M, NY>],
+    results: &mut [Linearization<N, M, NY>],
+) where
+    D: Differentiable<N, M, NY>,
+{
+    for (Point { time, positions, velocities, inputs }, result) in points.iter().zip(results) {
+        *result = robot.at_time(*time, |robot| robot.linearize(positions, velocities, inputs));
     }
 }

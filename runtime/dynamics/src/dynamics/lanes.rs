@@ -1,11 +1,10 @@
 //! Linearization at many points: over the lanes of a module that has them.
 
 use super::functions::Missing;
-use super::traits::Differentiable;
 use super::types::Linearization;
 
 /// States per call of a function over lanes.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// A point at which a robot is linearized.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,38 +141,3 @@ tables!(N; []; []);
 tables!(N; [p: P]; []);
 tables!(NY, const NY; []; [drift]);
 tables!(NY, const NY; [p: P]; [drift]);
-
-/// [`Differentiable::linearize_along`] of a module's type.
-#[inline]
-pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: usize>(
-    robot: &D,
-    (table, parameters): (&impl LinearizeLanes<L, P, N, M, NY>, P),
-    of: impl Fn([f64; LANES]) -> L,
-    numbers: impl Fn(&L) -> &[f64; LANES],
-    (instructions, points): (Instructions, &[Point<N, M, NY>]),
-    results: &mut [Linearization<N, M, NY>],
-) where
-    D: Differentiable<N, M, NY>,
-{
-    let count = points.len().min(results.len());
-    for (points, results) in points[..count].chunks(LANES).zip(results[..count].chunks_mut(LANES)) {
-        // A call takes as long as two or three single ones.
-        let lanes = (&of, &numbers);
-        if points.len() < 3 || !table.linearize(instructions, parameters, lanes, points, results) {
-            linearize_one_by_one(robot, points, results);
-        }
-    }
-}
-
-/// [`Differentiable::linearize_along`] without lanes.
-pub fn linearize_one_by_one<D, const N: usize, const M: usize, const NY: usize>(
-    robot: &D,
-    points: &[Point<N, M, NY>],
-    results: &mut [Linearization<N, M, NY>],
-) where
-    D: Differentiable<N, M, NY>,
-{
-    for (Point { time, positions, velocities, inputs }, result) in points.iter().zip(results) {
-        *result = robot.at_time(*time, |robot| robot.linearize(positions, velocities, inputs));
-    }
-}

@@ -30,6 +30,8 @@ mod traits;
 mod types;
 
 pub use at_rest::{JUST_MOVING, jumps, jumps_with};
+#[doc(hidden)]
+pub use defaults::linearize_along;
 pub use dependent::{DependentJoint, LimitRows};
 #[doc(hidden)]
 pub use dependent::{NO_NAMES, NO_NUMBERS, NO_RANGES, NO_ROWS, count_rows, dependent_joints};
@@ -46,7 +48,7 @@ pub use input_matrix::{
 };
 pub use lanes::{Instructions, Point};
 #[doc(hidden)]
-pub use lanes::{LinearizeLanes, NoLanes, linearize_along};
+pub use lanes::{LinearizeLanes, NoLanes};
 pub use load_friction::{load, under_load};
 pub use manifold::{
     AttitudeError, QuaternionJoint, UNIT_LENGTH, plain_entries, plain_positions, position_rates,

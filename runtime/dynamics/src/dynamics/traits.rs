@@ -3,7 +3,7 @@
 use super::at_rest::either_side;
 use super::defaults;
 use super::dependent::LimitRows;
-use super::lanes::{Instructions, Point, linearize_one_by_one};
+use super::lanes::{Instructions, Point};
 use super::manifold::{self, AttitudeError, NO_WIDTHS, QuaternionJoint};
 use super::names::{names_of_arms, numbered};
 use super::types::{
@@ -294,7 +294,7 @@ pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: D
         Self: Sized,
     {
         let _ = instructions;
-        linearize_one_by_one(self, points, results);
+        defaults::linearize_one_by_one(self, points, results);
     }
 
     /// `D = −ad_v` in `δ̇ = D δ + v − v̄`, the rotation of small deviations δ from a motion with the

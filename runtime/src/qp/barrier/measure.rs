@@ -102,11 +102,10 @@ impl<V: Vector> Bounds<V> {
         self.sides.iter().flatten().any(|side| flat(&[side.active]).iter().any(|active| *active > 0.0))
     }
 
-    /// Multipliers of all bounds, zero for inert ones and for those that do not take part.
+    /// Multipliers of all bounds, zero for inert ones.
     pub(in crate::qp) fn multipliers(&self, out: &mut Multipliers<V>) {
         vectorized!(V, {
-            out.clear();
-            for &i in &self.awake {
+            for i in 0..self.sides.len() {
                 for side in 0..2 {
                     out.0[i][side] = self.sides[i][side].active * self.sides[i][side].multiplier;
                 }

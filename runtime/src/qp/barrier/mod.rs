@@ -33,9 +33,6 @@ use crate::no_std::*;
 pub(super) struct Bounds<V> {
     sides: Vec<[Side<V>; 2]>,
     soft: Vec<[Softening<V>; 2]>,
-    /// Lanes whose bounds take part in the iterations ([`Self::choose`]), and the others.
-    awake: Vec<usize>,
-    asleep: Vec<usize>,
     /// `W_max` and its inverse.
     cap: [V; 2],
 }
@@ -45,8 +42,6 @@ impl<V: Vector> Bounds<V> {
         Self {
             sides: vec![Default::default(); lanes],
             soft: vec![Default::default(); lanes],
-            awake: Vec::with_capacity(lanes),
-            asleep: Vec::with_capacity(lanes),
             cap: [V::one(); 2],
         }
     }
@@ -151,9 +146,7 @@ impl<V: Vector> Bounds<V> {
     ) -> Totals {
         let mut tally = Tally::new();
         let cap = self.cap;
-        weight.fill(V::zero());
-        rhs.copy_from_slice(gradient);
-        for &i in &self.awake {
+        for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             let from_below = lower.linearize::<false, SOFT>(soft_lower, z[i], cap, &mut tally);
             let pull = from_below - upper.linearize::<true, SOFT>(soft_upper, z[i], cap, &mut tally);
@@ -167,7 +160,7 @@ impl<V: Vector> Bounds<V> {
     #[inline(always)]
     fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Totals {
         let mut tally = Tally::new();
-        for &i in &self.awake {
+        for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.predictor::<false, SOFT>(soft_lower, dz[i], &mut tally);
             upper.predictor::<true, SOFT>(soft_upper, dz[i], &mut tally);
@@ -179,8 +172,7 @@ impl<V: Vector> Bounds<V> {
     #[inline(always)]
     fn centre_as<const SOFT: bool>(&mut self, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         let (target, correction) = (V::splat(target), V::splat(correction));
-        rhs.copy_from_slice(gradient);
-        for &i in &self.awake {
+        for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             rhs[i] = gradient[i] - lower.centred::<SOFT>(soft_lower, target, correction)
                 + upper.centred::<SOFT>(soft_upper, target, correction);
@@ -192,7 +184,7 @@ impl<V: Vector> Bounds<V> {
     fn corrector_as<const SOFT: bool>(&mut self, dz: &[V], target: f64, correction: f64) -> Totals {
         let mut tally = Tally::new();
         let target = [V::splat(target), V::splat(correction)];
-        for &i in &self.awake {
+        for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.corrector::<false, SOFT>(soft_lower, dz[i], target, &mut tally);
             upper.corrector::<true, SOFT>(soft_upper, dz[i], target, &mut tally);
@@ -204,7 +196,7 @@ impl<V: Vector> Bounds<V> {
     #[inline(always)]
     fn advance_as<const SOFT: bool>(&mut self, length: f64) {
         let length = V::splat(length);
-        for &i in &self.awake {
+        for i in 0..self.sides.len() {
             let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
             lower.advance::<SOFT>(soft_lower, length);
             upper.advance::<SOFT>(soft_upper, length);

@@ -1,6 +1,6 @@
 //! Bounds of a problem, and where slacks and multipliers start or start again.
 
-use super::super::lanes::{Vector, WIDTH, flat_mut, largest, vectorized};
+use super::super::lanes::{Vector, WIDTH, flat_mut, vectorized};
 use super::super::multipliers::Multipliers;
 use super::Bounds;
 use super::side::Softening;
@@ -106,50 +106,6 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Chooses the lanes that take part: all, or those with a bound that has a multiplier or is nearer to `z` than `share` of the
-    /// distance between the bounds (of 1 + |z| for a one-sided bound). [`Self::wake`] adds others once they come as near.
-    pub(in crate::qp) fn choose(&mut self, all: bool, z: &[V], share: f64) {
-        vectorized!(V, {
-            self.awake.clear();
-            self.asleep.clear();
-            for i in 0..self.sides.len() {
-                let [lower, upper] = &self.sides[i];
-                let is_active = largest(lower.multiplier + upper.multiplier) > 0.0;
-                let takes_part = all || is_active || self.is_near(i, z[i], share);
-                if takes_part { &mut self.awake } else { &mut self.asleep }.push(i);
-            }
-        })
-    }
-
-    /// Wakes the lanes that `z` has come near to, with products `mu`. True if there are any.
-    pub(in crate::qp) fn wake(&mut self, soft: bool, z: &[V], mu: f64, share: f64) -> bool {
-        vectorized!(V, {
-            let before = self.awake.len();
-            for k in (0..self.asleep.len()).rev() {
-                let i = self.asleep[k];
-                if self.is_near(i, z[i], share) {
-                    self.asleep.swap_remove(k);
-                    self.awake.push(i);
-                    if soft {
-                        self.start_lane::<true>(i, z[i], [V::splat(mu), V::splat(share)], false, None);
-                    } else {
-                        self.start_lane::<false>(i, z[i], [V::splat(mu), V::splat(share)], false, None);
-                    }
-                }
-            }
-            self.awake.len() > before
-        })
-    }
-
-    /// True if a bound of lane `i` is nearer to `z` than `share` of [`Self::width`].
-    #[inline(always)]
-    fn is_near(&self, i: usize, z: V, share: f64) -> bool {
-        let [lower, upper] = &self.sides[i];
-        let least = self.width(i, z) * V::splat(share);
-        let (below, above) = (lower.bound + least - z, z + least - upper.bound);
-        largest((lower.active * below).fast_max(upper.active * above)) > 0.0
-    }
-
     /// Distances between the bounds, 1 + |z| for one-sided ones.
     #[inline(always)]
     fn width(&self, i: usize, z: V) -> V {
@@ -171,8 +127,7 @@ impl<V: Vector> Bounds<V> {
         far: bool,
         last: Option<&Multipliers<V>>,
     ) {
-        for k in 0..self.awake.len() {
-            let i = self.awake[k];
+        for i in 0..self.sides.len() {
             let last = last.map(|last| last.0[i]);
             self.start_lane::<SOFT>(i, z[i], [V::splat(mu), V::splat(share)], far, last);
         }

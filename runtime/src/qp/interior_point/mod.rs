@@ -8,8 +8,6 @@
 //! A start near the last solution has its inputs, the states that they lead to, and slacks
 //! `s = max(d, min(μ/λ, share of the width))` at a distance d into a bound whose multiplier was λ, with multipliers `μ/s`: the
 //! products have one value μ, so that the start lies on the central path as far as the last solution tells it.
-//! From such a start only the bounds take part that the iterate is near to or that were active, four to a lane; others join once an
-//! iterate comes near to them. The certificate ([`super::certify`]) looks at all bounds.
 //!
 //! Sources: Mehrotra, *On the implementation of a primal-dual interior point method*, SIAM J. Optim. 2
 //! (1992); Wright, *Primal-Dual Interior-Point Methods*, SIAM 1997, chapter 10; Rao, Wright, Rawlings, JOTA
@@ -219,7 +217,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
                     self.iterate.copy_from(&self.solution);
                     self.input_bounds.loosen(&self.iterate.u);
                     self.state_bounds.loosen(&self.iterate.x);
-                    self.wake(certificate.residuals.gap / run.count.max(1.0), &mut run);
                 }
             }
             candidate = self.iterate(least, &mut run);

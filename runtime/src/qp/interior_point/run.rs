@@ -41,8 +41,7 @@ pub(super) struct Run {
     pub(super) soft: bool,
     /// Complementarity pairs.
     pub(super) count: f64,
-    /// Product `sλ` at the start, and gap.
-    pub(super) start_product: f64,
+    /// Gap at the start.
     pub(super) start_gap: f64,
     /// Largest diagonal term of the Newton system.
     pub(super) cap: f64,
@@ -72,7 +71,6 @@ impl Run {
             crawl: 0,
             soft,
             count: 0.0,
-            start_product: 0.0,
             start_gap: 0.0,
             cap: 0.0,
             stiffness: STIFFNESS,

@@ -45,38 +45,14 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.input_bounds.cap_weights(f64::INFINITY);
         self.cap_weights(run.cap);
         self.equalities.start((run.start == Start::Near).then_some(&self.multipliers[1]));
-        self.choose(run.start != Start::Near);
         self.set_slacks(gap, run);
-    }
-
-    /// Chooses the bounds that take part. Near the last solution these are the ones that the iterate is near to, and those that
-    /// [`Self::recall`] has found active. Elsewhere all do: from a cold start, iterates pass by many bounds, and waking
-    /// them one after another takes up to twice the iterations.
-    fn choose(&mut self, all: bool) {
-        self.input_bounds.choose(all, &self.iterate.u, START_SLACK);
-        self.state_bounds.choose(all, &self.iterate.x, START_SLACK);
-    }
-
-    /// Bounds that the iterate has come near to take part from now on, with products `mu`; with those of the start if it is 0,
-    /// because no bound has taken part.
-    pub(super) fn wake(&mut self, mu: f64, run: &mut Run) {
-        let mu = if mu > 0.0 { mu } else { run.start_product };
-        let (z, soft) = (&self.iterate, run.soft);
-        let woken = [
-            self.input_bounds.wake(false, &z.u, mu, START_SLACK),
-            self.state_bounds.wake(soft, &z.x, mu, START_SLACK),
-        ];
-        if woken != [false; 2] {
-            run.count = self.input_bounds.count() + self.state_bounds.count();
-            (run.start_gap, run.shrink) = (run.shrink * run.start_gap + mu * run.count, 1.0);
-        }
     }
 
     /// Slacks as the iterate has them, and multipliers, for a gap `Σ sλ`.
     fn set_slacks(&mut self, gap: f64, run: &mut Run) {
         run.count = self.input_bounds.count() + self.state_bounds.count();
         let mu = if gap > 0.0 { gap / run.count.max(1.0) } else { 1.0 };
-        (run.start_product, run.start_gap) = (mu, mu * run.count);
+        run.start_gap = mu * run.count;
         run.shrink = 1.0;
         let far = run.restarted;
         let last = |side: usize| (run.start == Start::Near).then_some(&self.multipliers[side]);
@@ -100,9 +76,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         (run.progress, run.pace) = ((f64::INFINITY, 0), (f64::INFINITY, 0));
         run.checkpoint = f64::INFINITY;
         let mut size = self.scale();
-        self.choose(true);
-        let count = self.input_bounds.count() + self.state_bounds.count();
-        let most = 10.0 * size * count.max(1.0);
+        let most = 10.0 * size * run.count.max(1.0);
         let mut level = size;
         for _ in 0..4 {
             if self.centre(size).is_ok() {

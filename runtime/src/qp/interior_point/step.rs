@@ -72,8 +72,6 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.equalities.advance(length);
         self.iterate.advance(&self.step, length);
         run.shrink *= 1.0 - length;
-        let mu = (1.0 - length) * state.gap / run.count.max(1.0) + length * target;
-        self.wake(mu, run);
         run.crawl = if length < CRAWL { run.crawl + 1 } else { 0 };
         if length < BLOCKED && run.iterations >= run.begun + SETTLED {
             let least = LEAST_PRODUCT * state.gap / run.count.max(1.0);
