@@ -270,7 +270,7 @@ fn maps_that_depend_on_free_parameters_are_left_out() {
             GenerateOptions { functions: vec!["base_regressor".to_owned()], ..GenerateOptions::default() };
         let robot = generate(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
         let has_map = robot.source.text.contains("pub const BASE_PARAMETER_TERMS");
-        assert_eq!(has_map, !robot.notes.to_string().contains("`BASE_PARAMETER_TERMS` is left out"));
+        assert_eq!(has_map, !robot.notes.to_string().contains("`BASE_PARAMETER_TERMS` is omitted"));
         let groups = robot.source.text.contains("c(p) ");
         assert_eq!(has_map, !groups);
         has_map
