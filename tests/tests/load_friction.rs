@@ -259,7 +259,10 @@ fn functions_whose_results_would_be_taken_for_derivatives_are_refused() {
         assert!(robot.functions().iter().all(|function| function.name != name), "{name}");
         let problems = derive_functions(&robot.model, &[name.to_owned()], MOST_OPERATIONS).expect_err(name);
         let text = problems.to_string();
-        assert!(text.contains("error[load-friction]") && text.contains(&format!("no `{name}`")), "{text}");
+        assert!(
+            text.contains("error[load-friction]") && text.contains(&format!("no function `{name}`")),
+            "{text}"
+        );
     }
 }
 
