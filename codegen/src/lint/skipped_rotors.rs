@@ -7,7 +7,7 @@ use crate::model::regularity::diagonal_at_zero;
 use crate::wording::{as_written, listed, three_digits};
 use gelenk_findings::Rule;
 
-/// Sees: the rotor of a <transmission> that does not have exactly one joint and one gear ratio.
+/// Sees: the rotor of a `<transmission>` that does not have exactly one joint and one gear ratio.
 /// Matters: its inertia is not in the mass matrix.
 /// Example: a transmission of two joints.
 /// Fixture: `codegen/tests/snapshots/foreign/transmissions.urdf.snap`.
