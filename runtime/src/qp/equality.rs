@@ -52,13 +52,13 @@ impl<V: Vector> Targets<V> {
 
     /// Puts the numbers where they belong.
     fn place(&self, z: &mut [V]) {
-        vectorized!(V, {
-            if self.any {
+        if self.any {
+            vectorized!(V, {
                 for ((z, active), target) in z.iter_mut().zip(&self.active).zip(&self.target) {
                     *z = (V::one() - *active) * *z + *target;
                 }
-            }
-        })
+            });
+        }
     }
 }
 
@@ -83,49 +83,47 @@ impl<V: Vector> Fixed<V> {
 
     /// Puts the fixed inputs to their values.
     pub(super) fn place(&self, u: &mut [V]) {
-        vectorized!(V, {
-            self.0.place(u);
-        })
+        self.0.place(u);
     }
 
     /// Leaves the fixed inputs out of a step.
     pub(super) fn hold(&self, step: &mut [V]) {
-        vectorized!(V, {
-            if self.0.any {
+        if self.0.any {
+            vectorized!(V, {
                 for (step, active) in step.iter_mut().zip(&self.0.active) {
                     *step = (V::one() - *active) * *step;
                 }
-            }
-        })
+            });
+        }
     }
 
     /// Adds the diagonal term that keeps the inputs where they are.
     pub(super) fn weigh(&self, weight: &mut [V]) {
-        vectorized!(V, {
-            if self.0.any {
+        if self.0.any {
+            vectorized!(V, {
                 for (weight, active) in weight.iter_mut().zip(&self.0.active) {
                     *weight = active.mul_add(V::splat(FIXING), *weight);
                 }
-            }
-        })
+            });
+        }
     }
 
     /// Linear cost that makes the minimum with the diagonal term lie at the values.
     pub(super) fn attract(&self, linear: &mut [V]) {
-        vectorized!(V, {
-            if self.0.any {
+        if self.0.any {
+            vectorized!(V, {
                 for (linear, target) in linear.iter_mut().zip(&self.0.target) {
                     *linear = target.mul_add(V::splat(-FIXING), *linear);
                 }
-            }
-        })
+            });
+        }
     }
 
     /// Moves what is left of the reduced gradient at fixed inputs into their multipliers, which may have any
     /// size.
     pub(super) fn absorb(&self, gradient: &mut [V], multipliers: &mut Multipliers<V>) {
-        vectorized!(V, {
-            if self.0.any {
+        if self.0.any {
+            vectorized!(V, {
                 for ((g, active), [lower, upper]) in
                     gradient.iter_mut().zip(&self.0.active).zip(multipliers.lanes())
                 {
@@ -133,8 +131,8 @@ impl<V: Vector> Fixed<V> {
                     *upper += *active * (-*g).fast_max(V::zero());
                     *g = (V::one() - *active) * *g;
                 }
-            }
-        })
+            });
+        }
     }
 }
 
@@ -177,9 +175,7 @@ impl<V: Vector> Equalities<V> {
 
     /// Puts the states to their values.
     pub(super) fn place(&self, x: &mut [V]) {
-        vectorized!(V, {
-            self.targets.place(x);
-        })
+        self.targets.place(x);
     }
 
     /// The diagonal term W.
@@ -189,10 +185,10 @@ impl<V: Vector> Equalities<V> {
 
     /// Starts without force, or with that of the last solution.
     pub(super) fn start(&mut self, last: Option<&Multipliers<V>>) {
+        if !self.any() {
+            return;
+        }
         vectorized!(V, {
-            if !self.any() {
-                return;
-            }
             self.force.fill(V::zero());
             let Some(last) = last else { return };
             for ((force, active), [lower, upper]) in
@@ -210,10 +206,10 @@ impl<V: Vector> Equalities<V> {
 
     /// Largest `|x − b|`, relative to b where that exceeds 1.
     pub(super) fn violation(&self, x: &[V]) -> f64 {
+        if !self.any() {
+            return 0.0;
+        }
         vectorized!(V, {
-            if !self.any() {
-                return 0.0;
-            }
             let mut max = V::zero();
             for i in 0..x.len() {
                 let size = self.targets.target[i].abs().fast_max(V::one());
@@ -225,45 +221,45 @@ impl<V: Vector> Equalities<V> {
 
     /// Adds the diagonal terms.
     pub(super) fn weigh(&self, weight: &mut [V]) {
-        vectorized!(V, {
-            if self.any() {
+        if self.any() {
+            vectorized!(V, {
                 for (weight, active) in weight.iter_mut().zip(&self.targets.active) {
                     *weight = active.mul_add(self.weight, *weight);
                 }
-            }
-        })
+            });
+        }
     }
 
     /// Adds the diagonal terms and the linear cost with which the minimum lies near the values.
     pub(super) fn attract(&self, weight: &mut [V], linear: &mut [V]) {
-        vectorized!(V, {
-            self.weigh(weight);
-            if self.any() {
+        self.weigh(weight);
+        if self.any() {
+            vectorized!(V, {
                 for (linear, target) in linear.iter_mut().zip(&self.targets.target) {
                     *linear = target.mul_neg_add(self.weight, *linear);
                 }
-            }
-        })
+            });
+        }
     }
 
     /// Subtracts the forces `π − W (x − b)` from the gradient of a step.
     pub(super) fn pull(&self, x: &[V], rhs: &mut [V]) {
-        vectorized!(V, {
-            if self.any() {
+        if self.any() {
+            vectorized!(V, {
                 for i in 0..rhs.len() {
                     let pull = self.residual(x, i).mul_neg_add(self.weight, self.force[i]);
                     rhs[i] = rhs[i] - pull;
                 }
-            }
-        })
+            });
+        }
     }
 
     /// Derivative of the augmented terms along `dx` at `x + length · dx`.
     pub(super) fn slope(&self, x: &[V], dx: &[V], length: f64) -> f64 {
+        if !self.any() {
+            return 0.0;
+        }
         vectorized!(V, {
-            if !self.any() {
-                return 0.0;
-            }
             let mut sum = V::zero();
             for i in 0..dx.len() {
                 let left = (self.targets.active[i] * dx[i]).mul_add(V::splat(length), self.residual(x, i));
@@ -275,45 +271,45 @@ impl<V: Vector> Equalities<V> {
 
     /// Takes in the step `dx`.
     pub(super) fn corrector(&mut self, x: &[V], dx: &[V]) {
-        vectorized!(V, {
-            if self.any() {
+        if self.any() {
+            vectorized!(V, {
                 for i in 0..dx.len() {
                     let left = self.targets.active[i].mul_add(dx[i], self.residual(x, i));
                     self.step[i] = -(self.weight * left);
                 }
-            }
-        })
+            });
+        }
     }
 
     /// The step is taken.
     pub(super) fn advance(&mut self, length: f64) {
-        vectorized!(V, {
-            if self.any() {
+        if self.any() {
+            vectorized!(V, {
                 for (force, step) in self.force.iter_mut().zip(&self.step) {
                     *force = step.mul_add(V::splat(length), *force);
                 }
-            }
-        })
+            });
+        }
     }
 
     /// Adds the forces to the multipliers of the bounds.
     pub(super) fn multipliers(&self, out: &mut Multipliers<V>) {
-        vectorized!(V, {
-            if self.any() {
+        if self.any() {
+            vectorized!(V, {
                 for ([lower, upper], force) in out.lanes().zip(&self.force) {
                     *lower += force.fast_max(V::zero());
                     *upper += (-*force).fast_max(V::zero());
                 }
-            }
-        })
+            });
+        }
     }
 
     /// `Σ |π (x − b)|`, the forces given as multipliers.
     pub(super) fn gap(&self, x: &[V], multipliers: &Multipliers<V>) -> f64 {
+        if !self.any() {
+            return 0.0;
+        }
         vectorized!(V, {
-            if !self.any() {
-                return 0.0;
-            }
             let mut sum = V::zero();
             for (i, [lower, upper]) in multipliers.pairs().enumerate() {
                 sum += ((*lower - *upper) * self.residual(x, i)).abs();

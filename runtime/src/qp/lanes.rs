@@ -27,7 +27,7 @@ macro_rules! vectorized {
         )
     };
 }
-pub(super) use vectorized;
+pub(crate) use vectorized;
 
 /// Four numbers. All functions are inlined, so that they become instructions of the function that they end up
 /// in.
@@ -175,7 +175,7 @@ pub(super) fn reduce4<V: Vector>(v: [V; 4]) -> V {
 
 /// Largest number of a lane.
 #[inline(always)]
-pub(super) fn largest<V: Vector>(v: V) -> f64 {
+pub(crate) fn largest<V: Vector>(v: V) -> f64 {
     let v = [v];
     let a = flat(&v);
     (a[0].max(a[1])).max(a[2].max(a[3]))

@@ -161,10 +161,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.r = symmetric(r);
         let rate = symmetric(rate);
         let of_lanes = self.q.iter().chain(&self.terminal);
-        let largest = V::vectorized(
-            #[inline(always)]
-            || largest(of_lanes.fold(V::zero(), |max, w| max.fast_max(w.abs()))),
-        );
+        let largest = vectorized!(V, { largest(of_lanes.fold(V::zero(), |max, w| max.fast_max(w.abs()))) });
         let of_inputs = self.r.iter().chain(&rate).flatten();
         self.largest = of_inputs.fold(largest, |max, w| w.abs().max(max));
         self.rate = rate.iter().flatten().any(|w| *w != 0.0).then_some(rate);
@@ -210,7 +207,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
                 let with_rows = |h: &mut _| rows.add_to_pivot(k, weight, h);
                 self.stage_pivot(k, &rho[k * NU..][..NU], with_rows)?;
                 if k > 0 {
-                    self.stage_transition(k);
                     self.stage_gain(k, |y| rows.add_to_coupling(k, weight, y));
                     self.stage_closed_loop(k);
                     self.stage_cost_to_go(k, |p| rows.add_to_cost(k, weight, p));
@@ -228,7 +224,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             self.begin(&[V::zero(); MAX_LANES][..Self::RX]);
             for k in (0..self.horizon).rev() {
                 self.stage_pivot(k, &[0.0; NU], |_| {})?;
-                self.stage_transition(k);
                 self.stage_gain(k, |_| {});
                 self.stage_closed_loop(k);
                 self.stage_cost_to_go(k, |_| {});
@@ -403,9 +398,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         );
     }
 
-    /// `P⁺A`. It needs no pivot: the processor computes it while it waits for their divisions.
+    /// `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by product, the upper ones by symmetry.
     #[inline(always)]
-    fn stage_transition(&mut self, k: usize) {
+    fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;
         let a = &self.a[k * NX * x..][..NX * x];
         product::<V, NX, NX, false, 1>(
@@ -413,13 +408,6 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
             None,
             [Term { left: &self.p, right: Right::rows(flat(a), x * WIDTH), depth: NX }],
         );
-    }
-
-    /// `P = Q + AᵀP⁺A − YᵀD⁻¹Y`: the lower blocks by product, the upper ones by symmetry.
-    #[inline(always)]
-    fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
-        let x = Self::RX;
-        let a = &self.a[k * NX * x..][..NX * x];
         product::<V, NX, NX, true, 2>(
             &mut self.p,
             Some(&self.q),

@@ -136,6 +136,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
 
     /// Sets the values of a step: `dw = C dx + D du`.
     pub(super) fn follow(&self, z: &mut Trajectory<V>) {
+        if NR == 0 {
+            return;
+        }
         vectorized!(V, {
             for k in 0..self.d.len() {
                 for r in 0..NR {
@@ -156,6 +159,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
 
     /// Turns the linear cost e of the values into that of states and inputs, `Cᵀe` and `Dᵀe`; e becomes 0.
     pub(super) fn fold(&self, gradient: &mut Trajectory<V>) {
+        if NR == 0 {
+            return;
+        }
         vectorized!(V, {
             for k in 0..self.d.len() {
                 for r in 0..NR {
@@ -186,6 +192,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
     /// Moves states and inputs along the rows, each row by itself, the shortest way that changes its value as
     /// `step` says, at most as far as its value; the values of `step` become 0.
     pub(super) fn move_along(&self, step: &mut Trajectory<V>) {
+        if NR == 0 {
+            return;
+        }
         vectorized!(V, {
             for k in 0..self.d.len() {
                 for r in 0..NR {
@@ -201,16 +210,14 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
 
     /// Adds the contribution of x_0 to the gradient of quadratic terms `½ ω w²`.
     pub(super) fn attract(&self, weight: &Trajectory<V>, gradient: &mut Trajectory<V>) {
-        vectorized!(V, {
-            if NR > 0 {
-                let first = self.of_node(0);
-                let weight = flat(&weight.x[first.clone()]);
-                let gradient = flat_mut(&mut gradient.x[first]);
-                for r in 0..NR {
-                    gradient[r] += weight[r] * self.offset[r];
-                }
+        if NR > 0 {
+            let first = self.of_node(0);
+            let weight = flat(&weight.x[first.clone()]);
+            let gradient = flat_mut(&mut gradient.x[first]);
+            for r in 0..NR {
+                gradient[r] += weight[r] * self.offset[r];
             }
-        })
+        }
     }
 
     /// `P += CᵀωC` of node `k`, P by its padded columns.

@@ -18,10 +18,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
     /// Λᵀ)⁻¹ w`. The gradients are by inputs and states, the dynamics not yet eliminated; `scratch` is
     /// overwritten.
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
-        V::vectorized(
-            #[inline(always)]
-            || self.backward(gradient, flat_mut(&mut scratch.u), false),
-        )
+        vectorized!(V, { self.backward(gradient, flat_mut(&mut scratch.u), false) })
     }
 
     /// The backward sweep: feed-forward terms `d_k` into `d`. Returns their reduction of the cost.

@@ -1,6 +1,6 @@
 //! Measures of a point by its bounds: violation, penalty and duality gap.
 
-use super::super::lanes::{Vector, flat, largest, vectorized};
+use super::super::lanes::{Vector, largest, vectorized};
 use super::super::multipliers::Multipliers;
 use super::Bounds;
 
@@ -97,17 +97,12 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// True if there is a bound.
-    pub(in crate::qp) fn any(&self) -> bool {
-        self.sides.iter().flatten().any(|side| flat(&[side.active]).iter().any(|active| *active > 0.0))
-    }
-
     /// Multipliers of all bounds, zero for inert ones.
     pub(in crate::qp) fn multipliers(&self, out: &mut Multipliers<V>) {
         vectorized!(V, {
-            for i in 0..self.sides.len() {
+            for (out, sides) in out.0.iter_mut().zip(&self.sides) {
                 for side in 0..2 {
-                    out.0[i][side] = self.sides[i][side].active * self.sides[i][side].multiplier;
+                    out[side] = sides[side].active * sides[side].multiplier;
                 }
             }
         })

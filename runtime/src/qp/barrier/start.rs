@@ -106,15 +106,6 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Distances between the bounds, 1 + |z| for one-sided ones.
-    #[inline(always)]
-    fn width(&self, i: usize, z: V) -> V {
-        let [lower, upper] = &self.sides[i];
-        let both = lower.active * upper.active;
-        let width = both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z.abs());
-        width.fast_max(V::splat(MIN_WIDTH))
-    }
-
     /// The point to start from: slacks as the variables `z` have them but at least `share` of the distance
     /// between the bounds (of 1 + |z| for a one-sided bound), or μ/λ for a multiplier λ of the last solution if that is less;
     /// multipliers `μ/s`.
@@ -127,32 +118,21 @@ impl<V: Vector> Bounds<V> {
         far: bool,
         last: Option<&Multipliers<V>>,
     ) {
+        let mu = V::splat(mu);
         for i in 0..self.sides.len() {
-            let last = last.map(|last| last.0[i]);
-            self.start_lane::<SOFT>(i, z[i], [V::splat(mu), V::splat(share)], far, last);
+            let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
+            let both = lower.active * upper.active;
+            let width = both * (upper.bound - lower.bound) + (V::one() - both) * (V::one() + z[i].abs());
+            let least = width.fast_max(V::splat(MIN_WIDTH)) * V::splat(share);
+            let (below, above) = (z[i] - lower.bound, upper.bound - z[i]);
+            // Between bounds that are close to each other relative to their violation, slacks by their distance
+            // alone would be far too small.
+            let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
+            let [of_lower, of_upper] = last.map_or([V::zero(); 2], |last| last.0[i]);
+            let at_most = |l: V| least.fast_min(mu / l.fast_max(V::splat(f64::MIN_POSITIVE)));
+            lower.start::<SOFT>(soft_lower, [below, at_most(of_lower)], mu, far);
+            upper.start::<SOFT>(soft_upper, [above, at_most(of_upper)], mu, far);
         }
-    }
-
-    /// [`Self::start_as`] for one lane.
-    #[inline(always)]
-    fn start_lane<const SOFT: bool>(
-        &mut self,
-        i: usize,
-        z: V,
-        [mu, share]: [V; 2],
-        far: bool,
-        last: Option<[V; 2]>,
-    ) {
-        let least = self.width(i, z) * share;
-        let ([lower, upper], [soft_lower, soft_upper]) = (&mut self.sides[i], &mut self.soft[i]);
-        let (below, above) = (z - lower.bound, upper.bound - z);
-        // Between bounds that are close to each other relative to their violation, slacks by their distance
-        // alone would be far too small.
-        let least = least.fast_max(V::splat(VIOLATION_SHARE) * (-below.fast_min(above)));
-        let [of_lower, of_upper] = last.unwrap_or([V::zero(); 2]);
-        let at_most = |l: V| least.fast_min(mu / l.fast_max(V::splat(f64::MIN_POSITIVE)));
-        lower.start::<SOFT>(soft_lower, [below, at_most(of_lower)], mu, far);
-        upper.start::<SOFT>(soft_upper, [above, at_most(of_upper)], mu, far);
     }
 }
 

@@ -167,7 +167,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
 
     /// True if there is a bound or row that may become active.
     fn is_bounded(&self) -> bool {
-        self.equalities.any() || self.input_bounds.any() || self.state_bounds.any()
+        self.equalities.any() || self.input_bounds.count() + self.state_bounds.count() > 0.0
     }
 
     /// True if the iterate keeps all bounds and rows.
